@@ -2,9 +2,9 @@
 
     ./run exec python -m bench.costs.proximity_rules
 
-Balls move 10 mm from cycle to cycle, with 10 ms of sleep in between. In turns, a cycle asks for the
-signed distances within 0.1 m alone, and then has rules decided by them. Each rule watches one ball
-against all others. Mean, median and 99th percentile of both in microseconds, and their ratio.
+Balls move 10 mm from cycle to cycle, with 10 ms of sleep in between. A cycle asks for the signed
+distances within 0.1 m, and then has rules decided by them. Each rule watches one ball against all
+others. Mean, median and 99th percentile without and with rules in microseconds, and their ratio.
 """
 
 from __future__ import annotations
@@ -59,9 +59,7 @@ class Balls:
 
 def rules(count: int) -> list[ProximityRule]:
     """Return rules of one ball each against all others."""
-    return [
-        ProximityRule(f'{k}', (f'balls::{k}',), enter=0.01, leave=0.02) for k in range(count)
-    ]
+    return [ProximityRule(f'{k}', (f'balls::{k}',), enter=0.01, leave=0.02) for k in range(count)]
 
 
 def measured(balls: Balls, count: int) -> tuple[np.ndarray, np.ndarray, int]:

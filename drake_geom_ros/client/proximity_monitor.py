@@ -192,18 +192,24 @@ class ProximityMonitor:
 
 def _event(message: Any, k: int) -> ProximityEvent:
     """Return entry ``k`` of a ProximityEvents message."""
-    points = (np.asarray(each[3 * k : 3 * k + 3]) for each in (message.p_wca, message.p_wcb))
+    p_wca, p_wcb = (np.asarray(each[3 * k : 3 * k + 3]) for each in (message.p_wca, message.p_wcb))
     return ProximityEvent(
-        message.sequence[k],
-        message.rule[k],
-        LEVELS[message.level[k]],
-        message.entered[k],
-        WHY[message.why[k]],
-        *(message.geometry_a[k], message.geometry_b[k], message.id_a[k], message.id_b[k]),
-        *(message.distance[k], message.error_bound[k], *points),
-        _seconds(message.header.stamp),
-        message.oldest_pose_age,
-        message.scene_version,
+        sequence=message.sequence[k],
+        rule=message.rule[k],
+        level=LEVELS[message.level[k]],
+        entered=message.entered[k],
+        why=WHY[message.why[k]],
+        geometry_a=message.geometry_a[k],
+        geometry_b=message.geometry_b[k],
+        id_a=message.id_a[k],
+        id_b=message.id_b[k],
+        distance=message.distance[k],
+        error_bound=message.error_bound[k],
+        p_WCa=p_wca,
+        p_WCb=p_wcb,
+        stamp=_seconds(message.header.stamp),
+        oldest_pose_age=message.oldest_pose_age,
+        scene_version=message.scene_version,
     )
 
 

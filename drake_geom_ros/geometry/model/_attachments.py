@@ -47,17 +47,17 @@ def remove_source(model: Model, source_id: SourceId) -> Removed:
         )
     geometries = [g for g in model.geometries.values() if g.source_id == source_id]
     for record in geometries:
-        model._children.pop(record.id, None)
+        model.children.pop(record.id, None)
         for role in record.roles():
-            del model._geometry_names[record.frame_id, role, record.name]
+            del model.geometry_names[record.frame_id, role, record.name]
         del model.frames[record.frame_id].geometry_ids[record.id]
         del model.geometries[record.id]
     for frame in frames:
-        model._frame_names.remove((source_id, model.frames.pop(frame).name))
+        model.frame_names.remove((source_id, model.frames.pop(frame).name))
         model.first_X_PFs.pop(frame, None)
     del model.sources[source_id]
-    model._source_names.remove(name)
-    model._changed(
+    model.source_names.remove(name)
+    model.changed(
         frames=bool(frames), roles={role for record in geometries for role in record.roles()}
     )
     return Removed(frames, geometries)
@@ -115,4 +115,4 @@ def _hang_on(model: Model, frame: FrameRecord, parent_id: FrameId) -> None:
     for id in [id for id in model.frames if id in below]:
         model.frames[id] = model.frames.pop(id)
     model.first_X_PFs.pop(frame.id, None)
-    model._changed(frames=True)
+    model.changed(frames=True)

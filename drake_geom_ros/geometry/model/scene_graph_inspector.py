@@ -16,7 +16,7 @@ from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import FrameRecord, GeometryRecord, named
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
-from drake_geom_ros.geometry.model.geometry_version import GeometryVersion
+from drake_geom_ros.geometry.model.geometry_version import GeometryVersion, version_of
 from drake_geom_ros.geometry.model.instances import GeometryInstance
 from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
@@ -231,7 +231,7 @@ class SceneGraphInspector:
 
     def geometry_version(self) -> GeometryVersion:
         """Return the mark of the geometries as they are now."""
-        return GeometryVersion._of(self._model.role_versions(self._filters.version))
+        return version_of(self._model.role_versions(self._filters.version))
 
     def GetPoseInFrame(self, geometry_id: GeometryId) -> RigidTransform:
         """Return X_FG, the pose of a geometry in its frame."""
@@ -361,6 +361,11 @@ class SceneGraphInspector:
 
 def _has_role(record: GeometryRecord, role: Role) -> bool:
     return record.has_role(checked_type(role, Role, 'role'))
+
+
+def model_version(inspector: SceneGraphInspector) -> int:
+    """Return the number that grows with every change of what is inspected, but for filters."""
+    return inspector._model.versions.any
 
 
 def _with_role(records: Any, role: Role | None) -> list[GeometryId]:

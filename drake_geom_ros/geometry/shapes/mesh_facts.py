@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._solids import check_closed, have_area, merged
 from drake_geom_ros.geometry.meshes.source import remarks_on, surface
-from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
 
 Floats = NDArray[np.float64]
 
@@ -34,14 +34,14 @@ def mesh_facts(shape: Convex | Mesh) -> MeshFacts:
 
     Raises MeshFileError for a file that cannot be read.
     """
-    vertices, triangles = surface(shape._mesh, shape.scale3())
+    vertices, triangles = surface(mesh_of(shape), shape.scale3())
     is_closed = True
     try:
         check_closed(merged(vertices, triangles)[1], '')
     except MeshFileError:
         is_closed = False
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    remarks = remarks_on(shape._mesh)
+    remarks = remarks_on(mesh_of(shape))
     flat = int((~have_area(vertices[triangles])).sum()) if len(triangles) else 0
     if flat:
         remarks += (f'{flat} of its triangles have no area: they belong to no surface',)
