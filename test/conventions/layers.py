@@ -118,7 +118,10 @@ LAYERS = {
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'scene_files': (
-        ('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'scene_files'),
+        (
+            *('math', 'common', 'sensors', 'geometry', 'geometry/queries'),
+            *('proximity_rules', 'scene_files'),
+        ),
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (

@@ -47,6 +47,22 @@ class Attaching(SceneHolder):
         on.begin_at(_attachments.attach_frame(on.model, source_id, frame_id, parent_id), pose)
 
     @or_on_context
+    def MountFrame(
+        self,
+        on: SceneContent,
+        source_id: SourceId,
+        frame_id: FrameId,
+        parent_id: FrameId,
+    ) -> None:
+        """Let a frame hang on a frame of any source for good, as if it had been registered there.
+
+        Its poses X_PF, which its own source goes on giving, are those in that frame from then on:
+        a robot on another one's flange. Raises RuntimeError if the
+        frame is not the source's, is attached, or the other one hangs on it.
+        """
+        _attachments.mount_frame(on.model, source_id, frame_id, parent_id)
+
+    @or_on_context
     def DetachFrame(
         self,
         on: SceneContent,
