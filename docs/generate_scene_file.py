@@ -40,6 +40,7 @@ _SECTIONS = (
     ('Filters', 'filters'),
     ('Sets of geometries', 'set'),
     ('Cameras', 'camera'),
+    ('Proximity rules', 'proximity_rule'),
 )
 # Keys whose value is a mapping with keys of its own.
 _PARTS = {'roles': 'Roles', 'group': 'Group', 'clique': 'Clique'}
@@ -61,6 +62,8 @@ _KINDS = {
     'statement': 'statement',
     'camera': '[camera](#cameras)',
     'frame_name': 'text',
+    'proximity_rule': '[proximity rule](#proximity-rules)',
+    'patterns': 'text, or list of texts',
 }
 
 

@@ -208,10 +208,10 @@ def _event(message: Any, k: int) -> ProximityEvent:
         p_WCa=p_wca,
         p_WCb=p_wcb,
         stamp=_seconds(message.header.stamp),
-        oldest_pose_age=message.oldest_pose_age,
+        oldest_pose_age=message.oldest_pose_age[k],
         scene_version=message.scene_version,
     )
 
 
 def _seconds(stamp: Any) -> float:
-    return float(stamp.sec + 1e-9 * stamp.nanosec)
+    return float(stamp.sec + stamp.nanosec / 1_000_000_000)

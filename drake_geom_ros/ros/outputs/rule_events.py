@@ -87,8 +87,12 @@ class RuleEvents:
         """Publish events, states where they changed, and the scale of speed."""
         if events:
             message = self._types.ProximityEvents(accuracy=scene.accuracy)
-            scene.moment().stamp(message)
+            moment = scene.moment()
+            moment.stamp_header(message)
+            message.names_version = moment.names_version
             fill_events(message, events, scene.names.name_of_value)
+            message.oldest_pose_age = [moment.oldest.age] * len(events)
+            message.oldest_frame = [moment.oldest.frame] * len(events)
             self._topics.events.publish(message)
         if scene.rules.revision != self._told:
             self._told = scene.rules.revision
