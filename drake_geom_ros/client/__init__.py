@@ -25,7 +25,13 @@ from drake_geom_ros.client.results import (
     SignedDistance,
     SignedDistances,
 )
-from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
+from drake_geom_ros.client.scene_table import (
+    Geometry,
+    Joint,
+    JointState,
+    SceneTable,
+    UnknownNameError,
+)
 from drake_geom_ros.client.services import (
     RefusedError,
     Services,
@@ -42,6 +48,8 @@ __all__ = [
     'HeldFilter',
     'SceneTable',
     'Geometry',
+    'Joint',
+    'JointState',
     'SignedDistances',
     'SignedDistance',
     'Penetrations',

@@ -16,6 +16,7 @@ from drake_geom_ros.ros.services import (
     files,
     filters,
     proximity_rules,
+    joints,
     queries,
     scene,
     shapes,
@@ -90,6 +91,7 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ('has_collisions', srv.HasCollisions, queries.has_collisions),
     ('get_pose', srv.GetPose, queries.get_pose),
     ('get_pose_ages', srv.GetPoseAges, ages.get_pose_ages),
+    ('get_joint_positions', srv.GetJointPositions, joints.get_joint_positions),
     ('list_cameras', srv.ListCameras, cameras.list_cameras),
     (
         'list_proximity_rules',
