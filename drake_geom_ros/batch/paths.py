@@ -212,6 +212,20 @@ class PathChecker:
                 pool.shutdown(cancel_futures=True)
                 self._stop[0] = 0
 
+    def check_edges(self, path: ArrayLike) -> list[MotionCheck]:
+        """Return what is true of each edge of a path (k, q) alone, times by the path's rows.
+
+        Pairs that are left out because they are not clear at the start are those of the path's.
+        """
+        rows = _path_of(path, 0, self.joints, self._ignore_limits)
+        self._refuse_another_scene()
+        queries, asked = self._queries(), self._asked
+        found = [queries.follow(asked, rows, (0, min(1, len(rows) - 1)))]
+        skipped = queries.skipped()
+        for k in range(1, len(rows) - 1):
+            found.append(queries.follow(asked, rows, (k, k + 1), skipped))
+        return [MotionCheck.of(each, self._ids) for each in found]
+
     def _refuse_another_scene(self) -> None:
         if not self._mark.is_of_now():
             raise GeometryError(

@@ -242,3 +242,13 @@ def test_a_checker_is_prepared_once_and_refuses_another_scene(pillar):
     graph.collision_filter_manager(context).Apply(declaration)
     with pytest.raises(GeometryError, match='changed since'):
         checker.check([[0.0, 0.0]])
+
+
+def test_edges_alone_leave_out_what_the_path_does(pillar):
+    graph, joints = pillar
+    rows = np.linspace([0.0, 0.0], [2 * math.pi, 0.0], 41)  # clear at the start, and through
+    edges = PathChecker(graph, joints, ignore_start_contacts=True).check_edges(rows)
+    touched = [k for k, edge in enumerate(edges) if edge.outcome != 'clear']
+    half = 2 * math.asin(0.1) / (2 * math.pi / 40)
+    assert touched == list(range(math.floor(10 - half), math.ceil(10 + half)))
+    assert [edge.times for edge in edges[:2]] == [(1.0, 1.0), (2.0, 2.0)]
