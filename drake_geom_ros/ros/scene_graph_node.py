@@ -18,8 +18,10 @@ import time
 from typing import Any
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock as SteadyClock
+from rclpy.clock import ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rosgraph_msgs.msg import Clock
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
@@ -72,12 +74,16 @@ class SceneGraphNode(LifecycleNode):
         self._first_version = time.time_ns() // 1000
         if self._settings.values.autostart:
             # After the constructor, when the executor spins, so that a launch file sees it.
-            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            steady = SteadyClock(clock_type=ClockType.STEADY_TIME)
             self._autostart = self.create_timer(0.0, self._start_by_itself, clock=steady)
 
-    def callback_failed(self, error: Exception) -> None:
+    def callback_failed(self, error: Exception, entity: Any) -> None:
         """Go on where a callback raised, of rclpy's own ones too."""
-        self._guard.failed('a callback', error)
+        # rclpy listens to the clock, and takes no time before 0.
+        if getattr(entity, 'msg_type', None) is Clock and isinstance(error, ValueError):
+            self._guard.refused('/clock', f'{error}; the node keeps the time that it had')
+        else:
+            self._guard.failed('a callback', error)
 
     def _start_by_itself(self) -> None:
         self.destroy_timer(self._autostart)
