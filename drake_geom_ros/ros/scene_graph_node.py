@@ -27,6 +27,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.configured_node import ConfiguredNode, seconds_now
+from drake_geom_ros.ros.conversions.paddings import paddings_of
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks, settle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
@@ -131,6 +132,7 @@ class SceneGraphNode(LifecycleNode):
         live.robot_options = RobotOptions(
             filter_self_collisions=values.filter_self_collisions,
             solid_meshes=values.solid_meshes,
+            paddings=paddings_of(values.paddings),
             frame_prefix=values.frame_prefix,
         )
         if values.scene_file:

@@ -216,10 +216,10 @@ def spin_until_stopped(
     """Serve a node's callbacks until a signal is received or a future is done.
 
     Each of ``groups`` has a thread of its own, all other callbacks are served by this one.
-    ``failed`` is told of what callbacks raise, and whose, from any thread, and all go on; without it, what
-    one raises ends all of them and is raised here. ``watchdog`` is fed while this thread gets
-    around and no callback of the others runs for longer than its limit, but those of the groups
-    in ``patient``, which may take their time.
+    ``failed`` is told of what callbacks raise, and whose, from any thread, and all go on; without
+    it, what one raises ends all of them and is raised here. ``watchdog`` is fed while this thread
+    gets around and no callback of the others runs for longer than its limit, but those of the
+    groups in ``patient``, which may take their time.
     """
     threads = [_GroupThread(node, group, failed) for group in groups]
     watched = [thread for thread in threads if thread.group not in patient]

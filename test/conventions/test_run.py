@@ -151,10 +151,10 @@ def test_jazzy_has_an_environment_beside_that_of_kilted(folder):
     append(folder / 'requirements/jazzy/ros.txt', '# changed\n')
     changed = [a != b for a, b in zip(jazzy, keys(folder, ROS_DISTRO='jazzy'), strict=True)]
     assert changed == [False, True, True, True]
-    script = 'for place in "$venv" "$prefix" "$tf2_msgs" "$builds"; do echo "${place#$root/}"; done'
-    places = [
-        shell(folder, script, **given)[1].split() for given in ({}, {'ROS_DISTRO': 'jazzy'})
-    ]
+    script = (
+        'for place in "$venv" "$prefix" "$tf2_msgs" "$builds"; do echo "${place#$root/}"; done'
+    )
+    places = [shell(folder, script, **given)[1].split() for given in ({}, {'ROS_DISTRO': 'jazzy'})]
     assert places[0] == [
         *('.venv', 'install/drake_geom_msgs', 'install/for_tests/tf2_msgs', 'build')
     ]

@@ -219,11 +219,11 @@ class Mesh(_FromMesh):
 
     def _tell_if_open(self) -> None:
         """Warn of a mesh that is not closed: it is no solid to points either."""
-        from drake_geom_ros.geometry.meshes._solids import check_closed, merged
+        from drake_geom_ros.geometry.meshes._welding import closed_surface
 
         source = mesh_source(self._mesh)
         try:
-            check_closed(merged(*triangles_of(source))[1], name_of(source))
+            closed_surface(*triangles_of(source), name_of(source))
         except MeshFileError as problem:
             _warn_of_points(problem)
 
