@@ -33,10 +33,8 @@ def main() -> None:
     parser.add_argument('--output', type=Path, default=Path('reach.png'))
     options = parser.parse_args()
 
-    # Neighbouring links overlap; the scene file leaves it to the demo's client to filter them.
-    text = SCENE.read_text().replace('    adjacent_links: kept\n', '')
     scene_graph = SceneGraph()
-    loaded = load_scene(text, scene_graph)
+    loaded = load_scene(SCENE, scene_graph)
     # How close other things are to each other is not asked.
     others = [id for (source, _, _), id in loaded.geometries.items() if source != 'left']
     declaration = CollisionFilterDeclaration().ExcludeWithin(GeometrySet(others))

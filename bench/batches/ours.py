@@ -21,9 +21,10 @@ class Ours:
     """The scene, and the pairs of geometries that are not filtered, by name."""
 
     def __init__(self) -> None:
-        text = SCENE.read_text().replace('    adjacent_links: kept\n', '')
         # pydrake knows no distance of a cylinder and a half space.
-        text = text.replace('shape: {type: half_space}', f'pose: {BELOW}, shape: {FLOOR}')
+        text = SCENE.read_text().replace(
+            'shape: {type: half_space}', f'pose: {BELOW}, shape: {FLOOR}'
+        )
         self.text = text
         self.scene_graph = geometry.SceneGraph()
         self.loaded: LoadedScene = load_scene(text, self.scene_graph)

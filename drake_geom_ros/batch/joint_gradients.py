@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,25 @@ from drake_geom_ros.math.batched import matrices_from_poses
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+class _Posed(NamedTuple):
+    """Where all links of an arm stand in each state, in the world."""
+
+    R_WLs: Floats  # (N, m + 1, 3, 3)
+    p_WLs: Floats  # (N, m + 1, 3) [m]
+
+
+class _Carriers(NamedTuple):
+    """Of each frame (nf,) which moved frame L carries it, itself maybe, and X_LF.
+
+    The number is a place in ``scene.moved``; -1 for a frame that no state moves, L being the
+    world then.
+    """
+
+    places: Indices
+    R_LFs: Floats
+    p_LFs: Floats
 
 
 def joint_gradients(
@@ -26,28 +47,75 @@ def joint_gradients(
 
     ``of_state`` (k,) is which state each is of, ``places`` those of the geometries A and B, -1
     where there is none, and ``gradients`` (k, 12) the derivatives by the spatial velocities of
-    their frames. Each joint moves what hangs on its link; a mimic joint counts for its leader.
+    their frames. Each joint moves what hangs on its link, arms that are mounted there too; a
+    mimic joint counts for its leader.
     """
     found = np.zeros((len(of_state), states.shape[1]))
     carriers = _carriers(scene)
-    first = 0
-    for arm in arms:
-        X_WLs = arm.tree.link_poses(states, arm.X_WB)
-        for places_G, by_frame in zip(places, (gradients[:, :6], gradients[:, 6:]), strict=True):
-            carrier, p_LFs = (values[scene.frames[places_G]] for values in carriers)
-            own = (carrier >= first) & (carrier < first + len(arm.links)) & (places_G >= 0)
-            rows = np.flatnonzero(own)
-            links = arm.links[carrier[rows] - first]
-            R_WLs, p_WLs = matrices_from_poses(X_WLs[of_state[rows], links])
-            p_WFs = p_WLs + np.einsum('kij,kj->ki', R_WLs, p_LFs[rows])
-            _add(arm.tree, X_WLs, of_state[rows], links, p_WFs, by_frame[rows], rows, found)
-        first += len(arm.links)
+    firsts = np.concatenate(([0], np.cumsum([len(arm.links) for arm in arms])))
+    posed = _posed(scene, arms, states, firsts, carriers)
+    for places_G, by_frame in zip(places, (gradients[:, :6], gradients[:, 6:]), strict=True):
+        rows = np.flatnonzero(places_G >= 0)
+        frames = scene.frames[places_G]
+        rows = rows[carriers.places[frames[rows]] >= 0]
+        p_WFs = np.zeros((len(of_state), 3))
+        is_first = True
+        while rows.size:
+            on = carriers.places[frames[rows]]
+            for first, last, arm, X_WLs in zip(firsts, firsts[1:], arms, posed, strict=False):
+                some = (on >= first) & (on < last)
+                own, links = rows[some], arm.links[on[some] - first]
+                if is_first:
+                    R_WLs = X_WLs.R_WLs[of_state[own], links]
+                    p_LFs = carriers.p_LFs[frames[own]]
+                    p_WFs[own] = X_WLs.p_WLs[of_state[own], links]
+                    p_WFs[own] += np.einsum('kij,kj->ki', R_WLs, p_LFs)
+                _add(arm.tree, X_WLs, of_state, links, p_WFs, by_frame, own, found)
+            # What carries that arm moves it, too.
+            frames[rows] = scene.parents[scene.moved[on]]
+            rows, is_first = rows[carriers.places[frames[rows]] >= 0], False
     return found
+
+
+def _posed(
+    scene: PackedScene,
+    arms: tuple[Arm, ...],
+    states: Floats,
+    firsts: Indices,
+    carriers: _Carriers,
+) -> list[_Posed]:
+    """Return where the links of each arm stand in the world; those that carry arms come first."""
+    posed: dict[int, _Posed] = {}
+    waiting = list(range(len(arms)))
+    while waiting:
+        number = waiting.pop(0)
+        arm = arms[number]
+        R_PLs, p_PLs = _matrices(arm.tree.link_poses(states, arm.X_WB))
+        P = int(scene.parents[scene.moved[firsts[number + 1] - 1]]) if len(arm.links) else 0
+        R_WP, p_WP, on = carriers.R_LFs[P], carriers.p_LFs[P], int(carriers.places[P])
+        if on >= 0:
+            other = int(np.searchsorted(firsts, on, side='right')) - 1
+            if other not in posed:
+                waiting.append(number)
+                continue
+            link = arms[other].links[on - firsts[other]]
+            R_WL, p_WL = posed[other].R_WLs[:, link], posed[other].p_WLs[:, link]
+            R_WP, p_WP = R_WL @ R_WP, R_WL @ p_WP + p_WL
+            R_WP, p_WP = R_WP[:, np.newaxis], p_WP[:, np.newaxis]
+        turned = (R_WP @ p_PLs[..., np.newaxis])[..., 0]
+        posed[number] = _Posed(R_WP @ R_PLs, turned + p_WP)
+    return [posed[number] for number in range(len(arms))]
+
+
+def _matrices(poses: Floats) -> tuple[Floats, Floats]:
+    """Return rotations (..., 3, 3) and positions (..., 3) of poses (..., 7)."""
+    R, p = matrices_from_poses(poses.reshape(-1, 7))
+    return R.reshape(*poses.shape[:-1], 3, 3), p.reshape(*poses.shape[:-1], 3)
 
 
 def _add(
     tree: JointTree,
-    X_WLs: Floats,
+    posed: _Posed,
     of_state: Indices,
     links: Indices,
     p_WFs: Floats,
@@ -55,19 +123,19 @@ def _add(
     rows: Indices,
     found: Floats,
 ) -> None:
-    """Add what the joints of a tree move of frames at p_WFs (k, 3), on its links, to some rows."""
+    """Add to some ``rows`` what the joints of a tree move of frames at p_WFs, on its ``links``."""
     moved_by = _links_below(tree)
     for joint in np.flatnonzero(tree.leaders >= 0).tolist():
-        some = np.flatnonzero(moved_by[joint, links])
-        R_WJs, p_WJs = matrices_from_poses(X_WLs[of_state[some], tree.children[joint]])
-        axes = R_WJs @ (tree.multipliers[joint] * tree.axes[joint])
+        some = rows[moved_by[joint, links]]
+        at = of_state[some], np.full(len(some), tree.children[joint])
+        axes = posed.R_WLs[at] @ (tree.multipliers[joint] * tree.axes[joint])
         turn, shift = by_frame[some, :3], by_frame[some, 3:]
         if tree.kinds[joint] == JointKind.REVOLUTE:
             # The frame goes at a x (p_WF - p_WJ): d = a . (turn + (p_WF - p_WJ) x shift).
-            felt = turn + np.cross(p_WFs[some] - p_WJs, shift)
+            felt = turn + np.cross(p_WFs[some] - posed.p_WLs[at], shift)
         else:
             felt = shift
-        found[rows[some], tree.leaders[joint]] += np.einsum('ki,ki->k', axes, felt)
+        found[some, tree.leaders[joint]] += np.einsum('ki,ki->k', axes, felt)
 
 
 def _links_below(tree: JointTree) -> NDArray[np.bool_]:
@@ -79,11 +147,8 @@ def _links_below(tree: JointTree) -> NDArray[np.bool_]:
     return below
 
 
-def _carriers(scene: PackedScene) -> tuple[Indices, Floats]:
-    """Return, of each frame (nf,), which moved frame carries it, and where it is in that (nf, 3).
-
-    The number is a place in ``scene.moved``, -1 for a frame that no state moves.
-    """
+def _carriers(scene: PackedScene) -> _Carriers:
+    """Return what carries each frame."""
     count = len(scene.parents)
     carrier, p_LFs = np.full(count, -1, dtype=np.int64), np.zeros((count, 3))
     R_LFs = np.tile(np.eye(3), (count, 1, 1))
@@ -91,8 +156,8 @@ def _carriers(scene: PackedScene) -> tuple[Indices, Floats]:
     for frame, parent in enumerate(scene.parents.tolist()):
         if frame in place:
             carrier[frame] = place[frame]
-        elif carrier[parent] >= 0:
+        elif frame:
             carrier[frame] = carrier[parent]
             p_LFs[frame] = p_LFs[parent] + R_LFs[parent] @ scene.p_PFs[frame]
             R_LFs[frame] = R_LFs[parent] @ scene.R_PFs[frame]
-    return carrier, p_LFs
+    return _Carriers(carrier, R_LFs, p_LFs)

@@ -19,7 +19,10 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """A robot as workers need it: its joints, its base X_WB (7,), and which links are frames."""
+    """A robot as workers need it: its joints, its base X_WB (7,), and which links are frames.
+
+    W is the frame that carries it, where it is mounted on one: poses are those in parents.
+    """
 
     tree: JointTree  # driven by the joint values of a state
     X_WB: Floats
@@ -30,7 +33,8 @@ class Joints:
     """The joints that the columns of states (N, ``count``) are of, by ``robot::joint``.
 
     ``lower`` and ``upper`` (count,) are their limits [rad] or [m], infinite where there is none.
-    Joints without a column stay at 0, or at their limit nearest to 0.
+    Joints without a column stay in the configuration of the scene file, or at 0, or at their limit
+    nearest to 0.
     """
 
     def __init__(
@@ -106,7 +110,10 @@ class Joints:
             limits |= dict(
                 zip(own, zip(kinematics.lower, kinematics.upper, strict=True), strict=True)
             )
-            given = [j for j in kinematics.joint_names if f'{name}::{j}' in chosen]
+            standing = robots[name].configuration
+            given = [
+                j for j in kinematics.joint_names if f'{name}::{j}' in chosen or j in standing
+            ]
             links = [
                 k
                 for k in kinematics.placed_links(given)
@@ -114,7 +121,7 @@ class Joints:
             ]
             ids += [loaded.frames[name, kinematics.link_names[k]].get_value() for k in links]
             columns = [chosen.index(joint) if joint in chosen else -1 for joint in own]
-            at_rest = np.clip(0.0, kinematics.lower, kinematics.upper)
+            at_rest = kinematics.at_rest(standing)
             tree = kinematics.tree.driven_by(np.array(columns, dtype=np.int64), at_rest)
             X_WB = robots[name].X_WB.ToArray()
             arms.append(Arm(tree, X_WB, np.array(links, dtype=np.int64)))

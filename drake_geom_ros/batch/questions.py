@@ -20,12 +20,12 @@ from drake_geom_ros.geometry import (
     PoseError,
     SceneGraphContext,
 )
+from drake_geom_ros.geometry.queries.query_gradients import distance_gradients
 from drake_geom_ros.geometry.queries.state_queries import (
     Found,
     PackedScene,
     StateError,
     StateQueries,
-    pose_gradients,
 )
 
 Floats = NDArray[np.float64]
@@ -199,7 +199,7 @@ def _columns(found: Found) -> Columns:
         return {'counts': counts, 'id_G': results.id_G, **columns}
     columns = {name: getattr(results, name).copy() for name in _OF_PAIRS}
     ids = {'id_A': results.id_A.copy(), 'id_B': results.id_B.copy()}
-    return {'counts': counts, **ids, **columns, 'gradient': pose_gradients(results)}
+    return {'counts': counts, **ids, **columns, 'gradient': distance_gradients(results)}
 
 
 def _one_each(columns: Columns) -> Columns:

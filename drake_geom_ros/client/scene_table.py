@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -14,10 +13,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.frame_names import Frame, full_name, told_apart
+from drake_geom_ros.common.geometry_names import WORLD, GeometryNames, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
 
-WORLD = 'world'
 _MOST_KEPT = 64  # patterns of which the ids are kept: whoever watches asks for the same each time
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one, some 10 us each
 _SHOWN = 4  # names of a scene in a message
@@ -52,9 +51,14 @@ class Geometry:
         return not self.line
 
     @property
+    def called(self) -> GeometryNames:
+        """Its names."""
+        return GeometryNames(self.source, self.frame_name, self.name, self.anchored)
+
+    @property
     def frame(self) -> str:
         """The full name of its frame, ``source::frame``; ``world`` where it is anchored."""
-        return self.line[0] if self.line else WORLD
+        return self.called.frame
 
     def X_WG(self, X_WFs: Mapping[Frame, NDArray[np.float64]]) -> NDArray[np.float64]:
         """Return its pose (4, 4) in the world, of X_WF (4, 4) by source and name of frames.
@@ -71,23 +75,22 @@ class Geometry:
     @property
     def short_name(self) -> str:
         """The name without its source: ``frame/geometry``."""
-        return f'{self.frame_name}/{self.name}'
+        return self.called.short_name
 
     @property
     def full_name(self) -> str:
         """The name that services take: ``source::frame/geometry``."""
-        return f'{self.source}::{self.short_name}'
+        return self.called.full_name
 
     @property
     def body(self) -> str:
         """The name of the thing it is part of: its frame, or itself where it is anchored."""
-        return f'{self.source}::{self.name}' if self.anchored else self.frame
+        return self.called.body
 
     @property
     def names(self) -> tuple[str, ...]:
         """What it is found by: its source, frame and thing, and its own names."""
-        of_others = self.source, self.frame, self.frame_name, self.body
-        return (*of_others, self.name, self.short_name, self.full_name)
+        return self.called.found_by
 
     def matches(self, pattern: str) -> bool:
         """Return whether a name, or a pattern with ``*`` and ``?``, stands for the geometry.
@@ -96,9 +99,7 @@ class Geometry:
         source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``, ``*::hand/*``. Names
         may themselves hold ``::`` and ``/``: they are compared, and never split.
         """
-        # A bracket is no pattern here: links are called `finger[0]`.
-        pattern = pattern.replace('[', '[[]')
-        return any(fnmatchcase(name, pattern) for name in self.names)
+        return matches(self.names, pattern)
 
 
 class Joint(NamedTuple):

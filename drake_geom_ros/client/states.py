@@ -35,7 +35,7 @@ class StatesRequest:
         answers: list[Any] = []
         done = 0
         for part in self._parts():
-            positions = array.array('d', part.ravel())
+            positions = array.array('d', np.ascontiguousarray(part).tobytes())
             answer = call(joint_names=self.joint_names, positions=positions, **self.fields)
             if answers and answer.scene_version != answers[0].scene_version:
                 raise RuntimeError(

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import combinations
 from typing import Any
 
+from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
 from drake_geom_ros.command_line.mesh_report import file_name, is_solid, mesh_lines
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
@@ -40,6 +41,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
     add_scene_options(parser)
+    add_joints_to(parser)
     parser.add_argument(
         '--all-pairs', action='store_true', help='list anchored and same-frame pairs too'
     )
@@ -55,6 +57,7 @@ def run(options: argparse.Namespace) -> int:
     """Check, list, and return the exit code."""
     try:
         scene = PosedScene(options.scene, options.srdf, options.package_root)
+        pose_joints(scene, options.joints)
     except SceneFileError as error:
         print(error, file=sys.stderr)
         return BAD_SCENE

@@ -25,7 +25,8 @@ def add_joints_to(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar='NAME=VALUE',
         help='joint values [rad] or [m], as left::panda_joint4=-1.5; a name that one robot alone '
-        'has needs no robot. Others stay at 0, or at their limit nearest to it',
+        'has needs no robot. Others stand as the scene file says, or at 0, or at their limit '
+        'nearest to it',
     )
 
 

@@ -22,9 +22,10 @@ from drake_geom_ros.trajectories.motion_file import load_motion
 class PosedScene:
     """A scene, and where its frames are.
 
-    A frame stands where the scene file says, a link of a robot where forward kinematics with all
-    joints at 0 (or at their limit nearest to 0) puts it. Any other frame waits for a pose: so do
-    links below a planar or floating joint, and those of a robot that is no tree of joints.
+    A frame stands where the scene file says, a link of a robot where forward kinematics puts it
+    with all joints in the configuration that the file gives, or at 0 (or at their limit nearest
+    to 0). Any other frame waits for a pose: so do links below a planar or floating joint without
+    values, and those of a robot that is no tree of joints.
     """
 
     def __init__(self, path: str, srdf: str = '', package_roots: Sequence[str] = ()) -> None:

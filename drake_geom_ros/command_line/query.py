@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.command_line.answers import KINDS, LIMITED, Table, write_csv, write_json
+from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
@@ -40,6 +41,7 @@ def add_to(commands: Any) -> None:
         metavar='FILE',
         help='CSV or JSON; frames that it does not name stay where the scene file puts them',
     )
+    add_joints_to(parser)
     parser.add_argument(
         '--points', metavar='FILE', help='points for --what points: CSV x,y,z or JSON [[x, y, z]]'
     )
@@ -69,6 +71,7 @@ def run(options: argparse.Namespace) -> int:
     points = points_of_file(options.points) if options.points else None
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = PosedScene(options.scene, options.srdf, options.package_root)
+    pose_joints(scene, options.joints)
     inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
     check_outputs({'--output': options.output}, inputs)
 

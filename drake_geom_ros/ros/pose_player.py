@@ -1,4 +1,4 @@
-"""The node `pose_player`: plays a motion of a scene's frames as FramePoses messages.
+"""The node `pose_player`: plays a motion of a scene as FramePoses messages, TF or joint states.
 
 Every message holds all frames of one moment, so that no cycle sees half of it moved. It also
 publishes ``~/intended_contacts`` (latched, CollisionFilterDeclaration): one statement for each
@@ -29,6 +29,7 @@ from std_srvs.srv import Trigger
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.frame_names import full_name
+from drake_geom_ros.ros.joint_sending import JointSender
 from drake_geom_ros.ros.parameters import ParameterRefusedError, declared, unknown_parameters
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.tf_sending import TransformSender
@@ -47,6 +48,7 @@ _TEXTS = {
     'topic': 'Topic of the poses.',
     'rate': 'Messages per second [Hz].',
     'tf': 'Send transforms on /tf instead of messages of poses; needs tf2_msgs.',
+    'joint_states': 'Send the joints of robots on joint_states instead of poses of their links.',
     'loop': 'Start again at the end; otherwise hold the last poses and go on publishing.',
 }
 
@@ -72,11 +74,16 @@ class PosePlayer(Node):
         self._motion = load_motion(trajectory_file or None, scene)
         for robot, reason in self._motion.left_out.items():
             self.get_logger().warning(f'{reason}. The links of {robot!r} are not posed')
-        self._message = FramePoses(frame_names=_full_names(self._motion))
+        by_joints = self._declare('joint_states', False)
+        self._joints = JointSender(self, self._motion) if by_joints else None
+        self._sources = _sources(self._motion, by_joints=by_joints)
+        self._message = FramePoses(frame_names=_full_names(self._motion, self._sources))
         self._message.header.frame_id = self._declare('world_frame', 'world')
         topic = self._declare('topic', '/scene_graph/frame_poses')
         self._poses = self.create_publisher(FramePoses, topic, QoSProfile(depth=5))
         by_tf = self._declare('tf', False)
+        if by_tf and by_joints:
+            raise ParameterRefusedError('tf and joint_states are both true; give one')
         if by_tf and importlib.util.find_spec('tf2_msgs') is None:
             raise ParameterRefusedError('tf is true, and the package tf2_msgs cannot be imported')
         self._transforms = TransformSender(self, self._motion) if by_tf else None
@@ -89,9 +96,13 @@ class PosePlayer(Node):
         self._timer = self.create_timer(1.0 / rate, self._play)
         for told in unknown_parameters(self):
             self.get_logger().warning(told)
+        by_poses = self._poses.topic_name if self._transforms is None else '/tf'
+        played = [f'{counted(len(self._message.frame_names), "frame")} on {by_poses}']
+        if self._joints is not None:
+            robots = counted(len(self._motion.robots), 'robot')
+            played = [f'{robots} on {self._joints.topic_name}', *played]
         self.get_logger().info(
-            f'playing {counted(len(self._message.frame_names), "frame")} on '
-            f'{self._poses.topic_name if self._transforms is None else "/tf"} at '
+            f'playing {" and ".join(played)} at '
             f'{rate:g} Hz, {self._motion.duration:g} s long{", repeating" * self._loop}'
         )
 
@@ -118,10 +129,12 @@ class PosePlayer(Node):
         time = (now - self._start).nanoseconds * 1e-9
         if self._loop and self._motion.duration > 0.0:
             time %= self._motion.duration
-        poses = self._motion.poses(time)
+        if self._joints is not None:
+            self._joints.send(time, now.to_msg())
+        poses = self._motion.poses(time) if self._sources else {}
         if self._transforms is not None:
             self._transforms.send(poses, self._message.header.frame_id, now.to_msg())
-        else:
+        elif self._sources:
             self._send(poses, now.to_msg())
         held = self._motion.held(time)
         if held != self._held:
@@ -131,14 +144,27 @@ class PosePlayer(Node):
             )
 
     def _send(self, poses: dict[str, NDArray[np.float64]], stamp: Any) -> None:
-        flat = np.concatenate([poses[source].ravel() for source in self._motion.frame_names])
+        flat = np.concatenate([poses[source].ravel() for source in self._sources])
         self._message.header.stamp = stamp
         self._message.poses = array.array('d', flat.tobytes())
         self._poses.publish(self._message)
 
 
-def _full_names(motion: Motion) -> list[str]:
-    return [full_name((source, n)) for source, names in motion.frame_names.items() for n in names]
+def _sources(motion: Motion, *, by_joints: bool) -> list[str]:
+    """Return the sources whose frames are posed by messages.
+
+    Beside joint states those count that have a frame which moves: what rests stands where the
+    scene file says, and whoever takes it is not fought with.
+    """
+    if not by_joints:
+        return list(motion.frame_names)
+    grasped = {grasp.frame[0] for grasp in motion.grasps}
+    moving = {source for (source, _), poses in motion.free.items() if poses.moves}
+    return [source for source in motion.frame_names if source in grasped | moving]
+
+
+def _full_names(motion: Motion, sources: list[str]) -> list[str]:
+    return [full_name((source, n)) for source in sources for n in motion.frame_names[source]]
 
 
 def _statement(grasp: Grasp) -> CollisionFilterStatement:
@@ -157,7 +183,7 @@ def usage() -> str:
         [
             'usage: pose_player --ros-args -p scene_file:=FILE [-p trajectory_file:=FILE] ...',
             '',
-            'Plays a motion of the frames of a scene as FramePoses messages, or on /tf.',
+            'Plays a motion of a scene as FramePoses messages, on /tf, or as joint states.',
             '',
             'parameters, each as -p NAME:=VALUE behind --ros-args:',
             *(f'  {name:{width}}{text}' for name, text in _TEXTS.items()),

@@ -10,6 +10,7 @@ from geometry_msgs.msg import TransformStamped
 from numpy.typing import NDArray
 from rclpy.node import Node
 
+from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.ros.surface import transforms
 from drake_geom_ros.trajectories.motion import Motion
 
@@ -25,21 +26,30 @@ class TransformSender:
         self._publisher = node.create_publisher(TFMessage, '/tf', transforms(static=False))
         grasped = {grasp.frame for grasp in motion.grasps}
         counts = Counter(name for names in motion.frame_names.values() for name in names)
-        self._sent: list[tuple[str, int, str]] = []  # source, row in its poses, name in TF
+        # Source, row in its poses, name in TF, and that of what carries it; empty: the world.
+        self._sent: list[tuple[str, int, str, str]] = []
         for source, names in motion.frame_names.items():
             for row, name in enumerate(names):
                 frame = source, name
                 if source in motion.robots or motion.free[frame].moves or frame in grasped:
-                    short = name if counts[name] == 1 else f'{source}/{name}'
-                    self._sent.append((source, row, short))
+                    robot = motion.robots.get(source)
+                    carrier = robot.carrier if robot else None
+                    parent = '' if carrier is None else _name(carrier, counts)
+                    self._sent.append((source, row, _name(frame, counts), parent))
 
     def send(self, poses: Mapping[str, NDArray[Any]], world_frame: str, stamp: Any) -> None:
-        """Send ``poses`` X_WF (frames, 7) by source."""
+        """Send ``poses`` X_PF (frames, 7) by source."""
         message = self._message()
-        for source, row, name in self._sent:
+        for source, row, name, parent in self._sent:
             entry = TransformStamped(child_frame_id=name)
-            entry.header.frame_id, entry.header.stamp = world_frame, stamp
+            entry.header.frame_id, entry.header.stamp = parent or world_frame, stamp
             p, q = entry.transform.translation, entry.transform.rotation
             p.x, p.y, p.z, q.x, q.y, q.z, q.w = poses[source][row].tolist()
             message.transforms.append(entry)
         self._publisher.publish(message)
+
+
+def _name(frame: Frame, counts: Mapping[str, int]) -> str:
+    """Return what TF calls a frame: its own name where it is the only one of that name."""
+    source, name = frame
+    return name if counts.get(name, 1) == 1 else f'{source}/{name}'

@@ -46,7 +46,8 @@ class FrameDescription:
 
     ``static`` is true where its pose does not grow old, false where it is expected to move, and
     None where that shows when a pose comes. ``welded``: its geometries count as anchored.
-    ``attached_to``: the frame that it follows, in which X_PF is then; ``parent`` is its home.
+    ``attached_to``: the frame that it follows, in which X_PF is then; ``parent`` is its home, and
+    ``mounted_on`` is so where that is a frame of another source.
     """
 
     source: str
@@ -58,6 +59,7 @@ class FrameDescription:
     where: Location = field(default=_NOWHERE, compare=False)
     welded: bool = False
     attached_to: Member | None = None
+    mounted_on: Member | None = None
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,9 @@ class RobotDescription:
 
     ``urdf`` is None where the URDF came as text. ``joint_states`` is the topic, if one is named,
     on which a node hears of its joints; ``tree`` are its links and joints. ``frame_prefix`` is
-    what the names that TF has for its links begin with.
+    what the names that TF has for its links begin with. Where it is ``mounted_on`` a frame, the
+    poses of its links are those in that frame, X_WB too: W stands for what carries it.
+    ``configuration`` are the values [rad] or [m] of the joints that the scene gives one.
     """
 
     name: str
@@ -121,6 +125,8 @@ class RobotDescription:
     joint_states: str = ''
     tree: LinkTree | None = field(default=None, compare=False, repr=False)
     frame_prefix: str = ''
+    mounted_on: Member | None = None
+    configuration: Mapping[str, float] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True)

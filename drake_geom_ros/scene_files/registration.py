@@ -156,6 +156,10 @@ class _Registration:
             with _blame(frame.where):
                 self._register_frame(frame)
         for frame in description.frames:
+            if frame.mounted_on is not None:
+                with _blame(frame.where):
+                    self._mount(frame, frame.mounted_on)
+        for frame in description.frames:
             if frame.attached_to is not None:
                 with _blame(frame.where):
                     self._attach(frame, frame.attached_to)
@@ -229,6 +233,14 @@ class _Registration:
         if frame.welded:
             manager = self._scene_graph.collision_filter_manager(self._context)
             manager.WeldToWorld([self._frames[frame.source, frame.name]])
+
+    def _mount(self, frame: FrameDescription, on: Member) -> None:
+        self._scene_graph.MountFrame(
+            context=self._context,
+            source_id=self._sources[frame.source],
+            frame_id=self._frames[frame.source, frame.name],
+            parent_id=self._frame_id(on.source, on.frame),
+        )
 
     def _attach(self, frame: FrameDescription, to: Member) -> None:
         if frame.X_PF is None:

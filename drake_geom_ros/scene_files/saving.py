@@ -98,7 +98,7 @@ class _Describer:
         frame_ids = [id for id in inspector.GetAllFrameIds() if id != self._world]
         return SceneDescription(
             sources=tuple(inspector.GetName(id) for id in source_ids),
-            robots=tuple(robot for robot in robots if robot.urdf is not None),
+            robots=tuple(self._robot(robot) for robot in robots if robot.urdf is not None),
             frames=tuple(self._frame(id, X_PFs.get(id), static.get(id)) for id in frame_ids),
             geometries=tuple(self._geometry(id) for id in inspector.GetAllGeometryIds()),
             filters=tuple(filters),
@@ -125,19 +125,42 @@ class _Describer:
         self, frame_id: FrameId, X_PF: RigidTransform | None, static: bool | None
     ) -> FrameDescription:
         inspector = self._inspector
+        attached, mount = inspector.IsAttached(frame_id), self._mount(frame_id)
+        home = self._world if mount else inspector.GetHomeFrame(frame_id)
         return FrameDescription(
             inspector.GetOwningSourceName(frame_id),
             self._frame_name(frame_id),
-            self._frame_name(inspector.GetHomeFrame(frame_id)),
+            self._frame_name(home),
             inspector.GetFrameGroup(frame_id),
             X_PF,
             static,
-            attached_to=self._carrier(frame_id) if inspector.IsAttached(frame_id) else None,
+            attached_to=self._member(inspector.GetParentFrame(frame_id)) if attached else None,
+            mounted_on=mount,
         )
 
-    def _carrier(self, frame_id: FrameId) -> Member:
-        carrier = self._inspector.GetParentFrame(frame_id)
-        return Member(self._inspector.GetOwningSourceName(carrier), self._frame_name(carrier))
+    def _member(self, frame_id: FrameId) -> Member:
+        return Member(self._inspector.GetOwningSourceName(frame_id), self._frame_name(frame_id))
+
+    def _mount(self, frame_id: FrameId) -> Member | None:
+        """Return the frame of another source that a frame is mounted on."""
+        inspector = self._inspector
+        home = inspector.GetHomeFrame(frame_id)
+        if home == self._world:
+            return None
+        own = inspector.GetOwningSourceId(frame_id) == inspector.GetOwningSourceId(home)
+        return None if own else self._member(home)
+
+    def _robot(self, robot: RobotDescription) -> RobotDescription:
+        """Return a robot with the name that the frame which carries it has now."""
+        if robot.mounted_on is None:
+            return robot
+        (source,) = (
+            id
+            for id in self._inspector.GetAllSourceIds()
+            if self._inspector.GetName(id) == robot.name
+        )
+        mounts = filter(None, map(self._mount, self._inspector.FramesForSource(source)))
+        return replace(robot, mounted_on=next(mounts, None))
 
     def _geometry(self, geometry_id: GeometryId) -> GeometryDescription:
         inspector = self._inspector

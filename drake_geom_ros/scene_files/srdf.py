@@ -1,7 +1,8 @@
 """SRDF -> collision filters of one robot, with MoveIt's meaning.
 
-Of an SRDF count the pairs that it switches off and on again; groups of joints, their states, end
-effectors, passive joints, properties and the spheres that stand for a link change no answer here.
+Of an SRDF count the pairs that it switches off and on again, and the states of groups that the
+robot's key ``configuration`` names (``standing``); groups, end effectors, passive joints,
+properties and the spheres that stand for a link change no answer here.
 Where the base stands is not read from ``virtual_joint``: the robot's key ``pose``, TF or messages
 say it. Source of the meaning: MoveIt's AllowedCollisionMatrix and srdfdom.
 """

@@ -10,9 +10,10 @@ Read are links, joints and collision elements, and no more: a geometry service h
 masses and visuals.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from drake_geom_ros.geometry import Mesh, ProximityProperties, Role
@@ -25,6 +26,7 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     RobotOptions,
 )
+from drake_geom_ros.scene_files.jointed_links import JointedLinks
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.urdf_filters import moved_links
@@ -61,10 +63,13 @@ class RobotParts:
         """The links in the order of the file."""
         return [frame.name for frame in self.frames]
 
-    def placed(self, X_WB: RigidTransform) -> 'RobotParts':
+    def placed(
+        self, X_WB: RigidTransform, configuration: Mapping[str, float] = MappingProxyType({})
+    ) -> 'RobotParts':
         """Return the parts with the root link B, and what is fixed to it, where they stand.
 
-        Raises ValueError, which names no line, for links that have no single root.
+        So do links all of whose joints have a value. Raises ValueError, which names no line, for
+        links that have no single root.
         """
         known = dict.fromkeys((*(joint.parent for joint in self.joints), *self.link_names))
         roots = root_links(self.joints, known)
@@ -73,7 +78,8 @@ class RobotParts:
                 f'the pose is that of the root link, but the links {", ".join(map(repr, roots))} '
                 'have no parent each'
             )
-        poses = fixed_poses(self.joints, roots[0], X_WB)
+        poses = JointedLinks(self.tree).poses_at(configuration, X_WB) if configuration else {}
+        poses |= fixed_poses(self.joints, roots[0], X_WB)
         frames = (replace(frame, X_PF=poses.get(frame.name)) for frame in self.frames)
         return replace(self, frames=tuple(frames))
 

@@ -192,6 +192,12 @@ def adjacent_cliques(
             yield _clique(f'{source}: fixed to {links[0]}', source, links)
 
 
+def links_fixed_to(joints: Sequence[Joint], link: str) -> list[str]:
+    """Return a link and those that fixed joints hold to it."""
+    bodies = (body for body in _fixed_bodies(joints) if link in body)
+    return next(bodies, [link])
+
+
 def self_cliques(
     with_geometry: Collection[str], source: str, options: RobotOptions
 ) -> Iterator[CliqueDescription]:

@@ -25,10 +25,13 @@ from drake_geom_ros.scene_files.description import (
     SceneDescription,
     Statement,
 )
+from drake_geom_ros.scene_files.link_tree import LinkTree
+from drake_geom_ros.scene_files.mounting import carried, mount_clique
 from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
+from drake_geom_ros.scene_files.standing import configuration_of
 from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
 from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
@@ -73,9 +76,12 @@ class _SceneParser:
         for index, plain in enumerate(self._plain.get('geometries', ())):
             self._geometries.append(self._geometry(index, plain))
         names = FileNames(self._frames, self._geometries)
+        for index, plain in enumerate(self._plain.get('robots', ())):
+            if 'mounted_on' in plain:
+                self._mount_robot(index, plain, names)
         for index, plain in enumerate(self._plain.get('frames', ())):
-            if 'attached_to' in plain:
-                self._attach(index, plain, names)
+            if {'attached_to', 'mounted_on'} & plain.keys():
+                self._hang(index, plain, names)
         for index, plain in enumerate(self._plain.get('filters', ())):
             if sources := self._awaited(plain):
                 self._await(index, plain, sources)
@@ -118,6 +124,7 @@ class _SceneParser:
             *(name, urdf_path, X_WB, srdf_path, where, plain.get('joint_states', '')),
             frame_prefix=plain.get('frame_prefix', ''),
         )
+        semantics = read_robot_file(srdf_path, self._resolver.is_free) if srdf_path else None
         if plain.get('loaded', False):
             for key in _OF_READING & plain.keys():
                 raise self._document.at(*path, key).error(
@@ -125,7 +132,8 @@ class _SceneParser:
                     'this file lists'
                 )
             tree = read_link_tree(urdf_path, self._resolver.is_free)
-            self._robots.append(replace(robot, tree=tree))
+            configuration = self._configuration(index, plain, tree, semantics)
+            self._robots.append(replace(robot, tree=tree, configuration=configuration))
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
@@ -135,26 +143,37 @@ class _SceneParser:
         )
         data, file = read_robot_file(urdf_path, self._resolver.is_free)
         parts = urdf.read_urdf(data, file, name, urdf_path.parent, self._resolver, options)
-        self._robots.append(replace(robot, tree=parts.tree))
+        configuration = self._configuration(index, plain, parts.tree, semantics)
+        self._robots.append(replace(robot, tree=parts.tree, configuration=configuration))
         self._warnings += parts.warnings
-        if 'pose' in plain:
+        if {'pose', 'mounted_on'} & plain.keys():
             try:
-                parts = parts.placed(X_WB)
+                parts = parts.placed(X_WB, configuration)
             except ValueError as error:
                 raise self._document.at(*path, 'pose').error(str(error)) from error
         self._frames += parts.frames
         self._geometries += parts.geometries
         self._filters += parts.filters
-        if srdf_path:
-            semantics = srdf.read_srdf(
-                *read_robot_file(srdf_path, self._resolver.is_free),
-                name,
-                urdf.robot_name(data, file),
-                parts.link_names,
-                options,
+        if semantics:
+            found = srdf.read_srdf(
+                *semantics, name, urdf.robot_name(data, file), parts.link_names, options
             )
-            self._warnings += semantics.warnings
-            self._filters += semantics.filters
+            self._warnings += found.warnings
+            self._filters += found.filters
+
+    def _configuration(
+        self, index: int, plain: Plain, tree: LinkTree, semantics: tuple[bytes, str] | None
+    ) -> dict[str, float]:
+        """Return the joint values that a robot stands in; a saved one may be beyond its limits."""
+        if 'configuration' not in plain:
+            return {}
+        return configuration_of(
+            plain['configuration'],
+            tree,
+            semantics,
+            partial(self._document.at, 'robots', index, 'configuration'),
+            within_limits=not plain.get('loaded', False),
+        )
 
     def _frame(self, index: int, plain: Plain) -> FrameDescription:
         path = ('frames', index)
@@ -169,14 +188,48 @@ class _SceneParser:
             plain.get('welded', False),
         )
 
-    def _attach(self, index: int, plain: Plain, names: FileNames) -> None:
-        """Say of a frame that it follows another one, listed wherever."""
-        where = self._document.at('frames', index, 'attached_to')
-        to = names.find(plain['attached_to'], where)
-        if to.geometry is not None or to.frame == WORLD:
-            raise where.error(f'{plain["attached_to"]!r} must be a frame that is not the world')
+    def _hang(self, index: int, plain: Plain, names: FileNames) -> None:
+        """Say of a frame that it hangs on another one, listed wherever."""
         k = len(self._frames) - len(self._plain['frames']) + index
-        self._frames[k] = replace(self._frames[k], attached_to=to)
+        frame = self._frames[k]
+        if 'attached_to' in plain:
+            to = self._carrier(plain['attached_to'], names, 'frames', index, 'attached_to')
+            frame = replace(frame, attached_to=to)
+        if 'mounted_on' in plain:
+            to = self._carrier(plain['mounted_on'], names, 'frames', index, 'mounted_on')
+            frame = replace(frame, mounted_on=to)
+        self._frames[k] = frame
+        if frame.mounted_on and frame.parent != WORLD:
+            raise self._document.at('frames', index, 'mounted_on').error(
+                f'the frame has the parent {frame.parent!r}, too; leave out one of the two'
+            )
+
+    def _carrier(self, plain: Any, names: FileNames, *path: str | int) -> Member:
+        """Return the frame that another one hangs on."""
+        where = self._document.at(*path)
+        to = names.find(plain, where)
+        if to.geometry is not None or to.frame == WORLD:
+            raise where.error(f'{plain!r} must be a frame that is not the world')
+        return to
+
+    def _mount_robot(self, index: int, plain: Plain, names: FileNames) -> None:
+        """Hang the links of a robot on a frame of somebody else, listed wherever."""
+        path = ('robots', index, 'mounted_on')
+        on = self._carrier(plain['mounted_on'], names, *path)
+        robot = replace(self._robots[index], mounted_on=on)
+        assert robot.tree is not None
+        if on.source == robot.name:
+            raise self._document.at(*path).error(f'{on.frame!r} is a frame of the robot itself')
+        if WORLD in robot.tree.links:
+            raise self._document.at(*path).error(
+                f'the robot has a link {WORLD!r}, which is the world, so nothing can carry it'
+            )
+        self._robots[index] = robot
+        if plain.get('loaded', False):
+            return  # its frames say so themselves
+        self._frames = carried(self._frames, robot, on)
+        if plain.get('adjacent_links') != 'kept':
+            self._filters += mount_clique(robot, on, self._robots, self._geometries)
 
     def _geometry(self, index: int, plain: Plain) -> GeometryDescription:
         path = ('geometries', index)

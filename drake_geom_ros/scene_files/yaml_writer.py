@@ -56,7 +56,7 @@ def to_yaml(description: SceneDescription) -> str:
         sections: dict[str, list[Any]] = {
             'awaits': sorted({s for each in description.awaited for s in each.sources}),
             'sources': list(description.sources),
-            'robots': [_robot(robot) for robot in description.robots],
+            'robots': [_robot(robot, names) for robot in description.robots],
             'frames': [_frame(frame, names) for frame in description.frames],
             'geometries': [_geometry(geometry) for geometry in description.geometries],
             'filters': [
@@ -120,7 +120,7 @@ def _present(**entries: Any) -> dict[str, Any]:
     return {key: value for key, value in entries.items() if value is not None}
 
 
-def _robot(robot: RobotDescription) -> dict[str, Any]:
+def _robot(robot: RobotDescription, names: FileNames) -> dict[str, Any]:
     return _present(
         name=robot.name,
         urdf=str(robot.urdf),
@@ -128,6 +128,8 @@ def _robot(robot: RobotDescription) -> dict[str, Any]:
         pose=plain_pose(robot.X_WB) or None,
         joint_states=robot.joint_states or None,
         frame_prefix=robot.frame_prefix or None,
+        mounted_on=robot.mounted_on and names.name(robot.mounted_on),
+        configuration=dict(robot.configuration) or None,
         loaded=True,
     )
 
@@ -141,6 +143,7 @@ def _frame(frame: FrameDescription, names: FileNames) -> dict[str, Any]:
         pose=None if frame.X_PF is None else plain_pose(frame.X_PF),
         static=frame.static,
         welded=frame.welded or None,
+        mounted_on=frame.mounted_on and names.name(frame.mounted_on),
         attached_to=frame.attached_to and names.name(frame.attached_to),
     )
 

@@ -11,7 +11,7 @@ from drake_geom_ros.common.frame_names import Frame, full_name
 from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
-from drake_geom_ros.trajectories.pose_matrices import inverse, poses_of_matrices
+from drake_geom_ros.trajectories.pose_matrices import inverse, matrices_of_poses, poses_of_matrices
 from drake_geom_ros.trajectories.timed_poses import TimedPoses
 
 Floats = NDArray[np.float64]
@@ -21,14 +21,16 @@ Floats = NDArray[np.float64]
 class RobotMotion:
     """A robot on its base pose X_WB (4, 4), and its joint values over time.
 
-    ``given`` are the joints that somebody gave values; the others are at rest, and a link below a
-    planar or floating one of them stands nowhere.
+    W is the frame ``carrier``, by source and name, where it is mounted on one. ``given`` are the
+    joints that somebody gave values; the others are at rest, and a link below a planar or floating
+    one of them stands nowhere.
     """
 
     kinematics: Kinematics
     X_WB: Floats
     joint_values: MonotoneCubic
     given: frozenset[str] = frozenset()
+    carrier: Frame | None = None
 
     def moved_links(self) -> list[int]:
         """Return the rows of the links that are frames of the scene, and stand somewhere."""
@@ -37,7 +39,7 @@ class RobotMotion:
         return [k for k in self.kinematics.placed_links(self.given) if links[k] != WORLD]
 
     def link_transforms(self, t: ArrayLike) -> Floats:
-        """Return X_WL of every link (..., links, 4, 4) at times t (...) [s]."""
+        """Return X_WL of every link (..., links, 4, 4) at times t (...) [s]; W may carry it."""
         return self.kinematics.link_transforms(self.joint_values.value(t), self.X_WB)
 
 
@@ -60,7 +62,9 @@ class Grasp:
 
 
 class Motion:
-    """The poses X_WF of all frames that a player moves, at any time of a motion.
+    """The poses X_PF of all frames that a player moves, at any time of a motion.
+
+    P is the world, or the frame that a robot is mounted on.
 
     ``robots`` by source name, ``free`` frames by source and name. A frame with grasps stands
     at its first free pose until the first of them, and stays wherever each one leaves it.
@@ -104,7 +108,7 @@ class Motion:
         return float(max(ends, default=0.0))
 
     def poses(self, t: ArrayLike) -> dict[str, Floats]:
-        """Return of each source X_WF of its ``frame_names`` as (..., frames, 7) at times t (...).
+        """Return of each source X_PF of its ``frame_names`` as (..., frames, 7) at times t (...).
 
         A pose is x y z [m] and a unit quaternion qx qy qz qw.
         """
@@ -116,7 +120,7 @@ class Motion:
         }
         for source, names in self.frame_names.items():
             if source not in self.robots:
-                frames = [self._free_pose((source, name), t, links) for name in names]
+                frames = [self._free_pose((source, name), t) for name in names]
                 poses[source] = np.stack(frames, axis=-2)
         return poses
 
@@ -124,36 +128,53 @@ class Motion:
         """Return the grasps that hold at a time t [s]."""
         return tuple(grasp for grasp in self.grasps if grasp.holds(t))
 
-    def _free_pose(self, frame: Frame, t: Floats, links: Mapping[str, Floats]) -> Floats:
-        """Return the pose of a free frame (..., 7), given the robots' links at the same times."""
+    def _free_pose(self, frame: Frame, t: Floats) -> Floats:
+        """Return the pose of a free frame (..., 7)."""
         pose = self.free[frame].poses(t)
         for grasp, (X_LF, pose_end) in zip(self.grasps, self._held_poses, strict=True):
             if grasp.frame != frame:
                 continue
-            robot, link = self._link_of(grasp)
-            X_WF = links[robot][..., link, :, :] @ X_LF
+            X_WF = self._X_WL(grasp.link, t) @ X_LF
             during = ((t >= grasp.start) & (t < grasp.end))[..., None]
             pose = np.where(during, poses_of_matrices(X_WF), pose)
             pose = np.where((t >= grasp.end)[..., None], pose_end, pose)
         return pose
+
+    def _X_WL(self, link: Frame, t: ArrayLike) -> Floats:
+        """Return X_WL of a link (..., 4, 4) in the world, whatever carries its robot."""
+        source, name = link
+        robot = self.robots[source]
+        X_PL: Floats = robot.link_transforms(t)[..., robot.kinematics.link_names.index(name), :, :]
+        if robot.carrier is None:
+            return X_PL
+        if robot.carrier[0] in self.robots:
+            return np.asarray(self._X_WL(robot.carrier, t) @ X_PL)
+        carrier = self.free[robot.carrier].poses(np.asarray(t, dtype=float))
+        return np.asarray(matrices_of_poses(carrier) @ X_PL)
 
     def _fix_grasps(self) -> list[tuple[Floats, Floats]]:
         """Return of each grasp X_LF (4, 4), taken at its start, and the pose (7,) it ends with."""
         fixed: list[tuple[Floats, Floats]] = []
         resting = {name: frame.matrices(0.0) for name, frame in self.free.items()}
         for grasp in self.grasps:
-            robot, link = self._link_of(grasp)
-            X_WL_start, X_WL_end = self.robots[robot].link_transforms([grasp.start, grasp.end])[
-                :, link
-            ]
+            X_WL_start, X_WL_end = self._X_WL(grasp.link, [grasp.start, grasp.end])
             X_LF = inverse(X_WL_start) @ resting[grasp.frame]
             resting[grasp.frame] = X_WL_end @ X_LF
             fixed.append((X_LF, poses_of_matrices(resting[grasp.frame])))
         return fixed
 
-    def _link_of(self, grasp: Grasp) -> tuple[str, int]:
-        robot, link = grasp.link
-        return robot, self.robots[robot].kinematics.link_names.index(link)
+    def _refuse_unknown_carrier(self, grasp: Grasp) -> None:
+        """Raise ValueError where nobody knows where the robot of a grasp stands."""
+        carrier = self.robots[grasp.link[0]].carrier
+        while carrier is not None and carrier[0] in self.robots:
+            carrier = self.robots[carrier[0]].carrier
+        if carrier is None:
+            return
+        if carrier not in self.free or any(other.frame == carrier for other in self.grasps):
+            raise ValueError(
+                f'grasp by {full_name(grasp.link)!r}: its robot is mounted on '
+                f'{full_name(carrier)!r}, which must be a frame with poses that nothing grasps'
+            )
 
     def _check_grasps(self) -> None:
         links = {(source, n) for source in self.robots for n in self.frame_names[source]}
@@ -169,6 +190,7 @@ class Motion:
                     f'{"link of a robot" if unknown else "free frame"}; there are '
                     f'{", ".join(known) or "none"}'
                 )
+            self._refuse_unknown_carrier(grasp)
             if self.free[grasp.frame].moves:
                 raise ValueError(f'{of}: the frame has timed poses as well')
             if not free_from.get(grasp.frame, 0.0) <= grasp.start < grasp.end:

@@ -4,7 +4,7 @@
 
     robots:
       left:                                  # a robot of the scene
-        joints: [panda_joint1, panda_joint2] # the others stay at 0, or at their limit nearest to 0
+        joints: [panda_joint1, panda_joint2] # the others stay as the scene file has them
         waypoints:
         - {at: 0.0, q: [0.0, -0.3]}          # at [s], q [rad] or [m] in the order of joints
         - {at: 2.0, q: [0.5, 0.1]}
@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
@@ -45,7 +46,8 @@ _Made = TypeVar('_Made')
 def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     """Return the motion of a file in a scene; without a file everything stands still.
 
-    Robots without waypoints stand at 0, other frames where the scene file says. Frames of which
+    Robots without waypoints stand in the configuration of the scene file, joints without a value
+    at 0, and other frames where that file says. Frames of which
     neither file tells a pose are left out, for somebody else to move: links below a planar or
     floating joint without values, and robots whose URDF is not a tree of joints that are known,
     which are named in ``Motion.left_out``.
@@ -53,6 +55,10 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     names what the scene has not, drives a joint beyond its limits, or a robot that is left out.
     """
     X_WBs = {r.name: r.X_WB.GetAsMatrix4() for r in scene.robots if r.urdf is not None}
+    standing = {robot.name: robot.configuration for robot in scene.robots}
+    carriers = {
+        r.name: (r.mounted_on.source, r.mounted_on.frame) for r in scene.robots if r.mounted_on
+    }
     arms, left_out = _arms(scene)
     document = _read(path)
     curves: dict[str, MonotoneCubic] = {}
@@ -60,14 +66,15 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     grasps: list[Mapping[str, Any]] = []
     if isinstance(document, Document):
         reader = _Reader(document)
-        curves, given = reader.curves(arms, left_out), reader.joints()
+        curves, given = reader.curves(arms, left_out, standing), reader.joints()
         grasps, timed = reader.grasps(), reader.frames()
     else:
         timed = document
     motions = {
         name: RobotMotion(
-            *(arm, X_WBs[name], curves.get(name) or _rest(arm)),
-            given=given.get(name, frozenset()),
+            *(arm, X_WBs[name], curves.get(name) or _rest(arm, standing[name])),
+            given=given.get(name, frozenset()) | standing[name].keys(),
+            carrier=carriers.get(name),
         )
         for name, arm in arms.items()
     }
@@ -162,9 +169,9 @@ def _read(path: str | Path | None) -> Document | dict[str, TimedPoses]:
         raise SceneFileError(str(error), str(path)) from error
 
 
-def _rest(kinematics: Kinematics) -> MonotoneCubic:
+def _rest(kinematics: Kinematics, configuration: Mapping[str, float]) -> MonotoneCubic:
     """Return the curve of a robot that stands still."""
-    q = np.clip(0.0, kinematics.lower, kinematics.upper)
+    q = kinematics.at_rest(configuration)
     return MonotoneCubic([0.0, 1.0], [q, q])
 
 
@@ -184,9 +191,12 @@ class _Reader:
         return {name: frozenset(e['joints']) for name, e in self._part('robots').items()}
 
     def curves(
-        self, kinematics: Mapping[str, Kinematics], left_out: Mapping[str, str]
+        self,
+        kinematics: Mapping[str, Kinematics],
+        left_out: Mapping[str, str],
+        standing: Mapping[str, Mapping[str, float]],
     ) -> dict[str, MonotoneCubic]:
-        """Return the joint curves of every robot that the file moves."""
+        """Return the joint curves of every robot that the file moves, and how each stands."""
         curves = {}
         for name, entry in self._part('robots').items():
             if name in left_out:
@@ -196,10 +206,14 @@ class _Reader:
                 raise self._error(
                     f'the scene has no such robot; there are {there}', 'robots', name
                 )
-            curves[name] = self._curve(entry, kinematics[name], ('robots', name))
+            robot = kinematics[name]
+            at_rest = robot.at_rest(standing[name])
+            curves[name] = self._curve(entry, robot, at_rest, ('robots', name))
         return curves
 
-    def _curve(self, entry: Any, robot: Kinematics, path: KeyPath) -> MonotoneCubic:
+    def _curve(
+        self, entry: Any, robot: Kinematics, at_rest: NDArray[np.float64], path: KeyPath
+    ) -> MonotoneCubic:
         names, waypoints = entry['joints'], entry['waypoints']
         for index, name in enumerate(names):
             if name not in robot.joint_names or name in names[:index]:
@@ -213,9 +227,10 @@ class _Reader:
                 reason = f'{len(waypoint["q"])} numbers; {len(names)} are needed'
                 raise self._error(reason, *path, k, 'q')
         columns = [robot.joint_names.index(name) for name in names]
-        q = np.repeat(np.clip(0.0, robot.lower, robot.upper)[None], len(waypoints), axis=0)
+        q = np.repeat(at_rest[None], len(waypoints), axis=0)
         q[:, columns] = np.array([w['q'] for w in waypoints]).reshape(-1, len(names))
-        if bad := np.argwhere((q < robot.lower) | (q > robot.upper)).tolist():
+        beyond = (q < robot.lower) | (q > robot.upper)
+        if bad := [(k, j) for k, j in np.argwhere(beyond).tolist() if j in columns]:
             k, j = bad[0]
             raise self._error(
                 f'{robot.joint_names[j]} = {q[k, j]} must lie in '

@@ -53,6 +53,17 @@ def _files(options: argparse.Namespace) -> tuple[Path, Path | None]:
     return scene, motion if options.motion or motion.is_file() else None
 
 
+def _keeping_adjacent_links(scene: Path, folder: Path) -> Path:
+    """Write a copy of our scene in which adjacent links, which overlap by design, are reported.
+
+    The client leaves them out itself: that is how filters are shown to come and go.
+    """
+    text = scene.read_text().replace('    srdf: ', '    adjacent_links: kept\n    srdf: ')
+    kept = folder / 'scene.yaml'
+    kept.write_text(text)
+    return kept
+
+
 def _parameters(**values: object) -> list[str]:
     pairs = [f'{name}:={value}' for name, value in values.items()]
     return ['--ros-args', *(word for pair in pairs for word in ('-p', pair))]
@@ -63,6 +74,8 @@ def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
     load_motion(motion, read_scene(scene))
     check_first_line(options.out / 'results.csv', ','.join(COLUMNS))
     options.out.mkdir(parents=True, exist_ok=True)
+    if scene == _SCENE:
+        scene = _keeping_adjacent_links(scene, options.out)
     environment = ros_environment()
     print(f'scene {scene}, motion {motion}, ROS domain {environment["ROS_DOMAIN_ID"]}', flush=True)
     package = 'drake_geom_ros.ros'

@@ -1,7 +1,7 @@
 """A UR5's cell: ros2 launch examples/ur5_cell/cell.launch.py [namespace:=...] [rviz:=true].
 
-The joints come from joint_state_publisher and robot_state_publisher with `player:=false`, or where
-a robot's driver takes the place of the first; without them from this package's own pose_player.
+The joints come from joint_state_publisher with `player:=false`, or from a robot's driver in its
+place; without it from this package's own pose_player. Nobody has to send TF.
 """
 
 import sys
@@ -16,7 +16,7 @@ from launch_ros.actions import Node
 from drake_geom_ros.scene_files import read_scene
 
 HERE = Path(__file__).resolve().parent
-PUBLISHERS = ('robot_state_publisher', 'joint_state_publisher')
+PUBLISHER = 'joint_state_publisher'
 
 
 def installed(package: str) -> bool:
@@ -32,18 +32,16 @@ def start(context: LaunchContext) -> list:
     """Return the processes of the cell."""
     given = context.launch_configurations
     params, scene = str(HERE / 'cell_params.yaml'), str(HERE / 'cell.yaml')
-    # /tf has no namespace by itself, and two cells have one TF tree each.
-    rules = [('/tf', 'tf'), ('/tf_static', 'tf_static')]
-    common = {'namespace': LaunchConfiguration('namespace'), 'remappings': rules}
+    common = {'namespace': LaunchConfiguration('namespace')}
     monitor = [
         sys.executable,
         str(HERE / 'stop_monitor.py'),
         '--ros-args',
         '--params-file',
         params,
+        '-r',
+        f'__ns:=/{given["namespace"].strip("/")}',
     ]
-    for name, target in [('__ns', f'/{given["namespace"].strip("/")}'), *rules]:
-        monitor += ['-r', f'{name}:={target}']
     processes = [
         Node(
             package='drake_geom_ros',
@@ -55,23 +53,22 @@ def start(context: LaunchContext) -> list:
         ),
         ExecuteProcess(cmd=monitor, output='screen'),
     ]
-    if given['player'] == 'true' or not all(map(installed, PUBLISHERS)):
-        motion = {'scene_file': scene, 'trajectory_file': str(HERE / 'motion.yaml'), 'tf': True}
+    if given['player'] == 'true' or not installed(PUBLISHER):
+        motion = {'scene_file': scene, 'trajectory_file': str(HERE / 'motion.yaml')}
         processes.append(
             Node(
                 package='drake_geom_ros',
                 executable='pose_player',
-                parameters=[motion],
+                parameters=[{**motion, 'joint_states': True}],
                 **common,
             )
         )
     else:
         (robot,) = read_scene(scene).robots
         description = {'robot_description': robot.urdf.read_text()}
-        for package in PUBLISHERS:
-            processes.append(
-                Node(package=package, executable=package, parameters=[description], **common)
-            )
+        processes.append(
+            Node(package=PUBLISHER, executable=PUBLISHER, parameters=[description], **common)
+        )
     if given['rviz'] == 'true':
         processes.append(
             Node(

@@ -12,7 +12,6 @@ import time
 import numpy as np
 import rclpy
 from drake_geom_msgs import msg
-from geometry_msgs.msg import TransformStamped
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException
@@ -20,7 +19,6 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
-from tf2_msgs.msg import TFMessage
 
 from drake_geom_ros.client import (
     HeldFilter,
@@ -30,7 +28,6 @@ from drake_geom_ros.client import (
     UnknownNameError,
     exclude_between,
 )
-from drake_geom_ros.math import RigidTransform
 
 PERIOD = 0.02  # [s] between two words on ~/stop
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -54,7 +51,6 @@ class StopMonitor(Node):
         self._heard, self._danger, self._told = -np.inf, ('', ''), None
         self._holding, self._attached = None, False
         self._stop = self.create_publisher(Bool, '~/stop', LATCHED)
-        self._static = self.create_publisher(TFMessage, '/tf_static', LATCHED)
         waiting = ReentrantCallbackGroup()  # an answer waits for other answers
         for name in ('expect_contact', 'attach', 'release'):
             act = self._answering(getattr(self, f'_{name}'))
@@ -127,14 +123,14 @@ class StopMonitor(Node):
     async def _attach(self):
         """Have the object follow the gripper from where it is; to be called while both rest."""
         await self._expect_contact()
-        X_WG, X_WO = await self._pose(self._gripper), await self._pose(self._object)
-        self._place(self._own_name(self._gripper), X_WG.inverse() @ X_WO)
+        await self._asked.ask('attach', frame=self._object, parent=self._gripper)
         self._attached = True
         return f'{self._object} follows {self._gripper}'
 
     async def _release(self):
         """Leave the object where it is; the gripper has the length of a lease to withdraw."""
-        self._place('world', await self._pose(self._object))
+        if self._attached:
+            await self._asked.ask('detach', frame=self._object)
         self._attached = False
         if self._holding is not None:
             self._holding.let_run_out()
@@ -144,26 +140,6 @@ class StopMonitor(Node):
     def _lost(self):
         self._holding = None
         self.get_logger().warning('the filter is gone: the gripper must not touch the object')
-
-    async def _pose(self, frame):
-        answer = await self._asked.ask('get_pose', frame=frame)
-        p, q = answer.pose.pose.position, answer.pose.pose.orientation
-        return RigidTransform.FromArray([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
-
-    def _place(self, parent, X_PO):
-        """Give the object another parent in TF: one transform, and nobody to fight with."""
-        entry = TransformStamped(child_frame_id=self._own_name(self._object))
-        entry.header.frame_id = parent
-        entry.header.stamp = self.get_clock().now().to_msg()
-        p, q = entry.transform.translation, entry.transform.rotation
-        p.x, p.y, p.z, q.x, q.y, q.z, q.w = X_PO.ToArray().tolist()
-        self._static.publish(TFMessage(transforms=[entry]))
-
-    def _own_name(self, frame):
-        """Return what TF calls a frame of the scene: its name without the source."""
-        if self._listener.table is None:
-            raise UnknownNameError('the scene is not known yet')
-        return self._listener.table.own_name(frame)
 
     def stop_for_good(self):
         """Leave stop as the last word."""

@@ -114,10 +114,11 @@ LAYERS = {
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),
     'sensors': (('math', 'sensors'), ('numpy',)),
+    'proximity_rules': (('math', 'common', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'scene_files': (
-        ('math', 'common', 'sensors', 'geometry', 'scene_files'),
+        ('math', 'common', 'sensors', 'geometry', 'geometry/queries', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (

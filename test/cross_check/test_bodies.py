@@ -14,7 +14,9 @@ from bench.evidence.bodies.random_bodies import random_body, random_rotation
 from drake_geom_ros.cross_check.bodies import BOUNDED, PRIMITIVES, Body, Pair
 from drake_geom_ros.cross_check.surfaces import height, support_value, width
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
-from drake_geom_ros.geometry.meshes._welding import merged, volume
+from drake_geom_ros.geometry.meshes._solids import volume
+from drake_geom_ros.geometry.meshes._welding import merged
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 
 
 def body(kind):
@@ -25,7 +27,7 @@ def body(kind):
 def test_the_shape_is_that_of_the_truth(kind):
     number, parameters = body(kind).form
     shape = body(kind).shape
-    counts_as, ours = shape._for_queries().in_pairs
+    counts_as, ours = for_queries(shape).in_pairs
     assert counts_as == (CONVEX if kind == 'Mesh' else number)
     if kind in ('Convex', 'Mesh'):  # the hull may order its vertices anew
         end = 1 + 3 * int(parameters[0])

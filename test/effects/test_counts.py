@@ -19,6 +19,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
+from drake_geom_ros.geometry.queries.context import state_of
 
 BODIES = 12
 
@@ -89,7 +90,7 @@ def test_what_has_no_proximity_role_is_not_posed():
     scene = Scene([None, IllustrationProperties()])
     first = scene.cycle(np.zeros(BODIES), QUERIES[0])
     assert (first['frames_moved'], first['geometries_updated']) == (BODIES, BODIES)
-    assert scene.context._up_to_date_world().geometry_count == BODIES
+    assert state_of(scene.context).up_to_date_world().geometry_count == BODIES
 
 
 @pytest.mark.parametrize('query', QUERIES[:2])

@@ -12,7 +12,6 @@ from ros.harness import LATCHED, environment, start_node
 from ros.scene_calls import accepted, poses
 from std_msgs.msg import Bool
 
-pytest.importorskip('tf2_msgs.msg', reason='`./run test` builds it where it is missing')
 SCENE = """
 sources: [cell, {robot}]
 frames:

@@ -15,7 +15,6 @@ from std_srvs.srv import Trigger
 from drake_geom_ros.client import SceneGraphClient
 from drake_geom_ros.math import RigidTransform
 
-pytest.importorskip('tf2_msgs.msg', reason='`./run test` builds it where it is missing')
 CELL = ROOT / 'examples/ur5_cell'
 
 
@@ -26,7 +25,7 @@ class Cell:
         self.client = client
         params = ['--ros-args', '--params-file', str(CELL / 'cell_params.yaml')]
         scene = ['-p', f'scene_file:={CELL / "cell.yaml"}']
-        player = ['-p', f'trajectory_file:={CELL / "motion.yaml"}', '-p', 'tf:=true']
+        player = ['-p', f'trajectory_file:={CELL / "motion.yaml"}', '-p', 'joint_states:=true']
         module = 'drake_geom_ros.ros.{}'.format
         self.node = Process(folder / 'node', module('scene_graph_node'), *params, *scene)
         self.player = Process(

@@ -7,6 +7,7 @@ import pytest
 from oracles.shape_scenes import random_pair
 
 from drake_geom_ros.geometry import GeometryError, SignedDistanceResults
+from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform
 
 AWAY = RigidTransform([0.3, 5.0, 5.0]), RigidTransform([2.0, 0.0, 0.1])
@@ -49,7 +50,7 @@ def test_arrays_that_somebody_holds_are_never_written_again(pair):
 
 
 def test_results_of_the_same_poses_share_one_copy(pair):
-    world = pair.context._posed_world()
+    world = state_of(pair.context).posed_world()
     held, shared = pair.ask(), pair.ask()
     assert held._kept_poses is shared._kept_poses
     assert held._kept_poses.keep().R_WGs is not world.R_WGs
@@ -80,7 +81,7 @@ def test_results_that_nobody_holds_cost_no_copy(pair):
 def test_a_copy_of_a_context_shares_no_moment(pair):
     held = pair.ask()
     expected, copy = told(pair.ask()), pair.context.copy()
-    assert copy._posed_world()._kept_poses is None
+    assert state_of(copy).posed_world()._kept_poses is None
     pair.place(*AWAY)
     pair.ask()
     np.testing.assert_array_equal(told(held)[0], expected[0])

@@ -21,6 +21,7 @@ from drake_geom_ros.geometry import (
     Sphere,
     UnknownIdError,
 )
+from drake_geom_ros.geometry.model.scene_content import content_of
 
 WORLD = SceneGraph.world_frame_id()
 
@@ -185,12 +186,12 @@ REFUSED = {
 def test_refusals_say_why_and_change_nothing(scene, case):
     call, kind, words = REFUSED[case]
     version = scene.scene_graph.model_version()
-    filters = scene.scene_graph._filters.version
+    filters = content_of(scene.scene_graph).filters.version
     with pytest.raises(kind, match=words) as refusal:
         call(scene, scene.scene_graph)
     assert isinstance(refusal.value, RuntimeError)
     assert scene.scene_graph.model_version() == version
-    assert scene.scene_graph._filters.version == filters
+    assert content_of(scene.scene_graph).filters.version == filters
 
 
 def test_an_instance_and_a_frame_can_be_registered_once(scene):

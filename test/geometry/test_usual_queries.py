@@ -19,7 +19,8 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.geometry._proximity.engine import prepared
-from drake_geom_ros.geometry.queries import context as contexts
+from drake_geom_ros.geometry.queries import context_state as states
+from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform
 
 COUNT = 8
@@ -143,7 +144,7 @@ def test_queries_without_end_are_answered_as_of_now():
             fresh = copy.copy(scene.query)
             expected = fresh.ComputeSignedDistancePairwiseClosestPoints(float(reach))
             np.testing.assert_array_equal(near.distance, expected.distance)
-    assert len(scene.context._usual) <= contexts._MOST_USUAL
+    assert len(state_of(scene.context)._usual) <= states._MOST_USUAL
 
 
 def held(scene):

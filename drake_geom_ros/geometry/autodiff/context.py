@@ -15,35 +15,28 @@ from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.context_state import ContextState
 
 Floats = NDArray[np.float64]
 Poses = FramePoseVector | FramePoseVectorAutoDiffXd
 
 
-class SceneGraphContextAutoDiffXd(SceneGraphContext):
-    """A context of ``SceneGraph_[AutoDiffXd]``: poses, and how they move for each variable."""
+class ContextStateAutoDiffXd(ContextState):
+    """What a context holds whose poses carry derivatives: how they move for each variable, too."""
 
-    scalar = 'AutoDiffXd'
     _velocities: dict[int, Floats] | None = None  # V_PF (6, n) by the frame's id value
     number: Any = AutoDiffXd  # the type of the numbers that poses came in
 
-    def copy(self) -> SceneGraphContextAutoDiffXd:
-        """Return a context that shares nothing that either could change."""
-        other = super().copy()
-        assert isinstance(other, SceneGraphContextAutoDiffXd)
-        other._velocities, other.number = self._velocities, self.number
-        return other
-
-    def SetFramePoses(self, source_id: SourceId, poses: Poses) -> None:
-        """Pose all frames of a source, or none, as SceneGraphContext does."""
+    def pose_source(self, source_id: SourceId, poses: Poses) -> None:
+        """Pose all frames of a source, or none, as a context of floats does."""
         values, velocities = _taken_apart(poses)
-        super().SetFramePoses(source_id, values)
+        super().pose_source(source_id, values)
         self._take(poses, values, velocities)
 
-    def UpdateFramePoses(self, poses: Poses) -> None:
+    def pose_frames(self, poses: Poses) -> None:
         """Pose the frames that ``poses`` names; those of floats are constants."""
         values, velocities = _taken_apart(poses)
-        super().UpdateFramePoses(values)
+        super().pose_frames(values)
         self._take(poses, values, velocities)
 
     def _take(self, poses: Poses, values: FramePoseVector, velocities: dict[int, Floats]) -> None:
@@ -81,6 +74,27 @@ class SceneGraphContextAutoDiffXd(SceneGraphContext):
                 R_WP = world.R_WFs[parent]
                 V_WFs[row] += np.concatenate((R_WP @ V_PF[:3], R_WP @ V_PF[3:]))
         return V_WFs
+
+
+class SceneGraphContextAutoDiffXd(SceneGraphContext):
+    """A context of ``SceneGraph_[AutoDiffXd]``: poses, and how they move for each variable."""
+
+    scalar = 'AutoDiffXd'
+    _state: ContextStateAutoDiffXd
+    _state_type = ContextStateAutoDiffXd
+
+    def SetFramePoses(self, source_id: SourceId, poses: Poses) -> None:
+        """Pose all frames of a source, or none, as SceneGraphContext does."""
+        self._state.pose_source(source_id, poses)
+
+    def UpdateFramePoses(self, poses: Poses) -> None:
+        """Pose the frames that ``poses`` names; those of floats are constants."""
+        self._state.pose_frames(poses)
+
+
+def state_of(context: SceneGraphContextAutoDiffXd) -> ContextStateAutoDiffXd:
+    """Return what a context holds, for the query object that answers about it."""
+    return context._state
 
 
 def _taken_apart(poses: Poses) -> tuple[FramePoseVector, dict[int, Floats]]:

@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
 from drake_geom_ros.geometry._proximity.tolerances import SOFT
 from drake_geom_ros.geometry.autodiff.witnesses import PoseDerivatives, Side, motion_of, side_of
 from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.queries.query_gradients import pair_evidence, point_evidence
 from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
     PointDistanceResults,
@@ -53,19 +54,19 @@ class PairWitnesses:
         self, found: SignedDistanceResults | PenetrationResults, V_WFs: Floats, number: Any
     ) -> None:
         self._found, self._number = found, number
-        self._ids, self._rows = found._ids, found._rows
-        self._places = places_of(found._scene, self._ids)
-        frames = found._scene.frames[self._places]
+        self._of = of = pair_evidence(found)
+        self._places = places_of(of.scene, of.ids)
+        frames = of.scene.frames[self._places]
         self.velocities = V_WFs[frames[:, 0]], V_WFs[frames[:, 1]]
 
     @cached_property
     def _features(self) -> Features:
-        return features_of_pairs(self._found._scene, self._ids, self._found._surface_rows)
+        return features_of_pairs(self._of.scene, self._of.ids, self._of.surface_rows)
 
     def in_bodies(self, k: int) -> dict[str, Any]:
         """Return nhat_BA_W, p_ACa, p_BCb of pair k; raises GeometryError without derivatives."""
         row, motion, _ = self._motion(k)
-        scene, (a, b) = self._found._scene, self._places[k]
+        scene, (a, b) = self._of.scene, self._places[k]
         return {
             'nhat_BA_W': self._numbers(row, NORMAL, motion.nhat),
             'p_ACa': self._numbers(row, P_ACA, scene.R_WGs[a].T @ motion.of_a),
@@ -86,7 +87,7 @@ class PairWitnesses:
 
     def _motion(self, k: int) -> tuple[Floats, PoseDerivatives, tuple[Floats, Floats]]:
         """Return a row, how its points and normal move, and the velocities of the material."""
-        row, features = self._rows[k], self._features
+        row, features = self._of.rows[k], self._features
         V_A, V_B = (V_WFs[k] for V_WFs in self.velocities)
         if V_A.shape[1] == 0:  # constants
             none = np.zeros((3, 0))
@@ -104,7 +105,7 @@ class PairWitnesses:
 
     def _why_not(self, k: int) -> str:
         """Return why pair k has no derivatives but those of the distance, or nothing."""
-        types = self._found._scene.types[self._places[k]].tolist()
+        types = self._of.scene.types[self._places[k]].tolist()
         if self._found.is_padded:
             return 'they are of padded geometries, whose distances alone have derivatives'
         if self._found.method[k] == BOUND_ONLY:
@@ -113,7 +114,7 @@ class PairWitnesses:
             return (
                 "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
             )
-        if not self._rows[k, UNIQUE]:
+        if not self._of.rows[k, UNIQUE]:
             return 'the normal is not the only one'
         if not self._found.is_gradient_unique[k]:
             return 'the nearest points, or the normal where bodies touch, are not the only ones'
@@ -127,9 +128,10 @@ class PointWitnesses:
         self, found: PointDistanceResults, V_WFs: Floats, v_Qs: Floats, number: Any
     ) -> None:
         self._found, self._number = found, number
-        scene = found._scene
+        self._p_WQs, self._scene = point_evidence(found)
+        scene = self._scene
         self._places = places_of(scene, found.id_G)
-        self._p_FQs = found._p_WQs[found.point_index] - scene.p_WFs[scene.frames[self._places]]
+        self._p_FQs = self._p_WQs[found.point_index] - scene.p_WFs[scene.frames[self._places]]
         self.velocities: Floats = V_WFs[scene.frames[self._places]]
         self.of_points: Floats = v_Qs[found.point_index]
 
@@ -138,7 +140,7 @@ class PointWitnesses:
         """Those of G, as if it were met by itself: only B's side is looked at."""
         found, rows = self._found, np.zeros((len(self._places), BATCH_WIDTH))
         rows[:, NORMAL : NORMAL + 3], rows[:, P_BCB : P_BCB + 3] = found.grad_W, found.p_GN
-        return features_of_pairs(found._scene, np.column_stack((found.id_G, found.id_G)), rows)
+        return features_of_pairs(self._scene, np.column_stack((found.id_G, found.id_G)), rows)
 
     def nearest(self, k: int) -> dict[str, Any]:
         """Return grad_W and p_GN of answer k; raises GeometryError where they have none."""
@@ -147,7 +149,7 @@ class PointWitnesses:
         motion = PoseDerivatives(*3 * [np.zeros((3, 0))])
         if V.shape[1]:
             motion = self._motion(k, n)
-        of_N = found._scene.R_WGs[place].T @ motion.of_b
+        of_N = self._scene.R_WGs[place].T @ motion.of_b
         return {
             'grad_W': autodiff_array(n, motion.nhat, self._number),
             'p_GN': autodiff_array(found.p_GN[k], of_N, self._number),
@@ -159,7 +161,7 @@ class PointWitnesses:
         why = ''
         if found.is_padded:
             why = 'they are of padded geometries, whose distances alone have derivatives'
-        elif found._scene.types[self._places[k]] == SOLID:
+        elif self._scene.types[self._places[k]] == SOLID:
             why = "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
         elif not found.is_grad_W_unique[k]:
             why = 'the gradient is not the only one'

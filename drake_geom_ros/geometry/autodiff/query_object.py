@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
@@ -16,6 +17,12 @@ from drake_geom_ros.autodiffutils.arrays import (
     values_of,
 )
 from drake_geom_ros.autodiffutils.autodiff import is_autodiff
+from drake_geom_ros.geometry.autodiff.context import (
+    ContextStateAutoDiffXd,
+    SceneGraphContextAutoDiffXd,
+    SceneGraphInspectorAutoDiffXd,
+    state_of,
+)
 from drake_geom_ros.geometry.autodiff.derived import PairWitnesses, PointWitnesses
 from drake_geom_ros.geometry.autodiff.poses import with_derivatives
 from drake_geom_ros.geometry.autodiff.records import (
@@ -25,12 +32,11 @@ from drake_geom_ros.geometry.autodiff.records import (
 )
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
 from drake_geom_ros.geometry.queries.query_object import QueryObject
 
 if TYPE_CHECKING:
     from drake_geom_ros.autodiffutils.transforms import RigidTransformAutoDiffXd
-    from drake_geom_ros.geometry.autodiff.context import SceneGraphContextAutoDiffXd
-    from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
     from drake_geom_ros.geometry.queries.query_results import (
         PenetrationResults,
         SignedDistanceResults,
@@ -48,22 +54,21 @@ class QueryObjectAutoDiffXd:
 
     def __init__(self, context: SceneGraphContextAutoDiffXd | None = None) -> None:
         self._values = QueryObject(context)
+        self._context = context
+        # That of no context is asked as any other is, and refuses.
+        self._state = (
+            cast(ContextStateAutoDiffXd, NO_SCENE) if context is None else state_of(context)
+        )
 
     def __copy__(self) -> QueryObjectAutoDiffXd:
-        return QueryObjectAutoDiffXd(self._context.copy())
+        return QueryObjectAutoDiffXd(self._context and self._context.copy())
 
     def __deepcopy__(self, memo: dict[int, object]) -> QueryObjectAutoDiffXd:
         return self.__copy__()
 
-    @property
-    def _context(self) -> SceneGraphContextAutoDiffXd:
-        return cast('SceneGraphContextAutoDiffXd', self._values._context)
-
-    def inspector(self) -> SceneGraphInspector:
+    def inspector(self) -> SceneGraphInspectorAutoDiffXd:
         """Return the inspector of this context's model."""
-        from drake_geom_ros.geometry.autodiff.context import SceneGraphInspectorAutoDiffXd
-
-        return SceneGraphInspectorAutoDiffXd(self._context._model, self._context._filters)
+        return SceneGraphInspectorAutoDiffXd(self._state.model, self._state.filters)
 
     # Where things are.
 
@@ -78,18 +83,18 @@ class QueryObjectAutoDiffXd:
     def X_WF(self, id: FrameId) -> RigidTransformAutoDiffXd:
         """Return the pose of a frame in the world; raises for an id that is not here."""
         X_WF = self._values.X_WF(id)
-        world, row = self._context._placed_frame(id)
-        V_WF = self._context.spatial_velocities(world)[row]
-        return with_derivatives(X_WF, V_WF, self._context.number)
+        world, row = self._state.placed_frame(id)
+        V_WF = self._state.spatial_velocities(world)[row]
+        return with_derivatives(X_WF, V_WF, self._state.number)
 
     def X_PF(self, id: FrameId) -> RigidTransformAutoDiffXd:
         """Return the pose of a frame in its parent; raises for an id that is not here."""
-        V_PF = self._context.velocity_in_parent(id)
-        return with_derivatives(self._values.X_PF(id), V_PF, self._context.number)
+        V_PF = self._state.velocity_in_parent(id)
+        return with_derivatives(self._values.X_PF(id), V_PF, self._state.number)
 
     def X_WG(self, id: GeometryId) -> RigidTransformAutoDiffXd:
         """Return the pose of a geometry in the world; raises for an id that is not here."""
-        record = self._context._model.geometry(id)
+        record = self._state.model.geometry(id)
         X_WG: RigidTransformAutoDiffXd = self.X_WF(record.frame_id) @ record.X_FG
         return X_WG
 
@@ -100,7 +105,7 @@ class QueryObjectAutoDiffXd:
     ) -> list[PenetrationAsPointPairAutoDiffXd]:
         """Return the unfiltered pairs that overlap, as QueryObject does."""
         found = self._values.ComputePointPairPenetration(accuracy=accuracy)
-        depths, witnesses = self._of_pairs(found, found.depth)
+        depths, witnesses = self._of_pairs(found, found.depth, found.depth_jacobian)
         return [
             PenetrationAsPointPairAutoDiffXd(
                 id_A=GeometryId(int(found.id_A[k])),
@@ -145,7 +150,7 @@ class QueryObjectAutoDiffXd:
 
     def _distances(self, found: SignedDistanceResults) -> list[SignedDistancePairAutoDiffXd]:
         """Return the records of results."""
-        distances, witnesses = self._of_pairs(found, found.distance)
+        distances, witnesses = self._of_pairs(found, found.distance, found.distance_jacobian)
         return [
             SignedDistancePairAutoDiffXd(
                 id_A=GeometryId(int(found.id_A[k])),
@@ -160,14 +165,17 @@ class QueryObjectAutoDiffXd:
         ]
 
     def _of_pairs(
-        self, found: SignedDistanceResults | PenetrationResults, values: Floats
+        self,
+        found: SignedDistanceResults | PenetrationResults,
+        values: Floats,
+        jacobian: Callable[[Floats, Floats], Floats],
     ) -> tuple[Any, PairWitnesses]:
         """Return what is reported as numbers with derivatives, and who knows of the points."""
-        V_WFs = self._context.spatial_velocities(self._context._up_to_date_world())
-        witnesses = PairWitnesses(found, V_WFs, self._context.number)
+        V_WFs = self._state.spatial_velocities(self._state.up_to_date_world())
+        witnesses = PairWitnesses(found, V_WFs, self._state.number)
         J_As, J_Bs = witnesses.velocities
-        rates = found._jacobian(J_As, J_Bs)
-        return autodiff_array(values, rates, self._context.number), witnesses
+        rates = jacobian(J_As, J_Bs)
+        return autodiff_array(values, rates, self._state.number), witnesses
 
     # Points.
 
@@ -181,11 +189,11 @@ class QueryObjectAutoDiffXd:
         points = np.asarray(p_WQ)
         asked = self._values.ComputeSignedDistanceToPoint
         found = asked(values_of(points), threshold, accuracy=accuracy)
-        V_WFs = self._context.spatial_velocities(self._context._up_to_date_world())
+        V_WFs = self._state.spatial_velocities(self._state.up_to_date_world())
         v_Qs = derivatives_of(points.reshape(-1, 3))
         V_WFs, v_Qs = _of_the_same(V_WFs, v_Qs)
         moving = any(map(is_autodiff, points.astype(object).ravel()))
-        number = scalar_type(points) if moving else self._context.number
+        number = scalar_type(points) if moving else self._state.number
         witnesses = PointWitnesses(found, V_WFs, v_Qs, number)
         rates = found.distance_jacobian(witnesses.velocities, witnesses.of_points)
         distances = autodiff_array(found.distance, rates, number)

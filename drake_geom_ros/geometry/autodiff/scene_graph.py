@@ -49,13 +49,13 @@ class SceneGraphAutoDiffXd(SceneGraph):
 
     def model_inspector(self) -> SceneGraphInspectorAutoDiffXd:
         """Return the inspector of this scene's model."""
-        return SceneGraphInspectorAutoDiffXd(self._model, self._filters)
+        return SceneGraphInspectorAutoDiffXd(self._state.model, self._state.filters)
 
     def get_source_pose_port(  # type: ignore[override]
         self, source_id: SourceId
     ) -> SourcePosePortAutoDiffXd:
         """Return the port that takes the poses of a source's frames, with derivatives."""
-        self._model.source_name(source_id)
+        self._state.model.source_name(source_id)
         return SourcePosePortAutoDiffXd(source_id)
 
     def get_query_output_port(self) -> QueryPortAutoDiffXd:  # type: ignore[override]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError, OwnershipError
 from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
@@ -27,7 +28,7 @@ def remove_source(model: Model, source_id: SourceId) -> Removed:
     """Remove a source, its frames, and its geometries, anchored ones as well.
 
     Raises GeometryError for the source of the world frame, and OwnershipError while frames of
-    other sources are attached to its frames.
+    other sources are attached to its frames, or mounted on them.
     """
     name = model.source_name(source_id)
     if name == INTERNAL_SOURCE_NAME:
@@ -40,24 +41,20 @@ def remove_source(model: Model, source_id: SourceId) -> Removed:
         if frame.parent_id in gone and frame.source_id != source_id
     ]
     if guests:
-        raise OwnershipError(
-            f'RemoveSource of {name!r}: {", ".join(map(named, guests))} of other sources '
-            f'{"is" if len(guests) == 1 else "are"} attached to its frames; detach '
-            f'{"it" if len(guests) == 1 else "them"} first (DetachFrame)'
-        )
+        raise OwnershipError(_refusal(model, name, guests))
     geometries = [g for g in model.geometries.values() if g.source_id == source_id]
     for record in geometries:
-        model._children.pop(record.id, None)
+        model.children.pop(record.id, None)
         for role in record.roles():
-            del model._geometry_names[record.frame_id, role, record.name]
+            del model.geometry_names[record.frame_id, role, record.name]
         del model.frames[record.frame_id].geometry_ids[record.id]
         del model.geometries[record.id]
     for frame in frames:
-        model._frame_names.remove((source_id, model.frames.pop(frame).name))
+        model.frame_names.remove((source_id, model.frames.pop(frame).name))
         model.first_X_PFs.pop(frame, None)
     del model.sources[source_id]
-    model._source_names.remove(name)
-    model._changed(
+    model.source_names.remove(name)
+    model.changed(
         frames=bool(frames), roles={role for record in geometries for role in record.roles()}
     )
     return Removed(frames, geometries)
@@ -77,17 +74,24 @@ def attach_frame(
             f'AttachFrame: {named(frame)} cannot be attached to the world frame; DetachFrame puts '
             'it back on the frame that it was registered on'
         )
-    above = parent
-    while above.id != WORLD_FRAME_ID:
-        if above.id == frame_id:
-            raise ArgumentError(
-                f'AttachFrame: {named(parent)} hangs on {named(frame)}, which cannot follow it'
-            )
-        above = model.frames[above.parent_id]
+    _refuse_ring(model, frame, parent, 'AttachFrame')
     if frame.home_id is None:
         frame.home_id = frame.parent_id
     _hang_on(model, frame, parent_id)
     return frame
+
+
+def mount_frame(model: Model, source_id: SourceId, frame_id: FrameId, parent_id: FrameId) -> None:
+    """Let a frame hang on one of any source from now on, as if it had been registered on it.
+
+    Raises OwnershipError for a frame that is not the source's, GeometryError for one that is
+    attached, and ArgumentError where the other one hangs on the frame itself.
+    """
+    frame, parent = model.owned_frame(source_id, frame_id), model.frame(parent_id)
+    if frame.home_id is not None:
+        raise GeometryError(f'MountFrame: {named(frame)} is attached to a frame; detach it first')
+    _refuse_ring(model, frame, parent, 'MountFrame')
+    _hang_on(model, frame, parent_id)
 
 
 def detach_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> FrameRecord:
@@ -104,6 +108,39 @@ def detach_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> FrameR
     return frame
 
 
+def _refuse_ring(model: Model, frame: FrameRecord, parent: FrameRecord, asked: str) -> None:
+    """Raise ArgumentError where a frame is to follow one that hangs on it."""
+    above = parent
+    while above.id != WORLD_FRAME_ID:
+        if above.id == frame.id:
+            raise ArgumentError(
+                f'{asked}: {named(parent)} hangs on {named(frame)}, which cannot follow it'
+            )
+        above = model.frames[above.parent_id]
+
+
+def _refusal(model: Model, name: str, guests: list[FrameRecord]) -> str:
+    """Return why a source cannot go: frames of others hang on it."""
+    told = []
+    attached = [frame for frame in guests if frame.home_id is not None]
+    if attached:
+        them = 'it' if len(attached) == 1 else 'them'
+        told.append(
+            f'{", ".join(map(named, attached))} of other sources '
+            f'{"is" if len(attached) == 1 else "are"} attached to its frames; detach {them} first '
+            '(DetachFrame)'
+        )
+    mounted = [frame for frame in guests if frame.home_id is None]
+    if mounted:
+        sources = dict.fromkeys(model.source_name(frame.source_id) for frame in mounted)
+        told.append(
+            f'{counted(len(mounted), "frame")} of {", ".join(map(repr, sources))} '
+            f'{are(len(mounted))} mounted on its frames; remove {", ".join(map(repr, sources))} '
+            'first'
+        )
+    return f'RemoveSource of {name!r}: {", and ".join(told)}'
+
+
 def _hang_on(model: Model, frame: FrameRecord, parent_id: FrameId) -> None:
     """Give a frame another parent; it comes after that one, and what hangs on it after it."""
     frame.parent_id = parent_id
@@ -115,4 +152,4 @@ def _hang_on(model: Model, frame: FrameRecord, parent_id: FrameId) -> None:
     for id in [id for id in model.frames if id in below]:
         model.frames[id] = model.frames.pop(id)
     model.first_X_PFs.pop(frame.id, None)
-    model._changed(frames=True)
+    model.changed(frames=True)

@@ -57,11 +57,11 @@ class Model:
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.renderers: dict[str, Renderer] = {}
         self.versions = Versions()
-        self._source_names = {INTERNAL_SOURCE_NAME}
-        self._frame_names = {(internal, WORLD_NAME)}
-        self._geometry_names: dict[tuple[FrameId, Role, str], GeometryId] = {}
+        self.source_names = {INTERNAL_SOURCE_NAME}
+        self.frame_names = {(internal, WORLD_NAME)}
+        self.geometry_names: dict[tuple[FrameId, Role, str], GeometryId] = {}
         self._removed = Removed()
-        self._children: dict[GeometryId, list[GeometryId]] = {}  # registered on a geometry
+        self.children: dict[GeometryId, list[GeometryId]] = {}  # registered on a geometry
 
     def copy(self) -> Model:
         """Return a model that shares nothing that either could change."""
@@ -76,11 +76,11 @@ class Model:
         other.first_X_PFs = dict(self.first_X_PFs)
         other.renderers = dict(self.renderers)
         other.versions = self.versions.copy()
-        other._source_names = set(self._source_names)
-        other._frame_names = set(self._frame_names)
-        other._geometry_names = dict(self._geometry_names)
+        other.source_names = set(self.source_names)
+        other.frame_names = set(self.frame_names)
+        other.geometry_names = dict(self.geometry_names)
         other._removed = self._removed.copy()
-        other._children = {parent: list(children) for parent, children in self._children.items()}
+        other.children = {parent: list(children) for parent, children in self.children.items()}
         return other
 
     # Look-ups: each raises RuntimeError for an id of the wrong kind or one that is not here.
@@ -153,13 +153,13 @@ class Model:
         source_id = SourceId.get_new_id()
         default = f'Source_{source_id.get_value()}'
         new_name = canonical_name(name or default, 'RegisterSource')
-        if new_name in self._source_names:
+        if new_name in self.source_names:
             raise DuplicateError(
                 f'RegisterSource: the name {new_name!r} is taken; {self._sources()}'
             )
         self.sources[source_id] = new_name
-        self._source_names.add(new_name)
-        self._changed()
+        self.source_names.add(new_name)
+        self.changed()
         return source_id
 
     def register_frame(
@@ -178,8 +178,8 @@ class Model:
         self.frames[frame.id()] = FrameRecord(
             frame.id(), frame.name(), source_id, parent_id, frame.frame_group()
         )
-        self._frame_names.add((source_id, frame.name()))
-        self._changed(frames=True)
+        self.frame_names.add((source_id, frame.name()))
+        self.changed(frames=True)
         return frame.id()
 
     def register_geometry(
@@ -219,7 +219,7 @@ class Model:
         check_for_queries(record)
         self.frames[frame_id].geometry_ids[record.id] = None
         if record.parent_id is not None:
-            self._children.setdefault(record.parent_id, []).append(record.id)
+            self.children.setdefault(record.parent_id, []).append(record.id)
         self._store(record)
         return record
 
@@ -229,17 +229,17 @@ class Model:
         """Remove a geometry, and all that was registered on it; return what was removed."""
         removed = [self.owned_geometry(source_id, geometry_id)]
         for parent in removed:
-            removed += [self.geometries[id] for id in self._children.get(parent.id, [])]
+            removed += [self.geometries[id] for id in self.children.get(parent.id, [])]
         if removed[0].parent_id is not None:
-            self._children[removed[0].parent_id].remove(geometry_id)
+            self.children[removed[0].parent_id].remove(geometry_id)
         for record in removed:
-            self._children.pop(record.id, None)
+            self.children.pop(record.id, None)
             for role in record.roles():
-                del self._geometry_names[record.frame_id, role, record.name]
+                del self.geometry_names[record.frame_id, role, record.name]
             del self.frames[record.frame_id].geometry_ids[record.id]
             del self.geometries[record.id]
         self._removed.add(removed)
-        self._changed(roles={role for record in removed for role in record.roles()})
+        self.changed(roles={role for record in removed for role in record.roles()})
         return removed
 
     # Changes.
@@ -285,11 +285,11 @@ class Model:
             records = [r for r in self.geometries_on(of) if r.source_id == source_id]
         losing = [record for record in records if record.properties(role) is not None]
         for record in losing:
-            del self._geometry_names[record.frame_id, role, record.name]
+            del self.geometry_names[record.frame_id, role, record.name]
             changed: dict[str, None] = {ROLE_FIELDS[role]: None}
             self.geometries[record.id] = record.changed(**changed)
         if losing:
-            self._changed(roles=[role])
+            self.changed(roles=[role])
         return losing
 
     def change_shape(
@@ -317,10 +317,10 @@ class Model:
             raise GeometryError(f'RenameFrame to {name!r}: the world frame keeps its name')
         if new_name != frame.name:
             self._check_frame_name(frame.source_id, new_name, f"RenameFrame of '{frame.name}'")
-            self._frame_names.remove((frame.source_id, frame.name))
-            self._frame_names.add((frame.source_id, new_name))
+            self.frame_names.remove((frame.source_id, frame.name))
+            self.frame_names.add((frame.source_id, new_name))
             frame.name = new_name
-            self._changed(frames=True)
+            self.changed(frames=True)
 
     def rename_geometry(self, geometry_id: GeometryId, name: str) -> None:
         """Give a geometry another name."""
@@ -329,7 +329,7 @@ class Model:
         if new_name != record.name:
             self._check_geometry_name(record, new_name, record.roles(), 'RenameGeometry')
             for role in record.roles():
-                del self._geometry_names[record.frame_id, role, record.name]
+                del self.geometry_names[record.frame_id, role, record.name]
             self._store(record.changed(name=new_name), roles=())
 
     # Helpers.
@@ -340,8 +340,8 @@ class Model:
         """Keep a record and the names it takes; ``roles`` are those that change, None for all."""
         self.geometries[record.id] = record
         for role in record.roles():
-            self._geometry_names[record.frame_id, role, record.name] = record.id
-        self._changed(roles=record.roles() if roles is None else roles, names=names)
+            self.geometry_names[record.frame_id, role, record.name] = record.id
+        self.changed(roles=record.roles() if roles is None else roles, names=names)
 
     def _repose(self, record: GeometryRecord, X_FG: RigidTransform) -> None:
         """Move a geometry in its frame; what was registered on it keeps its pose in it."""
@@ -349,10 +349,10 @@ class Model:
         if record.parent_id is not None:
             X_PG = self.geometries[record.parent_id].X_FG.InvertAndCompose(X_FG)
         self._store(record.changed(X_FG=X_FG, X_PG=X_PG), names=False)
-        for child_id in self._children.get(record.id, []):
+        for child_id in self.children.get(record.id, []):
             self._repose(self.geometries[child_id], X_FG @ self.geometries[child_id].X_PG)
 
-    def _changed(
+    def changed(
         self, frames: bool = False, roles: Collection[Role] = (), names: bool = True
     ) -> None:
         """Count a change of frames, or of what has these roles; not of ``names``: of shapes."""
@@ -380,7 +380,7 @@ class Model:
 
     def _check_frame_name(self, source_id: SourceId, name: str, what: str) -> None:
         """Raise DuplicateError if a source has a frame of that name."""
-        if (source_id, name) in self._frame_names:
+        if (source_id, name) in self.frame_names:
             raise DuplicateError(f'{what}: the source has a frame of the name {name!r} already')
 
     def _check_geometry_name(
@@ -388,7 +388,7 @@ class Model:
     ) -> None:
         """Raise DuplicateError if the frame has a geometry of that name in any of the roles."""
         for role in roles:
-            owner = self._geometry_names.get((record.frame_id, role, name))
+            owner = self.geometry_names.get((record.frame_id, role, name))
             if owner is not None:
                 raise DuplicateError(
                     f"{what}: the frame '{self.frames[record.frame_id].name}' has a geometry of "
@@ -397,4 +397,4 @@ class Model:
 
     def _sources(self) -> str:
         """Return the names of the sources, for messages."""
-        return f'there are {sorted(self._source_names)}'
+        return f'there are {sorted(self.source_names)}'

@@ -16,8 +16,8 @@ from drake_geom_ros.geometry.model.properties import (
     ProximityProperties,
     Role,
 )
-from drake_geom_ros.geometry.shapes.from_meshes import Mesh
-from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape
+from drake_geom_ros.geometry.shapes.from_meshes import Mesh, tell_if_open
+from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape, for_queries
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import FARTHEST
 
@@ -92,7 +92,7 @@ class GeometryRecord:
         Raises GeometryError where queries could not answer for it. It lives as long as the record:
         however many meshes a scene has, none is read again because another one came.
         """
-        return self.shape._for_queries(is_solid(self))
+        return for_queries(self.shape, is_solid(self))
 
     def changed(self, **fields: Any) -> GeometryRecord:
         """Return the record with other values in some fields; the shape stays packed if it can."""
@@ -174,4 +174,4 @@ def check_for_queries(record: GeometryRecord) -> None:
     padding_of(record)
     _ = record.queried_shape
     if isinstance(record.shape, Mesh) and not is_solid(record):
-        record.shape._tell_if_open()
+        tell_if_open(record.shape)

@@ -24,6 +24,7 @@ from drake_geom_ros.geometry.model.collision_filter_declaration import (
 )
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.properties import Role
+from drake_geom_ros.geometry.model.scene_content import proximity_keys_on
 
 _OPERATIONS = {
     EXCLUDE_WITHIN: 'ExcludeWithin',
@@ -153,9 +154,7 @@ class CollisionFilterManager:
                     'the world'
                 )
         for frame in frames:
-            on_it = self._model.geometries_on(frame.id)
-            keys = [g.id.get_value() for g in on_it if g.proximity is not None]
-            self._filters.weld(frame.id.get_value(), keys)
+            self._filters.weld(frame.id.get_value(), proximity_keys_on(self._model, frame.id))
 
     def welded_frames(self) -> list[FrameId]:
         """Return the frames that are welded to the world."""

@@ -179,6 +179,11 @@ class FramePoseVector:
         return self._arrays
 
 
+def arrays_of(poses: FramePoseVector) -> _Arrays:
+    """Return id values (n,) and poses (n, POSE_WIDTH), which nobody changes."""
+    return poses._arrays or poses._as_arrays()
+
+
 def _poses_of(ids: Indices, poses: ArrayLike) -> Floats:
     """Return the rows (n, POSE_WIDTH) of the poses (n, 7) of as many different frames.
 

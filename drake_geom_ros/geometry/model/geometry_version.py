@@ -30,18 +30,18 @@ class GeometryVersion:
     def __init__(self, other: GeometryVersion | None = None) -> None:
         self._numbers: Mapping[Role, int] = other._numbers if other else fresh_marks()
 
-    @classmethod
-    def _of(cls, numbers: Mapping[Role, int]) -> GeometryVersion:
-        """Return the mark of these numbers."""
-        version = cls.__new__(cls)
-        version._numbers = dict(numbers)
-        return version
-
     def IsSameAs(self, other: GeometryVersion, role: Role) -> bool:
         """Return whether nothing of a role changed; raises RuntimeError for kUnassigned."""
         if role not in self._numbers:
             raise ArgumentError(f'IsSameAs: {role!r} has no versions; ask for one of the others')
         return self._numbers[role] == other._numbers[role]
+
+
+def version_of(numbers: Mapping[Role, int]) -> GeometryVersion:
+    """Return the mark of these numbers."""
+    version = GeometryVersion()
+    version._numbers = dict(numbers)
+    return version
 
 
 def fresh_marks() -> dict[Role, int]:

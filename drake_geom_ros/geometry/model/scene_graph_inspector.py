@@ -16,7 +16,7 @@ from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import FrameRecord, GeometryRecord, named
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
-from drake_geom_ros.geometry.model.geometry_version import GeometryVersion
+from drake_geom_ros.geometry.model.geometry_version import GeometryVersion, version_of
 from drake_geom_ros.geometry.model.instances import GeometryInstance
 from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
@@ -231,7 +231,7 @@ class SceneGraphInspector:
 
     def geometry_version(self) -> GeometryVersion:
         """Return the mark of the geometries as they are now."""
-        return GeometryVersion._of(self._model.role_versions(self._filters.version))
+        return version_of(self._model.role_versions(self._filters.version))
 
     def GetPoseInFrame(self, geometry_id: GeometryId) -> RigidTransform:
         """Return X_FG, the pose of a geometry in its frame."""
@@ -335,14 +335,21 @@ class SceneGraphInspector:
 
     def GetCollisionCandidates(self) -> set[tuple[GeometryId, GeometryId]]:
         """Return the pairs (A, B), A < B, that pairwise queries consider."""
+        values, considered = self.candidate_matrix()
+        ids = [GeometryId(value) for value in values.tolist()]
+        rows, columns = np.nonzero(np.triu(considered))
+        return {(ids[a], ids[b]) for a, b in zip(rows.tolist(), columns.tolist(), strict=True)}
+
+    def candidate_matrix(self) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return GetCollisionCandidates as a symmetric matrix (n, n).
+
+        And the id values (n,), ascending, of its rows: of all that have the proximity role.
+        """
         ids = self.GetAllGeometryIds(Role.kProximity)
-        slots = self._filters.slots(np.array([id.get_value() for id in ids], dtype=np.int64))
-        pairs: list[tuple[GeometryId, GeometryId]] = []
-        for i, id_A in enumerate(ids):
-            others = slots[i + 1 :]
-            reported = self._filters.mask(np.full_like(others, slots[i]), others)
-            pairs += ((id_A, ids[i + 1 + k]) for k in np.flatnonzero(reported).tolist())
-        return set(pairs)
+        values = np.array([id.get_value() for id in ids], dtype=np.int64)
+        slots = self._filters.slots(values)
+        rows = [self._filters.mask(np.full_like(slots, slot), slots) for slot in slots]
+        return values, np.array(rows, dtype=np.bool_).reshape(len(ids), len(ids))
 
     def _record(self, id: FrameId | GeometryId) -> FrameRecord | GeometryRecord:
         """Return the record of a frame or a geometry."""
@@ -354,6 +361,11 @@ class SceneGraphInspector:
 
 def _has_role(record: GeometryRecord, role: Role) -> bool:
     return record.has_role(checked_type(role, Role, 'role'))
+
+
+def model_version(inspector: SceneGraphInspector) -> int:
+    """Return the number that grows with every change of what is inspected, but for filters."""
+    return inspector._model.versions.any
 
 
 def _with_role(records: Any, role: Role | None) -> list[GeometryId]:

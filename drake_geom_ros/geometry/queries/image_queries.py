@@ -9,24 +9,25 @@ from typing import TYPE_CHECKING, NamedTuple
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId
+from drake_geom_ros.geometry.queries.pose_queries import PoseQueries
 from drake_geom_ros.geometry.render.camera_properties import (
     Camera,
     CameraProperties,
     DepthCameraProperties,
     core_of,
+    depth_camera_of,
 )
 from drake_geom_ros.geometry.render.cameras import (
     ColorRenderCamera,
     DepthRenderCamera,
     refuse_window,
 )
-from drake_geom_ros.geometry.render.render_engine import RenderedImages
+from drake_geom_ros.geometry.render.render_engine import RenderedImages, images_of, shown_by
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 
 if TYPE_CHECKING:
-    from drake_geom_ros.geometry.queries.context import SceneGraphContext
     from drake_geom_ros.geometry.render._packing import Packed
     from drake_geom_ros.geometry.render.render_engine import RenderEngine
 
@@ -40,7 +41,7 @@ class _Kept(NamedTuple):
     packed: Packed
 
 
-class ImageQueries:
+class ImageQueries(PoseQueries):
     """What a query object answers with images; it has all other queries too.
 
     A camera's body C is posed by ``X_PC`` in a frame P. The camera looks along +z, x is to the
@@ -48,14 +49,6 @@ class ImageQueries:
     is seen, if it accepts the camera's renderer: ``('renderer', 'accepting')``, a name or a set of
     them.
     """
-
-    if TYPE_CHECKING:
-
-        @property
-        def _context(self) -> SceneGraphContext: ...
-
-        def X_WF(self, id: FrameId) -> RigidTransform:
-            """Return the pose of a frame in the world."""
 
     def RenderColorImage(
         self,
@@ -122,7 +115,7 @@ class ImageQueries:
                 f'render_images: want = {sorted(wanted)} must be of {sorted(_KINDS)}'
             )
         if isinstance(camera, DepthCameraProperties):
-            camera = camera._depth_camera()
+            camera = depth_camera_of(camera)
         depth_range = camera.depth_range() if isinstance(camera, DepthRenderCamera) else None
         if not isinstance(camera, CameraProperties | ColorRenderCamera | DepthRenderCamera):
             raise ArgumentError(f'an image was asked for of {camera!r}, which is no camera')
@@ -133,33 +126,33 @@ class ImageQueries:
             raise
         except RuntimeError as error:  # of the camera's intrinsics
             raise ArgumentError(str(error)) from None
-        engine = Renderers(self._context._model).find(core.renderer_name(), 'an image')
+        engine = Renderers(self._state.model).find(core.renderer_name(), 'an image')
         X_WS = self.X_WF(parent_frame) @ X_PC @ core.sensor_pose_in_camera_body()
         packed = self._packed(engine, core.renderer_name())
-        bodies = packed.placed_in(self._context._posed_world())
-        return engine._render(packed, bodies, core, X_WS, depth_range, wanted)
+        bodies = packed.placed_in(self._state.posed_world())
+        return images_of(engine, packed, bodies, core, X_WS, depth_range, wanted)
 
     def _packed(self, engine: RenderEngine, renderer_name: str) -> Packed:
         """Return what a renderer shows, packed once a version of the geometry."""
         # Only here: who makes no images imports nothing that does.
         from drake_geom_ros.geometry.render._packing import packed_of
 
-        context, shown = self._context, engine._shown()
-        versions = context._model.versions
+        state, shown = self._state, shown_by(engine)
+        versions = state.model.versions
         key = renderer_name, engine, versions.frames, versions.roles[shown.role]
         # A snapshot shares what was packed; nothing of it ever changes.
-        kept: _Kept | None = context._packed_scenes.get(renderer_name)
+        kept: _Kept | None = state.packed_scenes.get(renderer_name)
         if kept is None or kept.key != key:
-            kept = _Kept(key, packed_of(context._model, shown, renderer_name))
-            context._packed_scenes[renderer_name] = kept
+            kept = _Kept(key, packed_of(state.model, shown, renderer_name))
+            state.packed_scenes[renderer_name] = kept
         return kept.packed
 
     def image_state(self) -> bytes:
         """Return what differs whenever an image of anything here may: of poses and geometry."""
-        context = self._context
-        world = context._up_to_date_world()
+        state = self._state
+        world = state.up_to_date_world()
         world.update()
-        digest = hashlib.blake2b(str(context._model.versions.any).encode())
+        digest = hashlib.blake2b(str(state.model.versions.any).encode())
         for part in (world.R_WFs, world.p_WFs, world.placed):
             digest.update(part.tobytes())
         return digest.digest()
@@ -170,6 +163,6 @@ class ImageQueries:
         Labels of geometry without one of its own are the renderer's business: the default, or,
         numbered, one for each.
         """
-        engine = Renderers(self._context._model).find(renderer_name, 'a legend')
+        engine = Renderers(self._state.model).find(renderer_name, 'a legend')
         packed = self._packed(engine, renderer_name)
         return dict(zip(packed.ids, packed.bodies.labels.tolist(), strict=True))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any, cast
 
 from drake_geom_ros.geometry.errors import GeometryError
-from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.context_state import ContextState
 
 
 class _NoScene:
-    """The context of a query object that has none: whatever is asked of it is refused."""
+    """What a query object asks that has no context: whatever is asked of it is refused."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith('__'):
@@ -20,4 +20,4 @@ class _NoScene:
         )
 
 
-NO_SCENE = cast(SceneGraphContext, _NoScene())
+NO_SCENE = cast(ContextState, _NoScene())

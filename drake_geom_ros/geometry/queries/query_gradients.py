@@ -8,7 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._proximity.derivatives.gradients import gradients_of_pairs, places_of
+from drake_geom_ros.geometry._proximity.derivatives.gradients import (
+    gradients_of_pairs,
+    gradients_of_rows,
+    places_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_GRADIENT
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import PointBatch
 from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses, PosedWorld
@@ -160,6 +164,37 @@ class PointGradients:
         grads = self._arrays.rows[:, None, POINT_GRADIENT : POINT_GRADIENT + 3]
         of_points: Floats = total + (grads @ _checked(J_Qs, count, 3))[:, 0]
         return of_points
+
+
+class PairEvidence(NamedTuple):
+    """What the derivatives of k pairs are made of."""
+
+    ids: Indices  # (k, 2)
+    rows: Floats  # what is reported
+    surface_rows: Floats  # the same about the bodies themselves, without their paddings
+    scene: PosedWorld
+
+
+class PointEvidence(NamedTuple):
+    """What the derivatives of distances to points are made of."""
+
+    p_WQs: Floats  # (m, 3) [m]
+    scene: PosedWorld
+
+
+def pair_evidence(found: PairGradients) -> PairEvidence:
+    """Return what results of one state rest on; raises GeometryError for those of many."""
+    return PairEvidence(found._ids, found._rows, found._surface_rows, found._scene)
+
+
+def point_evidence(found: PointGradients) -> PointEvidence:
+    """Return what results of one state rest on; raises GeometryError for those of many."""
+    return PointEvidence(found._p_WQs, found._scene)
+
+
+def distance_gradients(found: PairGradients) -> Floats:
+    """Return the gradients (k, 12) of the distances, of results of many states as well."""
+    return gradients_of_rows(found._rows)
 
 
 def _posed(kept_poses: KeptPoses | None) -> PosedWorld:

@@ -15,10 +15,9 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import batch_of
 from drake_geom_ros.geometry._proximity.pairs.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
-from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.ids import GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
-from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
-from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
 from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_pairs, padded_points
@@ -28,8 +27,6 @@ from drake_geom_ros.geometry.queries.query_results import (
     PointDistanceResults,
     SignedDistanceResults,
 )
-from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
-from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.missing import refuse_missing_member
 from drake_geom_ros.math.tolerances import FARTHEST
 
@@ -46,10 +43,11 @@ class QueryObject(ImageQueries):
     """
 
     def __init__(self, context: SceneGraphContext | None = None) -> None:
-        self._context: SceneGraphContext = NO_SCENE if context is None else context
+        self._context = context
+        self._state = NO_SCENE if context is None else state_of(context)
 
     def __copy__(self) -> QueryObject:
-        return QueryObject(self._context.copy())
+        return QueryObject(self._context and self._context.copy())
 
     def __deepcopy__(self, memo: dict[int, object]) -> QueryObject:
         return self.__copy__()
@@ -57,13 +55,9 @@ class QueryObject(ImageQueries):
     if not TYPE_CHECKING:  # mypy would take any method for one that is there
         __getattr__ = refuse_missing_member
 
-    def inspector(self) -> SceneGraphInspector:
-        """Return the inspector of this context's model."""
-        return SceneGraphInspector(self._context._model, self._context._filters)
-
     def effects(self) -> Effects:
         """Return what the last query did and what it skipped, with counts and seconds."""
-        return self._context._engine.effects
+        return self._state.engine.effects
 
     def cost_of_levels(
         self, max_distance: float = math.inf, *, samples: int = 64, seed: int = 0
@@ -77,84 +71,9 @@ class QueryObject(ImageQueries):
         max_distance that is NaN.
         """
         reach = _checked_distance('max_distance', max_distance)
-        context = self._context
-        world = context._posed_world()
-        return seconds_a_pair(world, context._filters, reach, samples, seed)
-
-    # Where things are.
-
-    def GetPoseInWorld(
-        self,
-        id: FrameId | GeometryId | None = None,
-        *,
-        frame_id: FrameId | None = None,
-        geometry_id: GeometryId | None = None,
-    ) -> RigidTransform:
-        """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
-        asked = only_id('GetPoseInWorld', id, frame_id, geometry_id)
-        return self.X_WG(asked) if isinstance(asked, GeometryId) else self.X_WF(asked)
-
-    def GetPoseInParent(self, frame_id: FrameId) -> RigidTransform:
-        """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
-        return self.X_PF(frame_id)
-
-    def X_WF(self, id: FrameId) -> RigidTransform:
-        """Return the pose of a frame in the world; raises for an id that is not here."""
-        world, row = self._context._placed_frame(id)
-        world.update()
-        return _transform(world.R_WFs[row], world.p_WFs[row])
-
-    def X_PF(self, id: FrameId) -> RigidTransform:
-        """Return the pose of a frame in its parent; raises for an id that is not here."""
-        world, row = self._context._placed_frame(id, in_world=False)
-        return _transform(world.R_PFs[row], world.p_PFs[row])
-
-    def X_WG(self, id: GeometryId) -> RigidTransform:
-        """Return the pose of a geometry in the world; raises for an id that is not here."""
-        record = self._context._model.geometry(id)
-        return self.X_WF(record.frame_id) @ record.X_FG
-
-    def ComputeObbInWorld(self, geometry_id: GeometryId) -> Obb | None:
-        """Return the oriented box around a geometry, in World; None for a half space."""
-        obb = self.inspector().GetObbInGeometryFrame(geometry_id)
-        return obb and Obb(self.X_WG(geometry_id) @ obb.pose(), obb.half_width())
-
-    # What waits for its first pose: while anything does, other contexts refuse all queries, and
-    # partial ones leave it out.
-
-    def waiting_frames(self) -> list[FrameId]:
-        """Return the frames that never had a pose, parents first."""
-        return [FrameId(v) for v in self._context._up_to_date_world().unposed_frames().tolist()]
-
-    def is_placed(self, id: FrameId | GeometryId) -> bool:
-        """Return whether a frame, or that of a geometry, and all its parents have a pose."""
-        model, world = self._context._model, self._context._up_to_date_world()
-        frame = model.geometry(id).frame_id if isinstance(id, GeometryId) else model.frame(id).id
-        return bool(world.placed[world.frame_rows(np.array([frame.get_value()]))[0]])
-
-    def num_waiting_pairs(self) -> int:
-        """Return how many unfiltered pairs have a geometry that is not placed: at any distance."""
-        return self._context._count_waiting_pairs()
-
-    def num_waiting_geometries(self) -> int:
-        """Return how many geometries with the proximity role are not placed."""
-        return int(np.count_nonzero(self._context._up_to_date_world().waiting))
-
-    def X_WGs(self, ids: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return R_WG (k, 3, 3) and p_WG (k, 3) [m] of geometries by the values (k,) of their ids.
-
-        For many at once: ``X_WG`` of one takes a hundred times as long. Raises RoleError for what
-        has no proximity role here.
-        """
-        world = self._context._up_to_date_world()
-        world.update()
-        values, known = np.asarray(ids, dtype=np.int64), world.geometries.ids
-        if unknown := np.setdiff1d(values, known).tolist():
-            raise RoleError(
-                f'these ids belong to no geometry with the proximity role: {unknown[:5]}'
-            )
-        rows = np.searchsorted(known, values)
-        return world.R_WGs[rows], world.p_WGs[rows]
+        state = self._state
+        world = state.posed_world()
+        return seconds_a_pair(world, state.filters, reach, samples, seed)
 
     # Pairs.
 
@@ -173,12 +92,12 @@ class QueryObject(ImageQueries):
 
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
-        context = self._context
-        if paddings := context._paddings():
+        state = self._state
+        if paddings := state.paddings():
             return self._padded(paddings, 0.0, accuracy, time_budget).penetrations()
-        query = context._query('penetrations', accuracy, 0.0, True, ANSWERS)
+        query = state.query('penetrations', accuracy, 0.0, True, ANSWERS)
         budget = _checked_budget(time_budget)
-        answers = context._engine.answer_of(query, budget)
+        answers = state.engine.answer_of(query, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
         if query.is_bound or budget > 0.0:
             return PenetrationResults(batch_of(answers).penetrating(), query.world.kept_poses())
@@ -191,11 +110,11 @@ class QueryObject(ImageQueries):
         hides contacts deeper than a millimetre, a pair counts as colliding when the certified
         interval of its distance reaches below 0: there a contact is possible.
         """
-        context = self._context
-        if paddings := context._paddings():
+        state = self._state
+        if paddings := state.paddings():
             return len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
-        query = context._query('contact', accuracy, 0.0, True, CONTACT)
-        return context._engine.finds_overlap(query)
+        query = state.query('contact', accuracy, 0.0, True, CONTACT)
+        return state.engine.finds_overlap(query)
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self,
@@ -220,20 +139,20 @@ class QueryObject(ImageQueries):
         NaN.
         """
         reach = _checked_distance('max_distance', max_distance)
-        context = self._context
-        if paddings := context._paddings():
+        state = self._state
+        if paddings := state.paddings():
             return self._padded(paddings, reach, accuracy, time_budget)
-        query = context._query(reach, accuracy, reach, False, ANSWERS)
-        answers = context._engine.answer_of(query, _checked_budget(time_budget))
+        query = state.query(reach, accuracy, reach, False, ANSWERS)
+        answers = state.engine.answer_of(query, _checked_budget(time_budget))
         return SignedDistanceResults(answers, query.world.kept_poses())
 
     def _padded(
         self, paddings: Paddings, reach: float, accuracy: str | None, budget: float | None = None
     ) -> SignedDistanceResults:
         """Return the pairs within ``reach`` [m] where geometries have paddings."""
-        context, far = self._context, reach + paddings.of_pair
-        query = context._query(('padded', far), accuracy, far, False, ANSWERS)
-        batch = batch_of(context._engine.answer_of(query, _checked_budget(budget)))
+        state, far = self._state, reach + paddings.of_pair
+        query = state.query(('padded', far), accuracy, far, False, ANSWERS)
+        batch = batch_of(state.engine.answer_of(query, _checked_budget(budget)))
         padded = padded_pairs(batch, paddings, query.world, reach)
         return SignedDistanceResults(padded, query.world.kept_poses())
 
@@ -270,8 +189,8 @@ class QueryObject(ImageQueries):
         ``hint`` (3,) is the nhat_BA_W from which an iteration starts, of an earlier answer with
         the ids in ascending order. A good one saves time; the certificate holds whatever it is.
         """
-        context = self._context
-        records = [context._model.geometry(g) for g in (geometry_id_A, geometry_id_B)]
+        state = self._state
+        records = [state.model.geometry(g) for g in (geometry_id_A, geometry_id_B)]
         records.sort(key=lambda record: record.id)
         asked = 'The signed distance of ' + ' and '.join(f"'{r.name}' ({r.id!r})" for r in records)
         for record in records:
@@ -281,21 +200,21 @@ class QueryObject(ImageQueries):
                     'assign it with SceneGraph.AssignRole.'
                 )
         keys = [record.id.get_value() for record in records]
-        if reasons := context._filters.explain(keys[0], keys[1]):
+        if reasons := state.filters.explain(keys[0], keys[1]):
             raise FilterError(
                 f'{asked} was asked for, but the pair is filtered: {", ".join(reasons)}. '
                 + how_to_allow(reasons)
             )
         for record in records:
-            context._placed_frame(record.frame_id)
-        world = context._posed_world()
+            state.placed_frame(record.frame_id)
+        world = state.posed_world()
         pair = np.searchsorted(world.geometries.ids, keys)[None, :].astype(np.int64)
         start = None if hint is None else _checked_hint(hint)
-        batch = context._engine.distance_of_pair(world, pair, self._level(accuracy), start)
+        batch = state.engine.distance_of_pair(world, pair, state.level(accuracy), start)
         if not len(batch.ids):
             why = unsupported(*world.geometries.types[pair[0]].tolist())
             raise GeometryError(f'{asked} was asked for: {why}.')
-        if (paddings := context._paddings()) is not None:
+        if (paddings := state.paddings()) is not None:
             batch = padded_pairs(batch, paddings, world, math.inf)
         return SignedDistanceResults(batch, world.kept_poses())
 
@@ -306,16 +225,16 @@ class QueryObject(ImageQueries):
 
         They are the same at each ``accuracy``; a name that is none raises ArgumentError.
         """
-        self._level(accuracy)
+        self._state.level(accuracy)
         ids_A, ids_B = self.collision_candidates().T.tolist()
         return [(GeometryId(a), GeometryId(b)) for a, b in zip(ids_A, ids_B, strict=True)]
 
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
-        context = self._context
-        reach = paddings.of_pair if (paddings := context._paddings()) else 0.0
-        query = context._query(('candidates', reach), 'bound', reach, False, CANDIDATES)
-        return query.world.geometries.ids[context._engine.candidates_of(query)]
+        state = self._state
+        reach = paddings.of_pair if (paddings := state.paddings()) else 0.0
+        query = state.query(('candidates', reach), 'bound', reach, False, CANDIDATES)
+        return query.world.geometries.ids[state.engine.candidates_of(query)]
 
     # Points.
 
@@ -333,7 +252,7 @@ class QueryObject(ImageQueries):
         and for a threshold that is NaN.
         """
         reach = _checked_distance('threshold', threshold)
-        self._level(accuracy)
+        self._state.level(accuracy)
         p_WQs = np.array(p_WQ, dtype=np.float64, order='C', ndmin=2)  # the results keep it
         if p_WQs.shape == (3, 1):
             p_WQs = p_WQs.reshape(1, 3)
@@ -344,17 +263,13 @@ class QueryObject(ImageQueries):
             )
         if not are_allowed(p_WQs):
             raise ArgumentError(_why_refused(p_WQs))
-        context = self._context
-        world, paddings = context._pointed_world(), context._paddings()
+        state = self._state
+        world, paddings = state.pointed_world(), state.paddings()
         farthest = reach + (paddings.of_pair if paddings else 0.0)
-        batch = context._engine.point_distances(world, p_WQs, farthest)
+        batch = state.engine.point_distances(world, p_WQs, farthest)
         if paddings:
             batch = padded_points(batch, paddings, world, p_WQs, reach)
         return PointDistanceResults(batch, world.kept_poses(), p_WQs, paddings is not None)
-
-    def _level(self, accuracy: str | None) -> str:
-        """Return the accuracy level to use."""
-        return self._context._accuracy if accuracy is None else checked_accuracy(accuracy)
 
 
 def _checked_distance(name: str, value: float) -> float:
@@ -380,10 +295,6 @@ def _checked_hint(hint: ArrayLike) -> NDArray[np.float64]:
     if nhat_BA_W.shape != (3,):
         raise ArgumentError(f'hint has the shape {nhat_BA_W.shape}; it must be a normal (3,).')
     return nhat_BA_W
-
-
-def _transform(R: NDArray[np.float64], p: NDArray[np.float64]) -> RigidTransform:
-    return RigidTransform(RotationMatrix(R.copy()), p.copy())
 
 
 def _why_refused(p_WQs: NDArray[np.float64]) -> str:

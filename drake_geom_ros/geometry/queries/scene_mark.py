@@ -3,25 +3,14 @@
 from __future__ import annotations
 
 import threading
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.filters.state import FilterState
-from drake_geom_ros.geometry.model._model import Model
-from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.model.scene_content import SceneHolder, content_of
+from drake_geom_ros.geometry.queries.posed_scene import PosedScene
 
 Indices = NDArray[np.int64]
-
-
-class _Scene(Protocol):
-    """A scene graph, or a context."""
-
-    @property
-    def _model(self) -> Model: ...
-    @property
-    def _filters(self) -> FilterState: ...
 
 
 class SceneMark:
@@ -31,13 +20,13 @@ class SceneMark:
     ``frame_ids`` (n,) are values of those that states do pose.
     """
 
-    def __init__(self, scene: _Scene, frame_ids: Indices) -> None:
-        self._scene, self._frame_ids = scene, frame_ids
+    def __init__(self, scene: SceneHolder, frame_ids: Indices) -> None:
+        self._content, self._frame_ids = content_of(scene), frame_ids
         self._lock = threading.Lock()
-        self._context = scene if isinstance(scene, SceneGraphContext) else None
-        if self._context is not None:
-            self._context._up_to_date_world().update()  # so that a query moves nothing
-            self._still = self._poses(self._context)
+        self._posed = self._content if isinstance(self._content, PosedScene) else None
+        if self._posed is not None:
+            self._posed.up_to_date_world().update()  # so that a query moves nothing
+            self._still = self._poses(self._posed)
         self._seen = self._now()
         self._kept = self._place()  # so that no other object gets its id
 
@@ -53,32 +42,32 @@ class SceneMark:
 
     def _looks_the_same(self) -> bool:
         now, seen = self._now(), self._seen
-        if self._context is None or now[:3] != seen[:3]:
+        if self._posed is None or now[:3] != seen[:3]:
             return False
-        if not np.array_equal(self._poses(self._context), self._still):
+        if not np.array_equal(self._poses(self._posed), self._still):
             return False
-        self._context._up_to_date_world().update()
+        self._posed.up_to_date_world().update()
         self._seen, self._kept = self._now(), self._place()
         return True
 
     def _now(self) -> tuple[object, ...]:
         """Return what changes when something may have changed; the first three surely have."""
-        model, filters = self._scene._model, self._scene._filters
+        model, filters = self._content.model, self._content.filters
         versions = (model.versions.frames, model.versions.proximity, filters.version)
         place = id(self._place())
-        if self._context is None:
+        if self._posed is None:
             return *versions, place
-        world = self._context._world
+        world = self._posed.world
         return *versions, place, world.revision, world.is_stale
 
     def _place(self) -> object:
         """Return what has the poses, which is another object when they may have changed."""
-        if self._context is None:
-            return self._scene._model.first_X_PFs
-        return self._context._world
+        if self._posed is None:
+            return self._content.model.first_X_PFs
+        return self._posed.world
 
-    def _poses(self, context: SceneGraphContext) -> NDArray[np.float64]:
+    def _poses(self, posed: PosedScene) -> NDArray[np.float64]:
         """Return the poses (k, 12) of the frames that no state poses."""
-        world = context._up_to_date_world()
+        world = posed.up_to_date_world()
         others = ~np.isin(world.frames.ids, self._frame_ids)
         return np.hstack((world.R_PFs[others].reshape(-1, 9), world.p_PFs[others]))

@@ -10,7 +10,6 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.derivatives.gradients import gradients_of_rows
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_DISTANCE,
@@ -28,8 +27,9 @@ from drake_geom_ros.geometry._proximity.world.world import (
 )
 from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId
-from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
-from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
+from drake_geom_ros.geometry.model.scene_content import SceneContent, proximity_keys_on
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.padding import (
     Paddings,
     lower_ends,
@@ -93,29 +93,30 @@ class PackedScene:
         these. Raises PoseError for one that is
         not there or is there twice, and for other frames that never had a pose.
         """
-        world = context._up_to_date_world()
+        state = state_of(context)
+        world = state.up_to_date_world()
         if about_points:
-            know_point_shapes(world, context._model)
+            know_point_shapes(world, state.model)
         world = world.copy()
         named = world.named(frame_ids)
         if named is None or len(np.unique(frame_ids)) < len(frame_ids):
             known = world.has_frames(frame_ids)
             bad = frame_ids[~known].tolist() or sorted(frame_ids.tolist())
             problem = 'are not in this scene' if not known.all() else 'are not all different'
-            raise PoseError(f'States were refused: these frames {problem}: {_few(context, bad)}.')
+            raise PoseError(f'States were refused: these frames {problem}: {state.describe(bad)}.')
         rows = named.rows
         world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows])
         if waiting := world.unposed_frames().tolist():
             raise PoseError(
                 'States were refused: these frames, which they do not name, never had a pose: '
-                f'{_few(context, waiting)}.'
+                f'{state.describe(waiting)}.'
             )
         world.update()
         near = NeighbourList(world)
-        near.bring_up_to_date(world, _unwelded(context, frame_ids, still or {}), math.inf)
+        near.bring_up_to_date(world, _unwelded(state, frame_ids, still or {}), math.inf)
         table = world.geometries
         none = np.zeros(len(table.ids))
-        paddings = context._paddings() or Paddings(none, none.astype(bool))
+        paddings = state.paddings() or Paddings(none, none.astype(bool))
         # What no state keeps is no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
         R_PFs[rows], p_PFs[rows] = np.eye(3), 0.0
@@ -183,11 +184,7 @@ class PackedScene:
 
 def default_accuracy(context: SceneGraphContext) -> str:
     """Return the accuracy of queries of a context that name none."""
-    return context._accuracy
-
-
-def _few(context: SceneGraphContext, values: list[int]) -> str:
-    return context._describe(values)
+    return state_of(context).accuracy
 
 
 class StateQueries:
@@ -327,11 +324,6 @@ def _any_of_each(counts: Indices, keep: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return found
 
 
-def pose_gradients(results: SignedDistanceResults) -> Floats:
-    """Return the gradients (k, 12) of distances as ``SignedDistanceResults`` of one state does."""
-    return gradients_of_rows(results._rows)
-
-
 def level_gap_of(accuracy: str) -> float:
     """Return the gap [m] that a level allows kernels; infinite: bounds alone will do."""
     return math.inf if accuracy == 'bound' else LEVEL_GAPS[accuracy]
@@ -359,10 +351,10 @@ class StateError(PoseError):
 
 
 def _unwelded(
-    context: SceneGraphContext, frame_ids: Indices, still: Mapping[int, Floats]
+    content: SceneContent, frame_ids: Indices, still: Mapping[int, Floats]
 ) -> FilterState:
     """Return the filters where no frame that states move from its place is welded to the world."""
-    filters = context._filters
+    filters = content.filters
     moved = [
         frame
         for frame in filters.welded.keys() & set(frame_ids.tolist())
@@ -371,8 +363,7 @@ def _unwelded(
     if moved:
         filters = filters.copy()
         for frame in moved:
-            on_it = context._model.geometries_on(FrameId(frame))
-            filters.unweld(frame, [g.id.get_value() for g in on_it if g.proximity is not None])
+            filters.unweld(frame, proximity_keys_on(content.model, FrameId(frame)))
     return filters
 
 
@@ -380,5 +371,5 @@ def _stays_welded(first: Floats | None, pose: Floats | None) -> bool:
     """Tell whether a pose (7,) of all states is the first one that a welded frame had, if any."""
     if pose is None:
         return False
-    _, (X_WF,) = FramePoseVector.FromArrays(np.ones(1, dtype=np.int64), pose[None])._as_arrays()
+    _, (X_WF,) = arrays_of(FramePoseVector.FromArrays(np.ones(1, dtype=np.int64), pose[None]))
     return first is None or bool(np.abs(X_WF - first).max() <= WELDED_STAYS)

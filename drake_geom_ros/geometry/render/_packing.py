@@ -19,8 +19,8 @@ from drake_geom_ros.geometry.model._records import GeometryRecord, named
 from drake_geom_ros.geometry.model.properties import GeometryProperties, Role
 from drake_geom_ros.geometry.model.rgba import Rgba
 from drake_geom_ros.geometry.render.render_label import RenderLabel
-from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
-from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
+from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape, for_queries
 from drake_geom_ros.math.batched import compose
 
 if TYPE_CHECKING:
@@ -191,7 +191,7 @@ def _primitive(record: GeometryRecord) -> tuple[int, Floats]:
     if isinstance(shape, (Convex, Mesh)):
         return CONVEX, np.zeros(3)
     numbers = np.zeros(3)
-    kind, parameters = shape._for_queries().in_pairs
+    kind, parameters = for_queries(shape).in_pairs
     numbers[: len(parameters)] = parameters
     small = (parameters < SMALLEST_SIZE).any() and kind not in (SPHERE, HALF_SPACE)
     if small or (parameters > LARGEST_SIZE).any():
@@ -218,7 +218,7 @@ def _mesh(record: GeometryRecord) -> _Facets:
     shape = record.shape
     if isinstance(shape, Mesh):
         vertices, triangles = shape.surface()
-        colours = facet_colours(shape._mesh)
+        colours = facet_colours(mesh_of(shape))
     elif isinstance(shape, Convex):
         vertices, triangles = shape.hull_surface()
         colours = None

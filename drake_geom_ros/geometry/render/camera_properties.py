@@ -43,9 +43,10 @@ class DepthCameraProperties(CameraProperties):
     z_near: float
     z_far: float
 
-    def _depth_camera(self) -> DepthRenderCamera:
-        """Return the same camera as it is described today."""
-        return DepthRenderCamera(self._core(), DepthRange(self.z_near, self.z_far))
+
+def depth_camera_of(camera: DepthCameraProperties) -> DepthRenderCamera:
+    """Return the same camera as it is described today."""
+    return DepthRenderCamera(core_of(camera), DepthRange(camera.z_near, camera.z_far))
 
 
 Camera = CameraProperties | ColorRenderCamera | DepthRenderCamera

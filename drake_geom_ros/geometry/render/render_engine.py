@@ -53,3 +53,21 @@ class RenderEngine(ABC):
         want: frozenset[str],
     ) -> RenderedImages:
         """Return the images whose names are in ``want``, of a sensor posed in World."""
+
+
+def shown_by(engine: RenderEngine) -> RenderEngineExactParams:
+    """Return what says which geometry an engine shows, and how it is labelled and coloured."""
+    return engine._shown()
+
+
+def images_of(
+    engine: RenderEngine,
+    packed: Packed,
+    bodies: PlacedBodies,
+    core: RenderCameraCore,
+    X_WS: RigidTransform,
+    depth_range: DepthRange | None,
+    want: frozenset[str],
+) -> RenderedImages:
+    """Return the images whose names are in ``want``, of a sensor posed in World."""
+    return engine._render(packed, bodies, core, X_WS, depth_range, want)

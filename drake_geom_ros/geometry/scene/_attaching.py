@@ -2,45 +2,36 @@
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry.checks import checked_pose
 from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model import _attachments
-from drake_geom_ros.geometry.model._model import Model
-from drake_geom_ros.geometry.model._records import FrameRecord
-from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
-from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.model.scene_content import SceneContent, SceneHolder
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.math import RigidTransform
 
 
-class Attaching:
+class Attaching(SceneHolder):
     """What is ours of a SceneGraph's changes: pydrake's sources stay, and so do parents."""
 
-    _model: Model
-    _filters: FilterState
-
     @or_on_context
-    def RemoveSource(
-        self, on: Attaching | SceneGraphContext, source_id: SourceId
-    ) -> list[FrameId]:
+    def RemoveSource(self, on: SceneContent, source_id: SourceId) -> list[FrameId]:
         """Remove a source with its frames and geometries; return its frames, which are gone.
 
         What was said of its geometries in collision filters goes with them. Raises RuntimeError
         if the source is not registered, and while frames of others are attached to its frames.
         """
-        removed = _attachments.remove_source(on._model, source_id)
+        removed = _attachments.remove_source(on.model, source_id)
         for record in removed.geometries:
             if record.proximity is not None:
-                on._filters.remove(record.id.get_value())
+                on.filters.remove(record.id.get_value())
         for frame in removed.frames:
-            on._filters.welded.pop(frame.get_value(), None)
+            on.filters.welded.pop(frame.get_value(), None)
         return removed.frames
 
     @or_on_context
     def AttachFrame(
         self,
-        on: Attaching | SceneGraphContext,
+        on: SceneContent,
         source_id: SourceId,
         frame_id: FrameId,
         parent_id: FrameId,
@@ -53,12 +44,28 @@ class Attaching:
         frame is not the source's, or the other one is the world or hangs on it.
         """
         pose = checked_pose(X_PF, 'AttachFrame: X_PF')
-        _settle(on, _attachments.attach_frame(on._model, source_id, frame_id, parent_id), pose)
+        on.begin_at(_attachments.attach_frame(on.model, source_id, frame_id, parent_id), pose)
+
+    @or_on_context
+    def MountFrame(
+        self,
+        on: SceneContent,
+        source_id: SourceId,
+        frame_id: FrameId,
+        parent_id: FrameId,
+    ) -> None:
+        """Let a frame hang on a frame of any source for good, as if it had been registered there.
+
+        Its poses X_PF, which its own source goes on giving, are those in that frame from then on:
+        a robot on another one's flange. Raises RuntimeError if the
+        frame is not the source's, is attached, or the other one hangs on it.
+        """
+        _attachments.mount_frame(on.model, source_id, frame_id, parent_id)
 
     @or_on_context
     def DetachFrame(
         self,
-        on: Attaching | SceneGraphContext,
+        on: SceneContent,
         source_id: SourceId,
         frame_id: FrameId,
         X_PF: RigidTransform,
@@ -68,14 +75,4 @@ class Attaching:
         Raises RuntimeError if the frame is not the source's, or is not attached.
         """
         pose = checked_pose(X_PF, 'DetachFrame: X_PF')
-        _settle(on, _attachments.detach_frame(on._model, source_id, frame_id), pose)
-
-
-def _settle(on: Attaching | SceneGraphContext, frame: FrameRecord, X_PF: RigidTransform) -> None:
-    """Pose a frame that has another parent now, and end its weld."""
-    on._model.first_X_PFs[frame.id] = X_PF
-    if frame.id.get_value() in on._filters.welded:
-        keys = [g.id.get_value() for g in on._model.geometries_on(frame.id) if g.proximity]
-        on._filters.unweld(frame.id.get_value(), keys)
-    if isinstance(on, SceneGraphContext):
-        on.UpdateFramePoses(FramePoseVector({frame.id: X_PF}))
+        on.begin_at(_attachments.detach_frame(on.model, source_id, frame_id), pose)

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar, cast, overload
 
 from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.model.scene_content import SceneContent, SceneHolder, content_of
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 
-_Scene = TypeVar('_Scene')  # the scene graph's class, which stands above this file
+_Scene = TypeVar('_Scene', bound=SceneHolder)  # the scene graph, which stands above this file
 _P = ParamSpec('_P')
 _R = TypeVar('_R', covariant=True)
 
@@ -28,22 +29,22 @@ class _WithOrWithoutContext(Protocol[_P, _R]):
 
 
 def or_on_context(
-    method: Callable[Concatenate[_Scene, _Scene | SceneGraphContext, _P], _R],
+    method: Callable[Concatenate[_Scene, SceneContent, _P], _R],
 ) -> _WithOrWithoutContext[_P, _R]:
     """Let a method be called with or without a context before its arguments.
 
-    The method gets whoever holds the model and the filters to change: the context if one is
-    given, else the scene graph itself.
+    The method gets the model and the filters to change: those of the context if one is given,
+    else the scene graph's own.
     """
 
     @functools.wraps(method)
     def call(self: _Scene, *args: Any, **kwargs: Any) -> _R:
         if args and isinstance(args[0], SceneGraphContext):
-            return method(self, args[0], *args[1:], **kwargs)
+            return method(self, content_of(args[0]), *args[1:], **kwargs)
         context = kwargs.pop('context', None)
         if context is not None:
             checked_type(context, SceneGraphContext, f'{method.__name__}: context')
-        return method(self, context or self, *args, **kwargs)
+        return method(self, content_of(context or self), *args, **kwargs)
 
     # What help() shows: the arguments that callers give.
     shown = inspect.signature(method)

@@ -22,8 +22,10 @@ from drake_geom_ros.geometry.model.properties import (
     Role,
     RoleAssign,
 )
+from drake_geom_ros.geometry.model.scene_content import SceneContent, content_of
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
-from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.geometry.scene._attaching import Attaching
@@ -64,8 +66,7 @@ class SceneGraph(Attaching):
 
     def __init__(self, *, accuracy: str = 'exact') -> None:
         """``accuracy`` is that of queries which name none: bound, fast, balanced or exact."""
-        self._model = Model()
-        self._filters = FilterState()
+        self._state = SceneContent(Model(), FilterState())
         self.set_default_accuracy(accuracy)
 
     if not TYPE_CHECKING:  # mypy would take any method for one that is there
@@ -74,17 +75,17 @@ class SceneGraph(Attaching):
     # Registration.
 
     @or_on_context
-    def RegisterSource(self, on: _Holder, name: str = '') -> SourceId:
+    def RegisterSource(self, on: SceneContent, name: str = '') -> SourceId:
         """Register a source and return its id; unnamed it becomes ``Source_<id>``.
 
         Raises RuntimeError if the name is taken.
         """
-        return on._model.register_source(name)
+        return on.model.register_source(name)
 
     @or_on_context
     def RegisterFrame(
         self,
-        on: _Holder,
+        on: SceneContent,
         source_id: SourceId,
         parent_id: FrameId | GeometryFrame | None = None,
         frame: GeometryFrame | None = None,
@@ -98,12 +99,12 @@ class SceneGraph(Attaching):
             parent_id, frame = None, parent_id
         parent: Any = WORLD_FRAME_ID if parent_id is None else parent_id
         definition = checked_type(frame, GeometryFrame, 'RegisterFrame: frame')
-        return on._model.register_frame(source_id, definition, parent)
+        return on.model.register_frame(source_id, definition, parent)
 
     @or_on_context
     def RegisterGeometry(
         self,
-        on: _Holder,
+        on: SceneContent,
         source_id: SourceId,
         frame_id: FrameId | GeometryId | None = None,
         geometry: GeometryInstance | None = None,
@@ -123,28 +124,30 @@ class SceneGraph(Attaching):
 
     @or_on_context
     def RegisterAnchoredGeometry(
-        self, on: _Holder, source_id: SourceId, geometry: GeometryInstance
+        self, on: SceneContent, source_id: SourceId, geometry: GeometryInstance
     ) -> GeometryId:
         """Register a geometry on the world, where it stays; see ``RegisterGeometry``."""
         instance = checked_type(geometry, GeometryInstance, 'RegisterAnchoredGeometry: geometry')
         return _register_geometry(on, source_id, WORLD_FRAME_ID, instance)
 
     @or_on_context
-    def RemoveGeometry(self, on: _Holder, source_id: SourceId, geometry_id: GeometryId) -> None:
+    def RemoveGeometry(
+        self, on: SceneContent, source_id: SourceId, geometry_id: GeometryId
+    ) -> None:
         """Remove a geometry, and those that were registered on it.
 
         Raises RuntimeError if it is not the source's.
         """
-        for record in on._model.remove_geometry(source_id, geometry_id):
+        for record in on.model.remove_geometry(source_id, geometry_id):
             if record.proximity is not None:
-                on._filters.remove(record.id.get_value())
+                on.filters.remove(record.id.get_value())
 
     # Changes.
 
     @or_on_context
     def AssignRole(
         self,
-        on: _Holder,
+        on: SceneContent,
         source_id: SourceId,
         geometry_id: GeometryId,
         properties: GeometryProperties,
@@ -155,14 +158,14 @@ class SceneGraph(Attaching):
         Raises RuntimeError if the geometry is not the source's, it has the role already (kNew) or
         has it not yet (kReplace), or its name is taken for that role on its frame.
         """
-        record = on._model.assign_role(source_id, geometry_id, properties, assign)
+        record = on.model.assign_role(source_id, geometry_id, properties, assign)
         if assign is RoleAssign.kNew and isinstance(properties, ProximityProperties):
             _add_to_filters(on, record)
 
     @or_on_context
     def RemoveRole(
         self,
-        on: _Holder,
+        on: SceneContent,
         source_id: SourceId,
         geometry_id: GeometryId | FrameId | None = None,
         role: Role | None = None,
@@ -174,16 +177,16 @@ class SceneGraph(Attaching):
         Returns how many had it. Raises RuntimeError if geometry or frame is not the source's.
         """
         of: Any = frame_id if geometry_id is None else geometry_id
-        losing = on._model.remove_role(source_id, of, checked_type(role, Role, 'RemoveRole: role'))
+        losing = on.model.remove_role(source_id, of, checked_type(role, Role, 'RemoveRole: role'))
         if role is Role.kProximity:
             for record in losing:
-                on._filters.remove(record.id.get_value())
+                on.filters.remove(record.id.get_value())
         return len(losing)
 
     @or_on_context
     def ChangeShape(
         self,
-        on: _Holder,
+        on: SceneContent,
         source_id: SourceId,
         geometry_id: GeometryId,
         shape: Shape,
@@ -194,17 +197,17 @@ class SceneGraph(Attaching):
         Roles and filters stay. What was registered on the geometry keeps its pose in it. Raises
         RuntimeError if it is not the source's.
         """
-        on._model.change_shape(source_id, geometry_id, shape, X_FG)
+        on.model.change_shape(source_id, geometry_id, shape, X_FG)
 
     @or_on_context
-    def RenameFrame(self, on: _Holder, frame_id: FrameId, name: str) -> None:
+    def RenameFrame(self, on: SceneContent, frame_id: FrameId, name: str) -> None:
         """Rename a frame; raises RuntimeError if its source has a frame of that name."""
-        on._model.rename_frame(frame_id, name)
+        on.model.rename_frame(frame_id, name)
 
     @or_on_context
-    def RenameGeometry(self, on: _Holder, geometry_id: GeometryId, name: str) -> None:
+    def RenameGeometry(self, on: SceneContent, geometry_id: GeometryId, name: str) -> None:
         """Rename a geometry; raises RuntimeError if the name is taken for one of its roles."""
-        on._model.rename_geometry(geometry_id, name)
+        on.model.rename_geometry(geometry_id, name)
 
     # Collision filters.
 
@@ -212,55 +215,57 @@ class SceneGraph(Attaching):
         self, context: SceneGraphContext | None = None
     ) -> CollisionFilterManager:
         """Return the manager of the collision filters of the model, or of a context."""
-        on: _Holder = self
         if context is not None:
-            on = checked_type(context, SceneGraphContext, 'collision_filter_manager: context')
-        return CollisionFilterManager(on._model, on._filters)
+            checked_type(context, SceneGraphContext, 'collision_filter_manager: context')
+        on = content_of(context or self)
+        return CollisionFilterManager(on.model, on.filters)
 
     @or_on_context
-    def ExcludeCollisionsWithin(self, on: _Holder, set: GeometrySet) -> None:
+    def ExcludeCollisionsWithin(self, on: SceneContent, set: GeometrySet) -> None:
         """Exclude all pairs within a set; the older form of a persistent declaration."""
         declaration = CollisionFilterDeclaration().ExcludeWithin(set)
-        CollisionFilterManager(on._model, on._filters).Apply(declaration)
+        CollisionFilterManager(on.model, on.filters).Apply(declaration)
 
     @or_on_context
-    def ExcludeCollisionsBetween(self, on: _Holder, setA: GeometrySet, setB: GeometrySet) -> None:
+    def ExcludeCollisionsBetween(
+        self, on: SceneContent, setA: GeometrySet, setB: GeometrySet
+    ) -> None:
         """Exclude all pairs between two sets; the older form of a persistent declaration."""
         declaration = CollisionFilterDeclaration().ExcludeBetween(setA, setB)
-        CollisionFilterManager(on._model, on._filters).Apply(declaration)
+        CollisionFilterManager(on.model, on.filters).Apply(declaration)
 
     # Renderers.
 
     @or_on_context
-    def AddRenderer(self, on: _Holder, name: str, renderer: RenderEngine) -> None:
+    def AddRenderer(self, on: SceneContent, name: str, renderer: RenderEngine) -> None:
         """Let cameras ask a renderer by this name; raises RuntimeError if it is taken."""
-        Renderers(on._model).add(name, renderer)
+        Renderers(on.model).add(name, renderer)
 
     @or_on_context
-    def HasRenderer(self, on: _Holder, name: str) -> bool:
+    def HasRenderer(self, on: SceneContent, name: str) -> bool:
         """Return whether there is a renderer of this name."""
-        return name in on._model.renderers
+        return name in on.model.renderers
 
     @or_on_context
-    def RendererCount(self, on: _Holder) -> int:
+    def RendererCount(self, on: SceneContent) -> int:
         """Return how many renderers there are."""
-        return len(on._model.renderers)
+        return len(on.model.renderers)
 
     @or_on_context
-    def RegisteredRendererNames(self, on: _Holder) -> list[str]:
+    def RegisteredRendererNames(self, on: SceneContent) -> list[str]:
         """Return the names of the renderers."""
-        return list(on._model.renderers)
+        return list(on.model.renderers)
 
     @or_on_context
-    def GetRendererTypeName(self, on: _Holder, name: str) -> str:
+    def GetRendererTypeName(self, on: SceneContent, name: str) -> str:
         """Return the class of a renderer by its name, or nothing where there is none such."""
-        renderer = on._model.renderers.get(name)
+        renderer = on.model.renderers.get(name)
         return '' if renderer is None else type(renderer).__name__
 
     @or_on_context
-    def RemoveRenderer(self, on: _Holder, name: str) -> None:
+    def RemoveRenderer(self, on: SceneContent, name: str) -> None:
         """Forget a renderer; raises RuntimeError where there is none of this name."""
-        Renderers(on._model).remove(name)
+        Renderers(on.model).remove(name)
 
     # Looking, and asking.
 
@@ -271,18 +276,18 @@ class SceneGraph(Attaching):
 
     def model_inspector(self) -> SceneGraphInspector:
         """Return the inspector of this scene's model; a context's comes from its query object."""
-        return SceneGraphInspector(self._model, self._filters)
+        return SceneGraphInspector(self._state.model, self._state.filters)
 
     def model_version(self) -> int:
         """Return a number that grows with every change of sources, frames and geometries."""
-        return self._model.versions.any
+        return self._state.model.versions.any
 
     def names_version(self) -> int:
         """Return the model_version() since which nothing came, went, or changed name or roles.
 
         Shapes, their properties and where they are on their frames may have changed since.
         """
-        return self._model.versions.names
+        return self._state.model.versions.names
 
     def default_accuracy(self) -> str:
         """Return the accuracy that contexts get for queries which name none."""
@@ -299,11 +304,11 @@ class SceneGraph(Attaching):
         not here and for the world, and nothing has changed then.
         """
         checked_type(poses, FramePoseVector, 'SetFirstPoses: poses')
-        first = {self._model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
+        first = {self._state.model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
         if WORLD_FRAME_ID in first:
             raise PoseError('SetFirstPoses: the world frame has no pose')
         # A new one: whoever noted the old one sees that it is another, see ``SceneMark``.
-        self._model.first_X_PFs = self._model.first_X_PFs | first
+        self._state.model.first_X_PFs = self._state.model.first_X_PFs | first
 
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters.
@@ -311,8 +316,8 @@ class SceneGraph(Attaching):
         Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
         queries raise PoseError, which names the frames, until each frame was given one.
         """
-        model, filters = self._model.copy(), self._filters.copy()
-        return self._context_type(model, filters, self._default_accuracy)
+        own = self._state.copy()
+        return self._context_type(own.model, own.filters, self._default_accuracy)
 
     def Clone(self) -> SceneGraph:
         """Return a scene of its own, with the same ids, filters and default accuracy."""
@@ -324,7 +329,7 @@ class SceneGraph(Attaching):
 
     def _copied_to(self, kind: type[SceneGraph]) -> SceneGraph:
         other = kind(accuracy=self._default_accuracy)
-        other._model, other._filters = self._model.copy(), self._filters.copy()
+        other._state = self._state.copy()
         return other
 
     def CreateSharedContext(self, *, partial: bool = False) -> SceneGraphContext:
@@ -334,14 +339,16 @@ class SceneGraph(Attaching):
         ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
         on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
         """
-        return self._context_type(self._model, self._filters, self._default_accuracy, partial)
+        return self._context_type(
+            self._state.model, self._state.filters, self._default_accuracy, partial
+        )
 
     def get_source_pose_port(self, source_id: SourceId) -> SourcePosePort:
         """Return the port that takes the poses of a source's frames.
 
         Raises RuntimeError if the source is not registered.
         """
-        self._model.source_name(source_id)
+        self._state.model.source_name(source_id)
         return SourcePosePort(source_id)
 
     def get_query_output_port(self) -> QueryPort:
@@ -353,23 +360,20 @@ class SceneGraph(Attaching):
         return PoseBundlePort()
 
 
-_Holder = SceneGraph | SceneGraphContext
-
-
 def _register_geometry(
-    on: _Holder, source_id: SourceId, parent: FrameId | GeometryId, instance: GeometryInstance
+    on: SceneContent, source_id: SourceId, parent: FrameId | GeometryId, instance: GeometryInstance
 ) -> GeometryId:
     """Register a geometry in a model, and with its filters if it has the proximity role."""
-    record = on._model.register_geometry(source_id, parent, instance)
+    record = on.model.register_geometry(source_id, parent, instance)
     if record.proximity is not None:
         _add_to_filters(on, record)
     return record.id
 
 
-def _add_to_filters(on: _Holder, record: GeometryRecord) -> None:
+def _add_to_filters(on: SceneContent, record: GeometryRecord) -> None:
     """Make a geometry that has got the proximity role known to the filters."""
     key, frame = record.id.get_value(), record.frame_id
-    on._filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
+    on.filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
 
 
 # ``scalar_templates`` adds what it is of AutoDiffXd.

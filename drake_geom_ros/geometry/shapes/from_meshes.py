@@ -217,16 +217,6 @@ class Mesh(_FromMesh):
 
         return PackedShape(*solid_of(self._mesh, self._scales))
 
-    def _tell_if_open(self) -> None:
-        """Warn of a mesh that is not closed: it is no solid to points either."""
-        from drake_geom_ros.geometry.meshes._welding import closed_surface
-
-        source = mesh_source(self._mesh)
-        try:
-            closed_surface(*triangles_of(source), name_of(source))
-        except MeshFileError as problem:
-            _warn_of_points(problem)
-
     def _to_points(self, hull: PackedShape) -> PackedShape:
         """Return the solid that the surface bounds, else the hull, and warn of that."""
         try:
@@ -234,6 +224,22 @@ class Mesh(_FromMesh):
         except MeshFileError as problem:
             _warn_of_points(problem)
             return hull
+
+
+def mesh_of(shape: Convex | Mesh) -> MeshGiven:
+    """Return what a shape was made of."""
+    return shape._mesh
+
+
+def tell_if_open(shape: Mesh) -> None:
+    """Warn of a mesh that is not closed: it is no solid to points either."""
+    from drake_geom_ros.geometry.meshes._welding import closed_surface
+
+    source = mesh_source(shape._mesh)
+    try:
+        closed_surface(*triangles_of(source), name_of(source))
+    except MeshFileError as problem:
+        _warn_of_points(problem)
 
 
 def _warn_of_points(problem: MeshFileError) -> None:

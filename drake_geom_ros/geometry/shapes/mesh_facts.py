@@ -11,7 +11,7 @@ from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._solids import have_area, weldings_of
 from drake_geom_ros.geometry.meshes._welding import closed_surface
 from drake_geom_ros.geometry.meshes.source import remarks_on, surface
-from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
 
 Floats = NDArray[np.float64]
 
@@ -35,8 +35,8 @@ def mesh_facts(shape: Convex | Mesh) -> MeshFacts:
 
     Raises MeshFileError for a file that cannot be read.
     """
-    vertices, triangles = surface(shape._mesh, shape.scale3())
-    remarks = remarks_on(shape._mesh)
+    vertices, triangles = surface(mesh_of(shape), shape.scale3())
+    remarks = remarks_on(mesh_of(shape))
     is_closed = True
     try:
         remarks += closed_surface(vertices, triangles, '').remarks()
@@ -54,4 +54,4 @@ def weldings(shape: Mesh) -> tuple[str, ...]:
 
     Raises MeshFileError for one that bounds no solid.
     """
-    return weldings_of(shape._mesh, shape._scales)
+    return weldings_of(mesh_of(shape), tuple(shape.scale3().tolist()))

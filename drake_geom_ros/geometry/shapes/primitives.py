@@ -74,11 +74,7 @@ class Shape:
         return copy.copy(self)
 
     def _for_queries(self, is_solid: bool = False) -> QueriedShape:
-        """Return what the shape is to proximity queries: the one place that says so.
-
-        ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds. Raises
-        GeometryError for what cannot have the proximity role.
-        """
+        """Return what the shape is to proximity queries: the one place that says so."""
         return QueriedShape(PackedShape(self._TYPE, self._lengths()))
 
     def _lengths(self) -> Floats:
@@ -96,6 +92,15 @@ class Shape:
     def __repr__(self) -> str:
         pairs = zip(self._NAMES, self._measures, strict=True)
         return f'{type(self).__name__}({", ".join(f"{n}={v!r}" for n, v in pairs)})'
+
+
+def for_queries(shape: Shape, is_solid: bool = False) -> QueriedShape:
+    """Return what a shape is to proximity queries.
+
+    ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds. Raises GeometryError
+    for what cannot have the proximity role.
+    """
+    return shape._for_queries(is_solid)
 
 
 class Sphere(Shape):

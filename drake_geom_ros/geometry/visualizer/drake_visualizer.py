@@ -10,7 +10,7 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.geometry.model.links import links_of
 from drake_geom_ros.geometry.model.properties import Role
-from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector, model_version
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.query_object import QueryObject
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort
@@ -85,12 +85,12 @@ class _Loaded:
     """What the visualiser was told of a scene."""
 
     def __init__(self, inspector: SceneGraphInspector, role: Role) -> None:
-        self._version = inspector._model.versions.any
+        self._version = model_version(inspector)
         self.links = links_of(inspector, role)
 
     def is_of(self, inspector: SceneGraphInspector) -> bool:
         """Return whether nothing has changed since; filters do not count."""
-        return self._version == inspector._model.versions.any
+        return self._version == model_version(inspector)
 
 
 def ConnectDrakeVisualizer(

@@ -2,8 +2,9 @@
 
 A robot is one of the scene file or of ``robot_description``. Its base stands wherever its root
 link was posed, by the scene file, TF or ``~/frame_poses``, and carries the links along when it
-moves. A message may hold some joints only; of each joint the value that came last counts. Links
-with a joint of which nothing was heard wait as every frame without a pose does. No ROS import.
+moves; a robot that is mounted on a frame hangs there with all its links. A message may hold some
+joints only; of each joint the value that came last counts. Links with a joint of which nothing was
+heard wait as every frame without a pose does, or stand as the scene file says. No ROS import.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from drake_geom_ros.geometry import ArgumentError, FramePoseVector
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import shortened, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
-from drake_geom_ros.ros.scene.driven_robot import Base, DrivenRobot, JointValue, LinkPoses
+from drake_geom_ros.ros.scene.driven_robot import UNKNOWN, Base, DrivenRobot, JointValue, LinkPoses
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import JOINTS
 from drake_geom_ros.ros.scene.held_scene import HeldScene
@@ -114,10 +115,15 @@ class JointInput:
                     f'{counted(len(silent), "joint")} of {robot.name!r} never had a value, and '
                     f'the links that depend on them wait: {some_of(silent)}'
                 )
+            if unheard := robot.unheard():
+                told.append(
+                    f'nothing was heard of {counted(len(unheard), "joint")} of {robot.name!r}; '
+                    f'there the scene file counts: {some_of(unheard)}'
+                )
             stale = [
                 name
                 for name, value in zip(robot.joint_names, robot.values, strict=True)
-                if value is not None and stale_after < age(value.since)
+                if value is not None and value.since != UNKNOWN and stale_after < age(value.since)
             ]
             if stale:
                 told.append(
@@ -194,8 +200,11 @@ class JointInput:
         if not moments:
             return None
         links = robot.link_poses(base, robot.positions(), set().union(*moments.values()))
+        # Of what stands as the scene file says the age stays unknown.
         posed = {
-            frozenset(robot.links[row] for row in some): since for since, some in moments.items()
+            frozenset(robot.links[row] for row in some): since
+            for since, some in moments.items()
+            if since != UNKNOWN
         }
         return _Move(robot, base, links, posed, FramePoseVector.FromArrays(links.ids, links.rows))
 
@@ -216,17 +225,17 @@ def _base(scene: HeldScene, robot: DrivenRobot) -> Base | None:
 
 def _tell_twists(scene: EditableScene, move: _Move, stamp: int) -> None:
     """Tell how links move, as far as the speeds of joints and of the base are known."""
-    V_WB = np.zeros(6)
+    V_PB = np.zeros(6)
     if move.robot.root is not None and move.base.since != ALWAYS:
         known = (scene.twists() or {}).get(move.robot.root)
-        if known is None:
-            return
-        V_WB = known
-    twists = move.robot.twists(move.links.X_WLs, V_WB)
+        if known is None or scene.is_mounted(move.robot.root):
+            return  # what carries it moves, too: successive poses tell how links move in that
+        V_PB = known
+    twists = move.robot.twists(move.links.X_PLs, V_PB)
     for frames, since in move.posed.items():
         if moving := [frame for frame in frames if frame in twists]:
             rows = np.array([twists[frame] for frame in moving])
-            scene.note_twists(np.array(moving, dtype=np.int64), rows, stamp, since)
+            scene.note_joint_twists(np.array(moving, dtype=np.int64), rows, stamp, since)
 
 
 def _are_others(robots: Sequence[DrivenRobot], names: Sequence[str]) -> bool:
@@ -269,4 +278,4 @@ def _numbers(message: Any, places: Sequence[JointPlace | None]) -> tuple[list[fl
 
 def _bytes(base: Base | None) -> bytes:
     """Return where a base stands, to be compared."""
-    return b'' if base is None else base.X_WB.tobytes()
+    return b'' if base is None else base.X_PB.tobytes()

@@ -213,9 +213,13 @@ class TfInput:
             if name is None or any(n in self._edges for n in own):
                 continue
             since = scene.posed_since(frame)
+            carrier = scene.inspector.GetParentFrame(frame)
+            stands = carrier == scene.names.world or scene.is_mounted(frame)
             if (
                 since is not None
-                and scene.inspector.GetParentFrame(frame) == scene.names.world
+                and stands
+                and frame.get_value() not in scene.attached
+                and scene.query.is_placed(frame)
                 and not scene.feeders.is_fed_by(TF, frame.get_value())
             ):
                 X_WF = scene.query.X_WF(frame)

@@ -47,6 +47,22 @@ class ChangingScene(HeldScene):
         self._robots = [robot for robot in self._robots if robot.name != name]
         return len(frames), geometries - self.inspector.num_geometries()
 
+    def in_order_of_removal(self, sources: Iterable[SourceId]) -> list[SourceId]:
+        """Return sources, each before those that its frames are mounted on or attached to."""
+        inspector = self.inspector
+        waiting, ordered = list(dict.fromkeys(sources)), list[SourceId]()
+        while waiting:
+            carriers = {
+                inspector.GetOwningSourceId(inspector.GetParentFrame(frame))
+                for source in waiting
+                for frame in inspector.FramesForSource(source)
+                if inspector.GetOwningSourceId(inspector.GetParentFrame(frame)) != source
+            }
+            free = [source for source in waiting if source not in carriers]
+            ordered += free or waiting  # each hangs on the other: the scene graph refuses that
+            waiting = [source for source in waiting if source not in ordered]
+        return ordered
+
     def make_room(
         self, sources: Sequence[SourceId], description: SceneDescription
     ) -> dict[tuple[str, str], _Kept]:

@@ -31,13 +31,13 @@ class JointValue(NamedTuple):
     position: float  # [rad] or [m]
     speed: float  # [1/s]; nan where nobody knows it
     stamp: int  # [ns]; 0: none
-    since: Since
+    since: Since  # UNKNOWN: nothing was heard, it is the scene file's
 
 
 class Base(NamedTuple):
-    """Where the root link stands, and since when."""
+    """Where the root link stands in what carries the robot, and since when."""
 
-    X_WB: Floats  # (7,)
+    X_PB: Floats  # (7,)
     since: Since
 
 
@@ -56,8 +56,8 @@ class LinkPoses(NamedTuple):
     """Links where joint values put them."""
 
     ids: NDArray[np.int64]  # (n,) of their frames
-    rows: Floats  # (n, 7) X_WL
-    X_WLs: Floats  # (m + 1, 7) of all links; those with a joint without a value are meaningless
+    rows: Floats  # (n, 7) X_PL
+    X_PLs: Floats  # (m + 1, 7) of all links; those with a joint without a value are meaningless
 
 
 class DrivenRobot:
@@ -72,7 +72,10 @@ class DrivenRobot:
         frames: Mapping[tuple[str, str], FrameId],
         values: Mapping[str, JointValue],
     ) -> None:
-        """``frames`` by source and name; ``values`` by joint are those known already."""
+        """``frames`` by source and name; ``values`` by joint are those heard already.
+
+        A joint of which nothing was heard stands as the scene file says, if that does.
+        """
         assert robot.tree is not None
         kinematics = Kinematics(robot.tree)
         self.name = robot.name
@@ -83,7 +86,12 @@ class DrivenRobot:
         self.columns = {name: k for k, name in enumerate(self.joint_names)}
         # Joints that move nothing by themselves: they are fixed, or mimic another one.
         self.others = {joint.name for joint in robot.tree.joints} - set(self.joint_names)
-        self.values = [values.get(name) for name in self.joint_names]
+        standing = {
+            name: JointValue(value, math.nan, 0, UNKNOWN)
+            for name, value in robot.configuration.items()
+        }
+        known = {**standing, **values}
+        self.values = [known.get(name) for name in self.joint_names]
         names = kinematics.link_names
         self._joints = {joint.name: joint for joint in robot.tree.joints}
         self._frames = {name: frames.get((robot.name, name)) for name in names}
@@ -97,9 +105,9 @@ class DrivenRobot:
         self.links = {
             k: frame.get_value() for k, frame in enumerate(ids) if frame is not None and k > 0
         }
-        self.described_X_WB = robot.X_WB.ToArray()
+        self.described_X_PB = robot.X_WB.ToArray()
         self.base: Base | None = None  # that of the poses that were given last
-        self._place, self._X_WB = b'', self.described_X_WB
+        self._place, self._X_PB = b'', self.described_X_PB
 
     @property
     def full_names(self) -> list[str]:
@@ -125,12 +133,12 @@ class DrivenRobot:
             rows[tuple(np.flatnonzero(self._needs[row]).tolist())].add(row)
         return {columns: frozenset(found) for columns, found in rows.items()}
 
-    def pose_of_base(self, X_WB: RigidTransform) -> Floats:
+    def pose_of_base(self, X_PB: RigidTransform) -> Floats:
         """Return the pose of the root link as an array (7,), the same one while it rests."""
-        place = X_WB.GetAsMatrix34().tobytes()
+        place = X_PB.GetAsMatrix34().tobytes()
         if place != self._place:
-            self._place, self._X_WB = place, X_WB.ToArray()
-        return self._X_WB
+            self._place, self._X_PB = place, X_PB.ToArray()
+        return self._X_PB
 
     def positions(self) -> Floats:
         """Return the values (c,) of all joints; nan where nothing was heard."""
@@ -152,20 +160,34 @@ class DrivenRobot:
     def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:
         """Return where links stand at joint values (c,)."""
         chosen = sorted(rows)
-        X_WLs = self.tree.link_poses(np.nan_to_num(positions)[np.newaxis], base.X_WB)[0]
+        X_PLs = self.tree.link_poses(np.nan_to_num(positions)[np.newaxis], base.X_PB)[0]
         ids = np.array([self.links[row] for row in chosen], dtype=np.int64)
-        return LinkPoses(ids, X_WLs[chosen], X_WLs)
+        return LinkPoses(ids, X_PLs[chosen], X_PLs)
 
-    def twists(self, X_WLs: Floats, V_WB: Floats) -> dict[int, Floats]:
-        """Return V_WL (6,) by frame of the links whose joints' speeds are all known."""
-        speeds = np.array([math.nan if v is None else v.speed for v in self.values])
-        V_WLs = self.tree.link_twists(np.nan_to_num(speeds), X_WLs, V_WB)
-        unknown = (self._needs & np.isnan(speeds)).any(axis=1)
-        return {frame: V_WLs[row] for row, frame in self.links.items() if not unknown[row]}
+    def speeds(self) -> Floats:
+        """Return the speeds (c,) of all joints; nan where nobody knows."""
+        return np.array([math.nan if v is None else v.speed for v in self.values])
+
+    def twists(self, X_PLs: Floats, V_PB: Floats) -> dict[int, Floats]:
+        """Return V_PL (6,) by frame of the links whose joints' speeds are all known."""
+        speeds = self.speeds()
+        V_PLs = self.tree.link_twists(np.nan_to_num(speeds), X_PLs, V_PB)
+        unknown = np.any(self._needs & np.isnan(speeds), axis=1).tolist()
+        return {frame: V_PLs[row] for row, frame in self.links.items() if not unknown[row]}
 
     def without_value(self) -> list[str]:
-        """Return the joints of which nothing was heard."""
+        """Return the joints of which nothing is known."""
         return [n for n, v in zip(self.joint_names, self.values, strict=True) if v is None]
+
+    def unheard(self) -> list[str]:
+        """Return the joints that stand as the scene file says, for nothing was heard of them."""
+        rows = zip(self.joint_names, self.values, strict=True)
+        return [name for name, value in rows if value is not None and value.since == UNKNOWN]
+
+    def configuration(self) -> dict[str, float]:
+        """Return the values of joints, as far as they are known."""
+        rows = zip(self.joint_names, self.values, strict=True)
+        return {name: value.position for name, value in rows if value is not None}
 
     def outside_limits(self) -> list[str]:
         """Return in words which joints stand outside their limits."""

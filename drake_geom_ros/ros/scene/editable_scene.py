@@ -210,12 +210,12 @@ class EditableScene(ChangingScene):
             since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
             self._twists.note_twists(frames, twists, stamp, since)
 
-    def note_twists(
+    def note_joint_twists(
         self, frames: NDArray[np.int64], twists: NDArray[np.float64], stamp: int, since: Since
     ) -> None:
-        """Note the twists V_WF (n, 6) of frames (n,) at a stamp [ns], if motion is watched."""
+        """Note the twists V_PF (n, 6) of frames (n,) at a stamp [ns], if motion is watched."""
         if self._twists is not None:
-            self._twists.note_twists(frames, twists, stamp, since)
+            self._twists.note_twists(frames, twists, stamp, since, in_parent=True)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""

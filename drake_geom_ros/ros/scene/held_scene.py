@@ -150,6 +150,13 @@ class HeldScene:
             self._attached = self.names_version, frozenset(f.get_value() for f in frames)
         return self._attached[1]
 
+    def is_mounted(self, frame: FrameId) -> bool:
+        """Return whether the home of a frame is one of another source."""
+        inspector = self.inspector
+        home = inspector.GetHomeFrame(frame)
+        owner = inspector.GetOwningSourceId(frame)
+        return home != self.names.world and owner != inspector.GetOwningSourceId(home)
+
     def read_poses(self, message: Any) -> ReadPoses:
         """Return the poses of a FramePoses; raises RuntimeError for what cannot be taken."""
         self._refresh()
@@ -285,5 +292,7 @@ class HeldScene:
         static = self._ages.static()
         known = {f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static}
         poses, cameras = poses_in_parents(self.query), self._cameras.values()
-        described = describe(self._scene_graph, poses, self._robots, known, cameras)
+        now = {name: robot.configuration() for name, robot in self.joints.robots.items()}
+        robots = [replace(r, configuration=now.get(r.name, r.configuration)) for r in self._robots]
+        described = describe(self._scene_graph, poses, robots, known, cameras)
         return replace(described, awaited=self.awaited.waiting())

@@ -14,7 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector, QueryObject
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    FrameId,
+    FramePoseVector,
+    PoseError,
+    QueryObject,
+)
 from drake_geom_ros.ros.conversions.names import shortened, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.driven_robot import UNKNOWN, Base, DrivenRobot, JointEntry
@@ -47,7 +53,7 @@ class RobotJoints:
                 continue
             known = None if before is None else before.robots.get(robot.name)
             heard = () if known is None else zip(known.joint_names, known.values, strict=True)
-            values = {name: value for name, value in heard if value is not None}
+            values = {n: value for n, value in heard if value and value.since != UNKNOWN}
             try:
                 self.robots[robot.name] = DrivenRobot(robot, frames, values)
             except ValueError as error:
@@ -59,12 +65,26 @@ class RobotJoints:
         return tuple(entry for robot in self.robots.values() for entry in robot.entries)
 
     def base(self, robot: DrivenRobot, query: QueryObject, since: Since | None) -> Base | None:
-        """Return where the root link of a robot stands ``since`` when; None where it waits."""
+        """Return where the root link of a robot stands ``since`` when; None where it waits.
+
+        That is in the frame that carries the robot, or in the world.
+        """
         if robot.base_is_world:
-            return Base(robot.described_X_WB, ALWAYS)
-        if robot.root is None or not query.is_placed(robot.root):
+            return Base(robot.described_X_PB, ALWAYS)
+        if robot.root is None:
             return None
-        return Base(robot.pose_of_base(query.X_WF(robot.root)), since or UNKNOWN)
+        inspector = query.inspector()
+        home, parent = inspector.GetHomeFrame(robot.root), inspector.GetParentFrame(robot.root)
+        try:
+            if home == inspector.world_frame_id():
+                X_PB = query.X_WF(robot.root)
+            elif home == parent:
+                X_PB = query.X_PF(robot.root)
+            else:  # it is attached elsewhere
+                X_PB = query.X_WF(home).InvertAndCompose(query.X_WF(robot.root))
+        except PoseError:
+            return None
+        return Base(robot.pose_of_base(X_PB), since or UNKNOWN)
 
     def places(self, names: Sequence[str]) -> list[JointPlace]:
         """Return which joints names mean; raises ArgumentError for one that means none."""
@@ -78,6 +98,11 @@ class RobotJoints:
                     'See the topic ~/scene'
                 )
         return [place for place in found if place is not None]
+
+    def every_place(self) -> list[JointPlace]:
+        """Return all joints, robot by robot."""
+        robots = self.robots.items()
+        return [JointPlace(name, k) for name, r in robots for k in range(len(r.joint_names))]
 
     def moved(
         self, names: Sequence[str], positions: Floats, query: QueryObject

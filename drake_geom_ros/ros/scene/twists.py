@@ -36,11 +36,12 @@ class _Posed(NamedTuple):
 
 
 class _Told(NamedTuple):
-    """A twist V_WF (6,) of a message."""
+    """A twist (6,) of a message: V_WF, or V_PF in the frame's parent, in the axes of that."""
 
     stamp: int  # [ns]
     since: Since
-    V_WF: Floats
+    V: Floats
+    in_parent: bool
 
 
 class FrameTwists:
@@ -83,15 +84,24 @@ class FrameTwists:
             self._told.pop(value, None)
 
     def note_twists(
-        self, frames: NDArray[np.int64], twists: Floats, stamp: int, since: Since
+        self,
+        frames: NDArray[np.int64],
+        twists: Floats,
+        stamp: int,
+        since: Since,
+        *,
+        in_parent: bool = False,
     ) -> None:
-        """Note the twists V_WF (n, 6) of frames (n,), their stamp [ns] and how long they hold."""
+        """Note the twists V_WF (n, 6) of frames (n,), their stamp [ns] and how long they hold.
+
+        ``in_parent``: they are V_PF.
+        """
         for value, twist in zip(frames.tolist(), twists, strict=True):
             before = self._told.get(value)
             held = since
             if before is not None and before.stamp == stamp:
                 held = since.said_again(before.since)
-            self._told[value] = _Told(stamp, held, twist)
+            self._told[value] = _Told(stamp, held, twist, in_parent)
 
     def in_world(self, query: QueryObject, static: Mapping[int, bool]) -> dict[FrameId, Floats]:
         """Return V_WF (6,) of the frames whose motion is known, at the poses of now.
@@ -107,11 +117,14 @@ class FrameTwists:
             if frame != world and query.is_placed(frame):
                 value = frame.get_value()
                 told = self._told.get(value)
-                if told is not None and not self._why_not(value, age):
-                    found[frame] = told.V_WF
+                if told is not None and self._why_not(value, age):
+                    told = None
+                if told is not None and not told.in_parent:
+                    found[frame] = told.V
                     continue
                 parent = inspector.GetParentFrame(frame)
-                V_PF = self._of_poses(value, static.get(value, True), age)
+                rests = static.get(value, True)
+                V_PF = self._of_poses(value, rests, age) if told is None else told.V
                 found[frame] = _carried(frame, parent, found.get(parent), V_PF, query)
         return {frame: V for frame, V in found.items() if V is not None}
 

@@ -32,10 +32,8 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     if request.replace and request.replaced_sources:
         raise ArgumentError('replace is true, so replaced_sources must be empty: all is removed')
     if request.replaced_sources:
-        with live.reading() as scene:
-            sources = [
-                scene.names.source(name) for name in dict.fromkeys(request.replaced_sources)
-            ]
+        with live.editing() as scene:
+            sources = scene.in_order_of_removal(map(scene.names.source, request.replaced_sources))
         live.make_ready(lambda graph, context: rehearse_swap(graph, context, sources, description))
         with live.editing() as scene:
             added = scene.swap(sources, description)

@@ -104,7 +104,7 @@ def joints_of(robots: RobotJoints, names: list[str], view: SceneView) -> Joints:
         robots.require_values(robot, now, needed)
         rows = np.array(sorted(robot.links), dtype=np.int64)
         tree = robot.tree.driven_by(columns, np.nan_to_num(now))
-        arms.append(Arm(tree, robots.known_base(robot, view.query).X_WB, rows))
+        arms.append(Arm(tree, robots.known_base(robot, view.query).X_PB, rows))
         ids += [robot.links[row] for row in rows.tolist()]
     limits = [
         (robots.robots[p.robot].lower[p.column], robots.robots[p.robot].upper[p.column])

@@ -13,7 +13,7 @@ from drake_geom_msgs import msg
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from drake_geom_ros.client import SceneGraphClient
-from drake_geom_ros.client.scene_table import WORLD
+from drake_geom_ros.common.geometry_names import WORLD
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _ANY = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT)  # meets every publisher

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
@@ -35,8 +36,8 @@ def test_with_enough_time_the_answer_is_the_one_without_a_budget():
         for cutoff, penetrating in ((0.2, False), (0.0, True), (math.inf, False)):
             query = (world, filters, 'exact', cutoff, penetrating)
             expected, answer = (
-                free.signed_distances(*query),
-                bound.signed_distances(*query, PLENTY),
+                signed_distances(free, *query),
+                signed_distances(bound, *query, PLENTY),
             )
             np.testing.assert_array_equal(answer.ids, expected.ids)
             np.testing.assert_array_equal(answer.rows, expected.rows)
@@ -52,9 +53,9 @@ def test_with_enough_time_the_answer_is_the_one_without_a_budget():
 def test_a_spent_budget_leaves_the_farther_pairs_at_certified_bounds():
     world = random_world(np.random.default_rng(1), 30)
     filters = filters_of(world)
-    exact = by_ids(Engine().signed_distances(world, filters, 'exact', math.inf))
+    exact = by_ids(signed_distances(Engine(), world, filters, 'exact', math.inf))
     engine = Engine()
-    answer = engine.signed_distances(world, filters, 'exact', math.inf, time_budget=NOTHING)
+    answer = signed_distances(engine, world, filters, 'exact', math.inf, time_budget=NOTHING)
     assert len(answer.ids) == 435
     left = answer.rows[:, METHOD] == BOUND_ONLY
     assert np.count_nonzero(~left) == SHORTEST_BLOCK
@@ -67,7 +68,7 @@ def test_a_spent_budget_leaves_the_farther_pairs_at_certified_bounds():
         gap = row[WITNESS_A : WITNESS_A + 3] - row[WITNESS_B : WITNESS_B + 3]
         np.testing.assert_allclose(gap, row[DISTANCE] * row[NORMAL : NORMAL + 3], atol=1e-12)
     # Those that were refined have the least lower bounds of all.
-    bounds = Engine().signed_distances(world, filters, 'bound', math.inf).rows
+    bounds = signed_distances(Engine(), world, filters, 'bound', math.inf).rows
     lowers = bounds[:, DISTANCE] - bounds[:, ERROR_BOUND]
     assert lowers[~left].max() <= lowers[left].min()
 
@@ -75,10 +76,10 @@ def test_a_spent_budget_leaves_the_farther_pairs_at_certified_bounds():
 def test_a_scene_that_rests_becomes_sharp_and_then_costs_nothing():
     world = random_world(np.random.default_rng(2), 12)
     filters, engine = filters_of(world), Engine()
-    expected = Engine().signed_distances(world, filters, 'exact', math.inf)
+    expected = signed_distances(Engine(), world, filters, 'exact', math.inf)
     computed = 66  # the first time, from bounds or by a kernel
     for cycle in range(1, 20):
-        answer = engine.signed_distances(world, filters, 'exact', math.inf, time_budget=NOTHING)
+        answer = signed_distances(engine, world, filters, 'exact', math.inf, time_budget=NOTHING)
         effects = engine.effects
         sharp = min(66, cycle * SHORTEST_BLOCK)
         assert effects.unrefined_pairs == 66 - sharp
@@ -91,7 +92,7 @@ def test_a_scene_that_rests_becomes_sharp_and_then_costs_nothing():
     np.testing.assert_array_equal(answer.ids, expected.ids)
     np.testing.assert_allclose(answer.rows[:, DISTANCE], expected.rows[:, DISTANCE], atol=1e-9)
     assert (
-        engine.signed_distances(world, filters, 'exact', math.inf, time_budget=NOTHING).rows
+        signed_distances(engine, world, filters, 'exact', math.inf, time_budget=NOTHING).rows
         is answer.rows
     )
     assert engine.effects.cached_pairs == 66
@@ -102,9 +103,9 @@ def test_a_pair_left_at_bounds_is_sharp_in_a_query_that_has_time():
     filters, engine = filters_of(world), Engine()
     for _ in range(3):
         shuffle(np.random.default_rng(4), world)
-        engine.signed_distances(world, filters, 'exact', 0.3, time_budget=NOTHING)
-        answer = engine.signed_distances(world, filters, 'exact', 0.3)
-        expected = Engine().signed_distances(world, filters, 'exact', 0.3)
+        signed_distances(engine, world, filters, 'exact', 0.3, time_budget=NOTHING)
+        answer = signed_distances(engine, world, filters, 'exact', 0.3)
+        expected = signed_distances(Engine(), world, filters, 'exact', 0.3)
         np.testing.assert_array_equal(answer.ids, expected.ids)
         np.testing.assert_allclose(answer.rows[:, DISTANCE], expected.rows[:, DISTANCE], atol=1e-9)
         assert BOUND_ONLY not in answer.rows[:, METHOD]
@@ -114,10 +115,10 @@ def test_a_pair_left_at_bounds_is_sharp_in_a_query_that_has_time():
 def test_no_pair_within_reach_is_missing(cutoff):
     world = random_world(np.random.default_rng(5), 60)
     filters = filters_of(world)
-    within = Engine().signed_distances(world, filters, 'exact', cutoff)
+    within = signed_distances(Engine(), world, filters, 'exact', cutoff)
     for answer in (
-        Engine().signed_distances(world, filters, 'exact', cutoff, time_budget=NOTHING),
-        Engine().signed_distances(world, filters, 'bound', cutoff),
+        signed_distances(Engine(), world, filters, 'exact', cutoff, time_budget=NOTHING),
+        signed_distances(Engine(), world, filters, 'bound', cutoff),
     ):
         assert by_ids(within).keys() <= by_ids(answer).keys()
         assert (answer.ids == np.unique(answer.ids, axis=0)).all()
@@ -131,12 +132,12 @@ def test_no_pair_within_reach_is_missing(cutoff):
 def test_whoever_may_penetrate_is_reported_with_a_certified_depth(level, seconds):
     world = random_world(np.random.default_rng(6), 60)
     filters = filters_of(world)
-    signed = by_ids(Engine().signed_distances(world, filters, 'exact', math.inf))
-    deep = Engine().signed_distances(world, filters, 'exact', 0.0, penetrating=True)
+    signed = by_ids(signed_distances(Engine(), world, filters, 'exact', math.inf))
+    deep = signed_distances(Engine(), world, filters, 'exact', 0.0, penetrating=True)
     query = (world, filters, level)
     answers = [
-        Engine().signed_distances(*query, 0.0, True, seconds).penetrating(),
-        Engine().signed_distances(*query, 0.3, False, seconds).penetrating(),
+        signed_distances(Engine(), *query, 0.0, True, seconds).penetrating(),
+        signed_distances(Engine(), *query, 0.3, False, seconds).penetrating(),
     ]
     # Boxes prove some apart of whom nothing else is known; with a longer reach they are not asked.
     assert by_ids(deep).keys() <= by_ids(answers[0]).keys() <= by_ids(answers[1]).keys()
@@ -150,7 +151,7 @@ def test_whoever_may_penetrate_is_reported_with_a_certified_depth(level, seconds
             span = row[WITNESS_B : WITNESS_B + 3] - row[WITNESS_A : WITNESS_A + 3]
             assert span @ row[NORMAL : NORMAL + 3] == pytest.approx(depth, abs=1e-12)
     assert apart > 0  # it was a test of those too
-    assert Engine().has_overlap(world, filters, 'bound')
+    assert has_overlap(Engine(), world, filters, 'bound')
 
 
 def test_what_moves_a_little_keeps_narrow_bounds():
@@ -158,14 +159,14 @@ def test_what_moves_a_little_keeps_narrow_bounds():
     world = random_world(rng, 20, types=(1, 2, 3, 4, 5))
     engine, filters = Engine(), filters_of(world)
     query = (world, filters, 'exact', math.inf)
-    engine.signed_distances(*query)
+    signed_distances(engine, *query)
     rows, moved = np.arange(1, 21), 0.0
     for _ in range(10):
         steps = rng.uniform(-1e-4, 1e-4, (20, 3))
         moved += np.linalg.norm(steps, axis=1).max()
         world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows] + steps)
-        answer = engine.signed_distances(*query, time_budget=NOTHING)
-        truth = Engine().signed_distances(*query)
+        answer = signed_distances(engine, *query, time_budget=NOTHING)
+        truth = signed_distances(Engine(), *query)
         left = answer.rows[:, METHOD] == BOUND_ONLY
         assert np.count_nonzero(~left) == SHORTEST_BLOCK
         # As far as both bodies came, though most were never refined in between.
@@ -190,9 +191,9 @@ def test_who_was_far_in_between_is_not_taken_for_near(monkeypatch):
     )
     for away, cutoff, seconds in ((0.0, 10.0, 0.0), (2.0, 0.5, 0.0), (0.3, 10.0, NOTHING)):
         world.set_poses(rows, world.R_PFs[rows], np.add(home, [[0, 0, 0], [away, 0, 0]]))
-        answer = engine.signed_distances(*query, 'exact', cutoff, time_budget=seconds)
+        answer = signed_distances(engine, *query, 'exact', cutoff, time_budget=seconds)
     assert engine.effects.unrefined_pairs == 1
-    truth = Engine().signed_distances(*query, 'exact', 10.0)
+    truth = signed_distances(Engine(), *query, 'exact', 10.0)
     (row,), (true,) = answer.rows, truth.rows
     assert abs(row[DISTANCE] - true[DISTANCE]) <= row[ERROR_BOUND] + 1e-9
 
@@ -201,11 +202,11 @@ def test_a_budget_that_is_ample_costs_nothing(monkeypatch):
     rng = np.random.default_rng(8)
     world = random_world(rng, 30)
     engine, filters = Engine(), filters_of(world)
-    engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)
+    signed_distances(engine, world, filters, 'exact', 0.3, time_budget=PLENTY)
     monkeypatch.delattr(BudgetedAnswers, 'answer_within')
     for _ in range(3):
         shuffle(rng, world)
-        engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)
+        signed_distances(engine, world, filters, 'exact', 0.3, time_budget=PLENTY)
         assert engine.effects.unrefined_pairs == 0
 
 
@@ -220,7 +221,7 @@ def test_blocks_grow_with_what_pairs_cost(monkeypatch):
         return answer(world, pairs, *rest, **keywords)
 
     monkeypatch.setattr(engine._steps, 'answer', watched)
-    engine.signed_distances(world, filters, 'exact', math.inf, time_budget=PLENTY)
+    signed_distances(engine, world, filters, 'exact', math.inf, time_budget=PLENTY)
     assert sizes[0] == SHORTEST_BLOCK
     assert max(sizes) == LONGEST_BLOCK
     assert sum(sizes) == 80 * 79 // 2

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from numba import config
+from oracles.engine_calls import candidates, has_overlap, signed_distances
 from oracles.forms import kernel_form
 from oracles.solids import solid
 from oracles.worlds import (
@@ -91,14 +92,14 @@ def assert_holds(row, true, case):
 def test_every_query_holds_the_truth(seed):
     world, scale = any_world(seed)
     filters = filters_of(world)
-    truth = by_ids(Engine().signed_distances(world, filters, 'exact', math.inf))
+    truth = by_ids(signed_distances(Engine(), world, filters, 'exact', math.inf))
     answers = {}
     for level, seconds in (('bound', 0.0), ('exact', NOTHING)):
         for reach in (math.inf, 0.3 * scale, 0.0, -0.03 * scale):
-            answer = Engine().signed_distances(world, filters, level, reach, False, seconds)
+            answer = signed_distances(Engine(), world, filters, level, reach, False, seconds)
             answers[level, reach] = answer, reach
             answers[level, reach, 'depths'] = answer.penetrating(), min(reach, 0.0)
-        deep = Engine().signed_distances(world, filters, level, 0.0, True, seconds).penetrating()
+        deep = signed_distances(Engine(), world, filters, level, 0.0, True, seconds).penetrating()
         answers[level, 'penetration'] = deep, 0.0
     for case, (answer, reach) in answers.items():
         found = by_ids(answer)
@@ -114,9 +115,9 @@ def test_every_query_holds_the_truth(seed):
                 assert ids in found, (case, ids)
     deep = [ids for ids, true in truth.items() if true[DISTANCE] < -true[ERROR_BOUND]]
     ids = world.geometries.ids
-    candidates = {(int(ids[i]), int(ids[j])) for i, j in Engine().candidates(world, filters, 0.0)}
-    assert set(deep) <= candidates
-    assert Engine().has_overlap(world, filters, 'bound') or not deep
+    near = {(int(ids[i]), int(ids[j])) for i, j in candidates(Engine(), world, filters, 0.0)}
+    assert set(deep) <= near
+    assert has_overlap(Engine(), world, filters, 'bound') or not deep
     assert len(truth) > len(deep)
 
 
@@ -129,15 +130,15 @@ def test_the_depth_of_bodies_that_may_be_apart():
     world.set_poses(np.array([1, 2]), np.stack((R, R)), np.stack((np.zeros(3), apart)))
     world.update()
     filters = filters_of(world)
-    (true,) = Engine().signed_distances(world, filters, 'exact', math.inf).rows
+    (true,) = signed_distances(Engine(), world, filters, 'exact', math.inf).rows
     query = world, filters, 'bound'
-    (row,) = Engine().signed_distances(*query, 0.0, True).penetrating().rows
+    (row,) = signed_distances(Engine(), *query, 0.0, True).penetrating().rows
     assert true[DISTANCE] == pytest.approx(0.02, abs=1e-15)
     assert row[METHOD] == BOUND_ONLY
     assert row[DISTANCE] < 0.0
     assert abs(row[DISTANCE] - true[DISTANCE]) <= row[ERROR_BOUND]
     # It holds what the distance query says of the pair, and is no wider than it must be.
-    (whole,) = Engine().signed_distances(*query, 0.0).rows
+    (whole,) = signed_distances(Engine(), *query, 0.0).rows
     least, most = (whole[DISTANCE] + side * whole[ERROR_BOUND] for side in (-1, 1))
     assert row[DISTANCE] == 0.5 * least
     assert row[DISTANCE] + row[ERROR_BOUND] == pytest.approx(most, rel=1e-14)
@@ -152,8 +153,9 @@ def test_whoever_moves_under_a_budget_stays_in_the_interval(seed):
     engine, filters = Engine(), filters_of(world)
     for cycle in range(CYCLES):
         query = world, filters, 'exact', (math.inf, 0.2 * scale)[seed % 2]
-        answer = by_ids(engine.signed_distances(*query, time_budget=NOTHING if cycle % 4 else 0.0))
-        for ids, true in by_ids(Engine().signed_distances(*query)).items():
+        budget = NOTHING if cycle % 4 else 0.0
+        answer = by_ids(signed_distances(engine, *query, time_budget=budget))
+        for ids, true in by_ids(signed_distances(Engine(), *query)).items():
             if ids in answer:
                 assert_holds(answer[ids], true, (cycle, ids))
         turns = np.einsum('nij,njk->nik', small_turns(rng, BODIES), world.R_PFs[rows])
@@ -202,9 +204,9 @@ PEG = {0.0: 0.001, STUCK: -1.0}
 def test_a_turn_may_change_the_depth_in_a_solid_by_more_than_it_moves_anything(peg, angles):
     world, filters, engine = peg
     turn_peg(world, angles[0])
-    engine.signed_distances(world, filters, 'exact', math.inf)
+    signed_distances(engine, world, filters, 'exact', math.inf)
     turn_peg(world, angles[1])
-    (row,) = engine.signed_distances(world, filters, 'exact', math.inf, time_budget=NOTHING).rows
+    (row,) = signed_distances(engine, world, filters, 'exact', math.inf, time_budget=NOTHING).rows
     assert engine.effects.unrefined_pairs == 1
     assert abs(row[DISTANCE] - PEG[angles[1]]) <= row[ERROR_BOUND] + 1e-12
 
@@ -213,5 +215,5 @@ def test_what_was_free_is_not_taken_for_shallow(peg):
     world, filters, engine = peg
     for angle, found in ((0.0, 0), (STUCK, 1)):
         turn_peg(world, angle)
-        assert len(engine.signed_distances(world, filters, 'exact', -0.5).ids) == found
-        engine.signed_distances(world, filters, 'exact', 1.0)
+        assert len(signed_distances(engine, world, filters, 'exact', -0.5).ids) == found
+        signed_distances(engine, world, filters, 'exact', 1.0)

@@ -9,6 +9,7 @@ from drake_geom_ros.geometry.model.collision_filter_manager import FilterGroup, 
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.instances import GeometryFrame
 from drake_geom_ros.geometry.model.properties import ProximityProperties, Role
+from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.geometry.scene.scene_graph import SceneGraph
 
 Declare = CollisionFilterDeclaration
@@ -88,13 +89,13 @@ def test_losing_the_role_loses_the_filters(scene):
 @pytest.mark.parametrize('bad', [GeometryId(10**9), FrameId(10**9)])
 @pytest.mark.parametrize('call', ['Apply', 'ApplyTransient', 'Activate', 'Deactivate'])
 def test_an_invalid_id_changes_nothing(scene, call, bad):
-    version = scene.graph._filters.version
+    version = content_of(scene.graph).filters.version
     argument = GeometrySet([scene.a[0], bad])
     if call.startswith('Apply'):
         argument = Declare().ExcludeWithin(GeometrySet(scene.a + scene.b)).ExcludeWithin(argument)
     with pytest.raises(RuntimeError, match='1000000000'):
         getattr(scene.manager, call)(argument)
-    assert scene.graph._filters.version == version
+    assert content_of(scene.graph).filters.version == version
     assert len(candidates(scene)) == 8
     assert not scene.manager.has_transient_history()
     assert scene.manager.declarations() == []

@@ -29,6 +29,7 @@ from drake_geom_ros.geometry import (
     SourceId,
     Sphere,
 )
+from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.math import RigidTransform
 
 PROPERTIES = {
@@ -125,8 +126,8 @@ class RandomScenes(RuleBasedStateMachine):
         self.now = self.sides[0]
 
     def add_side(self, lead, holder, reference):
-        inspector = SceneGraphInspector(holder._model, holder._filters)
-        self.sides.append(Side(lead, inspector, holder._filters, reference))
+        inspector = SceneGraphInspector(content_of(holder).model, content_of(holder).filters)
+        self.sides.append(Side(lead, inspector, content_of(holder).filters, reference))
 
     @precondition(lambda self: len(self.sides) < 3)
     @rule()

@@ -13,6 +13,7 @@ from drake_geom_ros.geometry import (
     RoleAssign,
     Sphere,
 )
+from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.math import RigidTransform
 
 CHANGES = {
@@ -49,7 +50,7 @@ CHANGES = {
 def test_versions_count_what_changed(change):
     call, kind = CHANGES[change]
     scene = SmallScene()
-    versions = scene.scene_graph._model.versions
+    versions = content_of(scene.scene_graph).model.versions
     before = replace(versions)
     call(scene, scene.scene_graph)
     assert (versions.any > before.any) == (kind is not None)
@@ -74,6 +75,6 @@ def test_names_have_the_version_since_which_they_hold(change):
 def test_a_move_of_what_carries_proximity_geometry_counts():
     scene = SmallScene()
     scene.scene_graph.RemoveRole(scene.arm, scene.ball, Role.kProximity)
-    before = scene.scene_graph._model.versions.proximity
+    before = content_of(scene.scene_graph).model.versions.proximity
     scene.scene_graph.ChangeShape(scene.arm, scene.ball, Sphere(1), RigidTransform([1, 0, 0]))
-    assert scene.scene_graph._model.versions.proximity > before  # the knob moved
+    assert content_of(scene.scene_graph).model.versions.proximity > before  # the knob moved

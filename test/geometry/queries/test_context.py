@@ -15,7 +15,8 @@ from drake_geom_ros.geometry import (
     UnknownIdError,
 )
 from drake_geom_ros.geometry._proximity.world.world import World
-from drake_geom_ros.geometry.queries import context as contexts
+from drake_geom_ros.geometry.queries import posed_scene
+from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform
 
 
@@ -140,10 +141,10 @@ def test_each_of_many_senders_is_looked_up_once(scene, monkeypatch, by_source):
 
 def test_senders_without_end_do_not_fill_the_memory(scene, monkeypatch):
     scene.context.UpdateFramePoses(poses((scene.upper, 1), (scene.lower, 2)))
-    monkeypatch.setattr(contexts, '_MOST_SENDERS', 2)
+    monkeypatch.setattr(posed_scene, '_MOST_SENDERS', 2)
     one = [[scene.upper], [scene.lower], [scene.upper, scene.lower], [scene.lower, scene.upper]]
     for turn in range(3):
         for k, frames in enumerate(one):
             scene.context.UpdateFramePoses(poses(*((f, 10 * turn + k) for f in frames)))
             assert {x_of(scene, f) for f in frames} == {10 * turn + k}
-    assert len(scene.context._named) <= 2
+    assert len(state_of(scene.context)._named) <= 2

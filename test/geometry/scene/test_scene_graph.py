@@ -18,6 +18,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
+from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.math import RigidTransform
 
 WORLD = SceneGraph.world_frame_id()
@@ -198,6 +199,6 @@ def test_help_shows_what_callers_give():
 
 def test_the_filters_know_what_is_anchored(scene):
     pole = scene.scene_graph.RegisterAnchoredGeometry(scene.room, instance('pole'))
-    explain = scene.scene_graph._filters.explain
+    explain = content_of(scene.scene_graph).filters.explain
     assert explain(pole.get_value(), scene.floor.get_value()) == ['anchored']
     assert explain(scene.ball.get_value(), scene.knob.get_value()) == ['same frame']

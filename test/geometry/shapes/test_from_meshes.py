@@ -21,6 +21,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import tree_of
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 
 CUBE = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 CORNER = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
@@ -43,21 +44,21 @@ def test_a_mesh_in_memory_is_the_mesh_in_a_file(kind, tmp_path):
             np.testing.assert_array_equal(mine, its)
         assert shape.extension() == '.obj'
         assert shape.scale() == 2
-        packed, other = (each._for_queries().in_pairs for each in (shape, on_disk))
+        packed, other = (for_queries(each).in_pairs for each in (shape, on_disk))
         np.testing.assert_array_equal(packed.parameters, other.parameters)
 
 
 def test_one_method_says_what_a_mesh_is_to_queries():
     """Its number belongs to its parameters: those of its hull, or of the body that it bounds."""
     shape = solid(L).shape
-    hull, body = shape._for_queries(), shape._for_queries(is_solid=True)
+    hull, body = for_queries(shape), for_queries(shape, is_solid=True)
     assert (hull.in_pairs.kind, body.in_pairs.kind, body.to_points.kind) == (CONVEX, SOLID, SOLID)
-    same = Convex(shape.source())._for_queries(is_solid=True).in_pairs
+    same = for_queries(Convex(shape.source()), is_solid=True).in_pairs
     assert same.kind == CONVEX
     np.testing.assert_array_equal(same.parameters, hull.in_pairs.parameters)
     assert tree_of(*body.in_pairs).triangles == len(shape.surface()[1])
     # A body that is convex is its hull, lists of neighbours and all.
-    assert Mesh(IN_MEMORY)._for_queries(is_solid=True).in_pairs.kind == CONVEX
+    assert for_queries(Mesh(IN_MEMORY), is_solid=True).in_pairs.kind == CONVEX
 
 
 @pytest.mark.parametrize('kind', [Convex, Mesh])

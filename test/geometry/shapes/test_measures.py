@@ -25,6 +25,7 @@ from drake_geom_ros.geometry import (
     Sphere,
     TriangleSurfaceMesh,
 )
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 from drake_geom_ros.math import RollPitchYaw
 
 R = RollPitchYaw(0.4, 0.5, 0.6).ToRotationMatrix()
@@ -115,4 +116,4 @@ def test_a_cone_is_for_pictures():
     assert (MeshcatCone(3).a(), MeshcatCone(height=3).b()) == (1, 1)
     assert eval(repr(cone)) == cone == MeshcatCone([3, 1, 2])
     with pytest.raises(RuntimeError, match='cannot have the proximity role'):
-        cone._for_queries()
+        for_queries(cone)

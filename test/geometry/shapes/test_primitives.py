@@ -19,6 +19,7 @@ from drake_geom_ros.geometry import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 
 SHAPES = [
     Sphere(0.5),
@@ -54,12 +55,12 @@ def test_measures_can_be_given_at_once():
 def test_kernels_get_half_sizes_and_the_number_of_the_kind():
     expected = [[0.5], [0.5, 1, 1.5], [0.5, 1], [0.5, 1], [1, 2, 3], []]
     for shape, parameters in zip(SHAPES, expected, strict=False):
-        assert shape._for_queries().in_pairs.parameters.tolist() == parameters
-        assert shape._for_queries().in_pairs.parameters.dtype == np.float64
-    kinds = [shape._for_queries().in_pairs.kind for shape in SHAPES[:6]]
+        assert for_queries(shape).in_pairs.parameters.tolist() == parameters
+        assert for_queries(shape).in_pairs.parameters.dtype == np.float64
+    kinds = [for_queries(shape).in_pairs.kind for shape in SHAPES[:6]]
     assert kinds == [1, 2, 3, 4, 5, 6]
     assert all(
-        shape._for_queries(True).to_points.kind == k for k, shape in enumerate(SHAPES[:6], 1)
+        for_queries(shape, True).to_points.kind == k for k, shape in enumerate(SHAPES[:6], 1)
     )
 
 

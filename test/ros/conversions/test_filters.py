@@ -5,6 +5,7 @@ from types import SimpleNamespace as Plain
 import pytest
 
 from drake_geom_ros.geometry import GeometrySet
+from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.ros.conversions.filters import (
     declaration_from_message,
     geometry_set_from_message,
@@ -45,5 +46,5 @@ def test_a_geometry_set_is_the_union_of_all_it_names(scene, names):
     )
     found = geometry_set_from_message(message, names)
     assert isinstance(found, GeometrySet)
-    assert scene._model.resolve(found) == [a, b]
+    assert content_of(scene).model.resolve(found) == [a, b]
     assert frame

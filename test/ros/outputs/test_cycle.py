@@ -6,6 +6,7 @@ import pytest
 from ros.live_scenes import Topic, live_scene
 
 from drake_geom_ros.geometry import CollisionFilterDeclaration, FramePoseVector, GeometrySet
+from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
@@ -186,7 +187,7 @@ def test_who_does_not_read_the_report_does_not_pay_for_its_seconds(live, asked, 
     for names, detailed in ((('cycle_report',), True), (('penetrations',), False)):
         run(asked, cycle, topics, *names)
         with live.reading() as scene:
-            assert scene._context._engine.detailed == detailed
+            assert state_of(scene._context).engine.detailed == detailed
 
 
 def test_what_waits_for_a_pose_is_counted_and_named(live, asked, cycle, topics):

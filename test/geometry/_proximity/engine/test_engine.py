@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine import engine as engines
@@ -54,16 +55,16 @@ def test_kernels_are_asked_for_once_in_the_life_of_a_list_and_bounds_need_none(m
     world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
     engine, filters = Engine(), filters_of(world)
     for level, count in (('bound', 0), ('exact', 1), ('exact', 1), ('bound', 1), ('fast', 1)):
-        engine.signed_distances(world, filters, level, math.inf)
+        signed_distances(engine, world, filters, level, math.inf)
         assert len(asked) == count
 
 
 def test_who_has_all_kernels_asks_for_none(monkeypatch):
     world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
     filters = filters_of(world)
-    Engine().signed_distances(world, filters, 'exact', math.inf)
+    signed_distances(Engine(), world, filters, 'exact', math.inf)
     monkeypatch.setattr(engines, 'compile_rows', lambda rows: pytest.fail('asked for kernels'))
-    assert len(Engine().signed_distances(world, filters, 'exact', math.inf).ids) == 15
+    assert len(signed_distances(Engine(), world, filters, 'exact', math.inf).ids) == 15
 
 
 def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():
@@ -90,7 +91,7 @@ def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():
 
 def test_witness_points_in_world_and_in_the_bodies_are_the_same_points():
     world = random_world(np.random.default_rng(8), 12)
-    batch = Engine().signed_distances(world, filters_of(world), 'exact', math.inf)
+    batch = signed_distances(Engine(), world, filters_of(world), 'exact', math.inf)
     for (id_A, id_B), row in zip(batch.ids, batch.rows, strict=True):
         for key, in_world, in_body in ((id_A, WITNESS_A, P_ACA), (id_B, WITNESS_B, P_BCB)):
             g = np.searchsorted(world.geometries.ids, key)
@@ -100,8 +101,8 @@ def test_witness_points_in_world_and_in_the_bodies_are_the_same_points():
 
 def test_a_cutoff_changes_no_answer_within_it():
     world = random_world(np.random.default_rng(3), 40, types=(2, 4, 5))
-    exact = Engine().signed_distances(world, filters_of(world), 'exact', math.inf)
-    cut = Engine().signed_distances(world, filters_of(world), 'exact', 0.2)
+    exact = signed_distances(Engine(), world, filters_of(world), 'exact', math.inf)
+    cut = signed_distances(Engine(), world, filters_of(world), 'exact', 0.2)
     near = exact.rows[:, DISTANCE] <= 0.2
     assert 20 < near.sum() < len(near) - 20
     np.testing.assert_array_equal(cut.ids, exact.ids[near])
@@ -111,13 +112,13 @@ def test_a_cutoff_changes_no_answer_within_it():
 def test_penetrating_pairs_are_those_of_negative_distance():
     world = random_world(np.random.default_rng(9), 60)
     engine, filters = Engine(), filters_of(world)
-    everything = engine.signed_distances(world, filters, 'exact', math.inf)
-    deep = engine.signed_distances(world, filters, 'exact', 0.0, penetrating=True)
+    everything = signed_distances(engine, world, filters, 'exact', math.inf)
+    deep = signed_distances(engine, world, filters, 'exact', 0.0, penetrating=True)
     assert len(deep.ids) > 10
     np.testing.assert_array_equal(deep.ids, everything.penetrating().ids)
-    assert engine.has_overlap(world, filters, 'exact')
+    assert has_overlap(engine, world, filters, 'exact')
     shuffle(np.random.default_rng(10), world, spread=50.0)
-    assert not engine.has_overlap(world, filters, 'exact')
+    assert not has_overlap(engine, world, filters, 'exact')
 
 
 @pytest.mark.parametrize('balls', [True, False])
@@ -127,7 +128,7 @@ def test_has_overlap_stops_at_the_first(balls):
     world.ball_radii[:] *= balls
     engine, filters = Engine(), filters_of(world)
     for _ in range(3):
-        assert engine.has_overlap(world, filters, 'exact')
+        assert has_overlap(engine, world, filters, 'exact')
         assert engine.effects.narrowphase_pairs + engine.effects.cached_pairs == 1 - balls
         world.set_poses(np.array([1]), np.eye(3)[None], world.p_PFs[1:2] + 1e-6)
 
@@ -137,7 +138,7 @@ def test_filtered_pairs_reach_no_kernel():
     engine, filters = Engine(), filters_of(world)
     keys = tuple(world.geometries.ids.tolist())
     filters.apply([(1, keys[:5], keys[:5])])
-    batch = engine.signed_distances(world, filters, 'exact', math.inf)
+    batch = signed_distances(engine, world, filters, 'exact', math.inf)
     effects = engine.effects
     assert (effects.broadphase_pairs, effects.filtered_pairs) == (45, 10)
     assert effects.narrowphase_pairs == len(batch.ids) == 35
@@ -147,7 +148,7 @@ def test_filtered_pairs_reach_no_kernel():
 def test_the_level_bound_runs_no_kernel():
     world = random_world(np.random.default_rng(5), 10)
     engine = Engine()
-    rows = engine.signed_distances(world, filters_of(world), 'bound', math.inf).rows
+    rows = signed_distances(engine, world, filters_of(world), 'bound', math.inf).rows
     assert set(rows[:, METHOD]) == {BOUND_ONLY}
     assert engine.effects.pairs_by_method == {'bound_only': 45}
     assert ACCURACY_LEVELS == ('bound', 'fast', 'balanced', 'exact')
@@ -156,25 +157,25 @@ def test_the_level_bound_runs_no_kernel():
 def test_who_rests_is_answered_from_the_last_result():
     world = random_world(np.random.default_rng(6), 20)
     engine, filters = Engine(), filters_of(world)
-    first = engine.signed_distances(world, filters, 'exact', math.inf)
+    first = signed_distances(engine, world, filters, 'exact', math.inf)
     assert engine.effects.narrowphase_pairs == 190
     # The very same arrays, which nobody can write to.
-    assert engine.signed_distances(world, filters, 'exact', math.inf).rows is first.rows
+    assert signed_distances(engine, world, filters, 'exact', math.inf).rows is first.rows
     assert engine.effects.cached_pairs == 190
     with pytest.raises(ValueError, match='read-only'):
         first.rows[0, 0] = 1.0
     world.set_poses(np.array([1]), np.eye(3)[None], np.zeros((1, 3)))
-    second = engine.signed_distances(world, filters, 'exact', math.inf)
+    second = signed_distances(engine, world, filters, 'exact', math.inf)
     effects = engine.effects
     assert (effects.cached_pairs, effects.narrowphase_pairs) == (190 - 19, 19)
     still = (second.ids != world.geometries.ids[0]).all(axis=1)
     np.testing.assert_array_equal(second.rows[still], first.rows[still])
     # Another level than the last is not in the memory: no level answers by another's digits.
     coarse = Engine()
-    coarse.signed_distances(world, filters, 'fast', math.inf)
-    coarse.signed_distances(world, filters, 'exact', math.inf)
+    signed_distances(coarse, world, filters, 'fast', math.inf)
+    signed_distances(coarse, world, filters, 'exact', math.inf)
     assert coarse.effects.narrowphase_pairs == 190
-    coarse.signed_distances(world, filters, 'balanced', math.inf)
+    signed_distances(coarse, world, filters, 'balanced', math.inf)
     assert coarse.effects.narrowphase_pairs == 190
 
 
@@ -182,11 +183,11 @@ def test_who_cannot_have_come_near_is_not_looked_at():
     rng = np.random.default_rng(7)
     world = random_world(rng, 40)
     engine, filters = Engine(), filters_of(world)
-    engine.signed_distances(world, filters, 'exact', 0.1)
+    signed_distances(engine, world, filters, 'exact', 0.1)
     for _ in range(5):
         rows = np.arange(1, 41)
         world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows] + rng.normal(0, 1e-4, (40, 3)))
-        engine.signed_distances(world, filters, 'exact', 0.1)
+        signed_distances(engine, world, filters, 'exact', 0.1)
     effects = engine.effects
     assert effects.far_pairs > 20
     total = effects.far_pairs + effects.cached_pairs + effects.narrowphase_pairs
@@ -209,12 +210,12 @@ def test_points_meet_what_is_within_reach():
 def test_an_answer_that_stands_tells_its_own_pairs_after_points_were_asked():
     world = random_world(np.random.default_rng(6), 20)
     engine, filters = Engine(), filters_of(world)
-    engine.signed_distances(world, filters, 'exact', math.inf)
+    signed_distances(engine, world, filters, 'exact', math.inf)
     engine.point_distances(world, np.zeros((3, 3)), math.inf)
     effects = engine.effects
     assert (effects.broadphase_pairs, effects.near_list_made) == (3 * 20, False)
     assert effects.seconds['filter'] == effects.seconds['cache'] == 0.0
-    engine.signed_distances(world, filters, 'exact', math.inf)
+    signed_distances(engine, world, filters, 'exact', math.inf)
     effects = engine.effects
     assert (effects.broadphase_pairs, effects.cached_pairs) == (190, 190)
 
@@ -224,8 +225,8 @@ def test_pairs_see_the_poses_that_points_were_asked_in():
     world = random_world(rng, 20)
     engine, filters = Engine(), filters_of(world)
     for _ in range(3):
-        found = engine.signed_distances(world, filters, 'exact', 0.2)
-        expected = Engine().signed_distances(world, filters, 'exact', 0.2)
+        found = signed_distances(engine, world, filters, 'exact', 0.2)
+        expected = signed_distances(Engine(), world, filters, 'exact', 0.2)
         np.testing.assert_array_equal(found.ids, expected.ids)
         before = world.revision
         world.set_poses(np.array([1]), random_rotations(rng, 1), rng.uniform(-0.5, 0.5, (1, 3)))
@@ -257,7 +258,7 @@ def test_two_half_spaces_are_left_out():
     world = World(frames, geometry_table([1, 2], [HALF_SPACE, HALF_SPACE], [[], []]))
     world.set_poses(np.array([1, 2]), random_rotations(np.random.default_rng(7), 2), np.eye(2, 3))
     for distance in (0.1, math.inf):
-        batch = Engine().signed_distances(world, filters_of(world), 'exact', distance)
+        batch = signed_distances(Engine(), world, filters_of(world), 'exact', distance)
         assert len(batch.ids) == 0
     assert len(Engine().distance_of_pair(world, np.array([[0, 1]]), 'exact').ids) == 0
 
@@ -273,7 +274,7 @@ def test_a_wider_question_before_leaves_no_trace(accuracy):
     world = random_world(np.random.default_rng(0), 120, types=(1, 2, 3, 4), spread=0.6)
     filters, engine = filters_of(world), Engine()
     for cutoff in (math.inf, 0.3, 0.11, 0.1, 0.0, 0.1):
-        found = engine.signed_distances(world, filters, accuracy, cutoff)
-        alone = Engine().signed_distances(world, filters, accuracy, cutoff)
+        found = signed_distances(engine, world, filters, accuracy, cutoff)
+        alone = signed_distances(Engine(), world, filters, accuracy, cutoff)
         np.testing.assert_array_equal(found.ids, alone.ids)
         np.testing.assert_array_equal(found.rows, alone.rows)

@@ -24,12 +24,12 @@ engine.prepare(world)
 with event.install_recorder('numba:compile') as recorder:
     for _ in range(5):
         for reach in (0.0, math.inf):
-            engine.signed_distances(world, filters, 'exact', reach, time_budget=1e-12)
+            signed_distances(engine, world, filters, 'exact', reach, time_budget=1e-12)
             left = engine.effects.unrefined_pairs
-            engine.signed_distances(world, filters, 'exact', reach)
+            signed_distances(engine, world, filters, 'exact', reach)
             seconds_a_pair(world, filters, reach, 64, 0)
-        engine.has_overlap(world, filters, 'exact')
-        engine.candidates(world, filters, 0.1)
+        has_overlap(engine, world, filters, 'exact')
+        candidates(engine, world, filters, 0.1)
         shuffle(rng, world)
 print(len(recorder.buffer), left > 0)
 """

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
@@ -28,7 +29,7 @@ def _three(row, at):
 
 def test_witness_points_are_the_same_in_world_in_their_bodies_and_in_their_frames():
     world = random_world(np.random.default_rng(1), 6, types=(1, 2, 3))
-    batch = Engine().signed_distances(world, filters_of(world), 'exact', math.inf)
+    batch = signed_distances(Engine(), world, filters_of(world), 'exact', math.inf)
     assert len(batch.rows) == 15
     assert (batch.rows[:, UNIQUE] == 1.0).all()
     rows_of = {key: g for g, key in enumerate(world.geometries.ids.tolist())}

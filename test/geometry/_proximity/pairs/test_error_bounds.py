@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, geometry_table, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
@@ -56,17 +57,17 @@ def test_random_pairs_keep_it(level, scale, offset):
     rows = np.arange(1, 31)
     scaled.set_poses(rows, world.R_PFs[rows], scale * world.p_PFs[rows] + offset)
     scaled.update()
-    batch = Engine().signed_distances(scaled, filters_of(scaled), level, math.inf)
+    batch = signed_distances(Engine(), scaled, filters_of(scaled), level, math.inf)
     assert len(batch.rows) == 435
     assert not batch.broken().any()
     # The check is not idle: bounding volumes would not do.
-    loose = Engine().signed_distances(scaled, filters_of(scaled), 'bound', math.inf)
+    loose = signed_distances(Engine(), scaled, filters_of(scaled), 'bound', math.inf)
     assert np.mean(loose.rows[:, ERROR_BOUND] > batch.rows[:, PROMISED]) > 0.7
 
 
 def test_a_broken_promise_is_seen():
     world = random_world(np.random.default_rng(1), 4)
-    batch = Engine().signed_distances(world, filters_of(world), 'exact', math.inf)
+    batch = signed_distances(Engine(), world, filters_of(world), 'exact', math.inf)
     rows = batch.rows.copy()
     rows[0, ERROR_BOUND] = 2e-9
     rows[1, DISTANCE] = math.nan
@@ -79,6 +80,6 @@ def test_bounds_alone_promise_nothing():
     frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
     world = World(frames, geometry_table([1, 2], [4, 4], [[0.1, 0.2], [0.1, 0.2]]))
     world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 3)))
-    batch = Engine().signed_distances(world, filters_of(world), 'bound', math.inf)
+    batch = signed_distances(Engine(), world, filters_of(world), 'bound', math.inf)
     assert batch.rows[0, PROMISED] == math.inf
     assert not batch.broken().any()

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Engine
@@ -72,9 +73,9 @@ def test_the_seed_chooses():
 def test_an_engine_that_answers_the_world_keeps_what_it_knows():
     world = random_world(np.random.default_rng(5), 20)
     engine, filters = Engine(), filters_of(world)
-    first = engine.signed_distances(world, filters, 'exact', math.inf)
+    first = signed_distances(engine, world, filters, 'exact', math.inf)
     seconds_a_pair(world, filters, math.inf, 64, 0)
-    assert engine.signed_distances(world, filters, 'exact', math.inf).rows is first.rows
+    assert signed_distances(engine, world, filters, 'exact', math.inf).rows is first.rows
 
 
 def test_a_pair_costs_its_share_of_the_quickest_trial(monkeypatch):

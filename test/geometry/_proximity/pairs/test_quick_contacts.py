@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, geometry_table, random_world, shuffle
 from scipy.spatial import ConvexHull
 
@@ -13,13 +14,14 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import balls_insid
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS, PLAIN_DEPTH
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 
 KINDS = (1, 2, 3, 4, 5, HALF_SPACE, CONVEX)
 
 
 def reports(world, filters, level):
     """Return whether an engine that was never asked reports a penetration."""
-    return len(Engine().signed_distances(world, filters, level, 0.0, True).ids) > 0
+    return len(signed_distances(Engine(), world, filters, level, 0.0, True).ids) > 0
 
 
 def allowed(world, filters, engine):
@@ -41,7 +43,7 @@ def test_whoever_looks_for_one_contact_answers_as_the_penetrations_do(seed, leve
         filters.apply([(1, some, some)])
         for _ in range(3):
             expected = reports(world, filters, level)
-            assert engine.has_overlap(world, filters, level) == expected
+            assert has_overlap(engine, world, filters, level) == expected
             if expected:
                 assert allowed(world, filters, engine)
             shuffle(rng, world)
@@ -56,7 +58,7 @@ def test_near_touch_kernels_decide_and_from_a_plain_depth_on_nobody_asks_them(le
     ps = np.array([[0.0, 0.0, 0.0], [1.0 - 0.5 * share, 0.0, 0.0]])
     world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), ps)
     engine, filters = Engine(), filters_of(world)
-    assert engine.has_overlap(world, filters, level)
+    assert has_overlap(engine, world, filters, level)
     needed = PLAIN_DEPTH if level != 'fast' else 2.0 * LEVEL_GAPS['fast']
     assert (engine.effects.broadphase_pairs == 0) == (share > needed)
 
@@ -65,13 +67,13 @@ def test_a_pair_that_waits_or_is_filtered_is_no_contact():
     world = random_world(np.random.default_rng(1), 3, types=(SPHERE,), spread=0.0)
     filters, engine = filters_of(world), Engine()
     keys = tuple(world.geometries.ids.tolist())
-    assert engine.has_overlap(world, filters, 'exact')
+    assert has_overlap(engine, world, filters, 'exact')
     assert engine.effects.broadphase_pairs == 0
     filters.apply([(1, keys, keys)])
-    assert not engine.has_overlap(world, filters, 'exact')
+    assert not has_overlap(engine, world, filters, 'exact')
     filters.apply([(2, keys[:2], ())])
     world.waiting[:] = True
-    assert not Engine().has_overlap(world, filters, 'exact')
+    assert not has_overlap(Engine(), world, filters, 'exact')
 
 
 @settings(max_examples=100)
@@ -81,7 +83,7 @@ def test_the_ball_in_a_hull_is_inside_each_of_its_facets(seed, count, flatness):
     rng = np.random.default_rng(seed)
     vertices = rng.normal(size=(count, 3)) * [1.0, 1.0, 10.0**flatness] + rng.normal(size=3)
     hull = ConvexHull(vertices)
-    pool = Convex.FromMeshData(MeshData(vertices))._for_queries().in_pairs.parameters
+    pool = for_queries(Convex.FromMeshData(MeshData(vertices))).in_pairs.parameters
     (centre,), (radius,) = balls_inside(np.array([CONVEX]), np.array([0, len(pool)]), pool)
     room = -(hull.equations[:, :3] @ centre + hull.equations[:, 3])
     assert radius <= room.min() + 1e-6 * PLAIN_DEPTH

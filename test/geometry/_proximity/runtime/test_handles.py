@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numba import config
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
@@ -95,17 +96,17 @@ def test_a_copy_of_an_engine_and_its_world_works_on_arrays_of_its_own(make):
     rng = np.random.default_rng(1)
     world = random_world(rng, 30, types=(1,), spread=0.5)
     filters, engine = filters_of(world), Engine()
-    first = engine.signed_distances(world, filters, 'exact', 0.1)
+    first = signed_distances(engine, world, filters, 'exact', 0.1)
     other_world, other = make((world, engine))
     shuffle(rng, world)
-    again = other.signed_distances(other_world, filters, 'exact', 0.1)
+    again = signed_distances(other, other_world, filters, 'exact', 0.1)
     assert (again.ids == first.ids).all()
     assert (again.rows == first.rows).all()
-    moved = engine.signed_distances(world, filters, 'exact', 0.1).rows.copy()
+    moved = signed_distances(engine, world, filters, 'exact', 0.1).rows.copy()
     del world, engine
     gc.collect()
     shuffle(rng, other_world)
-    assert len(other.signed_distances(other_world, filters, 'exact', 0.1).ids)
+    assert len(signed_distances(other, other_world, filters, 'exact', 0.1).ids)
     assert moved.shape != first.rows.shape or (moved != first.rows).any()
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 from numba import config
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
@@ -28,8 +29,8 @@ def answers():
     """Return what is answered about some balls, in lists."""
     world = random_world(np.random.default_rng(0), 30, types=(1,), anchored=5)
     engine, filters = Engine(), filters_of(world)
-    batch = engine.signed_distances(world, filters, 'exact', 0.5)
-    return [batch.ids.tolist(), batch.rows.tolist(), engine.has_overlap(world, filters, 'exact')]
+    batch = signed_distances(engine, world, filters, 'exact', 0.5)
+    return [batch.ids.tolist(), batch.rows.tolist(), has_overlap(engine, world, filters, 'exact')]
 
 
 @pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')

@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine import engine as engines
@@ -63,9 +64,9 @@ def test_answers_are_those_of_one_thread(threads, number, accuracy):
         if step != 2:  # nothing moved
             shuffle(rng, world, 0.6)
         threads(number)
-        found = shared.signed_distances(world, filters, accuracy, 0.1 + 0.01 * (step % 2))
+        found = signed_distances(shared, world, filters, accuracy, 0.1 + 0.01 * (step % 2))
         threads(1)
-        alone = Engine().signed_distances(world, filters, accuracy, 0.1 + 0.01 * (step % 2))
+        alone = signed_distances(Engine(), world, filters, accuracy, 0.1 + 0.01 * (step % 2))
         assert len(found.ids) > engines.MANY
         np.testing.assert_array_equal(found.ids, alone.ids)
         np.testing.assert_array_equal(found.rows, alone.rows)
@@ -82,8 +83,8 @@ def test_answers_may_become_few_or_none(threads):
     threads(2)
     for spread in (0.4, 0.4, 30.0, 3.0, 0.4, 0.4):
         shuffle(rng, world, spread)
-        found = engine.signed_distances(world, filters, 'exact', 0.0, penetrating=True)
-        alone = Engine().signed_distances(world, filters, 'exact', 0.0, penetrating=True)
+        found = signed_distances(engine, world, filters, 'exact', 0.0, penetrating=True)
+        alone = signed_distances(Engine(), world, filters, 'exact', 0.0, penetrating=True)
         np.testing.assert_array_equal(found.rows, alone.rows)
 
 

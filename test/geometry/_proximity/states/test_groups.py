@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from numba import njit
+from oracles.engine_calls import signed_distances
 
 from bench.evidence.bodies.random_bodies import random_rotations
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
@@ -77,7 +78,7 @@ def crowd():
     for key in range(n):
         filters.add(key, key + 1, False)
     world.set_poses(np.arange(1, n + 1), random_rotations(rng, n), rng.uniform(-2, 2, (n, 3)))
-    batch = Engine().signed_distances(world, filters, 'exact', math.inf)
+    batch = signed_distances(Engine(), world, filters, 'exact', math.inf)
     return world, batch.ids, batch.rows[:, 0] + batch.rows[:, 10]
 
 

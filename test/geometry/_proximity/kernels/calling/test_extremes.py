@@ -10,6 +10,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry.meshes.source import MeshData
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 from drake_geom_ros.math import RotationMatrix
 
 R = np.array(RotationMatrix.MakeXRotation(0.5).matrix())
@@ -38,9 +39,7 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
     rows = []
     for e in (0, exponent):
         row = np.zeros(calling.PAIR_WIDTH)
-        kinds, lengths = zip(
-            *(each._for_queries().in_pairs for each in (shape, other)), strict=True
-        )
+        kinds, lengths = zip(*(for_queries(each).in_pairs for each in (shape, other)), strict=True)
         lengths = [np.ldexp(each, e) for each in lengths]
         extremes.at_one_metre(
             address, np.ldexp(4.0, e), kinds[0], lengths[0], np.eye(3),
@@ -54,11 +53,11 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
 
 def test_a_hull_keeps_the_number_of_its_vertices_and_its_lists():
     directions = random_directions(np.random.default_rng(0), 600)
-    shape = Convex.FromMeshData(MeshData(directions))._for_queries().in_pairs.parameters
+    shape = for_queries(Convex.FromMeshData(MeshData(directions))).in_pairs.parameters
     count = int(shape[0])
     copy = extremes.resized(CONVEX, shape, 10)
     lengths = slice(1, 3 * count + 7)  # defect, ball and radius too
     np.testing.assert_array_equal(copy[lengths], 1024.0 * shape[lengths])
     np.testing.assert_array_equal(copy[3 * count + 7 :], shape[3 * count + 7 :])
     assert copy[0] == count
-    assert Sphere(1.0)._for_queries().in_pairs.parameters.tolist() == [1.0]
+    assert for_queries(Sphere(1.0)).in_pairs.parameters.tolist() == [1.0]

@@ -24,6 +24,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ELLIPSOID,
     SPHERE,
 )
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 
 SHAPES = [Box(0.2, 0.4, 0.6), Cylinder(0.2, 0.5), Ellipsoid(0.3, 0.2, 0.25), Capsule(0.1, 0.4)]
 GRID = np.linspace(-0.8, 0.8, 41)
@@ -31,8 +32,8 @@ GRID = np.linspace(-0.8, 0.8, 41)
 
 def pair_of(A, B, R_WA, R_WB, p):
     return core_pair(
-        *(*A._for_queries().in_pairs, R_WA),
-        *(*B._for_queries().in_pairs, R_WB, p),
+        *(*for_queries(A).in_pairs, R_WA),
+        *(*for_queries(B).in_pairs, R_WB, p),
     )
 
 

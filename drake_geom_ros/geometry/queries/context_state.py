@@ -1,0 +1,141 @@
+"""What a context holds: a posed scene, and an engine that answers about it."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any, NamedTuple, TypeVar
+
+from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Engine
+from drake_geom_ros.geometry._proximity.engine.prepared import Prepared
+from drake_geom_ros.geometry._proximity.engine.waiting import count_waiting_pairs
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.world.world import World
+from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
+from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
+from drake_geom_ros.geometry.queries.posed_scene import PosedScene
+
+_State = TypeVar('_State', bound='ContextState')
+_MOST_USUAL = 16  # queries that are usual: distances may come without end
+
+
+class _WaitingPairs(NamedTuple):
+    """How many pairs wait for a pose, and when that was so."""
+
+    moment: object
+    pairs: int
+
+
+class _KnownPaddings(NamedTuple):
+    """Paddings, and of which version of what takes part in proximity queries."""
+
+    version: int | None
+    paddings: Paddings | None
+
+
+class ContextState(PosedScene):
+    """What the query objects, images and states of a context ask; see ``state_of``.
+
+    ``accuracy`` is that of queries that name none.
+    """
+
+    def __init__(
+        self, model: Model, filters: FilterState, accuracy: str, partial: bool = False
+    ) -> None:
+        self.accuracy = accuracy
+        self.engine = Engine()
+        # By renderer: what it shows, and of which version; see RenderEngineExact.
+        self.packed_scenes: dict[str, Any] = {}
+        self._usual: dict[Hashable, Prepared] = {}
+        self._snapshot: Model | None = None
+        self._padded = _KnownPaddings(None, None)
+        self._waiting_pairs = _WaitingPairs(None, 0)
+        super().__init__(model, filters, partial)
+
+    def copy(self: _State) -> _State:
+        """Return a state that shares nothing that either could change."""
+        other = self._about(self.model.copy())
+        other._snapshot, other.packed_scenes = None, dict(self.packed_scenes)
+        return other
+
+    def snapshot(self: _State) -> _State:
+        """Return a copy for queries and poses only: those of one state share a copy of the model.
+
+        And what was packed for images, of which nothing ever changes.
+        """
+        if self._snapshot is None or self._snapshot.versions != self.model.versions:
+            self._snapshot = self.model.copy()
+        return self._about(self._snapshot)
+
+    def _about(self: _State, model: Model) -> _State:
+        """Return the same about a copy of the model, with an engine of its own, too."""
+        other = super()._about(model)
+        other.engine, other._usual = Engine(), {}
+        return other
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, '_usual': {}}  # the arrays of a copy are elsewhere
+
+    def set_accuracy(self, accuracy: str) -> None:
+        """Set the accuracy of queries that name none; raises ArgumentError for what is none."""
+        self.accuracy = checked_accuracy(accuracy)
+        self._usual.clear()
+
+    def level(self, accuracy: str | None) -> str:
+        """Return the accuracy level to use; raises ArgumentError for a name that is none."""
+        return self.accuracy if accuracy is None else checked_accuracy(accuracy)
+
+    def query(
+        self, usual: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
+    ) -> Prepared:
+        """Return a query as the engine takes it: see ``Engine.prepared``.
+
+        Those at the default accuracy are kept by what is ``usual`` to be asked. Raises PoseError
+        if there are no poses that it must have.
+        """
+        if accuracy is None:
+            known = self._usual.get(usual)
+            # Either number only grows.
+            scene = self.model.versions.any + self.filters.version
+            if known is not None and known.scene == scene and known.handles is known.near.handles:
+                return known
+        level, world = self.level(accuracy), self.posed_world()
+        query = self.engine.prepared(world, self.filters, level, cutoff, penetrating, mode)
+        if accuracy is None:
+            if len(self._usual) == _MOST_USUAL:
+                self._usual.clear()
+            self._usual[usual] = query
+            query.scene = self.model.versions.any + self.filters.version
+        return query
+
+    def pointed_world(self) -> World:
+        """Return the world for a query about points, which knows what shapes are to them."""
+        world = self.posed_world()
+        know_point_shapes(world, self.model)
+        return world
+
+    def paddings(self) -> Paddings | None:
+        """Return the paddings of the geometries, None where there are none, which is quick."""
+        version = self.model.versions.proximity
+        if self._padded.version != version:
+            ids = self.up_to_date_world().geometries.ids
+            self._padded = _KnownPaddings(version, paddings_of(self.model, ids))
+        return self._padded.paddings
+
+    def count_waiting_pairs(self) -> int:
+        """Return how many unfiltered pairs have a geometry without a place."""
+        world = self.up_to_date_world()
+        moment = self.built, world.placings, self.filters.version
+        # Asked each cycle, and 20 ms of work where 1000 bodies wait.
+        if self._waiting_pairs.moment != moment:
+            self._waiting_pairs = _WaitingPairs(moment, count_waiting_pairs(world, self.filters))
+        return self._waiting_pairs.pairs
+
+
+def checked_accuracy(accuracy: str) -> str:
+    """Return an accuracy level; raises ArgumentError for a name that is none."""
+    if accuracy not in ACCURACY_LEVELS:
+        allowed = ', '.join(ACCURACY_LEVELS)
+        raise ArgumentError(f'accuracy={accuracy!r} was asked for; it must be one of {allowed}.')
+    return accuracy

@@ -1,0 +1,208 @@
+"""A scene and where its frames are: who poses them, and what still waits for its first pose."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.world.world import Named, World
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.ids import FrameId, SourceId
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model._records import FrameRecord
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
+from drake_geom_ros.geometry.model.scene_content import SceneContent
+from drake_geom_ros.geometry.queries.tables import tables_of
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.tolerances import WELDED_STAYS
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_Scene = TypeVar('_Scene', bound='PosedScene')
+_MOST_SENDERS = 64  # who poses ever other frames must not fill the memory
+
+
+class ModelMark(NamedTuple):
+    """The versions of the model that a world was built from."""
+
+    frames: int
+    proximity: int
+
+    @classmethod
+    def of(cls, model: Model) -> ModelMark:
+        """Return that of now."""
+        return cls(model.versions.frames, model.versions.proximity)
+
+
+class PosedScene(SceneContent):
+    """A model and filters, and the world of poses that queries are asked of.
+
+    ``world`` is that of the last query; ``up_to_date_world()`` has what was registered since.
+    While a frame never had a pose queries are refused, or, with ``partial``, leave out what hangs
+    on it.
+    """
+
+    def __init__(self, model: Model, filters: FilterState, partial: bool) -> None:
+        super().__init__(model, filters)
+        self.partial = partial
+        self.world = World(*tables_of(model))
+        self.built, self._seen = ModelMark.of(model), model.versions.any
+        # Who poses frames names the same ones each time: all lists of them, by the bytes of their
+        # ids, and those of sources by the values of theirs.
+        self._named: dict[bytes, Named] = {}
+        self._own: dict[int, Named] = {}
+        if model.first_X_PFs:
+            self.pose_frames(FramePoseVector(model.first_X_PFs))
+
+    def _about(self: _Scene, model: Model) -> _Scene:
+        """Return the same about a copy of the model, with filters and a world of its own."""
+        world = self.up_to_date_world()
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        other.model, other.filters, other.world = model, self.filters.copy(), world.copy()
+        other._named, other._own = dict(self._named), dict(self._own)
+        return other
+
+    def up_to_date_world(self) -> World:
+        """Return the world, rebuilt, poses kept, if frames or shapes changed."""
+        seen = self.model.versions.any
+        if self._seen != seen:
+            built = ModelMark.of(self.model)
+            if built != self.built:
+                self.world = self.world.rebuilt(*tables_of(self.model))
+            if built.frames != self.built.frames:
+                self._named, self._own = {}, {}
+            self.built, self._seen = built, seen
+        return self.world
+
+    def posed_world(self) -> World:
+        """Return the world for a query; raises PoseError if it lacks poses that it must have."""
+        world = self.up_to_date_world()
+        if not (world.is_whole or self.partial):
+            waiting = world.unposed_frames().tolist()
+            raise PoseError(
+                f'Of {len(world.frames.ids) - 1} frames {len(waiting)} never had a pose: '
+                f'{self.describe(waiting)}. Give all frames of a source theirs by '
+                'get_source_pose_port(source_id).FixValue(context, poses), some by '
+                'UpdateFramePoses(poses) of the context, or what contexts begin with by '
+                'SceneGraph.SetFirstPoses(poses).'
+            )
+        return world
+
+    def placed_frame(self, id: FrameId, *, in_world: bool = True) -> tuple[World, int]:
+        """Return the world and the row of a frame in it.
+
+        Raises UnknownIdError for one that is not here, and PoseError where it has no pose, or, to
+        be known ``in_world``, what it hangs on has none.
+        """
+        record = self.model.frame(id)
+        world = self.posed_world()
+        row = int(world.frame_rows(np.array([id.get_value()]))[0])
+        waiting = world.unposed_on_way(row)
+        if len(waiting) and (in_world or id.get_value() in waiting):
+            raise PoseError(
+                f"The pose of '{record.name}' ({id!r}) was asked for, but these frames never had "
+                f'a pose: {self.describe(waiting)}.'
+            )
+        return world, row
+
+    def X_WFs(self, ids: ArrayLike) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Return what ``SceneGraphContext.X_WFs`` does."""
+        world = self.up_to_date_world()
+        values = np.asarray(ids, dtype=np.int64)
+        for value in values[~world.has_frames(values)].tolist():
+            self.model.frame(FrameId(value))  # the world, or an error that names it
+        world.update()
+        rows = world.frame_rows(values)
+        return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
+
+    def describe(self, values: list[int]) -> str:
+        """Name frames, by the values of their ids, for an error message."""
+        names = []
+        for frame in map(FrameId, values[:5]):
+            record = self.model.frames.get(frame)
+            names.append(f"'{record.name}' ({frame!r})" if record else repr(frame))
+        more = f' and {len(values) - 5} more' if len(values) > 5 else ''
+        return ', '.join(names) + more
+
+    # Poses.
+
+    def pose_source(self, source_id: SourceId, poses: FramePoseVector) -> None:
+        """Pose all frames of a source, or none: see ``SceneGraphContext.SetFramePoses``."""
+        world = self.up_to_date_world()
+        own = self._own.get(source_id.get_value()) or self._source_frames(source_id)
+        given, X_PFs = arrays_of(poses)
+        # Mostly the frames come in the order of their ids.
+        if given is own.ids or own.is_of(given):
+            if self.filters.welded:
+                self._look_after_welds(given, X_PFs)
+            world.pose(own, X_PFs)
+            return
+        if not np.array_equal(given := np.sort(given), own.ids):
+            problems = []
+            if missing := np.setdiff1d(own.ids, given).tolist():
+                problems.append(f'these frames of it have no pose: {self.describe(missing)}')
+            if foreign := np.setdiff1d(given, own.ids).tolist():
+                problems.append(f'these frames are not its own: {self.describe(foreign)}')
+            raise PoseError(
+                f"Poses for source '{self.model.source_name(source_id)}' were refused, nothing "
+                f"was changed: {'; '.join(problems)}. Each fix needs exactly the source's frames."
+            )
+        self.pose_frames(poses)
+
+    def pose_frames(self, poses: FramePoseVector) -> None:
+        """Pose frames of any source: see ``SceneGraphContext.UpdateFramePoses``."""
+        world = self.up_to_date_world()
+        ids, X_PFs = arrays_of(poses)
+        named = self._frames_named(ids.tobytes(), ids)
+        if self.filters.welded:
+            self._look_after_welds(ids, X_PFs)
+        world.pose(named, X_PFs)
+
+    def begin_at(self, frame: FrameRecord, X_PF: RigidTransform) -> None:
+        """Pose a frame that has another parent now, here and in what is made of this scene."""
+        super().begin_at(frame, X_PF)
+        self.pose_frames(FramePoseVector({frame.id: X_PF}))
+
+    def _source_frames(self, source_id: SourceId) -> Named:
+        """Return a source's frames by ascending ids, and note them."""
+        values = [frame.get_value() for frame in self.model.frames_of_source(source_id)]
+        ids = np.array(sorted(values), dtype=np.int64)
+        own = self._own[source_id.get_value()] = self._frames_named(ids.tobytes(), ids)
+        return own
+
+    def _frames_named(self, key: bytes, ids: Indices) -> Named:
+        """Return frames by the values (n,) of their ids, whose bytes are the key.
+
+        Raises PoseError when one does not exist.
+        """
+        named = self._named.get(key)
+        if named is None:
+            world = self.up_to_date_world()
+            named = world.named(ids)
+            if named is None:
+                unknown = ids[~world.has_frames(ids)]
+                raise PoseError(
+                    'Poses were refused, nothing was changed: these frames are not in this scene: '
+                    f'{self.describe(sorted(unknown.tolist()))}.'
+                )
+            if len(self._named) == _MOST_SENDERS:
+                del self._named[next(iter(self._named))]
+            self._named[key] = named
+        return named
+
+    def _look_after_welds(self, ids: Indices, X_PFs: Floats) -> None:
+        """Undo the weld of a frame that is posed elsewhere than where its first pose put it."""
+        welded = self.filters.welded
+        for frame, X_WF in zip(ids.tolist(), X_PFs, strict=True):
+            if frame not in welded:
+                continue
+            first = welded[frame]
+            if first is None:
+                welded[frame] = X_WF.copy()
+            elif np.abs(X_WF - first).max() > WELDED_STAYS:
+                self.unweld(frame)

@@ -1,0 +1,32 @@
+"""Which nearness means warn, slow down or stop, decided by certified lower bounds.
+
+In: rules, names and filters of a scene, what a cycle measured.
+Out: events, the state of each rule, the scale of speed.
+May import: ``math``, ``common``; numpy.
+"""
+
+from drake_geom_ros.proximity_rules.decisions import Measured, Poses
+from drake_geom_ros.proximity_rules.monitor import Event, RuleMonitor, RuleState
+from drake_geom_ros.proximity_rules.rule import (
+    Level,
+    ProximityRule,
+    RuleError,
+    Why,
+    scale_points,
+)
+from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPairs
+
+__all__ = [
+    'Event',
+    'Level',
+    'Measured',
+    'Poses',
+    'ProximityRule',
+    'RuleError',
+    'RuleMonitor',
+    'RuleState',
+    'ScenePairs',
+    'WatchedPairs',
+    'Why',
+    'scale_points',
+]

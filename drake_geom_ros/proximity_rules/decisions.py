@@ -1,0 +1,119 @@
+"""Whether rules are entered and left, for all rules at once.
+
+What decides is the lower bound of a distance, which is certified: a rule may be entered early
+where an answer is loose, and never late.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.proximity_rules.rule import ProximityRule, Why
+from drake_geom_ros.proximity_rules.watched_pairs import Incidences, WatchedPairs
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Ids = NDArray[np.int64]
+
+
+class Measured(NamedTuple):
+    """What a cycle knows of pairs (k,): all that are nearer than it looked, and not filtered."""
+
+    id_A: Ids
+    id_B: Ids
+    distance: Floats  # [m]
+    error_bound: Floats  # [m]
+    p_WCa: Floats  # (k, 3) [m]
+    p_WCb: Floats
+    closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: nobody watches
+
+
+class Poses(NamedTuple):
+    """Which geometries (n,), in the order of ``WatchedPairs.ids``, stand where they stood."""
+
+    stale: Flags  # posed too long ago, or hang on what is
+    absent: Flags  # never posed, or hang on what is not
+
+
+class Reasons(NamedTuple):
+    """What each rule (r,) would be entered for, and what keeps it entered."""
+
+    lowest: Floats  # [m] the least lower bound of its pairs; inf: none was near enough to see
+    soonest: Floats  # [s] the least time to contact; inf: nothing that closes
+    stale: Flags  # it needs a pose that is stale
+    absent: Flags  # or that never came
+
+
+class Limits:
+    """The numbers of rules as arrays (r,), to decide about all at once."""
+
+    def __init__(self, rules: Sequence[ProximityRule]) -> None:
+        def each(field: str) -> Floats:
+            return np.array([getattr(rule, field) for rule in rules], dtype=np.float64)
+
+        self.enter, self.leave = each('enter'), each('leave')
+        self.hold, self.enter_after = each('hold'), each('enter_after')
+        self.least_time = each('min_time_to_contact')
+        self.enters_when_stale = each('enters_when_stale').astype(np.bool_)
+
+    def why(self, reasons: Reasons) -> NDArray[np.uint8]:
+        """Return why each rule would be entered now, as a ``Why``; 0: for nothing."""
+        blind = self.enters_when_stale
+        return np.select(
+            [
+                reasons.lowest < self.enter,
+                reasons.soonest < self.least_time,
+                blind & reasons.absent,
+                blind & reasons.stale,
+            ],
+            [Why.NEAR, Why.SOON, Why.NO_POSE, Why.STALE],
+            default=0,
+        ).astype(np.uint8)
+
+    def may_leave(self, reasons: Reasons) -> Flags:
+        """Return which rules nothing keeps entered, but for ``hold``.
+
+        A pose that is stale or absent keeps a rule entered whatever ``when_stale`` says.
+        """
+        far = (reasons.lowest >= self.leave) & (reasons.soonest >= self.least_time)
+        return far & ~reasons.stale & ~reasons.absent
+
+
+class Lowest(NamedTuple):
+    """Lower bounds [m] and times to contact [s] of pairs, and the rules that these concern."""
+
+    lower: Floats  # (k,) of pairs
+    times: Floats
+    concerned: Incidences
+
+    def pair_of(self, rule: int, *, soonest: bool) -> int:
+        """Return which pair of a rule is the nearest, or would touch first; -1: there is none."""
+        pairs = self.concerned.pairs[self.concerned.rules == rule]
+        if not len(pairs):
+            return -1
+        return int(pairs[np.argmin((self.times if soonest else self.lower)[pairs])])
+
+    def of_rules(self, count: int) -> tuple[Floats, Floats]:
+        """Return the least bound [m] and time [s] of each of so many rules; inf: of no pair."""
+        lowest, soonest = np.full(count, math.inf), np.full(count, math.inf)
+        pairs, rules = self.concerned
+        np.minimum.at(lowest, rules, self.lower[pairs])
+        np.minimum.at(soonest, rules, self.times[pairs])
+        return lowest, soonest
+
+
+def look(watched: WatchedPairs, measured: Measured) -> Lowest:
+    """Return the bounds of what was measured, and which rules it concerns."""
+    lower = measured.distance - measured.error_bound
+    # What is not a number is a doubt, and no rule may take it for free.
+    lower[np.isnan(lower)] = -math.inf
+    times = np.full(len(lower), math.inf)
+    if measured.closing_speed is not None:
+        closes = measured.closing_speed > 0.0
+        times[closes] = np.maximum(lower[closes], 0.0) / measured.closing_speed[closes]
+    return Lowest(lower, times, watched.incidences(measured.id_A, measured.id_B))

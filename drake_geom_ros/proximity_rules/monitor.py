@@ -1,0 +1,248 @@
+"""The rules of a scene, their states, and what changes of them: events without a gap."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.proximity_rules.decisions import (
+    Limits,
+    Lowest,
+    Measured,
+    Poses,
+    Reasons,
+    look,
+)
+from drake_geom_ros.proximity_rules.entered import Entered
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, RuleError, Why
+from drake_geom_ros.proximity_rules.speed_scale import SpeedScale
+from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPairs
+
+_NOBODY = np.full(3, math.nan)
+
+
+class Event(NamedTuple):
+    """One change of one rule.
+
+    The pair is the nearest of the rule's, for SOON the one that would touch first; ids of 0, a
+    distance of inf and points of NaN: none was near enough to be looked at. For STALE and NO_POSE
+    ``id_A`` is a geometry whose pose is missing, and nothing is known of a distance (NaN).
+    """
+
+    sequence: int
+    rule: str
+    level: Level
+    is_entered: bool
+    why: Why
+    id_A: int = 0
+    id_B: int = 0
+    distance: float = math.inf  # [m]
+    error_bound: float = 0.0  # [m]
+    p_WCa: NDArray[np.float64] = _NOBODY  # (3,) [m]
+    p_WCb: NDArray[np.float64] = _NOBODY
+
+
+class RuleState(NamedTuple):
+    """What is to be known of a rule now."""
+
+    rule: ProximityRule
+    is_entered: bool
+    why: Why | None  # what it is entered for, now where that still holds
+    since: float  # [s] of the clock that ``decide`` is given; -inf: it never changed
+    lowest: float  # [m] the least lower bound of its pairs; inf: none was near enough to see
+    pairs: int  # that it watches
+    left_out: int  # of its two sets, that are never reported
+    trouble: str  # why it can never be entered as the scene is; empty where it can
+
+
+class _Cycle(NamedTuple):
+    """What one decision is made from."""
+
+    poses: Poses
+    measured: Measured | None
+    lowest: Lowest | None
+
+
+class RuleMonitor:
+    """Decides about rules, cycle for cycle. Times [s] are of one clock that never runs back."""
+
+    def __init__(self, scene: ScenePairs, first_sequence: int = 1) -> None:
+        self._scene = scene
+        self._sequence = first_sequence
+        self._set((), Entered(0))
+
+    # Rules come and go.
+
+    def add(self, rules: Iterable[ProximityRule], *, may_wait: bool = False) -> list[str]:
+        """Add rules, all or none; return what is wrong with them.
+
+        A name that is taken is refused by a RuleError, and so is a rule that could never be
+        entered as the scene is, unless it ``may_wait`` for what it names: then that is told.
+        """
+        added = tuple(rules)
+        taken = {rule.name for rule in self.rules}
+        for rule in added:
+            if rule.name in taken:
+                raise RuleError(
+                    f'there is a proximity rule {rule.name[:80]!r} already; remove it first'
+                )
+            taken.add(rule.name)
+        watched = WatchedPairs(added, self._scene)
+        troubles = [a or b for a, b in zip(watched.unknown, watched.unwatched, strict=True)]
+        told = list(filter(None, troubles))
+        if told and not may_wait:
+            raise RuleError(told[0])
+        states = self._entered.of([*range(len(self.rules)), *[-1] * len(added)])
+        self._set((*self.rules, *added), states)
+        return told
+
+    def remove(self, name: str) -> list[Event]:
+        """Remove a rule; return the event that it is left, if it was entered.
+
+        Raises RuleError where there is none of that name.
+        """
+        names = [rule.name for rule in self.rules]
+        if name not in names:
+            raise RuleError(
+                f'there is no proximity rule {name[:80]!r}{nearest(name, names)}; '
+                'see list_proximity_rules'
+            )
+        number = names.index(name)
+        was_entered = self._entered.is_entered[number]
+        events = self._end([number])
+        return events if was_entered else []
+
+    def bind(self, scene: ScenePairs) -> list[Event]:
+        """Be about another version of the scene; return the events of the rules that it ends.
+
+        A rule whose names stood for something, and stand for nothing now, is gone. Filters end
+        none, for they come and go.
+        """
+        known, self._scene = self._watched.unknown, scene
+        self._set(self.rules, self._entered)
+        pairs = enumerate(zip(known, self._watched.unknown, strict=True))
+        return self._end([number for number, (old, new) in pairs if new and not old])
+
+    def _end(self, numbers: Sequence[int]) -> list[Event]:
+        """Forget rules; return the events of that."""
+        gone = [self._event(n, is_entered=False, why=Why.GONE) for n in numbers]
+        if numbers:
+            kept = [n for n in range(len(self.rules)) if n not in numbers]
+            self._set(tuple(self.rules[n] for n in kept), self._entered.of(kept))
+        return gone
+
+    def _set(self, rules: tuple[ProximityRule, ...], states: Entered) -> None:
+        """Have these rules, in these states; nothing is known of distances until ``decide``."""
+        self.rules, self._entered = rules, states
+        self._limits = Limits(rules)
+        self._watched = WatchedPairs(rules, self._scene)
+        self._speed = SpeedScale(rules, self._watched)
+        far, no = np.full(len(rules), math.inf), np.zeros(len(rules), dtype=np.bool_)
+        self._reasons = Reasons(far, far, no, no)
+        self.is_measured = False  # whether the distances of these pairs were looked at
+
+    # Cycles.
+
+    @property
+    def watched(self) -> WatchedPairs:
+        """The pairs that the rules are about."""
+        return self._watched
+
+    @property
+    def next_sequence(self) -> int:
+        """The number of the next event."""
+        return self._sequence
+
+    def farthest(self, fastest: float = 0.0) -> float:
+        """Return how far [m] a cycle has to look, where pairs close at most this fast [m/s]."""
+        each = (max(r.farthest, r.min_time_to_contact * fastest) for r in self.rules)
+        return max(each, default=-math.inf)
+
+    def decide(self, now: float, poses: Poses, measured: Measured | None = None) -> list[Event]:
+        """Decide by what a cycle measured; None: nothing moved, and only time went on.
+
+        Returns the changes, in the order of the rules. Before anything was measured, rules are
+        entered for want of poses only, and none is left.
+        """
+        lowest = None
+        if measured is not None:
+            lowest = look(self._watched, measured)
+            least, soonest = lowest.of_rules(len(self.rules))
+            self._reasons = self._reasons._replace(lowest=least, soonest=soonest)
+            self.is_measured = True
+        needed, waits = self._watched.needed, self._watched.is_unknown
+        self._reasons = self._reasons._replace(
+            stale=np.any(needed & poses.stale, axis=1),
+            absent=np.any(needed & poses.absent, axis=1) | waits,
+        )
+        before, why = self._entered.why, self._limits.why(self._reasons)
+        may_leave = self._limits.may_leave(self._reasons) & self.is_measured
+        changed = self._entered.step(now, why, may_leave, self._limits)
+        cycle = _Cycle(poses, measured, lowest)
+        reasons = np.where(why > 0, why, before)  # who is left is told what it was entered for
+        return [self._changed(n, Why(int(reasons[n])), cycle) for n in changed.tolist()]
+
+    def speed_scale(self) -> float | None:
+        """Return how fast to go, 0 to 1; None: no rule says. 0 before anything was measured."""
+        if not self._speed.is_asked_for:
+            return None
+        if not self.is_measured:
+            return 0.0
+        return self._speed.value(self._entered.is_entered, self._reasons, self._limits)
+
+    def states(self) -> list[RuleState]:
+        """Return the states of all rules, in the order in which they came."""
+        entered, watched = self._entered, self._watched
+        return [
+            RuleState(
+                rule,
+                bool(entered.is_entered[n]),
+                Why(int(entered.why[n])) if entered.why[n] else None,
+                float(entered.since[n]),
+                float(self._reasons.lowest[n]),
+                int(watched.pairs[n]),
+                int(watched.left_out[n]),
+                watched.unknown[n] or watched.unwatched[n],
+            )
+            for n, rule in enumerate(self.rules)
+        ]
+
+    # Events.
+
+    def _changed(self, number: int, why: Why, cycle: _Cycle) -> Event:
+        """Return the event of a rule that was entered or left."""
+        is_entered = bool(self._entered.is_entered[number])
+        if is_entered and why in (Why.STALE, Why.NO_POSE):
+            without = cycle.poses.stale if why == Why.STALE else cycle.poses.absent
+            ids = self._watched.ids[self._watched.needed[number] & without]
+            about = int(ids[0]) if len(ids) else 0
+            return self._event(number, is_entered, why, id_A=about, distance=math.nan)
+        return self._event(number, is_entered, why, **self._pair(number, why, cycle))
+
+    def _pair(self, number: int, why: Why, cycle: _Cycle) -> dict[str, Any]:
+        """Return the fields of an event that tell its pair; none where no pair is near."""
+        measured, lowest = cycle.measured, cycle.lowest
+        if measured is None or lowest is None:
+            return {}
+        k = lowest.pair_of(number, soonest=why == Why.SOON)
+        if k < 0:
+            return {}
+        return {
+            'id_A': int(measured.id_A[k]),
+            'id_B': int(measured.id_B[k]),
+            'distance': float(measured.distance[k]),
+            'error_bound': float(measured.error_bound[k]),
+            'p_WCa': measured.p_WCa[k].copy(),
+            'p_WCb': measured.p_WCb[k].copy(),
+        }
+
+    def _event(self, number: int, is_entered: bool, why: Why, **pair: Any) -> Event:
+        """Return an event, with the next number."""
+        rule, sequence = self.rules[number], self._sequence
+        self._sequence += 1
+        return Event(sequence, rule.name, rule.level, is_entered, why, **pair)

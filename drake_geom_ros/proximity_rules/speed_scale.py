@@ -1,0 +1,73 @@
+"""How fast a robot may go, 0 to 1, by what its rules know."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.proximity_rules.decisions import Limits, Reasons
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule
+from drake_geom_ros.proximity_rules.watched_pairs import WatchedPairs
+
+Flags = NDArray[np.bool_]
+
+
+class SpeedScale:
+    """The scale of speed of some rules; the least of all rules counts.
+
+    0 while a stop rule is entered, or a pose that it needs is stale or absent. Of a slow rule the
+    scale ascends in a straight line from 0 at the greatest ``enter`` of the stop rules that share
+    a pair with it (0 m where none does) to 1 at its ``leave``, or as its own ``scale`` says; and
+    while a pair would touch sooner than ``min_time_to_contact``, it is at most the part of that
+    time that is left. While a slow rule is entered for want of a pose it is the scale's least.
+    """
+
+    def __init__(self, rules: Sequence[ProximityRule], watched: WatchedPairs) -> None:
+        levels = np.array([rule.level for rule in rules])
+        self._stops = levels == Level.STOP
+        self._curves = {
+            number: np.array(rule.scale or _line(number, rules, watched)).T
+            for number, rule in enumerate(rules)
+            if rule.level == Level.SLOW
+        }
+        self._slow = np.array(list(self._curves), dtype=np.int64)
+        self._ends = np.array([curve[0, -1] for curve in self._curves.values()])
+
+    @property
+    def is_asked_for(self) -> bool:
+        """Whether any rule says how fast to go; without one there is nothing to say."""
+        return bool(self._stops.any()) or len(self._slow) > 0
+
+    def value(self, entered: Flags, reasons: Reasons, limits: Limits) -> float:
+        """Return the scale for the rules (r,) that are entered, and what is known of each."""
+        blind = reasons.stale | reasons.absent
+        if (self._stops & (entered | blind)).any():
+            return 0.0
+        scale = 1.0
+        lacking = (entered & blind)[self._slow]
+        near = reasons.lowest[self._slow] < self._ends
+        soon = (reasons.soonest < limits.least_time)[self._slow]
+        for number in self._slow[near | soon | lacking].tolist():
+            distances, scales = self._curves[number]
+            lowest = -np.inf if blind[number] and entered[number] else reasons.lowest[number]
+            scale = min(scale, float(np.interp(lowest, distances, scales)))
+            if limits.least_time[number] > 0.0:
+                scale = min(scale, float(reasons.soonest[number] / limits.least_time[number]))
+        return scale
+
+
+def _line(
+    number: int, rules: Sequence[ProximityRule], watched: WatchedPairs
+) -> tuple[tuple[float, float], ...]:
+    """Return the scale of a slow rule that names none."""
+    stops = [
+        other.enter
+        for k, other in enumerate(rules)
+        if other.level == Level.STOP and watched.shares_a_pair(number, k)
+    ]
+    rule = rules[number]
+    # A stop farther out leaves no room for a line: then it is a step.
+    begin = min(max(stops, default=0.0), np.nextafter(rule.leave, -np.inf))
+    return (begin, 0.0), (rule.leave, 1.0)

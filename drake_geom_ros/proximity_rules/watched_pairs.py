@@ -1,0 +1,165 @@
+"""Which pairs of a scene each rule is about: made when the scene changes, asked each cycle.
+
+Rules are bits. Of each geometry there is a row of bits for the rules in whose ``set_a`` it is, and
+one for ``set_b``; those of a pair are ``A[a] & B[b] | B[a] & A[b]``, for all pairs at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.common.counting import counted
+from drake_geom_ros.common.geometry_names import GeometryNames, matches
+from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.proximity_rules.rule import ProximityRule
+
+Ids = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+_MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
+_WORD = 64  # bits; a pair's rules are looked for a word at a time
+
+
+class ScenePairs(NamedTuple):
+    """The geometries of a scene that queries report, and which pairs of them."""
+
+    ids: Ids  # (n,), ascending
+    names: Sequence[GeometryNames]  # of each
+    reported: Flags  # (n, n), symmetric: whether a pair may be reported
+
+
+class Incidences(NamedTuple):
+    """Which pair concerns which rule: ``rules[k]`` is a number of a rule, of ``pairs[k]``."""
+
+    pairs: Ids
+    rules: Ids
+
+
+class WatchedPairs:
+    """The pairs of one version of a scene that some rules are about."""
+
+    def __init__(self, rules: Sequence[ProximityRule], scene: ScenePairs) -> None:
+        """``unknown`` and ``unwatched`` say of each rule why it can never be entered, or nothing.
+
+        The one where a name stands for nothing, the other where no pair is ever reported.
+        """
+        self.ids = scene.ids
+        finder = _Finder(scene)
+        sets = [finder.sets_of(rule) for rule in rules]
+        shape = len(rules), len(scene.ids)
+        self._in_a = np.array([each.in_a for each in sets], dtype=np.bool_).reshape(shape)
+        self._in_b = np.array([each.in_b for each in sets], dtype=np.bool_).reshape(shape)
+        self._count(scene.reported)
+        self.unknown = [each.refusal for each in sets]
+        self.is_unknown: Flags = np.array([bool(each) for each in self.unknown], dtype=np.bool_)
+        self.unwatched = [
+            '' if each.refusal else _why_never(rule, int(pairs), int(left_out))
+            for rule, each, pairs, left_out in zip(
+                rules, sets, self.pairs, self.left_out, strict=True
+            )
+        ]
+        self._bits_a, self._bits_b = _words(self._in_a.T), _words(self._in_b.T)
+
+    def _count(self, reported: Flags) -> None:
+        """Count pairs {i, j} with i in A and j in B: ordered ones, less those that count twice."""
+        in_a, in_b = self._in_a.astype(np.float32), self._in_b.astype(np.float32)
+        both, partners = in_a * in_b, reported.astype(np.float32)
+        # Whole numbers to 2 ** 24 are exact here; their sums need not be so small.
+        near_a, near_b, near_both = in_a @ partners, in_b @ partners, both @ partners
+        ordered = (near_a * in_b).sum(axis=1, dtype=np.float64)
+        twice = (near_both * both).sum(axis=1, dtype=np.float64) / 2.0
+        self.pairs: Ids = (ordered - twice).astype(np.int64)  # (r,) that may be reported
+        a, b, c = (self._in_a.sum(axis=1), self._in_b.sum(axis=1), both.sum(axis=1))
+        every = a * b - c - c * (c - 1) / 2  # without a geometry and itself
+        self.left_out: Ids = every.astype(np.int64) - self.pairs  # (r,) that never are
+        # (r, n) what has a partner in the other set: of others the pose does not matter.
+        self.needed: Flags = (self._in_a & (near_b > 0.0)) | (self._in_b & (near_a > 0.0))
+
+    def incidences(self, id_A: Ids, id_B: Ids) -> Incidences:
+        """Return which of the pairs (k,) concern which rules."""
+        a, b = np.searchsorted(self.ids, id_A), np.searchsorted(self.ids, id_B)
+        bits = (self._bits_a[a] & self._bits_b[b]) | (self._bits_b[a] & self._bits_a[b])
+        pairs, words = np.nonzero(bits)
+        eights = bits[pairs, words].view(np.uint8).reshape(-1, _WORD // 8)
+        places, offsets = np.nonzero(np.unpackbits(eights, axis=1, bitorder='little'))
+        return Incidences(pairs[places], words[places] * _WORD + offsets)
+
+    def watched(self) -> Flags:
+        """Return which pairs (n, n) concern any rule; symmetric."""
+        one_way = np.matmul(self._in_a.T.astype(np.float32), self._in_b.astype(np.float32)) > 0.0
+        return np.asarray(one_way | one_way.T)
+
+    def shares_a_pair(self, first: int, second: int) -> bool:
+        """Return whether two rules may be about one pair, filters aside."""
+        a, b = self._in_a[[first, second]], self._in_b[[first, second]]
+        straight = a.all(axis=0).any() and b.all(axis=0).any()
+        crossed = (a[0] & b[1]).any() and (b[0] & a[1]).any()
+        return bool(straight or crossed)
+
+
+def _words(flags: Flags) -> NDArray[np.uint64]:
+    """Return flags (n, r) as rows of whole words of bits."""
+    bits = np.packbits(flags, axis=1, bitorder='little')
+    filled = np.zeros((len(flags), -(-flags.shape[1] // _WORD) * (_WORD // 8)), dtype=np.uint8)
+    filled[:, : bits.shape[1]] = bits
+    return filled.view(np.uint64)
+
+
+class _Sets(NamedTuple):
+    """The geometries (n,) of a rule's two sets, and why there are none."""
+
+    in_a: Flags
+    in_b: Flags
+    refusal: str = ''
+
+
+class _Finder:
+    """Finds the geometries that patterns stand for; rules ask for the same again and again."""
+
+    def __init__(self, scene: ScenePairs) -> None:
+        self._called = [names.found_by for names in scene.names]
+        self._found: dict[str, Flags] = {}
+
+    def sets_of(self, rule: ProximityRule) -> _Sets:
+        """Return the sets of a rule, both empty where a pattern stands for nothing."""
+        for pattern in (*rule.set_a, *rule.set_b):
+            if not self._members([pattern]).any():
+                nothing = self._members([])
+                return _Sets(nothing, nothing, self._unknown(rule, pattern))
+        in_a = self._members(rule.set_a)
+        return _Sets(in_a, self._members(rule.set_b) if rule.set_b else ~in_a)
+
+    def _members(self, patterns: Sequence[str]) -> Flags:
+        members = np.zeros(len(self._called), dtype=np.bool_)
+        for pattern in patterns:
+            if pattern not in self._found:
+                each = [matches(names, pattern) for names in self._called]
+                self._found[pattern] = np.array(each, dtype=np.bool_)
+            members |= self._found[pattern]
+        return members
+
+    def _unknown(self, rule: ProximityRule, pattern: str) -> str:
+        known = dict.fromkeys(name for names in self._called for name in names)
+        like = nearest(pattern, islice(known, _MOST_LOOKED_AT))
+        return (
+            f'proximity rule {rule.name[:80]!r}: {pattern[:80]!r} stands for no geometry that '
+            f'queries report{like}. The scene has {counted(len(self._called), "geometry")} with '
+            'the proximity role; see ~/scene'
+        )
+
+
+def _why_never(rule: ProximityRule, pairs: int, left_out: int) -> str:
+    """Return in words why no pair can ever enter a rule; empty where one can."""
+    if pairs:
+        return ''
+    why = (
+        f'of its {counted(left_out, "pair")} none is ever reported: all are filtered, of one '
+        'frame, or of two anchored geometries; see explain_filter'
+        if left_out
+        else 'its two sets have no pair'
+    )
+    return f'proximity rule {rule.name[:80]!r} could never be entered: {why}'

@@ -1,0 +1,211 @@
+"""The links of a robot over the values of its joints: names, limits, and poses of many at once."""
+
+import math
+from collections import Counter
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
+from drake_geom_ros.scene_files.urdf_tree import parents_first, root_links
+
+_KINDS = {
+    'revolute': JointKind.REVOLUTE,
+    'continuous': JointKind.REVOLUTE,
+    'prismatic': JointKind.PRISMATIC,
+}
+_MOVING = tuple(_KINDS)
+# Of joints of several values: what each value does, and about or along which axis of the joint.
+SEVERAL = {
+    'planar': {'x': ('prismatic', 0), 'y': ('prismatic', 1), 'theta': ('continuous', 2)},
+    'floating': {
+        'x': ('prismatic', 0),
+        'y': ('prismatic', 1),
+        'z': ('prismatic', 2),
+        'yaw': ('continuous', 2),
+        'pitch': ('continuous', 1),
+        'roll': ('continuous', 0),
+    },
+}
+_STAYS = RigidTransform()
+
+
+class JointedLinks:
+    """The links of a robot over its independent joints: ``Kinematics`` says what each name holds.
+
+    A link called as the world is a link here.
+    """
+
+    def __init__(self, robot: LinkTree):
+        """Take the links and joints of a URDF; raises ValueError for no tree of simple joints."""
+        root = _root(robot)
+        joints = parents_first(robot.joints, root)
+        leader = _mimicked(robot)
+        independent = [
+            part for j in robot.joints if leader[j.name][0] == j.name for part in _parts(j)
+        ]
+        limits = [(j.lower, j.upper, j.max_speed) for j in independent]
+        names = Counter(j.name for j in independent)
+        if twice := [name for name, count in names.items() if count > 1]:
+            raise ValueError(f'{robot.name}: {twice[0]!r} is a joint, and a value of another one')
+
+        self.name: str = robot.name
+        self.joint_names = tuple(j.name for j in independent)
+        self.lower, self.upper, self.max_speed = np.array(limits, dtype=float).reshape(-1, 3).T
+        self.link_names = (root, *(j.child for j in joints))
+        self.joined_links = tuple((j.parent, j.child) for j in joints)
+        self._free_above = _free_above(joints, root)
+        self.tree = self._tree(joints, leader)
+
+    def _tree(
+        self, joints: list[UrdfJoint], leader: dict[str, tuple[str, float, float]]
+    ) -> JointTree:
+        rows: list[tuple[UrdfJoint, int, int]] = []
+        link_rows = {name: row for row, name in enumerate(self.link_names)}
+        leaders = {name: row for row, name in enumerate(self.joint_names)}
+        beyond = len(self.link_names)  # the links between the parts of a joint have no name
+        for joint in joints:
+            *before, last = _parts(joint)
+            parent = link_rows[joint.parent]
+            for part in before:
+                rows.append((part, parent, beyond))
+                parent, beyond = beyond, beyond + 1
+            rows.append((last, parent, link_rows[joint.child]))
+        led = [leader.get(j.name, (j.name, 1.0, 0.0)) for j, _, _ in rows]
+        return JointTree(
+            leaders=np.array([leaders.get(name, -1) for name, _, _ in led], dtype=np.int64),
+            multipliers=np.array([multiplier for _, multiplier, _ in led], dtype=float),
+            offsets=np.array([offset for _, _, offset in led], dtype=float),
+            kinds=np.array(
+                [_KINDS.get(j.type, JointKind.FIXED) for j, _, _ in rows], dtype=np.int64
+            ),
+            axes=np.array([_unit_axis(j) for j, _, _ in rows], dtype=float).reshape(-1, 3),
+            X_PJs=np.array([j.X_PJ.ToArray() for j, _, _ in rows]).reshape(-1, 7),
+            parents=np.array([parent for _, parent, _ in rows], dtype=np.int64),
+            children=np.array([child for _, _, child in rows], dtype=np.int64),
+        )
+
+    def placed_links(self, given: Collection[str]) -> list[int]:
+        """Return which links of ``link_names`` stand somewhere when these joints have values.
+
+        Below a planar or floating joint that lacks a value of its own a link may be anywhere, and
+        is left out; other joints stand at rest, at 0 or at their limit nearest to 0.
+        """
+        return [
+            row
+            for row, link in enumerate(self.link_names)
+            if all(name in given for name in self._free_above[link])
+        ]
+
+    def at_rest(self, configuration: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the values (joints,) of a configuration; others at 0, or their limit nearest."""
+        q: NDArray[np.float64] = np.clip(0.0, self.lower, self.upper)
+        for name, value in configuration.items():
+            q[self.joint_names.index(name)] = value
+        return q
+
+    def poses_at(
+        self, configuration: Mapping[str, float], X_PB: RigidTransform
+    ) -> dict[str, RigidTransform]:
+        """Return where links stand, by name, all of whose joints have a value; B is the root."""
+        q, needs = self.at_rest(configuration), self.tree.needs()
+        X_PLs = self.tree.link_poses(q[np.newaxis], X_PB.ToArray())[0]
+        return {
+            link: RigidTransform.FromArray(X_PLs[row])
+            for row, link in enumerate(self.link_names)
+            if all(self.joint_names[c] in configuration for c in np.flatnonzero(needs[row]))
+        }
+
+
+def _root(robot: LinkTree) -> str:
+    """Return the name of the one link that no joint has as its child."""
+    roots = root_links(robot.joints, robot.links)
+    if len(roots) != 1:
+        raise ValueError(f'{robot.name}: links must form one tree; roots are {roots}')
+    return roots[0]
+
+
+def _parts(joint: UrdfJoint) -> list[UrdfJoint]:
+    """Return joints of one value each, one after another, that together do what a joint does."""
+    if joint.type not in SEVERAL:
+        return [joint]
+    free = replace(joint, lower=-math.inf, upper=math.inf, max_speed=math.inf, X_PJ=_STAYS)
+    R_JA = _turn_from_z(_unit_axis(joint)) if joint.type == 'planar' else np.eye(3)
+    parts = []
+    for name, (kind, axis) in SEVERAL[joint.type].items():
+        x, y, z = R_JA[:, axis].tolist()
+        parts.append(replace(free, name=f'{joint.name}/{name}', type=kind, axis=(x, y, z)))
+    return [replace(parts[0], X_PJ=joint.X_PJ), *parts[1:]]
+
+
+def _turn_from_z(axis: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation (3, 3) that takes z to a unit axis by the shortest way, -z about x."""
+    x, y, z = axis
+    if z < 0.0:
+        return _turn_from_z(-axis) @ np.diag([1.0, -1.0, -1.0])
+    # Rodrigues' formula for the rotation about z x axis, whose sine and cosine are x, y and z.
+    f = 1.0 / (1.0 + z)
+    return np.array([[1 - f * x * x, -f * x * y, x], [-f * x * y, 1 - f * y * y, y], [-x, -y, z]])
+
+
+def _free_above(joints: list[UrdfJoint], root: str) -> dict[str, tuple[str, ...]]:
+    """Return of each link the values that have to be known before it stands anywhere."""
+    found: dict[str, tuple[str, ...]] = {root: ()}
+    for joint in joints:
+        own = [part.name for part in _parts(joint)] if joint.type in SEVERAL else []
+        found[joint.child] = (*found[joint.parent], *own)
+    return found
+
+
+def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
+    """Return ``(leader, multiplier, offset)`` of each joint, for a fixed one an empty leader."""
+    by_name = {j.name: j for j in robot.joints}
+    found: dict[str, tuple[str, float, float]] = {}
+    for joint in robot.joints:
+        if joint.type not in (*_MOVING, 'fixed', *SEVERAL):
+            raise ValueError(
+                f'{joint.where.file}: joint {joint.name} has type {joint.type!r}; '
+                f'allowed are {", ".join((*_MOVING, "fixed", *SEVERAL))}'
+            )
+        if joint.type in SEVERAL:
+            if joint.mimic is not None:
+                raise ValueError(
+                    f'{joint.where.file}: joint {joint.name} is {joint.type} and mimics '
+                    f'{joint.mimic.joint!r}; only a joint of one value can'
+                )
+            found[joint.name] = (joint.name, 1.0, 0.0)
+            continue
+        if joint.type == 'fixed':
+            found[joint.name] = ('', 0.0, 0.0)
+            continue
+        name, multiplier, offset = joint.name, 1.0, 0.0
+        passed = {name}
+        while (mimic := by_name[name].mimic) is not None:
+            if mimic.joint not in by_name or mimic.joint in passed:
+                raise ValueError(
+                    f'{joint.where.file}: joint {name} mimics {mimic.joint!r}, which is '
+                    f'{"itself mimicking it" if mimic.joint in passed else "not a joint"}'
+                )
+            offset += multiplier * mimic.offset
+            multiplier *= mimic.multiplier
+            name = mimic.joint
+            passed.add(name)
+            if (kind := by_name[name].type) not in _MOVING:
+                raise ValueError(
+                    f'{joint.where.file}: joint {joint.name} mimics {name!r}, a {kind} joint'
+                )
+        found[joint.name] = (name, multiplier, offset)
+    return found
+
+
+def _unit_axis(joint: UrdfJoint) -> NDArray[np.float64]:
+    """Return the joint's axis with length 1."""
+    axis = np.array(joint.axis)
+    length = float(np.linalg.norm(axis))
+    if joint.type not in ('fixed', 'floating') and not length > 0.0:
+        raise ValueError(f'joint {joint.name} has axis {joint.axis}; it must not be zero')
+    return axis / length if length > 0.0 else axis

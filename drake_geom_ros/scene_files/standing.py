@@ -1,0 +1,147 @@
+"""The configuration that a robot of a scene file stands in: values of joints, listed or named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.errors import Location
+from drake_geom_ros.scene_files.jointed_links import SEVERAL, JointedLinks
+from drake_geom_ros.scene_files.link_tree import LinkTree
+from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
+
+Values = Mapping[str, float]
+At = Callable[..., Location]  # the place of a key below `configuration`
+_SHOWN = 12  # names in a message
+_QUATERNION = 7  # numbers of a floating joint in an SRDF: x y z, qx qy qz qw
+
+
+class _Value(NamedTuple):
+    """A value [rad] or [m] that somebody gives a joint."""
+
+    joint: str
+    value: float
+    where: Location
+
+
+def configuration_of(
+    plain: str | Sequence[str] | Values,
+    tree: LinkTree,
+    srdf: tuple[bytes, str] | None,
+    at: At,
+    *,
+    within_limits: bool,
+) -> dict[str, float]:
+    """Return the values by joint of what a scene file gives as ``configuration``.
+
+    ``srdf`` are the content of the robot's SRDF and its name. Raises SceneFileError for a joint
+    without a value of its own, a value beyond its limits, a state that the SRDF does not have,
+    and two states that contradict each other.
+    """
+    try:
+        links = JointedLinks(tree)
+    except ValueError as error:
+        raise at().error(str(error)) from None
+    if isinstance(plain, Mapping):
+        given = [_Value(name, float(value), at(name)) for name, value in plain.items()]
+    else:
+        names = [plain] if isinstance(plain, str) else plain
+        given = list(_named(names, tree, links, srdf, at))
+    limits = dict(zip(links.joint_names, zip(links.lower, links.upper, strict=True), strict=True))
+    found: dict[str, float] = {}
+    for joint, value, where in given:
+        if joint not in limits:
+            raise where.error(_no_joint(joint, tree, links))
+        low, high = limits[joint]
+        if within_limits and not low <= value <= high:
+            raise where.error(f'{joint} = {value:g} must lie in [{low:g}, {high:g}]')
+        if found.setdefault(joint, value) != value:
+            raise where.error(
+                f'{joint} has the value {found[joint]:g} in one of the states, and {value:g} here'
+            )
+    return found
+
+
+def _no_joint(name: str, tree: LinkTree, links: JointedLinks) -> str:
+    """Return why a name is none of a joint with a value of its own, and which there are."""
+    mimic = next((j.mimic for j in tree.joints if j.name == name and j.mimic), None)
+    why = f' (it follows {mimic.joint!r})' if mimic else nearest(name, links.joint_names)
+    return (
+        f'no joint {name!r} of {tree.name!r} has a value of its own{why}; there are '
+        f'{_some(links.joint_names)}'
+    )
+
+
+def _named(
+    names: Sequence[str],
+    tree: LinkTree,
+    links: JointedLinks,
+    srdf: tuple[bytes, str] | None,
+    at: At,
+) -> Iterator[_Value]:
+    """Yield the values of the states of some names, each in all groups that have it.
+
+    Joints that are fixed, follow another one, or are the SRDF's virtual ones, have none.
+    """
+    if srdf is None:
+        raise at().error(
+            f'{names[0]!r} is the name of a group_state, and the robot has no key `srdf`; list '
+            'values by joint, as {joint: 0.5}'
+        )
+    data, file = srdf
+    root = read_robot_xml(data, file)
+    states = root.findall('group_state')
+    known = list(dict.fromkeys(attribute(state, 'name', file) for state in states))
+    fixed = {joint.name for joint in tree.joints} | {
+        attribute(joint, 'name', file) for joint in root.findall('virtual_joint')
+    }
+    for index, name in enumerate(names):
+        if name not in known:
+            raise at(*([index] if len(names) > 1 else [])).error(
+                f'the SRDF has no group_state {name!r}{nearest(name, known)}; it has '
+                f'{_some(known)}'
+            )
+        for state in states:
+            if state.get('name') == name:
+                for element in state.findall('joint'):
+                    yield from _of_state(element, tree, links, fixed, file)
+
+
+def _of_state(
+    element: Any, tree: LinkTree, links: JointedLinks, fixed: set[str], file: str
+) -> Iterator[_Value]:
+    """Yield the values of one joint of a state; raises SceneFileError for one that is not here."""
+    name, where = attribute(element, 'name', file), place_of(element, file)
+    kind = next((joint.type for joint in tree.joints if joint.name == name), '')
+    if kind not in SEVERAL and name not in links.joint_names:
+        if name not in fixed:
+            raise where.error(_no_joint(name, tree, links))
+        return
+    try:
+        values = _of_joint(element, name, kind)
+    except (ValueError, RuntimeError) as error:
+        raise where.error(str(error)) from None
+    for part, value in values.items():
+        yield _Value(part, value, where)
+
+
+def _of_joint(element: Any, name: str, kind: str) -> dict[str, float]:
+    """Return the values of a joint in a state, of which some have several.
+
+    Raises ValueError or RuntimeError for numbers that are none, and for no unit quaternion.
+    """
+    if kind not in SEVERAL:
+        return {name: numbers(element, 'value', 1)[0]}
+    parts = [f'{name}/{part}' for part in SEVERAL[kind]]
+    if kind == 'planar':
+        return dict(zip(parts, numbers(element, 'value', len(parts)), strict=True))
+    X = RigidTransform.FromArray(numbers(element, 'value', _QUATERNION))
+    turn = X.rotation().ToRollPitchYaw().vector()[::-1]
+    return dict(zip(parts, [*X.translation().tolist(), *turn.tolist()], strict=True))
+
+
+def _some(names: Sequence[str]) -> str:
+    more = f' and {len(names) - _SHOWN} more' if len(names) > _SHOWN else ''
+    return f'{", ".join(names[:_SHOWN]) or "none"}{more}'

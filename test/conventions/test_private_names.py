@@ -1,0 +1,75 @@
+"""A private name belongs to the file that makes it: no other one reads it of an object."""
+
+import ast
+
+import pytest
+from conventions.source_tree import PACKAGE, SOURCES, name_of
+
+# Of libraries, where they have no public way: names, and what they are read for.
+ALLOWED = {
+    'command_line/configurations.py': {'_MutuallyExclusiveGroup'},  # a type; argparse exports none
+    # Numba's compiled libraries, under a check of its version.
+    'geometry/_proximity/runtime/pipeline.py': {'_final_module', '_reload_init', '_getvalue'},
+    'math/missing.py': {'_getframe'},  # who asks; inspect.stack() reads source files
+    'ros/parameters.py': {'_parameter_overrides', '_parameters'},  # what a node was started with
+    'ros/surface.py': {'_parameter_overrides'},
+    'ros/spinning.py': {'_executor_event', '_exit'},  # as rclpy's own executors mark entities
+    'ros/watchdog.py': {
+        '_current_frames',
+        '_exit',
+    },  # Python's documented way out of a hung process
+}
+OF_TUPLES = {'_asdict', '_fields', '_make', '_replace'}  # documented of NamedTuple
+
+
+def own_names(tree):
+    """Return the names that a file makes: of functions, classes, fields and attributes of self."""
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            names |= {node.attr} if is_self(node.value) else set()
+        if isinstance(node, ast.ClassDef):
+            for line in node.body:
+                targets = getattr(line, 'targets', [getattr(line, 'target', None)])
+                names |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return names
+
+
+def is_self(node):
+    if isinstance(node, ast.Call):  # super()._name
+        return isinstance(node.func, ast.Name) and node.func.id == 'super'
+    return isinstance(node, ast.Name) and node.id in ('self', 'cls')
+
+
+def foreign_names(tree):
+    """Return the private names of other objects that a file reads and does not make, by line."""
+    allowed = own_names(tree) | OF_TUPLES
+    return {
+        (node.lineno, node.attr)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute)
+        and node.attr.startswith('_')
+        and not node.attr.startswith('__')
+        and node.attr not in allowed
+        and not is_self(node.value)
+    }
+
+
+@pytest.mark.parametrize('path', SOURCES, ids=name_of)
+def test_no_file_reads_private_names_of_what_others_make(path):
+    allowed = ALLOWED.get(path.relative_to(PACKAGE).as_posix(), set())
+    found = foreign_names(ast.parse(path.read_text()))
+    assert {(line, name) for line, name in found if name not in allowed} == set()
+
+
+def test_what_is_allowed_is_needed():
+    for path, names in ALLOWED.items():
+        found = foreign_names(ast.parse((PACKAGE / path).read_text()))
+        assert {name for _, name in found} == names
+
+
+def test_a_private_name_of_another_file_is_seen():
+    text = 'class A:\n    _x = 0\n    def f(self, o):\n        return o._x, self._y, o.z._w'
+    assert foreign_names(ast.parse(text)) == {(4, '_w')}

@@ -1,0 +1,45 @@
+"""Decides about proximity rules once more, pair by pair and rule by rule, in plain Python.
+
+Shares nothing with the package but the record of a rule: what rules mean is written here a second
+time, as ``docs/proximity_rules.md`` says it.
+"""
+
+import math
+
+
+class Referee:
+    """The state of one rule."""
+
+    def __init__(self, rule, members):
+        """``members(pattern)`` are the geometries that a name or a pattern stands for."""
+        self.rule = rule
+        self.set_a = set().union(*(members(p) for p in rule.set_a))
+        everything = members('*')
+        outside = everything - self.set_a
+        self.set_b = set().union(*(members(p) for p in rule.set_b)) if rule.set_b else outside
+        self.is_entered, self.changed_at, self.wanted_at = False, -math.inf, None
+
+    def concerns(self, a, b):
+        return (a in self.set_a and b in self.set_b) or (b in self.set_a and a in self.set_b)
+
+    def look(self, now, pairs, reported, stale, absent):
+        """Return whether the rule changed; ``pairs``: (a, b, lower bound, closing speed)."""
+        rule = self.rule
+        mine = [pair for pair in pairs if self.concerns(*pair[:2])]
+        lowest = min((lower for _, _, lower, _ in mine), default=math.inf)
+        times = [max(lower, 0.0) / speed for _, _, lower, speed in mine if speed > 0.0]
+        soonest = min(times, default=math.inf)
+        needed = {g for pair in reported if self.concerns(*pair) for g in pair}
+        blind = bool(needed & stale) or bool(needed & absent)
+        near = lowest < rule.enter or soonest < rule.min_time_to_contact
+        wanted = near or (blind and rule.enters_when_stale)
+        self.wanted_at = (now if self.wanted_at is None else self.wanted_at) if wanted else None
+        if not self.is_entered:
+            patient = now - self.wanted_at >= rule.enter_after if wanted else False
+            changes = wanted and (patient or not near)
+        else:
+            clear = lowest >= rule.leave and soonest >= rule.min_time_to_contact and not blind
+            changes = clear and now - self.changed_at >= rule.hold
+        if changes:
+            self.is_entered, self.changed_at = not self.is_entered, now
+        return changes

@@ -1,0 +1,330 @@
+"""What rules decide, compared with a referee that decides pair by pair."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from proximity_rules.referee import Referee
+
+from drake_geom_ros.common.geometry_names import GeometryNames, matches
+from drake_geom_ros.proximity_rules import (
+    Level,
+    Measured,
+    Poses,
+    ProximityRule,
+    RuleError,
+    RuleMonitor,
+    ScenePairs,
+    Why,
+)
+
+NAMES = [
+    GeometryNames('left', 'hand', 'finger', False),
+    GeometryNames('left', 'hand', 'palm', False),
+    GeometryNames('left', 'arm', 'tube', False),
+    GeometryNames('right', 'hand', 'palm', False),
+    GeometryNames('room', 'world', 'table', True),
+    GeometryNames('room', 'world', 'wall', True),
+]
+PATTERNS = ['left', 'right', 'room', 'left::hand', 'hand', '*/palm', 'table', '*', 'arm/tube']
+FRESH = Poses(np.zeros(6, bool), np.zeros(6, bool))
+
+
+def scene(filtered=(), names=NAMES, first_id=11):
+    n = len(names)
+    reported = ~np.eye(n, dtype=bool)
+    for a, b in itertools.product(range(n), repeat=2):
+        same = names[a].body == names[b].body or (names[a].is_anchored and names[b].is_anchored)
+        reported[a, b] &= not same and (a, b) not in filtered and (b, a) not in filtered
+    return ScenePairs(np.arange(first_id, first_id + n), names, reported)
+
+
+def measured(*pairs, speeds=None):
+    """Return what a cycle saw of (a, b, distance, error bound)."""
+    a, b, distance, bound = (np.array(column) for column in zip(*pairs, strict=True))
+    points = np.arange(3.0 * len(pairs)).reshape(-1, 3)
+    speeds = None if speeds is None else np.array(speeds)
+    return Measured(11 + a, 11 + b, distance.astype(float), bound, points, -points, speeds)
+
+
+NOTHING = Measured(
+    *np.empty((2, 0), dtype=np.int64), *np.empty((2, 0)), *np.empty((2, 0, 3)), np.empty(0)
+)
+
+
+def rule(name='r', set_a=('left',), set_b=('room',), **more):
+    return ProximityRule(name, set_a, set_b, **{'enter': 0.1, 'leave': 0.2, **more})
+
+
+def monitor(*rules, **of_scene):
+    made = RuleMonitor(scene(**of_scene))
+    made.add(rules)
+    return made
+
+
+def test_a_rule_is_entered_below_enter_and_left_from_leave_on():
+    watch = monitor(rule())
+    assert watch.decide(0.0, FRESH, measured((0, 4, 0.15, 0.0))) == []
+    (event,) = watch.decide(1.0, FRESH, measured((0, 4, 0.3, 0.0), (1, 5, 0.12, 0.03)))
+    assert (event.rule, event.level, event.is_entered, event.why) == (
+        *('r', Level.STOP, True, Why.NEAR),
+    )
+    assert (event.id_A, event.id_B, event.distance, event.error_bound) == (12, 16, 0.12, 0.03)
+    assert event.p_WCa.tolist() == [3.0, 4.0, 5.0]
+    assert watch.decide(2.0, FRESH, measured((1, 5, 0.19, 0.0))) == []
+    (event,) = watch.decide(3.0, FRESH, measured((1, 5, 0.25, 0.05)))
+    assert (event.sequence, event.is_entered, event.why) == (2, False, Why.NEAR)
+
+
+def test_the_lower_bound_decides_and_not_the_distance():
+    watch = monitor(rule(enter=0.125))
+    assert watch.decide(0.0, FRESH, measured((0, 4, 0.5, 0.375))) == []
+    assert len(watch.decide(0.0, FRESH, measured((0, 4, 0.5, np.nextafter(0.375, 1))))) == 1
+
+
+def test_what_is_not_a_number_is_not_free():
+    watch = monitor(rule())
+    (event,) = watch.decide(0.0, FRESH, measured((0, 4, math.nan, 0.0)))
+    assert event.why == Why.NEAR
+
+
+def test_a_rule_that_held_its_time_is_left_and_not_before():
+    watch = monitor(rule(hold=1.0, enter_after=0.5))
+    near, far = measured((0, 4, 0.0, 0.0)), measured((0, 4, 1.0, 0.0))
+    assert not watch.decide(0.0, FRESH, near)
+    assert not watch.decide(0.4, FRESH, far)  # a break: the time begins anew
+    assert not watch.decide(0.6, FRESH, near)
+    assert not watch.decide(1.0, FRESH)
+    assert len(watch.decide(1.1, FRESH)) == 1
+    assert not watch.decide(2.0, FRESH, far)
+    assert len(watch.decide(2.1, FRESH)) == 1
+
+
+def test_what_closes_fast_is_soon_though_it_is_far():
+    watch = monitor(rule(min_time_to_contact=2.0))
+    assert watch.farthest(fastest=3.0) == 6.0
+    assert watch.farthest() == 0.2
+    assert not watch.decide(0.0, FRESH, measured((0, 4, 5.0, 0.0), speeds=[2.5]))
+    assert not watch.decide(0.0, FRESH, measured((0, 4, 5.0, 0.0), speeds=[-9.0]))
+    assert not watch.decide(0.0, FRESH, measured((0, 4, 5.0, 0.0), speeds=[math.nan]))
+    pairs = measured((1, 4, 4.0, 0.0), (0, 4, 5.0, 0.1), speeds=[0.1, 2.5])
+    (event,) = watch.decide(0.0, FRESH, pairs)
+    assert (event.why, event.id_A) == (Why.SOON, 11)
+
+
+def test_a_stale_pose_enters_a_stop_and_keeps_what_is_entered():
+    stop, warn = rule('stop'), rule('warn', level=Level.WARN)
+    watch = monitor(stop, warn)
+    stale = Poses(np.array([0, 1, 0, 0, 0, 0], bool), np.zeros(6, bool))
+    (event,) = watch.decide(0.0, stale, NOTHING)
+    assert (event.rule, event.why, event.id_A) == ('stop', Why.STALE, 12)
+    assert math.isnan(event.distance)
+    events = watch.decide(1.0, stale, measured((0, 4, 0.0, 0.0)))
+    assert [e.rule for e in events] == ['warn']
+    assert watch.decide(2.0, stale, NOTHING) == []  # neither is left blindly
+    assert [e.is_entered for e in watch.decide(3.0, FRESH, NOTHING)] == [False, False]
+
+
+def test_a_pose_that_no_pair_needs_may_be_stale():
+    watch = monitor(rule(set_b=('right',)))
+    stale = Poses(np.array([0, 0, 0, 0, 1, 0], bool), np.zeros(6, bool))
+    assert watch.decide(0.0, stale, NOTHING) == []
+    absent = Poses(np.zeros(6, bool), np.array([0, 0, 0, 1, 0, 0], bool))
+    (event,) = watch.decide(0.0, absent, NOTHING)
+    assert event.why == Why.NO_POSE
+
+
+def test_filtered_pairs_are_counted():
+    watch = monitor(rule(set_a=('left::hand',), set_b=('room',)), filtered=[(0, 4)])
+    (state,) = watch.states()
+    assert (state.pairs, state.left_out, state.trouble) == (3, 1, '')
+
+
+@pytest.mark.parametrize(
+    ('sets', 'told'),
+    [
+        ((('lefd',), ('room',)), "'lefd' stands for no geometry.*nearest: 'left'"),
+        ((('left',), ('rom',)), "'rom' stands for no geometry"),
+        ((('table',), ('wall',)), 'could never be entered: of its 1 pair none'),
+        ((('table',), ('table',)), 'two sets have no pair'),
+        ((('*',), ()), 'two sets have no pair'),
+    ],
+)
+def test_a_rule_that_no_pair_can_satisfy_is_refused(sets, told):
+    watch = monitor(rule('first'))
+    with pytest.raises(RuleError, match=told):
+        watch.add([rule('good'), rule('bad', *sets)])
+    assert [r.name for r in watch.rules] == ['first']
+    assert watch.add([rule('bad', *sets)], may_wait=True)
+    assert len(watch.rules) == 2
+
+
+def test_a_rule_waits_for_what_it_names_and_a_stop_stands_meanwhile():
+    watch = monitor(rule('room'))
+    (told,) = watch.add([rule('later', ('drone',), ('room',))], may_wait=True)
+    assert 'drone' in told
+    (event,) = watch.decide(0.0, FRESH, NOTHING)
+    assert (event.rule, event.why, event.id_A) == ('later', Why.NO_POSE, 0)
+    assert watch.speed_scale() == 0.0
+    names = [*NAMES, GeometryNames('drone', 'body', 'hull', False)]
+    assert watch.bind(scene(names=names)) == []
+    fresh = Poses(np.zeros(7, bool), np.zeros(7, bool))
+    (event,) = watch.decide(1.0, fresh, NOTHING)
+    assert (event.rule, event.is_entered) == ('later', False)
+
+
+def test_what_is_gone_ends_its_rules_with_an_event_and_filters_end_none():
+    watch = monitor(rule('stay'), rule('go', ('right',), ('room',)))
+    all_pairs = list(itertools.combinations(range(6), 2))
+    assert watch.bind(scene(filtered=all_pairs)) == []
+    assert all('could never be entered' in state.trouble for state in watch.states())
+    (event,) = watch.bind(scene(names=[n for n in NAMES if n.source != 'right']))
+    assert (event.rule, event.is_entered, event.why) == ('go', False, Why.GONE)
+    assert [r.name for r in watch.rules] == ['stay']
+
+
+def test_names_are_taken_once_and_removing_tells_who_was_entered():
+    watch = monitor(rule('a'), rule('b', enter=-1.0))
+    with pytest.raises(RuleError, match="rule 'a' already"):
+        watch.add([rule('a')])
+    with pytest.raises(RuleError, match="no proximity rule 'c'"):
+        watch.remove('c')
+    watch.decide(0.0, FRESH, measured((0, 4, 0.0, 0.0)))
+    assert [e.sequence for e in watch.remove('a')] == [2]
+    assert watch.remove('b') == []
+    assert watch.rules == ()
+
+
+def test_states_are_kept_when_other_rules_come_and_go():
+    watch = monitor(rule('a', enter=-1.0), rule('b'))
+    watch.decide(3.0, FRESH, measured((0, 4, 0.0, 0.0)))
+    watch.remove('a')
+    watch.add([rule('c', enter=-1.0)])
+    watch.bind(scene())
+    told = {state.rule.name: (state.is_entered, state.since) for state in watch.states()}
+    assert told == {'b': (True, 3.0), 'c': (False, -math.inf)}
+
+
+def test_nothing_is_left_before_anything_was_measured():
+    watch = monitor(rule())
+    watch.decide(0.0, FRESH, measured((0, 4, 0.0, 0.0)))
+    watch.bind(scene())
+    assert watch.decide(1.0, FRESH) == []
+    assert watch.states()[0].is_entered
+
+
+def test_speed_is_scaled_between_the_stop_and_the_end_of_slow():
+    stop = rule('stop', enter=0.05, leave=0.08)
+    slow = rule('slow', level=Level.SLOW, enter=0.2, leave=0.25)
+    watch = monitor(stop, slow)
+    assert watch.speed_scale() == 0.0  # nothing is known yet
+    expected = {1.0: 1.0, 0.25: 1.0, 0.15: 0.5, 0.09: 0.2, 0.04: 0.0, 0.06: 0.0, 0.08: 0.15}
+    for now, (distance, scale) in enumerate(expected.items()):
+        watch.decide(float(now), FRESH, measured((0, 4, distance, 0.0)))
+        assert watch.speed_scale() == pytest.approx(scale)
+
+
+def test_speed_is_scaled_as_a_rule_says_and_by_the_time_that_is_left():
+    points = ((0.1, 0.2), (0.3, 0.4), (0.5, 1.0))
+    slow = rule('slow', level=Level.SLOW, scale=points, min_time_to_contact=2.0)
+    watch = monitor(slow)
+    watch.decide(0.0, FRESH, measured((0, 4, 0.4, 0.0)))
+    assert watch.speed_scale() == pytest.approx(0.7)
+    watch.decide(1.0, FRESH, measured((0, 4, 0.4, 0.0), speeds=[0.4]))
+    assert watch.speed_scale() == pytest.approx(0.5)
+    watch.decide(2.0, FRESH, measured((0, 4, 0.0, 0.0), speeds=[-1.0]))
+    assert watch.speed_scale() == pytest.approx(0.2)
+
+
+def test_without_a_rule_that_scales_nothing_is_said_of_speed():
+    assert monitor(rule(level=Level.WARN)).speed_scale() is None
+    assert RuleMonitor(scene()).speed_scale() is None
+
+
+def test_bits_of_many_rules_are_told_apart():
+    many = [rule(f'{k}', ('right',) if k % 3 else ('arm',), ('table',)) for k in range(130)]
+    watch = monitor(*many)
+    events = watch.decide(0.0, FRESH, measured((3, 4, 0.0, 0.0)))
+    assert [e.rule for e in events] == [f'{k}' for k in range(130) if k % 3]
+
+
+numbers = st.floats(0.0, 0.4)
+drawn_rules = st.builds(
+    lambda a, b, level, enter, room, times, stale: {
+        'set_a': tuple(a),
+        'set_b': tuple(b),
+        'level': level,
+        'enter': enter,
+        'leave': enter + room,
+        'hold': times[0],
+        'enter_after': times[1],
+        'min_time_to_contact': times[2],
+        'when_stale': stale,
+    },
+    st.lists(st.sampled_from(PATTERNS), min_size=1, max_size=2),
+    st.lists(st.sampled_from(PATTERNS), max_size=2),
+    st.sampled_from(list(Level)),
+    numbers,
+    st.floats(0.01, 0.2),
+    st.tuples(*[st.sampled_from([0.0, 0.0, 0.5, 1.5])] * 3),
+    st.sampled_from(['', 'enter', 'keep']),
+)
+pair = st.tuples(
+    st.tuples(st.integers(0, 5), st.integers(0, 5)),
+    numbers,
+    st.floats(0.0, 0.1),
+    st.sampled_from([math.nan, -1.0, 0.0, 0.1, 1.0]),
+)
+cycles = st.tuples(
+    st.sampled_from([0.1, 0.4, 1.0]),  # seconds since the one before
+    st.lists(pair, max_size=6),
+    st.sets(st.integers(0, 3), max_size=2),
+    st.sets(st.integers(0, 3), max_size=1),
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(drawn_rules, min_size=1, max_size=5), st.lists(cycles, max_size=8), st.data())
+def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
+    drawn = data.draw(st.sets(st.tuples(st.integers(0, 5), st.integers(0, 5)), max_size=4))
+    where = scene(filtered=drawn)
+
+    def members(pattern):
+        return {k for k, names in enumerate(NAMES) if matches(names.found_by, pattern)}
+
+    watch, referees = RuleMonitor(where), []
+    for number, fields in enumerate(rules):
+        made = ProximityRule(str(number), **fields)
+        referee = Referee(made, members)
+        reported = list(zip(*np.nonzero(where.reported), strict=True))
+        if any(referee.concerns(*p) for p in reported):
+            watch.add([made])
+            referees.append(referee)
+        else:
+            with pytest.raises(RuleError):
+                watch.add([made])
+    now, sequence = 0.0, 1
+    for seconds, pairs, stale, absent in story:
+        now += seconds
+        seen = [p for p in pairs if where.reported[p[0]]]
+        args = [(*p[0], p[1], p[2]) for p in seen]
+        speeds = [p[3] for p in seen]
+        saw = measured(*args, speeds=speeds) if seen else NOTHING
+        flags = np.isin(np.arange(6), list(stale)), np.isin(np.arange(6), list(absent))
+        events = watch.decide(now, Poses(*flags), saw)
+        of_referee = [
+            r.rule.name
+            for r in referees
+            if r.look(
+                now, [(a, b, d - e, s) for (a, b, d, e), s in zip(args, speeds, strict=True)],
+                reported, stale, absent,
+            )
+        ]  # fmt: skip
+        assert [e.rule for e in events] == of_referee
+        entered = {r.rule.name: r.is_entered for r in referees}
+        assert all(e.is_entered == entered[e.rule] for e in events)
+        assert [e.sequence for e in events] == list(range(sequence, sequence + len(events)))
+        sequence += len(events)

@@ -1,0 +1,58 @@
+"""What a proximity rule may be, and what is said of one that cannot be."""
+
+import math
+
+import pytest
+
+from drake_geom_ros.proximity_rules import Level, ProximityRule, RuleError, scale_points
+
+
+def rule(**changes):
+    return ProximityRule(**{'name': 'r', 'set_a': ('a',), 'enter': 0.1, 'leave': 0.2, **changes})
+
+
+@pytest.mark.parametrize(
+    ('changes', 'told'),
+    [
+        ({'name': ''}, 'no name'),
+        ({'set_a': ()}, 'set_a is empty'),
+        ({'level': 4}, 'level is 4'),
+        ({'enter': math.nan}, 'enter=nan'),
+        ({'leave': math.inf}, 'leave=inf'),
+        ({'leave': 0.1}, 'not greater than enter=0.1'),
+        ({'leave': 0.05}, 'not greater than enter=0.1'),
+        ({'hold': -1.0}, 'hold is -1.0'),
+        ({'enter_after': math.nan}, 'enter_after is nan'),
+        ({'min_time_to_contact': math.inf}, 'min_time_to_contact is inf'),
+        ({'when_stale': 'stop'}, "when_stale is 'stop'"),
+        ({'scale': ((0.0, 0.0), (1.0, 1.0))}, 'this is a STOP rule'),
+        ({'level': Level.SLOW, 'scale': ((0.0, 0.0),)}, 'two or more'),
+        ({'level': Level.SLOW, 'scale': ((0.0, math.nan), (1.0, 1.0))}, 'two or more finite'),
+        ({'level': Level.SLOW, 'scale': ((1.0, 0.0), (1.0, 1.0))}, 'must ascend'),
+        ({'level': Level.SLOW, 'scale': ((0.0, -0.1), (1.0, 1.0))}, 'from 0 to 1'),
+        ({'level': Level.SLOW, 'scale': ((0.0, 1.0), (1.0, 0.5))}, 'nearer must not be faster'),
+    ],
+)
+def test_what_cannot_be_is_refused_by_its_field(changes, told):
+    with pytest.raises(RuleError, match=told):
+        rule(**changes)
+
+
+def test_a_stop_enters_when_a_pose_is_stale_unless_it_says_otherwise():
+    assert rule().enters_when_stale
+    assert not rule(when_stale='keep').enters_when_stale
+    assert not rule(level=Level.WARN).enters_when_stale
+    assert rule(level=Level.WARN, when_stale='enter').enters_when_stale
+
+
+def test_a_rule_looks_as_far_as_it_leaves_or_scales():
+    assert rule().farthest == 0.2
+    assert rule(level=Level.SLOW, scale=((0.0, 0.0), (0.5, 1.0))).farthest == 0.5
+    assert rule(level=Level.SLOW, scale=((0.0, 0.0), (0.1, 1.0))).farthest == 0.2
+
+
+def test_the_points_of_a_scale_come_as_numbers_in_a_row():
+    assert scale_points([0, 0.0, 0.5, 1]) == ((0.0, 0.0), (0.5, 1.0))
+    assert scale_points([]) == ()
+    with pytest.raises(RuleError, match='3 numbers'):
+        scale_points([0.0, 0.0, 1.0])

@@ -1,0 +1,28 @@
+"""Scenes that ship stand where somebody would want them: nothing in them overlaps."""
+
+from pathlib import Path
+
+import pytest
+
+from drake_geom_ros.command_line.posed_scene import PosedScene
+
+ROOT = Path(__file__).parents[2]
+SCENES = [
+    path
+    for path in (*ROOT.glob('scenes/*.yaml'), *ROOT.glob('examples/*/cell.yaml'))
+    if not path.stem.endswith('_motion')
+]
+
+
+def test_there_are_some():
+    assert {path.name for path in SCENES} >= {'minimal.yaml', 'two_pandas.yaml', 'cell.yaml'}
+
+
+@pytest.mark.parametrize('path', SCENES, ids=lambda path: f'{path.parent.name}/{path.name}')
+def test_nothing_overlaps_where_the_scene_stands(path):
+    scene = PosedScene(str(path))
+    scene.check_whole()
+    found = scene.query.ComputePointPairPenetration()
+    overlaps = [(scene.names[each.id_A], scene.names[each.id_B], each.depth) for each in found]
+    assert not overlaps
+    assert all(robot.configuration for robot in scene.description.robots)
