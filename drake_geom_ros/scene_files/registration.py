@@ -277,11 +277,8 @@ class _Registration:
         """Note what was welded to make a solid of a mesh."""
         properties, shape = geometry.roles[Role.kProximity], geometry.shape
         if isinstance(shape, Mesh) and properties.GetPropertyOrDefault('mesh', 'solid', False):
-            # Only scenes that have solids load what makes them.
-            from drake_geom_ros.geometry.shapes.mesh_facts import weldings
-
             name = f'{geometry.source}::{geometry.frame}/{geometry.name}'
-            self._welded += [f'{name}: {told}' for told in weldings(shape)]
+            self._welded += [f'{name}: {told}' for told in shape.weldings()]
 
     def _set(self, members: tuple[Member, ...]) -> GeometrySet:
         geometry_ids = [

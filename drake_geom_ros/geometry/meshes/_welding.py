@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.meshes._library import near_one_another
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -70,17 +71,11 @@ def _welded(surface: ClosedSurface) -> ClosedSurface:
     Vertices in a row, each near the next, would be drawn together over any distance: where one
     would go farther than two neighbours may be apart, nothing is welded.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    vertices, count = surface.vertices, len(surface.vertices)
+    vertices = surface.vertices
     apart = WELDED_APART * float(np.ptp(vertices, axis=0).max(initial=0.0))
-    near = cKDTree(vertices).query_pairs(apart, output_type='ndarray')
-    graph = coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=(count, count))
-    _, groups = connected_components(graph, directed=False)
-    # Merged vertices are in ascending order, so the first of a group is its least.
-    first = np.unique(groups, return_index=True)[1][groups]
+    first = np.arange(len(vertices))
+    for group in near_one_another(vertices, apart):
+        first[group] = group.min()  # merged vertices are in ascending order
     moves = np.linalg.norm(vertices - vertices[first], axis=1)
     farthest = float(moves.max(initial=0.0))
     if farthest > 2.0 * apart:

@@ -217,6 +217,15 @@ class Mesh(_FromMesh):
 
         return PackedShape(*solid_of(self._mesh, self._scales))
 
+    def weldings(self) -> tuple[str, ...]:
+        """Return what has to be welded for the surface to be closed, in words; mostly nothing.
+
+        Raises MeshFileError for a mesh that bounds no solid, or is no mesh.
+        """
+        from drake_geom_ros.geometry.meshes._solids import weldings_of
+
+        return weldings_of(self._mesh, self._scales)
+
     def _to_points(self, hull: PackedShape) -> PackedShape:
         """Return the solid that the surface bounds, else the hull, and warn of that."""
         try:

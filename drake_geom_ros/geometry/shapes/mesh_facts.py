@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import MeshFileError
-from drake_geom_ros.geometry.meshes._solids import have_area, weldings_of
+from drake_geom_ros.geometry.meshes._solids import have_area
 from drake_geom_ros.geometry.meshes._welding import closed_surface
 from drake_geom_ros.geometry.meshes.source import remarks_on, surface
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
@@ -47,11 +47,3 @@ def mesh_facts(shape: Convex | Mesh) -> MeshFacts:
     if flat:
         remarks += (f'{flat} of its triangles have no area: they belong to no surface',)
     return MeshFacts(low, high, len(triangles), is_closed, remarks)
-
-
-def weldings(shape: Mesh) -> tuple[str, ...]:
-    """Return what was welded to make a solid of a mesh, in words.
-
-    Raises MeshFileError for one that bounds no solid.
-    """
-    return weldings_of(mesh_of(shape), tuple(shape.scale3().tolist()))
