@@ -129,3 +129,10 @@ class DrakeSide:
         """Return which states are free, each asked about alone."""
         free = self._checker.CheckConfigCollisionFree
         return np.array([free(q) for q in states[:, self._columns]], dtype=bool)
+
+    def edge_is_free(self, path: np.ndarray, steps: int) -> bool:
+        """Return whether all of so many steps of an edge (2, 16) are free."""
+        first, last = path[:, self._columns]
+        way = self._checker.ComputeConfigurationDistance(first, last)
+        self._checker.set_edge_step_size(max(way / steps, 1e-9))
+        return bool(self._checker.CheckEdgeCollisionFree(first, last))

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from drake_geom_ros.command_line import (
     batch,
     check,
+    check_motion,
     compile,
     convert,
     query,
@@ -41,6 +42,7 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         query,
         batch,
         check,
+        check_motion,
         suggest_filters,
         convert,
         render,

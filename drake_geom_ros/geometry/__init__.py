@@ -76,6 +76,7 @@ from drake_geom_ros.geometry.model.rgba import Rgba
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.closing import ClosingSpeeds, closing_speeds
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.motion_checks import MotionCheck
 from drake_geom_ros.geometry.queries.query_object import QueryObject
 from drake_geom_ros.geometry.queries.query_records import (
     PenetrationAsPointPair,
@@ -229,6 +230,7 @@ __all__ = [
     'PenetrationResults',
     'SignedDistanceResults',
     'PointDistanceResults',
+    'MotionCheck',
     'ClosingSpeeds',
     'closing_speeds',
     'DrakeVisualizerPublisher',

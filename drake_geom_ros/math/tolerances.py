@@ -42,3 +42,6 @@ LARGEST_PART, SMALLEST_PART = 10.0, 1e-3  # [m]
 # [m] and [-] of R: what is welded to the world may differ by so much from its first pose, as
 # transforms do that were written with few digits.
 WELDED_STAYS = 1e-6
+
+# The span of time [-] that holds a first contact, unless another one is asked for.
+TIME_TOLERANCE = 1e-6

@@ -39,6 +39,10 @@ PROXIMITY_ROOMS = {
         ('numpy',),
     ),
     'geometry/_proximity/states': ((*_POINTS, 'geometry/_proximity/states'), ('numpy',)),
+    'geometry/_proximity/motion': (
+        (*_POINTS, 'geometry/_proximity/states', 'geometry/_proximity/motion'),
+        ('numpy',),
+    ),
     'geometry/_proximity/engine': (
         (*_POINTS, 'geometry/_proximity/derivatives', 'geometry/_proximity/engine'),
         ('numpy', 'numba'),

@@ -31,7 +31,7 @@ PYDRAKES = """
 # What is ours: a context can be named, results are sequences, errors are a tree, and the rest.
 OURS = """
     SceneGraphContext PenetrationResults SignedDistanceResults PointDistanceResults
-    ClosingSpeeds closing_speeds
+    MotionCheck ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError

@@ -209,3 +209,27 @@ BEYOND_HULL = 2.0**-10
 
 # [s] that a point and a geometry take, about: by an iteration or a tree, and by a closed form.
 LONG_POINT, SHORT_POINT = 1e-6, 3e-8
+
+# Of motions. A rotation that is interpolated is off [-] by no more than this from the exact one
+# (Frobenius): that of quaternions or of an axis and an angle, of a few products; and a position by
+# this part [-] of the lengths that are added. A test holds both against fifty digits.
+INTERPOLATED_ROTATION = 128.0 * EPS
+INTERPOLATED_POSITION = 32.0 * EPS
+
+# A bound of what moves is taken as so much larger [-]: tens of its sums and products are rounded.
+ROUNDED_UP = 1.0 + 256.0 * EPS
+
+# A normal that is carried from one time to another, and support values along it, are off [-] by no
+# more than this part of the pair's extent: two rotations into the axes of a node and out of them,
+# each by 16 EPS, and the sums.
+CARRIED_PLANE = 128.0 * EPS
+
+# Below this angle [rad] cosines are taken by their series, whose next term is below EPS.
+SMALL_TURN = 2.0**-12
+
+# Of a turn with a quaternion whose w is below this [-] nobody knows which way is the shorter one.
+HALF_TURN = 32.0 * EPS
+
+# A motion that is not proved within a span that is a sixteenth of this or of the tolerance [-] is
+# told as unknown from there on; where a plane parts the bodies at its begin, within the other one.
+LEAST_SPAN, LEAST_PARTED_SPAN = 2.0**-20, 2.0**-44

@@ -186,7 +186,7 @@ def planes_of(vertices: Floats, triangles: Indices) -> Floats:
     areas = np.linalg.norm(normals, axis=1, keepdims=True)
     largest = np.argsort(-areas[:, 0], kind='stable')[:MOST_PLANES]
     largest = largest[areas[largest, 0] > 0.0]
-    normals, a = (normals / areas)[largest], a[largest]
+    normals, a = normals[largest] / areas[largest], a[largest]
     return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
 
 

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry.ids import GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
+from drake_geom_ros.geometry.queries.motion_checks import MotionChecks
 from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_pairs, padded_points
 from drake_geom_ros.geometry.queries.query_records import SignedDistancePair
@@ -31,7 +32,7 @@ from drake_geom_ros.math.missing import refuse_missing_member
 from drake_geom_ros.math.tolerances import FARTHEST
 
 
-class QueryObject(ImageQueries):
+class QueryObject(ImageQueries, MotionChecks):
     """Answers geometry queries about a context.
 
     The one that a SceneGraph's query port gives is live: it sees later poses and changes of its
@@ -235,8 +236,6 @@ class QueryObject(ImageQueries):
         reach = paddings.of_pair if (paddings := state.paddings()) else 0.0
         query = state.query(('candidates', reach), 'bound', reach, False, CANDIDATES)
         return query.world.geometries.ids[state.engine.candidates_of(query)]
-
-    # Points.
 
     def ComputeSignedDistanceToPoint(
         self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: str | None = None

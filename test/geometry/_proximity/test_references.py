@@ -29,7 +29,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import difference_of
 from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, SHAPE_NAMES
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_pair
+from drake_geom_ros.geometry._proximity.kernels.solids.leaves import leaf_pair
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import walk
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID

@@ -11,7 +11,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     UNIQUE,
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius, core_radius
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    SolidPair,
+    body_of,
+    noise_of,
+    solid_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.uniqueness import (
     is_nearest_alone,
     is_way_out_alone,
@@ -30,7 +35,6 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import P_ACA, P_BCB
 from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
-from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 
 @allocating
@@ -57,10 +61,11 @@ def _is_alone(
     p = sub(q, rotate(R, p_ACa))
     size = bounding_radius(kind_A, shape_A) + bounding_radius(SOLID, shape_B) + norm(p)
     A, B, radius = body_of(kind_A, shape_A, R), solid_of(shape_B), core_radius(kind_A, shape_A)
+    pair = SolidPair(A, B, p, size, 0.0, radius)
     if distance < 0.0:
-        return is_way_out_alone(A, B, p, q, m, -distance, error, radius, size)
-    limit = distance + radius + error + ROUNDING * EPS * size
-    return is_nearest_alone(A, B, p, scale(-1.0, m), size, limit)[0]
+        return is_way_out_alone(pair, q, m, -distance, error)
+    limit = distance + radius + error + noise_of(pair)
+    return is_nearest_alone(pair, scale(-1.0, m), limit)[0]
 
 
 @allocating

@@ -1,63 +1,54 @@
-"""Whether a core or a solid is in a solid, or the reverse, where their surfaces do not cross.
+"""How two bodies stand to each other: whether they overlap, touch, are apart, or may overlap.
 
 Two solids are decided by their triangles (``meetings``, ``rays``), without error where the pose
-swaps axes at most, and so are a box and a solid. Bodies are given as in ``distance``.
+swaps axes at most, and so are a box and a solid. Where corners are turned, those that touch may
+overlap by less than rounding, and of a body that fits between walls so little leaves no way out
+but the one through the opening: then all is certain that is certain for all corners within
+rounding. Bodies are given as in ``distance``.
 """
-
-import math
 
 import numpy as np
 
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import NEVER, Nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import middle_of
-from drake_geom_ros.geometry._proximity.kernels.solids.meetings import (
-    A_IS_OUT,
-    B_IS_OUT,
-    OVERLAPPING,
-    TOUCH,
-    meeting,
-)
+from drake_geom_ros.geometry._proximity.kernels.solids.meetings import TOUCH
 from drake_geom_ros.geometry._proximity.kernels.solids.rays import (
     Posed,
     is_beneath_within,
     swaps_axes,
     triangle_of,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.signs import Triangle
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
-    NO_TREE,
-    Solid,
+    SolidPair,
     Tree,
     TreeBody,
-    first_of_leaf,
+    noise_of,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.touching import meet_anywhere
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import LOWER, NO_BOX, NODE_WIDTH, UPPER
-from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, SOLID, SPHERE, VERTEX_COUNT
-from drake_geom_ros.geometry._proximity.runtime.arrays import Indices, Vector
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
-from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+
+# How two bodies stand.
+APART = 0  # by more than rounding
+TOUCHES = 1  # decided without error
+MAY_OVERLAP = 2  # they touch, or overlap by less than rounding
+OVERLAPS = 3
 
 FLUSH = 16.0  # roundings that leaves which touch may be apart
-FIRST_NORMAL = (1.0, 0.0, 0.0)  # where GJK begins when nothing is known
 TURNED = 8.0 * EPS  # of a corner that is turned and moved, over how far it is from either origin
 
 # The faces of a box, two triangles each, counter-clockwise from outside: corner k is at the upper
 # end of x, y, z where k has the bits 4, 2, 1.
 QUADS = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
 BOX_TREE = Tree(0, 1, NODE_WIDTH, 12, NODE_WIDTH + 12 * CORNERS, 1, 0, 0, 0, 0)
-
-
-@allocating
-def depth_in_solid(B: Solid, q: Vector, size: float) -> float:
-    """Return how deep q lies in B [m], negative outside."""
-    point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
-    distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
-    return distance if is_inside(B.shape, B.tree, q) else -distance
 
 
 @compiled
@@ -99,53 +90,11 @@ def box_as_solid(A: TreeBody, low: Vector, high: Vector) -> TreeBody:
 
 
 @compiled
-def beside(
-    T: Triangle,
-    S: Triangle,
-    apart: float,
-) -> bool:
-    """Tell whether the boxes around two triangles are farther apart than that."""
-    (a, b, c), (x, y, z) = T, S
-    for k in range(3):
-        if min(a[k], b[k], c[k]) - max(x[k], y[k], z[k]) > apart:
-            return True
-        if min(x[k], y[k], z[k]) - max(a[k], b[k], c[k]) > apart:
-            return True
-    return False
-
-
-@allocating
-def meet_anywhere(
-    A: TreeBody,
-    B: Solid,
-    p: Vector,
-    mine: Posed,
-    its: Posed,
-    reach: float,
-    told: Indices,
-    heard: Indices,
-) -> bool:
-    """Tell whether triangles of A and B that meet show that these overlap.
-
-    ``told`` (n,) and ``heard`` (m,) get what is known of each triangle of A and of B. ``mine`` and
-    ``its`` are A and B as ``Posed``; what is farther apart than ``reach`` does not meet.
-    """
-    path, top = walk(A, B, p), 1
-    while True:
-        top, i, j, _ = next_leaves(A, B, p, path, top, reach)
-        if i < 0:
-            return False
-        for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
-            T = triangle_of(mine, k)
-            for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                S = triangle_of(its, m)
-                if beside(T, S, reach):
-                    continue
-                bits = meeting(T, S, mine.off)
-                if bits & OVERLAPPING != 0:
-                    return True
-                told[k] |= bits & (TOUCH | A_IS_OUT)
-                heard[m] |= bits & (TOUCH | B_IS_OUT)
+def touch_of(pair: SolidPair) -> float:
+    """Return the separation [m] at which triangles are to decide: of bodies that have such."""
+    if pair.A.kind == SOLID or bounds_if_box(pair.A)[0]:
+        return noise_of(pair)
+    return NEVER
 
 
 @compiled
@@ -180,42 +129,57 @@ def rounding_of_places(A: TreeBody, p: Vector) -> float:
 
 
 @allocating
-def have_inside_in_common(A: TreeBody, B: Solid, p: Vector, touches: bool, size: float) -> bool:
-    """Tell whether two solids have an inside in common.
+def stand_of_solids(pair: SolidPair, touches: bool, ways: Floats) -> tuple[int, int]:
+    """Return how two solids stand, and how many ``ways`` apart were found where they touch.
 
-    If they have, a face of what they have in common lies on a triangle of one, and just beneath it
-    is the inside of the other. Triangles that touch the other's surface are asked, and one of each
-    piece for all of its that do not.
+    If they have an inside in common, a face of what they have in common lies on a triangle of one,
+    and just beneath it is the inside of the other. Triangles that touch the other's surface are
+    asked, and one of each piece for all of its that do not.
     """
+    A, B, p = pair.A, pair.B, pair.p
     off = rounding_of_places(A, p)
     mine = Posed(A.shape, A.tree, A.R, p, off)
     its = Posed(B.shape, B.tree, B.identity, (0.0, 0.0, 0.0), off)
+    open_, count = False, 0
     if touches:
         told = np.zeros(A.tree.triangles, dtype=np.int64)
         heard = np.zeros(B.tree.triangles, dtype=np.int64)
-        reach = FLUSH * ROUNDING * EPS * size
-        if meet_anywhere(A, B, p, mine, its, reach, told, heard):
-            return True
+        reach = FLUSH * noise_of(pair)
+        met = meet_anywhere(pair, (mine, its), reach, (told, heard), ways)
+        if met.overlapping:
+            return OVERLAPS, 0
         if is_touched_within(mine, its, told) or is_touched_within(its, mine, heard):
-            return True
-    return is_piece_within(mine, its) or is_piece_within(its, mine)
+            return OVERLAPS, 0
+        open_, count = met.touches and off > 0.0, met.ways
+    if is_piece_within(mine, its) or is_piece_within(its, mine):
+        return OVERLAPS, 0
+    if open_:
+        return MAY_OVERLAP, count
+    return TOUCHES if touches else APART, count
 
 
 @allocating
-def is_contained(A: TreeBody, B: Solid, p: Vector, touches: bool, size: float) -> bool:
-    """Tell whether A and B overlap, where their surfaces do not cross, as ``nearest`` sees it.
+def stand_of(pair: SolidPair, found: Nearest, ways: Floats) -> tuple[int, int]:
+    """Return how A and B stand, by what ``nearest`` found, and how many ``ways`` (k, WAY_WIDTH).
 
-    ``touches`` tells that these may have a point in common, to rounding: solids and boxes are then
-    decided by their triangles. A core with a volume crosses any triangle within it, as ``nearest``
-    sees it; it is left that the core is in B, and then its middle is. A core without is a point or
-    a segment with a ball around it, which overlaps where the core touches, unless the ball is as
-    small as rounding.
+    What touches to rounding, solids and boxes, is decided by triangles. Else a core with a volume
+    crosses any triangle within it, as ``nearest`` sees it; it is left that the core is in B, and
+    then its middle is. A core without is a point or a segment with a ball around it, which
+    overlaps where the core touches, unless the ball is as small as rounding.
     """
+    A, B, noise = pair.A, pair.B, noise_of(pair)
+    if found.end == OVERLAP or found.upper - pair.radius < -noise:
+        return OVERLAPS, 0
+    touches = found.lower - pair.radius <= noise
     if A.kind == SOLID:
-        return have_inside_in_common(A, B, p, touches, size)
+        return stand_of_solids(pair, touches, ways)
     if touches:
         is_box, low, high = bounds_if_box(A)
         if is_box:
-            return have_inside_in_common(box_as_solid(A, low, high), B, p, True, size)
+            body = box_as_solid(A, low, high)
+            as_solids = SolidPair(body, B, pair.p, pair.size, pair.tolerance, pair.radius)
+            return stand_of_solids(as_solids, True, ways)
     on_surface = touches and A.kind == SPHERE
-    return not on_surface and is_inside(B.shape, B.tree, middle_of(A, p))
+    if not on_surface and is_inside(B.shape, B.tree, middle_of(A, pair.p)):
+        return OVERLAPS, 0
+    return MAY_OVERLAP if touches else APART, 0

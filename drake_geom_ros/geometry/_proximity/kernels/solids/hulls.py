@@ -7,7 +7,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import PLANE, Solid, TreeBody
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import PLANE, SolidPair, TreeBody
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -44,18 +44,20 @@ def hull_support(A: TreeBody, n: Vector) -> Vector:
 
 
 @compiled
-def width_of_hulls(A: TreeBody, B: Solid, p: Vector, m: Vector, radius: float) -> float:
-    """Return how far A must move along m to be beyond B's hull [m]."""
-    b = local_support(CONVEX, B.shape, m, 0.0)
-    return dot(sub(b, add(p, hull_support(A, scale(-1.0, m)))), m) + radius
+def width_of_hulls(pair: SolidPair, m: Vector, radius: float) -> float:
+    """Return how far A, grown by ``radius``, must move along m to be beyond B's hull [m]."""
+    b = local_support(CONVEX, pair.B.shape, m, 0.0)
+    a = add(pair.p, hull_support(pair.A, scale(-1.0, m)))
+    return dot(sub(b, a), m) + radius
 
 
 @compiled
-def way_out_of_hull(A: TreeBody, B: Solid, p: Vector, radius: float) -> tuple[Vector, float]:
+def way_out_of_hull(pair: SolidPair) -> tuple[Vector, float]:
     """Return (m, s) of the shortest of some moves by s along m that separate the hulls.
 
     Tried are the normals of their largest faces and the axes of A; no direction is wrong.
     """
+    A, B, radius = pair.A, pair.B, pair.radius
     best, best_m = math.inf, (1.0, 0.0, 0.0)
     for side in range(2):
         body_shape, tree = (B.shape, B.tree) if side == 0 else (A.shape, A.tree)
@@ -63,12 +65,12 @@ def way_out_of_hull(A: TreeBody, B: Solid, p: Vector, radius: float) -> tuple[Ve
             m = vector_at(body_shape, tree.planes_at + PLANE * k)
             if side == 1:
                 m = scale(-1.0, rotate(A.R, m))
-            s = width_of_hulls(A, B, p, m, radius)
+            s = width_of_hulls(pair, m, radius)
             if s < best:
                 best, best_m = s, m
     for k in range(6):
         m = scale(1.0 - 2.0 * (k % 2), column(A.R, k // 2))
-        s = width_of_hulls(A, B, p, m, radius)
+        s = width_of_hulls(pair, m, radius)
         if s < best:
             best, best_m = s, m
     return best_m, best

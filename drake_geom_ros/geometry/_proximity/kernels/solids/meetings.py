@@ -16,7 +16,9 @@ from drake_geom_ros.geometry._proximity.kernels.solids.signs import (
     Signs,
     Triangle,
     apart,
+    plane_through,
     side,
+    side_of,
     turn,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot
@@ -169,8 +171,8 @@ def sides_of(
     off: float,
 ) -> Signs:
     """Return on which sides of T's plane the corners of S are."""
-    a, b, c = T
-    return side(a, b, c, S[0], off), side(a, b, c, S[1], off), side(a, b, c, S[2], off)
+    plane = plane_through(T[0], T[1], T[2], off)
+    return side_of(plane, S[0], off), side_of(plane, S[1], off), side_of(plane, S[2], off)
 
 
 @compiled

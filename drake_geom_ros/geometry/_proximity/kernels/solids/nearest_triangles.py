@@ -108,11 +108,14 @@ def _look_at_block(
     k: int,
     q: Vector,
     extent: float,
-    best: float,
-    count: int,
+    found: tuple[float, int],
     room: Room,
 ) -> tuple[float, int]:
-    """Take what is near of block k; return (best, count), the count FULL without room for it."""
+    """Take what is near of block k to what was ``found``, (best, count); return both.
+
+    The count is FULL without room for it.
+    """
+    best, count = found
     first, last = first_of_block(tree, lanes, k), first_of_block(tree, lanes, k + 1)
     at, loose = lanes.blocks_at + TRIANGLE_LANES * k, LANE_ERROR * (best + extent)
     bits = near_triangles(shape, at, q, best, loose) & ((1 << (last - first)) - 1)
@@ -189,6 +192,6 @@ def nearest_triangles(
             level, group = room.levels[top] + 1, room.boxes[top]
             if level < lanes.levels:
                 break
-            best, count = _look_at_block(shape, tree, lanes, group, q, extent, best, count, room)
+            best, count = _look_at_block(shape, tree, lanes, group, q, extent, (best, count), room)
             if count == FULL:
                 return FULL

@@ -4,12 +4,12 @@ No formula tells the least translation that separates a body from a solid with d
 caught between two bounds, and the same steps serve every kind of A:
 
 - *Above*: a translation t after which the two are apart, which is verified by their distance
-  there. The first ones come from the triangles in contact, one from the hulls, which always
-  separates. From where it got, A then slides along the plane of contact to where t is shortest,
-  t' = (m . t) m for the normal m there, as long as that is verified to be apart too, and is drawn
-  back along t until it touches. Between convex surfaces this walks to the nearest minimum.
-- *Below*: a ball of A around a point that lies at depth d in B moves at least its radius plus d.
-  The deepest points of A in the contacts found above are tried, and its middle.
+  there (``clearing``). The first ones come from the triangles in contact, one from the hulls,
+  which always separates. From where it got, A then slides along the plane of contact to where t
+  is shortest, t' = (m . t) m for the normal m there, as long as that is verified to be apart too,
+  and is drawn back along t until it touches. Between convex surfaces this walks to the nearest
+  minimum.
+- *Below*: balls in both about one point (``inner_depths``).
 
 Of solids and boxes the boxes within them come first (``separations``): the least translation that
 parts these is a lower bound, and where it is seen to part the bodies it is the depth.
@@ -23,157 +23,103 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import inner_radius
-from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
-from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
-    FLUSH,
-    depth_in_solid,
-    is_contained,
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support
+from drake_geom_ros.geometry._proximity.kernels.solids.clearing import (
+    MOST_CONTACTS,
+    cleared,
+    step_aside,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
+from drake_geom_ros.geometry._proximity.kernels.solids.contacts import (
     PUSH_LENGTH,
     PUSH_WAY,
     PUSH_WIDTH,
-    Nearest,
-    close_pairs,
     contacts,
-    nearest,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import NEVER, Nearest, nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     hull_support,
     middle_of,
     way_out_of_hull,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
-from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
-    Solid,
-    TreeBody,
-    middle_of_triangle,
+from drake_geom_ros.geometry._proximity.kernels.solids.inner_depths import (
+    deepest_touching,
+    depth_in_solid,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, moved, noise_of
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
     dot,
     norm,
-    rotate,
     scale,
     sub,
     unit,
-    unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import (
-    BOX,
-    CAPSULE,
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-    HALF_LENGTH,
-    SHAPE_RADIUS,
-    SOLID,
-    SPHERE,
-)
+from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, ELLIPSOID, SOLID
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
-from drake_geom_ros.geometry._proximity.tolerances import (
-    BEYOND_HULL,
-    EPS,
-    RIGHT_ANGLE,
-    ROUNDING,
-    SAME_DIRECTION,
-)
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
+from drake_geom_ros.geometry._proximity.tolerances import BEYOND_HULL, SAME_DIRECTION
 
 MOST_PUSHES = 6  # directions that are tried
-MOST_CONTACTS = 64  # pairs of leaves that they are taken from
 MOST_ROUNDS = 4  # pushes one after the other
 MOST_SLIDES = 16
-MOST_MIDDLES = 16  # of touching triangles that are tried
 STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
 MOST_STEPS_OUT = 12  # each twice as far as the one before: 4096 roundings in all
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
-
-
-@compiled
-def clearance(
-    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, radius: float
-) -> tuple[bool, Nearest]:
-    """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found.
-
-    It is apart if no surfaces cross or are nearer than touching, and neither body is in the other:
-    both are asked without a limit, and so nothing is left out.
-    """
-    noise = ROUNDING * EPS * size
-    found = nearest(A, B, p, n, size, tolerance, math.inf)
-    clear = found.end != OVERLAP and found.lower >= radius - 2.0 * noise
-    return clear and not is_contained(A, B, p, found.lower <= noise, size), found
+ROOM = 8.0  # roundings by which boxes are to be apart that may fit each other
 
 
 @allocating
-def where_it_touches(
-    A: TreeBody, B: Solid, p: Vector, m: Vector, size: float, tolerance: float, radius: float
-) -> Vector:
-    """Return the point of B where A at p touches the hull of B, out along the unit m.
+def where_it_touches(pair: SolidPair, m: Vector) -> Vector:
+    """Return the point of B where A touches the hull of B, out along the unit m.
 
     Rounding says that they cross. Somewhat farther out they do not, and are nearest at that point,
     unless A lies as near to another part of B. Any corner of the hull out along m would be as far
     out, but may be elsewhere on its face.
     """
+    A, B = pair.A, pair.B
     for k in range(1, MOST_STEPS_OUT):
-        out = 2.0**k * BACK_OFF * ROUNDING * EPS * size
-        there = add_scaled(p, out, m)
-        clear, found = clearance(A, B, there, scale(-1.0, m), size, tolerance, radius)
+        out = 2.0**k * BACK_OFF * noise_of(pair)
+        clear, _, found = cleared(pair, scale(out, m), scale(-1.0, m))
         if clear and dot(found.n, m) <= -SAME_DIRECTION:
             return found.b
     if A.kind == ELLIPSOID:  # only one of its points is that far out
-        return add_scaled(add(p, hull_support(A, scale(-1.0, m))), -radius, m)
+        return add_scaled(add(pair.p, hull_support(A, scale(-1.0, m))), -pair.radius, m)
     return local_support(CONVEX, B.shape, m, 0.0)
 
 
 @allocating
-def push_of(
-    A: TreeBody,
-    B: Solid,
-    p: Vector,
-    found: Nearest,
-    size: float,
-    tolerance: float,
-    radius: float,
-    pushes: Floats,
-) -> int:
+def push_of(pair: SolidPair, found: Nearest, pushes: Floats) -> int:
     """Fill ``pushes`` (k, PUSH_WIDTH) with ways out, the shortest first; return how many."""
-    count = contacts(A, B, p, found.n, size, tolerance, radius, pushes, MOST_CONTACTS)
+    B = pair.B
+    count = contacts(pair, found.n, 0.0, pushes, MOST_CONTACTS)
     if count == 0 and found.end != OVERLAP and is_inside(B.shape, B.tree, found.a):
         # Wholly inside: out through the nearest surface.
         m = unit(sub(found.b, found.a))
-        lowest = add(p, hull_support(A, scale(-1.0, m)))
-        pushes[0, 0], pushes[0, 1], pushes[0, 2] = m
-        pushes[0, PUSH_LENGTH] = dot(sub(found.b, lowest), m) + radius
+        lowest = add(pair.p, hull_support(pair.A, scale(-1.0, m)))
+        for c in range(3):
+            pushes[0, PUSH_WAY + c] = m[c]
+        pushes[0, PUSH_LENGTH] = dot(sub(found.b, lowest), m) + pair.radius
         count = 1
     pushes[:count] = pushes[np.argsort(pushes[:count, PUSH_LENGTH])]
     return count
 
 
 @allocating
-def escape(
-    A: TreeBody,
-    B: Solid,
-    p: Vector,
-    t: Vector,
-    size: float,
-    tolerance: float,
-    radius: float,
-    most: float,
-) -> tuple[bool, Vector, Nearest]:
+def escape(pair: SolidPair, t: Vector, most: float) -> tuple[bool, Vector, Nearest]:
     """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
-    back_off = BACK_OFF * ROUNDING * EPS * size
+    back_off = BACK_OFF * noise_of(pair)
     n = scale(-1.0, unit(t))
     for turn in range(MOST_ROUNDS):
-        clear, found = clearance(A, B, add(p, t), n, size, tolerance, radius)
+        clear, t, found = cleared(pair, t, n)
         if clear or turn == MOST_ROUNDS - 1:
             break
-        count = push_of(A, B, add(p, t), found, size, tolerance, radius, pushes)
+        count = push_of(moved(pair, t), found, pushes)
         if count == 0:
             break
         t = add_scaled(t, pushes[0, PUSH_LENGTH] + back_off, vector_at(pushes[0], PUSH_WAY))
@@ -182,167 +128,106 @@ def escape(
     return clear and norm(t) < most, t, found
 
 
-@compiled
-def draw_back(
-    A: TreeBody,
-    B: Solid,
-    p: Vector,
-    t: Vector,
-    found: Nearest,
-    size: float,
-    tolerance: float,
-    radius: float,
-) -> tuple[Vector, Nearest]:
+@allocating
+def draw_back(pair: SolidPair, t: Vector, found: Nearest) -> tuple[Vector, Nearest]:
     """Return (t, found): t shortened along itself until A touches, and what is near then.
 
     So it is drawn into a hole that it rests on from several sides. Newton's method on the
     separation; a step that leads too far is cut to the separation, within which A goes anywhere.
     """
-    back_off = BACK_OFF * ROUNDING * EPS * size
+    back_off = BACK_OFF * noise_of(pair)
     u = unit(t)
     for _ in range(MOST_SLIDES):
-        separation, slope = found.lower - radius - back_off, -dot(found.n, u)
-        if separation <= max(0.25 * tolerance, back_off):
+        separation, slope = found.lower - pair.radius - back_off, -dot(found.n, u)
+        if separation <= max(0.25 * pair.tolerance, back_off):
             break
         step = min(separation / max(slope, STEEPEST), 0.5 * norm(t))
-        ahead = add_scaled(t, -step, u)
-        clear, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
+        clear, ahead, there = cleared(pair, add_scaled(t, -step, u), found.n)
         if not clear:
             ahead = add_scaled(t, -min(separation, 0.5 * norm(t)), u)
-            _, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
+            there = nearest(moved(pair, ahead), found.n, math.inf, NEVER)
         t, found = ahead, there
     return t, found
 
 
-@compiled
-def slide(
-    A: TreeBody,
-    B: Solid,
-    p: Vector,
-    t: Vector,
-    found: Nearest,
-    size: float,
-    tolerance: float,
-    radius: float,
-) -> tuple[Vector, Vector, Vector, Vector]:
+@allocating
+def slide(pair: SolidPair, t: Vector, found: Nearest) -> tuple[Vector, Vector, Vector, Vector]:
     """Return (t, m, a, b) for a t that is no longer, where A is apart and touches, if it can.
 
     There it touches with the point a of its core, at b, and m is the normal out of B.
     """
-    back_off = BACK_OFF * ROUNDING * EPS * size
+    back_off = BACK_OFF * noise_of(pair)
     for _ in range(MOST_SLIDES):
-        m, separation = scale(-1.0, found.n), found.lower - radius
+        m, separation = scale(-1.0, found.n), found.lower - pair.radius
         s = dot(t, m) - separation + back_off
-        if s > 0.0 and norm(t) - s > max(0.25 * tolerance, back_off):
-            clear, ahead = clearance(A, B, add_scaled(p, s, m), found.n, size, tolerance, radius)
-            if clear:
-                t, found = scale(s, m), ahead
+        if s > 0.0 and norm(t) - s > max(0.25 * pair.tolerance, back_off):
+            clear, ahead, there = cleared(pair, scale(s, m), found.n)
+            if clear and norm(ahead) < norm(t):
+                t, found = ahead, there
                 continue
-        t, found = draw_back(A, B, p, t, found, size, tolerance, radius)
+        t, found = draw_back(pair, t, found)
         break
     return t, scale(-1.0, found.n), found.a, found.b
 
 
-@compiled
-def depth_in_body(
-    A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float
-) -> float:
-    """Return how deep x, in B's frame, lies in A [m], or less: minus infinity where unknown."""
-    q = unrotate(A.R, sub(x, p))
-    kind, shape = A.kind, A.shape
-    if kind == SOLID:
-        return depth_in_solid(Solid(shape, A.tree, B.identity), q, size)
-    if kind == CAPSULE:
-        return radius - norm((q[0], q[1], max(abs(q[2]) - shape[HALF_LENGTH], 0.0)))
-    if kind == SPHERE:
-        return radius - norm(q)
-    depth = -math.inf
-    if kind == BOX:
-        depth = min(shape[0] - abs(q[0]), shape[1] - abs(q[1]), shape[2] - abs(q[2]))
-    if kind == CYLINDER:
-        depth = min(shape[SHAPE_RADIUS] - math.hypot(q[0], q[1]), shape[HALF_LENGTH] - abs(q[2]))
-    if kind == ELLIPSOID:  # a smaller one around x, of the same proportions, fits
-        level = norm((q[0] / shape[0], q[1] / shape[1], q[2] / shape[2]))
-        depth = (1.0 - level) * min(shape[0], shape[1], shape[2])
-    return depth if depth >= 0.0 else -math.inf
-
-
-@compiled
-def deepest_at(A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float) -> float:
-    """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it.
-
-    Balls of radius a in A and b in B about one point are apart only after a move by a + b. With x
-    at a distance d out of A, a is -d: a ball of radius b - d in B is about A's nearest point then.
-    """
-    return depth_in_body(A, B, p, x, size, radius) + depth_in_solid(B, x, size)
-
-
-@allocating
-def deepest_touching(
-    A: TreeBody,
-    B: Solid,
-    p: Vector,
-    t: Vector,
-    a: Vector,
-    b: Vector,
-    m: Vector,
-    size: float,
-    tolerance: float,
-    radius: float,
-) -> float:
-    """Return a lower bound of the depth [m] by points near where A touches after the move by t.
-
-    They are the point a of A's core and b of B's surface that touch then, what is half-way between
-    them before the move, and the middles of what touches: of a core the lowest face, of solids the
-    triangles. A corner that touches may be no deeper than a wall beside it.
-    """
-    before = sub(a, t)
-    least = radius + depth_in_solid(B, before, size)
-    least = max(least, deepest_at(A, B, p, b, size, radius))
-    least = max(least, deepest_at(A, B, p, add_scaled(b, -0.5, t), size, radius))
-    if A.kind != SOLID:
-        lowest = add(p, support(A.kind, A.shape, A.R, scale(-1.0, m), RIGHT_ANGLE))
-        return max(least, radius + depth_in_solid(B, lowest, size))
-    noise = FLUSH * ROUNDING * EPS * size
-    pairs = np.empty((MOST_MIDDLES, 2), dtype=np.int64)
-    for k in range(close_pairs(A, B, add(p, t), scale(-1.0, m), size, tolerance, noise, pairs)):
-        x = add(p, rotate(A.R, middle_of_triangle(A.shape, A.tree, pairs[k, 0])))
-        y = middle_of_triangle(B.shape, B.tree, pairs[k, 1])
-        least = max(least, depth_in_solid(B, x, size), depth_in_body(A, B, p, y, size, radius))
-    return least
-
-
 @allocating
 def by_boxes(
-    A: TreeBody, B: Solid, p: Vector, least: float, size: float, tolerance: float, radius: float
+    pair: SolidPair, least: float, most: float
 ) -> tuple[float, float, Vector, Vector, bool]:
     """Return (least, depth, t, b, alone) of the depth by boxes within the bodies, if they tell.
 
-    The least translation that parts the boxes is a lower bound, ``least`` or more. If it is seen
-    to part the bodies too it is the depth, ``alone`` if no other is as short; else the depth is
-    infinite.
+    The least translation that parts the boxes is a lower bound, ``least`` or more, unless
+    they may overlap. If it is seen to part the bodies too it is the depth, ``alone`` if no other
+    is as short; else the depth is infinite. ``most`` [m] is how long it may be where they may
+    overlap, infinite where they do.
     """
-    noise = ROUNDING * EPS * size
+    A, p, noise = pair.A, pair.p, noise_of(pair)
     if A.kind != SOLID and A.kind != BOX and A.kind != CONVEX:
         return least, math.inf, p, p, True
-    _, longest = way_out_of_hull(A, B, p, radius)
+    _, longest = way_out_of_hull(pair)
     upper = longest + max(2.0 * BACK_OFF * noise, BEYOND_HULL * longest)
-    found = least_parting(boxes_of(A), boxes_in(B.shape, B.tree), A.R, p, upper, noise)
-    least = max(least, min(found.lower, longest))
-    if not found.parts:
-        return least, math.inf, p, p, True
-    for turn in range(2):  # as it is, and a little farther
-        t = add_scaled(found.t, turn * BACK_OFF * noise, unit(found.t))
-        clear, ahead = clearance(A, B, add(p, t), scale(-1.0, unit(t)), size, tolerance, radius)
+    boxes = boxes_of(A), boxes_in(pair.B.shape, pair.B.tree)
+    for turn in range(0 if most == math.inf else 2, 3):
+        # As it is; some roundings longer; with room for what fits only without rounding.
+        if turn != 1:
+            more = ROOM * noise if turn == 2 else 0.0
+            found = least_parting(boxes, A.R, p, (upper, more), noise)
+        if turn == 0:
+            least = max(least, min(found.lower, longest))
+        if not found.parts or norm(found.t) >= most - ROOM * noise:
+            break
+        m = unit(found.t)
+        there = add_scaled(found.t, BACK_OFF * noise if turn == 1 else 0.0, m)
+        clear, t, ahead = cleared(pair, there, scale(-1.0, m))
         if clear:  # whoever reports it takes the step back off
-            return least, norm(found.t) + BACK_OFF * noise, t, ahead.b, found.alone
+            length = max(norm(t), norm(found.t) + BACK_OFF * noise)
+            return least, length, t, ahead.b, found.alone
     return least, math.inf, p, p, True
 
 
 @allocating
-def bounds_of_depth(
-    A: TreeBody, B: Solid, p: Vector, found: Nearest, size: float, tolerance: float, radius: float
-) -> tuple[float, float, Vector, Vector, bool]:
+def sure_way_out(
+    pair: SolidPair, found: Nearest, ways: Floats, count: int
+) -> tuple[float, Vector, Vector]:
+    """Return (depth, t, b) of bodies that may overlap: moved by t, as long as that, A is apart.
+
+    ``found`` and ``ways`` are of ``stand_of``. Mostly some roundings do. What fits between walls
+    has to leave as if it were wider by these.
+    """
+    noise, nowhere = noise_of(pair), (0.0, 0.0, 0.0)
+    clear, t, ahead = step_aside(pair, nowhere, found, ways, count)
+    if clear:
+        return norm(t), t, ahead.b
+    m, s = way_out_of_hull(pair)
+    s = max(s, 0.0) + BACK_OFF * noise
+    _, depth, t, b, _ = by_boxes(pair, 0.0, s)
+    if s < depth:  # hulls that are apart are apart
+        return s, scale(s, m), where_it_touches(moved(pair, scale(s, m)), m)
+    return depth, t, b
+
+
+@allocating
+def bounds_of_depth(pair: SolidPair, found: Nearest) -> tuple[float, float, Vector, Vector, bool]:
     """Return (depth, least, t, b, alone) of A at p, which overlaps with B.
 
     ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.
@@ -351,19 +236,20 @@ def bounds_of_depth(
     # Whatever is tried or left out, both bounds hold: each t was seen to separate, and each depth
     # is of balls in both bodies. Trying less only leaves them farther apart, which is told.
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
-    back_off = BACK_OFF * ROUNDING * EPS * size
-    enough = max(0.5 * tolerance, 4.0 * back_off)
+    A, B, p, radius = pair.A, pair.B, pair.p, pair.radius
+    back_off = BACK_OFF * noise_of(pair)
+    enough = max(0.5 * pair.tolerance, 4.0 * back_off)
     least = 0.0
     if found.end != OVERLAP and found.upper < radius:
         least = radius - found.upper
     if A.kind != SOLID:
         ball = max(radius, inner_radius(A.kind, A.shape))
-        least = max(least, ball + depth_in_solid(B, middle_of(A, p), size))
+        least = max(least, ball + depth_in_solid(B, middle_of(A, p)))
     depth, t_best, b_best = math.inf, p, p
-    least, depth, t_best, b_best, alone = by_boxes(A, B, p, least, size, tolerance, radius)
+    least, depth, t_best, b_best, alone = by_boxes(pair, least, math.inf)
     if depth - least <= enough:
         return depth, min(least, depth), t_best, b_best, alone
-    count = push_of(A, B, p, found, size, tolerance, radius, pushes)
+    count = push_of(pair, found, pushes)
     for k in range(count + 1):
         if depth - least <= enough:
             break
@@ -371,18 +257,18 @@ def bounds_of_depth(
             m, s = vector_at(pushes[k], PUSH_WAY), pushes[k, PUSH_LENGTH] + back_off
             if s >= depth:
                 continue
-            clear, t, ahead = escape(A, B, p, scale(s, m), size, tolerance, radius, depth)
+            clear, t, ahead = escape(pair, scale(s, m), depth)
         else:
-            m, s = way_out_of_hull(A, B, p, radius)
-            t = scale(s + back_off, m)
-            clear, ahead = clearance(A, B, add(p, t), scale(-1.0, m), size, tolerance, radius)
+            m, s = way_out_of_hull(pair)
+            out = scale(s + back_off, m)
+            clear, t, ahead = cleared(pair, out, scale(-1.0, m))
             if not clear and s < depth:  # so rounding says, but hulls that are apart are apart
-                depth, t_best = norm(t), t
-                b_best = where_it_touches(A, B, add(p, t), m, size, tolerance, radius)
+                depth, t_best = norm(out), out
+                b_best = where_it_touches(moved(pair, out), m)
         if clear:
-            t, m, a, b = slide(A, B, p, t, ahead, size, tolerance, radius)
+            t, m, a, b = slide(pair, t, ahead)
             if norm(t) < depth:
                 depth, t_best, b_best = norm(t), t, b
-            deep = deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius)
+            deep = deepest_touching(pair, t, (a, b, m))
             least = max(least, deep)
     return depth, min(least, depth), t_best, b_best, found.unique

@@ -4,33 +4,47 @@ A solid is the closed body that a mesh bounds, dents, holes and cavities and all
 is the distance of the surfaces (``distance``), as exact as that of two cores. Overlapping, it is
 minus the length of a translation that is verified to separate, and ``error_bound`` tells how much
 shorter the shortest may be (``overlap``); the method OPEN says that this is much. Where surfaces
-do not cross, triangles that touch tell, and one of each piece (``containment``).
+do not cross, triangles that touch tell, and one of each piece (``containment``); where these may
+be in each other by less than rounding, the answer holds both.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, write
-from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     bounding_radius,
     core_radius,
     local_support,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.containment import is_contained
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import Nearest, nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
+    APART,
+    MAY_OVERLAP,
+    OVERLAPS,
+    stand_of,
+    touch_of,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import NEVER, Nearest, nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import hull_support
 from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     BACK_OFF,
     bounds_of_depth,
+    sure_way_out,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.reach import nearest_within
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
-    Solid,
-    TreeBody,
+    SolidPair,
     body_of,
+    noise_of,
     solid_of,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.touching import (
+    MOST_WAYS,
+    WAY_WIDTH,
+    contact_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -47,8 +61,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, OPEN, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
-from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
+MOST_ASIDE = 64.0  # roundings by which what touches may have to be moved to be apart
 OPEN_SHARE = 0.1  # of a depth [-] that the shortest way out may be less by: more leaves it open
 LOOSE = 4.0 * BACK_OFF  # roundings that a depth may be off by all the same
 
@@ -63,73 +77,112 @@ def first_direction(out: Floats, R_WB: Floats, p: Vector) -> Vector:
     return n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)
 
 
+class Answer(NamedTuple):
+    """What a row is filled with, in B: m out of B, points a and b from Bo."""
+
+    m: Vector
+    a: Vector
+    b: Vector
+    distance: float
+    error: float
+    unique: bool
+    method: int
+
+
 @compiled
-def write_row(
-    out: Floats,
-    R_WB: Floats,
-    p: Vector,
-    m: Vector,
-    a: Vector,
-    b: Vector,
-    interval: tuple[float, float],
-    unique: bool,
-    method: int,
-) -> None:
-    """Fill the row: m out of B, points a and b from Bo, all in B; interval (distance, error)."""
-    distance, error = interval
+def write_row(out: Floats, R_WB: Floats, p: Vector, answer: Answer) -> None:
+    """Fill the row with an answer about A, whose origin is at p."""
     write(
         out,
-        distance,
-        rotate(R_WB, m),
-        rotate(R_WB, sub(a, p)),
-        rotate(R_WB, sub(b, p)),
-        error,
-        unique,
-        method,
+        answer.distance,
+        rotate(R_WB, answer.m),
+        rotate(R_WB, sub(answer.a, p)),
+        rotate(R_WB, sub(answer.b, p)),
+        answer.error,
+        answer.unique,
+        answer.method,
     )
 
 
 @compiled
-def write_beyond(
-    out: Floats,
-    A: TreeBody,
-    B: Solid,
-    R_WB: Floats,
-    p: Vector,
-    n: Vector,
-    lower: float,
-    radius: float,
-    noise: float,
-) -> None:
-    """Fill the row of a pair that is farther apart than ``lower``, which is beyond the cutoff."""
-    a = add_scaled(add(p, hull_support(A, n)), radius, n)
-    upper = norm(sub(local_support(CONVEX, B.shape, scale(-1.0, n), 0.0), a))
+def beyond(pair: SolidPair, n: Vector, lower: float) -> Answer:
+    """Return the answer about a pair farther apart than ``lower``, which is beyond the cutoff."""
+    a = add_scaled(add(pair.p, hull_support(pair.A, n)), pair.radius, n)
+    upper = norm(sub(local_support(CONVEX, pair.B.shape, scale(-1.0, n), 0.0), a))
     b = add_scaled(a, lower, n)
-    error = max(upper - lower, 0.0) + noise
-    write_row(out, R_WB, p, scale(-1.0, n), a, b, (lower, error), True, BOUND_ONLY)
+    error = max(upper - lower, 0.0) + noise_of(pair)
+    return Answer(scale(-1.0, n), a, b, lower, error, True, BOUND_ONLY)
 
 
 @compiled
-def write_overlap(
-    out: Floats,
-    A: TreeBody,
-    B: Solid,
-    R_WB: Floats,
-    p: Vector,
-    found: Nearest,
-    size: float,
-    tolerance: float,
-    radius: float,
-) -> None:
-    """Fill the row of a pair that overlaps."""
-    depth, least, t, b, alone = bounds_of_depth(A, B, p, found, size, tolerance, radius)
-    noise = ROUNDING * EPS * size
+def overlap(pair: SolidPair, found: Nearest) -> Answer:
+    """Return the answer about a pair that overlaps."""
+    depth, least, t, b, alone = bounds_of_depth(pair, found)
+    noise, tolerance = noise_of(pair), pair.tolerance
     m, unique = unit(t), alone and depth - least <= tolerance + LOOSE * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
     error = max(depth - least, 0.0) + (1.0 + BACK_OFF) * noise
-    a = add_scaled(b, -depth, m)
     method = OPEN if depth - least > max(OPEN_SHARE * depth, tolerance + LOOSE * noise) else MESH
-    write_row(out, R_WB, p, m, a, b, (-depth, error), unique, method)
+    return Answer(m, add_scaled(b, -depth, m), b, -depth, error, unique, method)
+
+
+@compiled
+def separation(pair: SolidPair, found: Nearest, more: float) -> Answer:
+    """Return the answer about a pair that is apart, or overlaps by no more than ``more`` [m]."""
+    noise, radius, n = noise_of(pair), pair.radius, found.n
+    distance = found.upper - radius
+    a = add_scaled(found.a, radius, n)
+    b = add_scaled(a, distance, n)
+    error = max(found.upper - found.lower, 0.0) + noise + more
+    return Answer(scale(-1.0, n), a, b, distance, error, found.unique, MESH)
+
+
+@compiled
+def contact(pair: SolidPair, found: Nearest, ways: Floats, count: int) -> Answer:
+    """Return the answer about a pair that touches and, for all rounding tells, may overlap.
+
+    It is told as touching where some roundings more part it: else as open, with the way out.
+    """
+    depth, t, b = sure_way_out(pair, found, ways, count)
+    noise = noise_of(pair)
+    if depth <= pair.tolerance + MOST_ASIDE * noise:
+        return separation(pair, contact_of(pair, found, ways, count), depth)
+    m, depth = unit(t), depth - BACK_OFF * noise
+    a = add_scaled(b, -depth, m)
+    return Answer(m, a, b, -depth, depth + (1.0 + BACK_OFF) * noise, False, OPEN)
+
+
+@compiled
+def point(pair: SolidPair, found: Nearest, stand: int) -> Answer:
+    """Return the answer about a point: it is out where the surface is nearest."""
+    n, noise = found.n, noise_of(pair)
+    if stand == OVERLAPS:
+        return Answer(n, found.a, found.b, -found.lower, noise, found.unique, MESH)
+    answer = separation(pair, found, 0.0)
+    if stand == APART:
+        return answer
+    error = answer.error + 2.0 * found.upper  # it may be on the other side
+    return Answer(answer.m, answer.a, answer.b, answer.distance, error, answer.unique, MESH)
+
+
+@allocating
+def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
+    """Return the answer about a pair, of which what is beyond the cutoff [m] need not be told."""
+    noise, radius = noise_of(pair), pair.radius
+    found = nearest_within(pair, n, max(cutoff, 0.0) + radius + noise, touch_of(pair))
+    ways = np.empty((MOST_WAYS, WAY_WIDTH))
+    stand, count = stand_of(pair, found, ways)
+    if stand == OVERLAPS and found.end == BEYOND_CUTOFF:
+        found = nearest(pair, n, math.inf, NEVER)
+    if pair.A.kind == SPHERE and radius == 0.0 and found.end != BEYOND_CUTOFF:
+        return point(pair, found, stand)
+    if stand == OVERLAPS:
+        return overlap(pair, found)
+    if found.end == BEYOND_CUTOFF:
+        return beyond(pair, found.n, found.lower - radius - noise)
+    if stand == MAY_OVERLAP:
+        return contact(pair, found, ways, count)
+    return separation(pair, contact_of(pair, found, ways, count), 0.0)
 
 
 @allocating
@@ -149,29 +202,9 @@ def signed_distance_to_solid(
     radius = core_radius(kind_A, shape_A)
     p = scale(-1.0, unrotate(R_WB, vector_at(p_AB_W, 0)))
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
-    noise = ROUNDING * EPS * size
     R = np.empty((3, 3))
     for j in range(3):
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
     A, B = body_of(kind_A, shape_A, R), solid_of(shape_B)
-    n = first_direction(out, R_WB, p)
-    found = nearest_within(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
-    end, upper, lower, n, a, b, unique = found
-    if end == OVERLAP or upper - radius < -noise or is_contained(A, B, p, lower <= noise, size):
-        if end == BEYOND_CUTOFF:
-            found = nearest(A, B, p, n, size, tolerance, math.inf)
-        if kind_A == SPHERE and radius == 0.0:  # a point is out where the surface is nearest
-            _, depth, _, n, a, b, unique = found
-            write_row(out, R_WB, p, n, a, b, (-depth, noise), unique, MESH)
-        else:
-            write_overlap(out, A, B, R_WB, p, found, size, tolerance, radius)
-    elif end == BEYOND_CUTOFF:
-        write_beyond(out, A, B, R_WB, p, n, lower - radius - noise, radius, noise)
-    else:
-        distance = upper - radius
-        a = add_scaled(a, radius, n)
-        b = add_scaled(a, distance, n)
-        error = max(upper - lower, 0.0) + noise
-        if kind_A == SPHERE and lower <= noise:  # its middle may be on the other side
-            error += 2.0 * upper
-        write_row(out, R_WB, p, scale(-1.0, n), a, b, (distance, error), unique, MESH)
+    pair = SolidPair(A, B, p, size, tolerance, radius)
+    write_row(out, R_WB, p, answer_of(pair, first_direction(out, R_WB, p), cutoff))

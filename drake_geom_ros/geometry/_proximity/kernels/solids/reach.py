@@ -8,43 +8,49 @@ what was asked. So a limit only decides whether there is an answer.
 import math
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
-    Nearest,
-    nearest,
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import Nearest, nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
+    gap_of_leaves,
+    leaf_of_A,
+    leaf_of_B,
     separation_of_leaves,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import Solid, TreeBody, first_of_leaf
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, first_of_leaf
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 
 
 @allocating
-def least_beyond(
-    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, limit: float
-) -> float:
+def least_beyond(pair: SolidPair, n: Vector, limit: float) -> float:
     """Return what surfaces are apart at least [m] if that is beyond a limit, else -infinity."""
-    path, top, least = walk(A, B, p), 1, math.inf
+    A, B, p = pair.A, pair.B, pair.p
+    path, top, least, is_core = walk(A, B, p), 1, math.inf, A.kind != SOLID
     while True:
         top, i, j, skipped = next_leaves(A, B, p, path, top, limit)
         least = min(least, skipped)
         if i < 0:
             return least
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
+            mine = leaf_of_A(pair, k)
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                found = separation_of_leaves(A, k, B, m, p, n, size, tolerance, limit)
-                if found.end == OVERLAP or (found.end != BEYOND_CUTOFF and found.lower <= limit):
-                    return -math.inf
-                least = min(least, found.lower)
+                gap = gap_of_leaves(mine, leaf_of_B(B, m), is_core)
+                if gap <= limit:
+                    found = separation_of_leaves(pair, k, m, n, limit)
+                    if found.end == OVERLAP:
+                        return -math.inf
+                    if found.end != BEYOND_CUTOFF and found.lower <= limit:
+                        return -math.inf
+                    gap = found.lower
+                least = min(least, gap)
 
 
 @allocating
-def nearest_within(
-    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, limit: float
-) -> Nearest:
+def nearest_within(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
     """Return what ``nearest`` does without a limit, or that all is beyond one [m]."""
     if limit < math.inf:
-        least = least_beyond(A, B, p, n, size, tolerance, limit)
+        least = least_beyond(pair, n, limit)
         if least > limit:
-            return Nearest(BEYOND_CUTOFF, math.inf, least, n, p, p, True)
-    return nearest(A, B, p, n, size, tolerance, math.inf)
+            return Nearest(BEYOND_CUTOFF, math.inf, least, n, pair.p, pair.p, True)
+    return nearest(pair, n, math.inf, touch)

@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.solids.rays import swaps_axes
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -30,12 +29,14 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
     INDEPENDENT,
     PARALLEL,
     SAME_DIRECTION,
 )
 
 MOST_NODES = 400
+SNAP = 16.0 * EPS  # of a rotation whose axes are taken for those of the other
 TIES = 8.0  # roundings that translations as long may differ by
 NO_BOUND = -math.inf
 
@@ -53,6 +54,16 @@ class Parting(NamedTuple):
     alone: bool
 
 
+@compiled
+def nearly_swaps_axes(R: Floats) -> bool:
+    """Tell whether a rotation takes axes to axes, to rounding."""
+    for i in range(3):
+        for j in range(3):
+            if abs(R[i, j]) > SNAP and abs(abs(R[i, j]) - 1.0) > SNAP:
+                return False
+    return True
+
+
 @allocating
 def directions_of(R: Floats) -> tuple[Floats, float]:
     """Return (directions (2 n, 3), slack): axes and their reverses; slack [-] of one left out."""
@@ -60,8 +71,8 @@ def directions_of(R: Floats) -> tuple[Floats, float]:
     for k in range(15):
         if k < 3:
             e = (1.0 if k == 0 else 0.0, 1.0 if k == 1 else 0.0, 1.0 if k == 2 else 0.0)
-        elif swaps_axes(R):
-            break
+        elif nearly_swaps_axes(R):
+            return ways[:count].copy(), 4.0 * SNAP
         elif k < 6:
             e = column(R, k - 3)
         else:
@@ -80,12 +91,19 @@ def directions_of(R: Floats) -> tuple[Floats, float]:
 
 @allocating
 def widths_of(
-    mine: Floats, its: Floats, R: Floats, p: Vector, ways: Floats, slack: float, upper: float
+    boxes: tuple[Floats, Floats],
+    R: Floats,
+    p: Vector,
+    ways: Floats,
+    slack: float,
+    limits: tuple[float, float],
 ) -> Floats:
     """Return the widths (k, 2 n) of each two boxes that less than ``upper`` lets overlap.
 
-    A width is how far one of A's is to be moved along a direction to be beyond one of B's.
+    A width is how far one of A's is to be moved along a direction to be beyond one of B's by
+    ``more``; ``limits`` are (upper, more) [m], ``slack`` [-] is that of directions left out.
     """
+    (mine, its), (upper, more) = boxes, limits
     count, width = 0, np.empty((mine.shape[0] * its.shape[0], ways.shape[0]))
     for i in range(mine.shape[0]):
         low, high = vector_at(mine[i], 0), vector_at(mine[i], 3)
@@ -102,6 +120,7 @@ def widths_of(
                 for c in range(3):
                     reach += abs(dot(m, column(R, c))) * half[c]
                 width[count, d] = dot(m, between) + reach - slack * (norm(half) + norm(room))
+                width[count, d] += more
                 least = min(least, width[count, d])
             if least > -upper:
                 count += 1
@@ -227,17 +246,19 @@ def is_alone(
 
 @allocating
 def least_parting(
-    mine: Floats, its: Floats, R: Floats, p: Vector, upper: float, noise: float
+    boxes: tuple[Floats, Floats], R: Floats, p: Vector, limits: tuple[float, float], noise: float
 ) -> Parting:
     """Return the ``Parting`` of boxes (k, 6) of A, turned by R and moved by p, from boxes of B.
 
-    ``lower`` is no more than ``upper`` [m], which parts them; ``noise`` [m] is rounding.
+    ``limits`` are (upper, more) [m]: ``lower`` is no more than ``upper``, which parts them, and
+    they count as apart from ``more`` on; ``noise`` [m] is rounding.
     """
+    (mine, its), upper = boxes, limits[0]
     nothing = Parting(0.0, (0.0, 0.0, 0.0), False, False)
     if mine.shape[0] == 0 or its.shape[0] == 0:
         return nothing
     ways, slack = directions_of(R)
-    width = widths_of(mine, its, R, p, ways, slack, upper)
+    width = widths_of(boxes, R, p, ways, slack, limits)
     bounds, lengths = np.empty((MOST_NODES, ways.shape[0])), np.empty(MOST_NODES)
     bounds[0], lengths[0], count = NO_BOUND, 0.0, 1
     here = np.empty(ways.shape[0])

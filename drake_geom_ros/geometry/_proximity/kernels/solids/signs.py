@@ -8,7 +8,7 @@ Computational Geometry 18 (3), 1997). Places may be off by ``off`` [m], as a rot
 then what is no larger than that makes it counts as 0, and nothing is summed.
 """
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -135,16 +135,6 @@ def apart(a: Place, b: Place) -> tuple[Vector, Vector]:
 
 
 @inlined
-def permanent(u: Vector, v: Vector, w: Vector) -> float:
-    """Return what ``determinant`` is with all signs positive."""
-    return (
-        u[0] * (v[1] * w[2] + v[2] * w[1])
-        + u[1] * (v[2] * w[0] + v[0] * w[2])
-        + u[2] * (v[0] * w[1] + v[1] * w[0])
-    )
-
-
-@inlined
 def level(a: Place, b: Place, c: Place, d: Place) -> bool:
     """Tell whether four places have one coordinate in common."""
     return (
@@ -154,25 +144,104 @@ def level(a: Place, b: Place, c: Place, d: Place) -> bool:
     )
 
 
+@inlined
+def plain_difference(a: float, b: float, da: float, db: float) -> tuple[bool, float]:
+    """Return (exact, difference) of a and b, with what rounding took off them."""
+    x, e = two_sum(a, -b)
+    return e == 0.0 and da == 0.0 and db == 0.0, x
+
+
+@inlined
+def plain_edge(a: Place, b: Place) -> tuple[bool, Vector]:
+    """Return (exact, a - b)."""
+    ex, x = plain_difference(a[0], b[0], a[3], b[3])
+    ey, y = plain_difference(a[1], b[1], a[4], b[4])
+    ez, z = plain_difference(a[2], b[2], a[5], b[5])
+    return ex and ey and ez, (x, y, z)
+
+
+@inlined
+def plain_minor(a: float, b: float, c: float, d: float) -> tuple[bool, float]:
+    """Return (exact, a d - b c)."""
+    p, dp = two_product(a, d)
+    q, dq = two_product(b, c)
+    x, dx = two_sum(p, -q)
+    return dp == 0.0 and dq == 0.0 and dx == 0.0, x
+
+
 @compiled
-def side(a: Place, b: Place, c: Place, d: Place, off: float) -> int:
-    """Return 1 where d is above the plane of a, b, c, counter-clockwise as seen from above.
+def plain_sign(a: Place, b: Place, c: Place, d: Place) -> tuple[bool, int]:
+    """Return (told, sign) of ``det(b - a, c - a, d - a)``, told where nothing is rounded.
+
+    So it is between walls of round numbers, where most determinants are 0.
+    """
+    (e, u), (f, v), (g, w) = plain_edge(b, a), plain_edge(c, a), plain_edge(d, a)
+    if not (e and f and g):
+        return False, 0
+    (e, x), (f, y) = plain_minor(v[1], v[2], w[1], w[2]), plain_minor(v[2], v[0], w[2], w[0])
+    g, z = plain_minor(v[0], v[1], w[0], w[1])
+    if not (e and f and g):
+        return False, 0
+    (p, dp), (q, dq), (r, dr) = two_product(u[0], x), two_product(u[1], y), two_product(u[2], z)
+    s, ds = two_sum(p, q)
+    s, dt = two_sum(s, r)
+    told = dp == dq == dr == ds == dt == 0.0
+    return told, 1 if s > 0.0 else (-1 if s < 0.0 else 0)
+
+
+class SignPlane(NamedTuple):
+    """A plane through three places: its normal, as long as twice the triangle, and sizes of it."""
+
+    a: Place
+    b: Place
+    c: Place
+    n: Vector
+    most: Vector  # of the products that the normal is a sum of
+    reach: float  # what an error of a fourth place counts for, and its own beside that
+    share: float
+
+
+@inlined
+def plane_through(a: Place, b: Place, c: Place, off: float) -> SignPlane:
+    """Return the plane through three places that may be ``off`` [m]."""
+    (u, mu), (v, mv) = apart(b, a), apart(c, a)
+    most = (
+        mu[1] * mv[2] + mu[2] * mv[1],
+        mu[2] * mv[0] + mu[0] * mv[2],
+        mu[0] * mv[1] + mu[1] * mv[0],
+    )
+    if off == 0.0:
+        return SignPlane(a, b, c, cross(u, v), most, 0.0, 0.0)
+    lu, lv = mu[0] + mu[1] + mu[2], mv[0] + mv[1] + mv[2]
+    return SignPlane(a, b, c, cross(u, v), most, lu * lv, lu + lv)
+
+
+@compiled
+def side_of(plane: SignPlane, d: Place, off: float) -> int:
+    """Return 1 where d is above a plane, whose places turn counter-clockwise as seen from above.
 
     0 where it is in the plane, -1 where it is beneath.
     """
-    (u, mu), (v, mv), (w, mw) = apart(b, a), apart(c, a), apart(d, a)
-    value = dot(u, cross(v, w))
-    noise = FILTER * permanent(mu, mv, mw)
+    a, b, c, n, most, reach, share = plane
+    w, mw = apart(d, a)
+    value = dot(n, w)
+    noise = FILTER * dot(most, mw)
     if off > 0.0:
-        lu, lv, lw = mu[0] + mu[1] + mu[2], mv[0] + mv[1] + mv[2], mw[0] + mw[1] + mw[2]
-        noise += 2.0 * off * (lu * lv + lv * lw + lw * lu)
+        noise += 2.0 * off * (reach + share * (mw[0] + mw[1] + mw[2]))
     if value > noise:
         return 1
     if value < -noise:
         return -1
     if off > 0.0 or level(a, b, c, d):
         return 0
-    return exact_sign(a, b, c, d, -1)
+    told, sign = plain_sign(a, b, c, d)
+    return sign if told else exact_sign(a, b, c, d, -1)
+
+
+@compiled
+def side(a: Place, b: Place, c: Place, d: Place, off: float) -> int:
+    """Return on which side of the plane of a, b, c the place d is, as ``side_of`` does."""
+    return side_of(plane_through(a, b, c, off), d, off)
 
 
 @compiled

@@ -84,6 +84,30 @@ class Solid(NamedTuple):
     identity: Floats
 
 
+class SolidPair(NamedTuple):
+    """A and B as they stand together: A's origin is at p, and A is its core grown by a ball."""
+
+    A: TreeBody
+    B: Solid
+    p: Vector
+    size: float  # [m] to which rounding is relative
+    tolerance: float  # [m] that bounds may be apart
+    radius: float  # [m] of the ball
+
+
+@inlined
+def noise_of(pair: SolidPair) -> float:
+    """Return what rounding may make of a distance [m]."""
+    return ROUNDING * EPS * pair.size
+
+
+@allocating
+def moved(pair: SolidPair, t: Vector) -> SolidPair:
+    """Return the pair with A moved by t."""
+    A, B, p, size, tolerance, radius = pair
+    return SolidPair(A, B, add(p, t), size, tolerance, radius)
+
+
 @compiled
 def tree_of(kind: int, shape: Floats) -> Tree:
     """Return the tree of a solid, or the empty one of a core."""

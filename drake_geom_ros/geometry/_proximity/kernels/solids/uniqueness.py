@@ -17,14 +17,17 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.features import (
     feature_of,
     hold_one_point,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import separation_of_leaves
+from drake_geom_ros.geometry._proximity.kernels.solids.leaves import separation_of_leaves
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     NO_TREE,
     Solid,
+    SolidPair,
     Tree,
     TreeBody,
     first_of_leaf,
+    moved,
+    noise_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NO_BOX
@@ -45,8 +48,6 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     DISTINCT_NORMALS,
-    EPS,
-    ROUNDING,
     SAME_WITNESS,
 )
 
@@ -85,15 +86,15 @@ def hold_leaves_one_point(A: TreeBody, i: int, B: Solid, j: int, n: Vector) -> b
 
 
 @allocating
-def is_nearest_alone(
-    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, limit: float
-) -> tuple[bool, Vector]:
+def is_nearest_alone(pair: SolidPair, n: Vector, limit: float) -> tuple[bool, Vector]:
     """Return (alone, b): whether no other points are as near as the nearest, that of B being b.
 
     They are of A's core and of B's surface. All leaves are looked at that are not certified to be
     farther apart than ``limit`` [m], which is no less than the distance. False where rounding
     leaves it open.
     """
+    A, B, p, size = pair.A, pair.B, pair.p, pair.size
+    pair = SolidPair(A, B, p, size, 0.0, pair.radius)  # as sharp as can be
     path, top = walk(A, B, p), 1
     count, b, slack = 0, p, SAME_WITNESS * size
     while True:
@@ -102,7 +103,7 @@ def is_nearest_alone(
             return count > 0, b
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                found = separation_of_leaves(A, k, B, m, p, n, size, 0.0, limit)
+                found = separation_of_leaves(pair, k, m, n, limit)
                 if found.end == BEYOND_CUTOFF:
                     continue
                 if found.end == OVERLAP or not hold_leaves_one_point(A, k, B, m, found.n):
@@ -116,17 +117,7 @@ def is_nearest_alone(
 
 
 @allocating
-def is_way_out_alone(
-    A: TreeBody,
-    B: Solid,
-    p: Vector,
-    q: Vector,
-    m: Vector,
-    depth: float,
-    error: float,
-    radius: float,
-    size: float,
-) -> bool:
+def is_way_out_alone(pair: SolidPair, q: Vector, m: Vector, depth: float, error: float) -> bool:
     """Tell whether the move by ``depth`` along the unit m is the only one that takes A out of B.
 
     ``depth`` exceeds the least one by ``error`` at most; A, its core grown by ``radius``, then
@@ -139,17 +130,18 @@ def is_way_out_alone(
     Nothing may touch after the move but what is at q. False where this proves nothing: edges that
     cross, and faces of A that B's corners touch, have no such ball.
     """
-    noise, between = ROUNDING * EPS * size, abs(depth - radius)
+    B, size, radius = pair.B, pair.size, pair.radius
+    noise, between = noise_of(pair), abs(depth - radius)
     # A move that is longer by the error may end as far beside the end of the shortest.
     aside = 2.0 * math.sqrt(depth * error * max(depth, radius) / max(between, noise))
     if depth >= radius:
         x = add_scaled(q, radius, m)
         point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
-        alone, _ = is_nearest_alone(point, B, x, m, size, between + noise)
+        alone, _ = is_nearest_alone(SolidPair(point, B, x, size, 0.0, 0.0), m, between + noise)
         if not alone or not is_inside(B.shape, B.tree, x):
             return False
     aside += DISTINCT_NORMALS * size
-    there = add_scaled(p, depth + aside, m)
-    alone, b = is_nearest_alone(A, B, there, scale(-1.0, m), size, radius + 3.0 * aside)
+    there = moved(pair, scale(depth + aside, m))
+    alone, b = is_nearest_alone(there, scale(-1.0, m), radius + 3.0 * aside)
     at_q = norm(sub(b, add_scaled(q, depth, m))) <= SAME_WITNESS * size + aside
     return alone and at_q

@@ -9,14 +9,14 @@ from oracles.solids import solid
 
 from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import support_value_of
-from drake_geom_ros.geometry._proximity.kernels.solids import distance
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids import contacts, leaves
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
 
 L = kernel_form(solid('L'))[1]
 
 # Compiled it counts no references to the arrays in it, so Python must not get what it returns.
-leaf_pair = getattr(distance.leaf_pair, 'py_func', distance.leaf_pair)
+leaf_pair = getattr(leaves.leaf_pair, 'py_func', leaves.leaf_pair)
 
 
 def _corners(body, j):
@@ -40,7 +40,7 @@ def test_the_widest_slab_between_a_box_and_a_triangle_is_their_distance_or_depth
                 m = m / np.linalg.norm(m)
                 widths.append((corners @ m).min() - support_value_of((BOX, half), R.T @ m))
         pair = leaf_pair(A, 0, B, j, p)
-        width, n = distance.widest_slab(A, 0, B, j, pair, 1e-15)
+        width, n = leaves.widest_slab(A, 0, B, j, pair, 1e-15)
         assert width == pytest.approx(max(widths), abs=1e-14)
         assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-15)
         assert (corners @ n).min() - support_value_of((BOX, half), R.T @ n) == pytest.approx(width)
@@ -59,7 +59,7 @@ def test_of_faces_that_lie_flush_the_slab_is_into_the_other_body(off):
     assert faces
     for i, j in faces:
         pair = leaf_pair(A, i, B, j, p)
-        width, n = distance.widest_slab(A, i, B, j, pair, 1e-12)
+        width, n = leaves.widest_slab(A, i, B, j, pair, 1e-12)
         assert width >= abs(off) - 1e-15
         if width <= 1e-12:  # they have more than an edge in common
             assert n == (0.0, 0.0, -1.0)
@@ -69,7 +69,7 @@ def test_pushes_are_kept_by_direction_the_longest_of_each_while_there_is_room():
     slots, count = np.zeros((2, 4)), 0
     x, y, z = (tuple(n) for n in np.eye(3))
     for m, s in ((x, 1.0), (x, 3.0), (x, 2.0), (y, 5.0), (z, 7.0), (y, 6.0)):
-        count = distance.add_slot(slots, count, m, s)
+        count = contacts.add_slot(slots, count, m, s)
     assert count == 2
     np.testing.assert_array_equal(slots, [[*x, 3.0], [*y, 6.0]])
 
@@ -78,13 +78,14 @@ def test_pairs_of_leaves_that_are_close_are_told_once_each():
     A, B = body_of(SOLID, L, np.eye(3)), solid_of(L)
     p = (0.0, 0.0, 1.0)  # one on the other
     found = np.full((1000, 2), -1)
-    count = distance.close_pairs(A, B, p, (0.0, 0.0, -1.0), 8.0, 1e-9, 1e-12, found)
+    pair, down = SolidPair(A, B, p, 8.0, 1e-9, 0.0), (0.0, 0.0, -1.0)
+    count = contacts.close_pairs(pair, down, 1e-12, found)
     told = {tuple(pair) for pair in found[:count].tolist()}
     assert len(told) == count
     assert (found[count:] == -1).all()
     expected, some = set(), range(0, A.tree.triangles, 6)
     for i, j in itertools.product(some, range(B.tree.triangles)):
-        gap = distance.separation_of_leaves(A, i, B, j, p, (0.0, 0.0, -1.0), 8.0, 1e-9, 1e-12)
+        gap = leaves.separation_of_leaves(pair, i, j, down, 1e-12)
         if gap.upper <= 1e-12:
             expected.add((i, j))
     assert {pair for pair in told if pair[0] in some} == expected != set()

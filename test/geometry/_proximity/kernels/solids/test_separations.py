@@ -36,7 +36,7 @@ def test_boxes_along_the_same_axes():
         mine, its = random_boxes(rng, rng.integers(1, 6)), random_boxes(rng, rng.integers(1, 6))
         p = rng.integers(-8, 9, 3) / 4.0
         truth = least_on_axes(mine, its, p)
-        found = least_parting(mine, its, np.eye(3), tuple(p), 20.0, NOISE)
+        found = least_parting((mine, its), np.eye(3), tuple(p), (20.0, 0.0), NOISE)
         assert found.parts
         assert found.lower == pytest.approx(truth, abs=1e-11)
         assert np.linalg.norm(found.t) == pytest.approx(truth, abs=1e-11)
@@ -51,9 +51,9 @@ def test_turned_boxes():
     for _ in range(CASES):
         mine, its = random_boxes(rng, rng.integers(1, 4)), random_boxes(rng, rng.integers(1, 4))
         R, p = random_rotation(rng), rng.uniform(-1.0, 1.0, 3)
-        found = least_parting(mine, its, R, tuple(p), 20.0, NOISE)
+        found = least_parting((mine, its), R, tuple(p), (20.0, 0.0), NOISE)
         ways, slack = directions_of(R)
-        width = widths_of(mine, its, R, tuple(p), ways, slack, 1e9)
+        width = widths_of((mine, its), R, tuple(p), ways, slack, (1e9, 0.0))
         depth = (width[:, :, None] - (ways @ np.array(found.t))[None, :, None]).min(axis=1).max()
         assert found.parts
         assert depth <= 1e-9
@@ -67,10 +67,10 @@ def test_turned_boxes():
 
 def test_a_bound_that_nothing_reaches_is_no_more_than_the_one_that_is_known():
     box = np.array([[0.0, 0.0, 0.0, 4.0, 4.0, 4.0]])
-    found = least_parting(box, box, np.eye(3), (0.0, 0.0, 0.0), 1.5, NOISE)
+    found = least_parting((box, box), np.eye(3), (0.0, 0.0, 0.0), (1.5, 0.0), NOISE)
     assert 1.5 - 1e-12 <= found.lower <= 1.5
     assert not found.parts
-    nothing = least_parting(np.empty((0, 6)), box, np.eye(3), (0.0, 0.0, 0.0), 1.5, NOISE)
+    nothing = least_parting((np.empty((0, 6)), box), np.eye(3), (0.0, 0.0, 0.0), (1.5, 0.0), NOISE)
     assert nothing.lower == 0.0
     assert not nothing.parts
 
@@ -82,7 +82,7 @@ def test_axes_that_are_parallel_but_for_a_hair_leave_a_margin():
     assert slack > 0.0
     assert len(ways) >= 12
     boxes = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]])
-    found = least_parting(boxes, boxes, R, (0.25, 0.0, 0.0), 5.0, NOISE)
+    found = least_parting((boxes, boxes), R, (0.25, 0.0, 0.0), (5.0, 0.0), NOISE)
     assert 0.75 - 1e-4 <= found.lower <= 0.75 + 1e-7
 
 

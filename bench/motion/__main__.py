@@ -1,0 +1,35 @@
+"""What certified motion finds, and what it costs.
+
+::
+
+    python -m bench.motion hunt --motions 100000   # random motions against scans and closed forms
+    python -m bench.motion arms --edges 2000       # two arms, beside sampling and other libraries
+
+Times are of the processor, one thread, in turns in one process: compare them, do not quote them.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from bench.motion import arms, hunt
+
+
+def main() -> None:
+    """Run what is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    commands = parser.add_subparsers(dest='command', required=True)
+    hunting = commands.add_parser('hunt', help='never clear where anything touches')
+    hunting.add_argument('--motions', type=int, default=100_000)
+    hunting.add_argument('--seed', type=int, default=0)
+    racing = commands.add_parser('arms', help='time and verdicts beside sampling')
+    racing.add_argument('--edges', type=int, default=2000)
+    racing.add_argument('--step', type=float, default=0.5, help='length of an edge [rad]')
+    options = parser.parse_args()
+    if options.command == 'hunt':
+        raise SystemExit(hunt.run(options.motions, options.seed))
+    arms.run(options.edges, options.step)
+
+
+if __name__ == '__main__':
+    main()

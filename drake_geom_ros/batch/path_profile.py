@@ -1,0 +1,90 @@
+"""What is proved along a path, and what its states show: piece by piece, for tables and plots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.batch.evaluation import evaluate
+from drake_geom_ros.batch.joints import Joints
+from drake_geom_ros.batch.paths import check_paths
+from drake_geom_ros.batch.results import LeastDistances
+from drake_geom_ros.geometry import MotionCheck, SceneGraph, SceneGraphContext
+
+Floats = NDArray[np.float64]
+
+
+class PathProfile(NamedTuple):
+    """Pieces (n,) of a path, each checked alone, and the states (n + 1,) between them."""
+
+    times: Floats  # (n + 1,) by rows of the path
+    outcomes: tuple[str, ...]  # (n,)
+    lower_bounds: Floats  # (n,) [m] certified for all times of a piece that is clear
+    distances: Floats  # (n + 1,) [m] the least of each state
+    error_bounds: Floats  # (n + 1,) [m]
+
+
+def profile_of_path(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    path: ArrayLike,
+    pieces: int = 200,
+    **asked: Any,
+) -> PathProfile:
+    """Return what is proved of so many pieces of a path (k, q); ``asked`` is as of ``check_path``.
+
+    A piece that is not clear has no bound: NaN.
+    """
+    rows = np.asarray(path, dtype=np.float64)
+    inner = np.linspace(0.0, len(rows) - 1.0, max(pieces, 1) + 1)
+    times = np.union1d(inner, np.arange(len(rows)))
+    known = np.arange(len(rows))
+    states = np.column_stack([np.interp(times, known, column) for column in rows.T])
+    edges = np.stack((states[:-1], states[1:]), axis=1) if len(rows) > 1 else states[:, None]
+    checks = check_paths(scene_graph, joints, list(edges), **asked)
+    least = evaluate(scene_graph, states=states, joints=joints, want='least')
+    assert isinstance(least, LeastDistances)
+    return PathProfile(
+        times=times,
+        outcomes=tuple(check.outcome for check in checks),
+        lower_bounds=np.array(
+            [check.lower_bound if check.outcome == 'clear' else np.nan for check in checks]
+        ),
+        distances=least.distance,
+        error_bounds=least.error_bound,
+    )
+
+
+def draw_profile(
+    profile: PathProfile, check: MotionCheck, min_distance: float, title: str, file: Path
+) -> None:
+    """Draw distances and proved bounds over time, with the contact or what is unknown shaded."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 4), layout='constrained')
+    axes = figure.subplots()
+    axes.plot(profile.times, profile.distances, color='#1f77b4', label='least distance of states')
+    if len(profile.times) > 1:
+        axes.stairs(
+            profile.lower_bounds,
+            profile.times,
+            baseline=None,
+            color='#2ca02c',
+            label='proved for all times of a piece',
+        )
+    axes.axhline(min_distance, color='black', linewidth=0.8, linestyle=':')
+    for outcome, colour in (('contact', '#d62728'), ('unknown', '#ff7f0e')):
+        some = [k for k, told in enumerate(profile.outcomes) if told == outcome]
+        for number, k in enumerate(some):
+            span = profile.times[k], profile.times[min(k + 1, len(profile.times) - 1)]
+            axes.axvspan(*span, color=colour, alpha=0.25, label=outcome if number == 0 else None)
+    if check.outcome != 'clear':
+        axes.axvline(
+            check.times[1], color='#d62728', linewidth=1.2, label=f'first: {check.outcome}'
+        )
+    axes.set(title=title, xlabel='time [rows of the path]', ylabel='distance [m]')
+    axes.legend(loc='best', fontsize='small')
+    figure.savefig(file, dpi=120)

@@ -1,0 +1,237 @@
+"""``check_path`` and ``check_paths``: whether whole paths of joint values are clear."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.batch.evaluation import context_of
+from drake_geom_ros.batch.joints import Joints, chain_of_arms, still_poses
+from drake_geom_ros.batch.questions import Question
+from drake_geom_ros.batch.running import cores
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    MotionCheck,
+    SceneGraph,
+    SceneGraphContext,
+)
+from drake_geom_ros.geometry.queries.motion_queries import (
+    FoundMotion,
+    MotionQueries,
+    MotionQuestion,
+)
+from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+
+Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+_PART = 256  # edges that are checked at once: Ctrl-C and other threads wait no longer
+
+
+def check_path(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    path: ArrayLike,
+    min_distance: float = 0.0,
+    time_tolerance: float = TIME_TOLERANCE,
+    max_evaluations: int = 0,
+    threads: int = 0,
+    *,
+    accuracy: str = '',
+    ignore_start_contacts: bool = False,
+    ignore_limits: bool = False,
+) -> MotionCheck:
+    """Return whether a whole path is clear, certified for all times.
+
+    ``path`` (k, q) has joint values [rad] or [m] of ``joints``, straight in joint space from row
+    to row; a joint that turns without end goes as its values do, not by a shorter way. Times are
+    rows: 2.5 is halfway between the third row and the fourth. What is told, and what the other
+    arguments mean, is as of ``QueryObject.CheckMotion``: clear is what stays farther apart than
+    ``min_distance`` [m]. Bounds count the motion of the joints between two links only, so links of
+    an arm that move together are looked at once an edge.
+
+    Answers are the same by any number of ``threads`` (0: one for each core), and to the bit those
+    of ``check_paths``. Raises ArgumentError for what cannot be asked: a path without rows, values
+    that are not finite, values outside the limits of their joint unless ``ignore_limits``, and
+    joints that move nothing which could collide; PoseError for frames that have no pose.
+    """
+    (found,) = check_paths(
+        scene_graph,
+        joints,
+        [path],
+        min_distance,
+        time_tolerance,
+        max_evaluations,
+        threads,
+        accuracy=accuracy,
+        ignore_start_contacts=ignore_start_contacts,
+        ignore_limits=ignore_limits,
+    )
+    return found
+
+
+def check_paths(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    paths: Iterable[ArrayLike],
+    min_distance: float = 0.0,
+    time_tolerance: float = TIME_TOLERANCE,
+    max_evaluations: int = 0,
+    threads: int = 0,
+    *,
+    accuracy: str = '',
+    ignore_start_contacts: bool = False,
+    ignore_limits: bool = False,
+) -> list[MotionCheck]:
+    """Return what ``check_path`` tells of each of many paths, by threads (0: one for each core).
+
+    An array (N, k, q) is N paths. Raises as ``check_path``, and names the path.
+    """
+    if not isinstance(joints, Joints):
+        raise ArgumentError(
+            f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
+        )
+    if threads < 0:
+        raise ArgumentError(f'threads={threads} must be >= 0')
+    asked = MotionQuestion(
+        float(min_distance), float(time_tolerance), max_evaluations, ignore_start_contacts
+    )
+    every = [_path_of(path, k, joints, ignore_limits) for k, path in enumerate(paths)]
+    checker = _PathChecker(scene_graph, joints, asked, accuracy)
+    return checker.check(every, threads or cores())
+
+
+def _path_of(path: ArrayLike, number: int, joints: Joints, ignore_limits: bool) -> Floats:
+    """Return a path (k, q) in one piece; raises ArgumentError for what is none."""
+    try:
+        rows = np.ascontiguousarray(path, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(
+            f'path {number} must be numbers (k, {joints.count}): {error}'
+        ) from None
+    if rows.ndim != 2 or rows.shape[1] != joints.count or len(rows) == 0:
+        raise ArgumentError(
+            f'path {number} has the shape {rows.shape}; it must be (k, {joints.count}) of at '
+            f'least one row, one value each for {", ".join(joints.names)}'
+        )
+    bad = ~np.isfinite(rows)
+    why = 'joint values must be finite'
+    if not bad.any() and not ignore_limits:
+        bad = (rows < joints.lower) | (rows > joints.upper)
+        why = 'it is outside its limits'
+    if bad.any():
+        row, column = np.argwhere(bad)[0].tolist()
+        limits = f'[{joints.lower[column]:.6g}, {joints.upper[column]:.6g}]'
+        raise ArgumentError(
+            f'path {number}, row {row}: {joints.names[column]} = {rows[row, column]:.6g}; {why}'
+            + (f' {limits}; ignore_limits=True lets it pass' if 'limits' in why else '')
+        )
+    return rows
+
+
+class _PathChecker:
+    """A scene and joints, prepared once for many paths."""
+
+    def __init__(
+        self,
+        scene_graph: SceneGraph | SceneGraphContext,
+        joints: Joints,
+        asked: MotionQuestion,
+        accuracy: str,
+    ) -> None:
+        context = context_of(scene_graph)
+        level = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy
+        still = still_poses(joints.arms, joints.id_values)
+        self._scene, self._ids = PackedScene.of(
+            context, joints.id_values, still, about_points=False
+        )
+        if not self._scene.has_moving_pairs():
+            raise ArgumentError(
+                'these joints move no geometry that could collide with any other: each path would '
+                'be clear of what nobody looks at. The robot has no collision geometry in this '
+                'scene, or filters leave all of it out'
+            )
+        self._level, self._count, self._asked = level, joints.count, asked
+        self._chain = chain_of_arms(joints.arms)
+        self._own = threading.local()
+        self._stop = np.zeros(1, dtype=np.int64)
+
+    def check(self, paths: Sequence[Floats], threads: int) -> list[MotionCheck]:
+        """Return what is true of each path."""
+        if threads == 1:
+            return [self._check(path, None) for path in paths]
+        with ThreadPoolExecutor(threads) as pool:
+            try:
+                if len(paths) == 1:
+                    return [self._check(paths[0], pool)]
+                return list(pool.map(self._check, paths))
+            finally:
+                self._stop[0] = 1
+
+    def _queries(self) -> MotionQueries:
+        """Return this thread's queries."""
+        if not hasattr(self._own, 'queries'):
+            self._own.queries = MotionQueries(
+                self._scene, self._level, self._stop, self._chain, self._count
+            )
+        queries: MotionQueries = self._own.queries
+        return queries
+
+    def _check(self, path: Floats, pool: ThreadPoolExecutor | None = None) -> MotionCheck:
+        """Return what is true of a path, whose parts may be shared out to a pool's threads."""
+        asked, edges, queries = self._asked, len(path) - 1, self._queries()
+        found = queries.follow(asked, path, (0, min(edges, _PART)))
+        parts = [(k, min(k + _PART, edges)) for k in range(_PART, edges, _PART)]
+        if found.outcome == 'clear' and parts:
+            skipped = queries.skipped()
+            if pool is None or asked.max_evaluations > 0:
+                found = self._one_by_one(found, path, parts, skipped)
+            else:
+                later = partial(self._part, asked, path, skipped)
+                found = _joined(found, pool.map(later, parts))
+        return MotionCheck.of(found, self._ids)
+
+    def _part(
+        self, asked: MotionQuestion, path: Floats, skipped: Booleans, part: tuple[int, int]
+    ) -> FoundMotion:
+        return self._queries().follow(asked, path, part, skipped)
+
+    def _one_by_one(
+        self, found: FoundMotion, path: Floats, parts: list[tuple[int, int]], skipped: Booleans
+    ) -> FoundMotion:
+        """Return what is found of a path whose parts share one budget of evaluations, if any."""
+        for part in parts:
+            asked = self._asked
+            if asked.max_evaluations > 0:
+                left = asked.max_evaluations - found.evaluations
+                if left <= 0:
+                    ends = float(part[0]), float(part[0] + 1)
+                    return replace(found, outcome='unknown', times=ends)
+                asked = replace(asked, max_evaluations=left)
+            found = _joined(found, [self._part(asked, path, skipped, part)])
+            if found.outcome != 'clear':
+                break
+        return found
+
+
+def _joined(found: FoundMotion, parts: Iterable[FoundMotion]) -> FoundMotion:
+    """Return what is found of a path by its clear begin and the parts that follow."""
+    for part in parts:
+        told = found if part.outcome == 'clear' and found.distance <= part.distance else part
+        found = replace(
+            told,
+            outcome=part.outcome,
+            times=part.times,
+            lower_bound=min(found.lower_bound, part.lower_bound),
+            evaluations=found.evaluations + part.evaluations,
+            ignored=found.ignored,
+        )
+        if found.outcome != 'clear':
+            break
+    return found

@@ -1,0 +1,244 @@
+"""A leaf of A and a leaf of B: how far apart they are, or whether they cross.
+
+A pair of leaves is answered by GJK, with a certificate; a sphere's centre by the closed form. What
+touches to rounding is told from what crosses by the slabs between the leaves: a face that lies
+flush on another crosses nothing. Most pairs are told to be too far apart by their boxes, or by one
+slab, before.
+"""
+
+import math
+from typing import NamedTuple
+
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
+    BEYOND_CUTOFF,
+    CLOSED,
+    OVERLAP,
+    distance_of_cores,
+    support_points,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Separation
+from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
+    closest_on_triangle,
+    weighted,
+)
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import support
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    CORNERS,
+    Solid,
+    SolidPair,
+    TreeBody,
+    edge_of,
+    noise_of,
+    normal_of,
+)
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import outside
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    column,
+    cross,
+    dot,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unit,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE, TRIANGLE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.tolerances import NEAR_TOUCH, SHARPER
+
+
+class Leaf(NamedTuple):
+    """A leaf in B's axes: the corners of a triangle, and the box around it; of a core its box."""
+
+    a: Vector
+    b: Vector
+    c: Vector
+    middle: Vector
+    half: Vector
+
+
+@inlined
+def around(a: Vector, b: Vector, c: Vector) -> Leaf:
+    """Return the leaf of a triangle."""
+    low = min(a[0], b[0], c[0]), min(a[1], b[1], c[1]), min(a[2], b[2], c[2])
+    high = max(a[0], b[0], c[0]), max(a[1], b[1], c[1]), max(a[2], b[2], c[2])
+    middle = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])
+    half = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
+    return Leaf(a, b, c, middle, half)
+
+
+@compiled
+def leaf_of_A(pair: SolidPair, i: int) -> Leaf:
+    """Return A's core, or its triangle i, as a leaf."""
+    A, R = pair.A, pair.A.R
+    if A.kind == SOLID:
+        at = A.tree.corners + CORNERS * i
+        a = add(rotate(R, vector_at(A.shape, at)), pair.p)
+        b = add(rotate(R, vector_at(A.shape, at + 3)), pair.p)
+        return around(a, b, add(rotate(R, vector_at(A.shape, at + 6)), pair.p))
+    h, middle = A.box.half, add(rotate(R, A.box.middle), pair.p)
+    half = (
+        abs(R[0, 0]) * h[0] + abs(R[0, 1]) * h[1] + abs(R[0, 2]) * h[2],
+        abs(R[1, 0]) * h[0] + abs(R[1, 1]) * h[1] + abs(R[1, 2]) * h[2],
+        abs(R[2, 0]) * h[0] + abs(R[2, 1]) * h[1] + abs(R[2, 2]) * h[2],
+    )
+    return Leaf(middle, middle, middle, middle, half)
+
+
+@compiled
+def leaf_of_B(B: Solid, j: int) -> Leaf:
+    """Return B's triangle j as a leaf."""
+    at = B.tree.corners + CORNERS * j
+    return around(vector_at(B.shape, at), vector_at(B.shape, at + 3), vector_at(B.shape, at + 6))
+
+
+@inlined
+def gap_of_leaves(mine: Leaf, its: Leaf, is_core: bool) -> float:
+    """Return a lower bound of the distance of two leaves, by their boxes and one slab.
+
+    It is right to some roundings of the pair's size, less than ``noise_of``.
+    """
+    between = sub(its.middle, mine.middle)
+    boxes = norm(
+        (
+            outside(between[0], mine.half[0] + its.half[0]),
+            outside(between[1], mine.half[1] + its.half[1]),
+            outside(between[2], mine.half[2] + its.half[2]),
+        )
+    )
+    if is_core or dot(between, between) == 0.0:
+        return boxes
+    u = between
+    begin = min(dot(its.a, u), dot(its.b, u), dot(its.c, u))
+    end = max(dot(mine.a, u), dot(mine.b, u), dot(mine.c, u))
+    return max(boxes, (begin - end) / norm(u))
+
+
+@inlined
+def least_over(u: Vector, a: Vector, b: Vector, c: Vector) -> float:
+    """Return the least of three points along u."""
+    return min(dot(a, u), dot(b, u), dot(c, u))
+
+
+@compiled
+def gap_over_planes(pair: SolidPair, mine: Leaf, its: Leaf) -> tuple[float, Vector]:
+    """Return (gap, n): a lower bound of the distance of leaves, by the planes of their triangles.
+
+    It is as far as one leaf is above the plane of the other, along the unit n from A to B. Of
+    faces that lie side by side it is the distance. Negative where no plane parts them.
+    """
+    up = unit(cross(sub(its.b, its.a), sub(its.c, its.a)))
+    down = scale(-1.0, up)
+    if pair.A.kind != SOLID:
+        lowest = add(pair.p, support(pair.A.kind, pair.A.shape, pair.A.R, down, 0.0))
+        return dot(sub(lowest, its.a), up), down
+    gap = least_over(up, sub(mine.a, its.a), sub(mine.b, its.a), sub(mine.c, its.a))
+    out = unit(cross(sub(mine.b, mine.a), sub(mine.c, mine.a)))
+    other = least_over(out, sub(its.a, mine.a), sub(its.b, mine.a), sub(its.c, mine.a))
+    return (gap, down) if gap >= other else (other, out)
+
+
+@compiled
+def leaf_pair(A: TreeBody, i: int, B: Solid, j: int, p: Vector) -> CorePair:
+    """Return the pair, as GJK takes it, of A's core or triangle i and of B's triangle j."""
+    kind, shape = A.kind, A.shape
+    if kind == SOLID:
+        at = A.tree.corners + CORNERS * i
+        kind, shape = TRIANGLE, shape[at : at + CORNERS]
+    at = B.tree.corners + CORNERS * j
+    corners = B.shape[at : at + CORNERS]
+    return CorePair(kind, shape, A.R, TRIANGLE, corners, B.identity, scale(-1.0, p))
+
+
+@compiled
+def slab_axis(A: TreeBody, i: int, B: Solid, j: int, turn: int) -> Vector:
+    """Return one of the 11 axes that may separate two leaves, or the zero vector.
+
+    They are the normals of both triangles and the products of their edges; of a core, which has no
+    normal, its axes stand for edges. Of a box and of a triangle these are all there are.
+    """
+    if turn == 0:
+        return normal_of(B.shape, B.tree, j)
+    if turn == 1:
+        return rotate(A.R, normal_of(A.shape, A.tree, i)) if A.kind == SOLID else (0.0, 0.0, 0.0)
+    k, m = (turn - 2) // 3, (turn - 2) % 3
+    other = column(A.R, m)
+    if A.kind == SOLID:
+        other = rotate(A.R, edge_of(A.shape, A.tree, i, m))
+    return unit(cross(edge_of(B.shape, B.tree, j, k), other))
+
+
+@compiled
+def widest_slab(
+    A: TreeBody, i: int, B: Solid, j: int, pair: CorePair, noise: float
+) -> tuple[float, Vector]:
+    """Return (width, n) of the widest slab between two leaves along ``slab_axis``.
+
+    Of slabs that are as wide to rounding n is the first one's, out of A's triangle and into B's:
+    of faces that lie flush rounding would choose the side.
+    """
+    widest, best, best_n = -math.inf, -math.inf, (0.0, 0.0, 0.0)
+    for turn in range(11):
+        axis = slab_axis(A, i, B, j, turn)
+        first = -1.0 if turn == 0 else 1.0
+        for side in range(2):
+            n = scale(first * (1.0 - 2.0 * side), axis)
+            a, b = support_points(pair, n, 0.0)
+            width = dot(sub(b, a), n)
+            if dot(n, n) > 0.5:
+                widest = max(widest, width)
+                if width > best + noise:
+                    best, best_n = width, n
+    return widest, best_n
+
+
+@compiled
+def separation_of_point(q: Vector, B: Solid, j: int, noise: float) -> tuple[float, Vector, Vector]:
+    """Return (d, n, b) for the point b of triangle j nearest to q, at d along the unit n."""
+    at = B.tree.corners + CORNERS * j
+    x = sub(vector_at(B.shape, at), q)
+    y, z = sub(vector_at(B.shape, at + 3), q), sub(vector_at(B.shape, at + 6), q)
+    v = weighted(x, y, z, closest_on_triangle(x, y, z))
+    d = norm(v)
+    if d > noise:
+        return d, unit(v), add(q, v)
+    n = scale(-1.0, normal_of(B.shape, B.tree, j))
+    if dot(n, n) < 0.5:
+        n = (-1.0, 0.0, 0.0)
+    return d, n, add(q, v)
+
+
+@compiled
+def separation_of_leaves(
+    together: SolidPair, i: int, j: int, n: Vector, limit: float
+) -> Separation:
+    """Return the separation of leaf i of A and leaf j of B, as GJK does, but a and b are from Bo.
+
+    GJK begins with the direction n; farther apart than ``limit`` [m] they need not be told.
+    """
+    A, B, p, size, tolerance, _ = together
+    noise = noise_of(together)
+    if A.kind == SPHERE:
+        d, n, b = separation_of_point(p, B, j, noise)
+        return Separation(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
+    pair = leaf_pair(A, i, B, j, p)
+    end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+    apart = end != OVERLAP and end != BEYOND_CUTOFF
+    if apart and upper - lower > max(tolerance, noise):
+        # A thin simplex lost its last digits (curved cores, triangles of km): with a new one the
+        # walk goes on.
+        again = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+        closed = again.end != OVERLAP and again.end != BEYOND_CUTOFF
+        if closed and again.upper - again.lower < upper - lower:
+            end, upper, lower, n, a, b = again
+    if end == OVERLAP or (apart and upper <= NEAR_TOUCH * size):
+        width, m = widest_slab(A, i, B, j, pair, noise)
+        if end == OVERLAP or width > lower:
+            n, lower = m, width
+        apart = apart or lower >= -noise
+    if apart:
+        end = CLOSED
+    return Separation(end, upper, lower, n, add(p, a), add(p, b))

@@ -1,0 +1,292 @@
+"""Where a search begins: pairs that one bound, or one plane, keeps clear for the whole motion."""
+
+from __future__ import annotations
+
+import math
+
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.motion.arrays import (
+    CLEAR,
+    CONTACT,
+    IGNORED,
+    IGNORES,
+    LEAST,
+    LOWER,
+    LOWER_BOUND,
+    MIN_DISTANCE,
+    MOST_PADDING,
+    NO_POSE,
+    NO_ROOM,
+    PAIR,
+    SAG,
+    SLACK,
+    T0,
+    T1,
+    UNKNOWN,
+    UPPER,
+    WAY,
+    MotionArrays,
+    motions_of,
+)
+from drake_geom_ros.geometry._proximity.motion.interpolants import put_state
+from drake_geom_ros.geometry._proximity.motion.planes import first_guess
+from drake_geom_ros.geometry._proximity.motion.rates import (
+    Rates,
+    plane_reach,
+    rates_against,
+    rounding_of_body,
+)
+from drake_geom_ros.geometry._proximity.motion.records import (
+    by_plane,
+    by_way,
+    gap_now,
+    is_proved,
+    is_spent,
+    put_answer,
+    put_plane,
+)
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import least_possible
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+from drake_geom_ros.geometry._proximity.runtime.views import row
+from drake_geom_ros.geometry._proximity.states.groups import Groups, put_boxes
+from drake_geom_ros.geometry._proximity.tolerances import ROUNDED_UP
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
+
+
+@inlined
+def _groups_of(motion: MotionArrays) -> Groups:
+    return Groups(
+        motion.firsts,
+        motion.members,
+        motion.group_pairs,
+        motion.starts_of_pairs,
+        motion.numbers,
+        motion.centres,
+        motion.halves,
+        motion.separations,
+    )
+
+
+@inlined
+def _is_far(motion: MotionArrays, m: int, A: Rates, B: Rates, slack: float) -> bool:
+    """Tell whether the boxes of a pair of groups keep all their pairs clear for the motion."""
+    a, b = motion.group_pairs[m, 0], motion.group_pairs[m, 1]
+    r_a, r_b = motion.group_reaches[a], motion.group_reaches[b]
+    way = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
+    least = motion.separations[m] - way - slack - motion.asked[MOST_PADDING]
+    if not least > motion.asked[MIN_DISTANCE]:
+        return False
+    motion.told[LOWER_BOUND] = min(motion.told[LOWER_BOUND], least)
+    return True
+
+
+@inlined
+def _slack_of(motion: MotionArrays, m: int) -> float:
+    """Return how far [m] interpolating may have put bodies of a pair of groups from the truth."""
+    r_a = motion.group_reaches[motion.group_pairs[m, 0]]
+    r_b = motion.group_reaches[motion.group_pairs[m, 1]]
+    slack = rounding_of_body(motion, motion.sides[m, 0], r_a)
+    return (slack + rounding_of_body(motion, motion.sides[m, 1], r_b)) * ROUNDED_UP
+
+
+@inlined
+def _put_bounds(
+    motion: MotionArrays,
+    world: WorldArrays,
+    k: int,
+    A: Rates,
+    B: Rates,
+    exchanged: bool,
+    slack: float,
+) -> None:
+    """Write the ``bounds`` of a pair; A and B are those of the two groups, or exchanged.
+
+    ``slack`` [m] is what rounding adds, of bodies that are no half spaces.
+    """
+    a, b = motion.pairs[k, 0], motion.pairs[k, 1]
+    if exchanged:
+        a, b = b, a
+    bound, r_a, r_b = row(motion.bounds, k), motion.reaches[a], motion.reaches[b]
+    bends = True
+    bound[SLACK] = slack
+    if world.types[a] == HALF_SPACE or world.types[b] == HALF_SPACE:
+        far = A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b
+        if world.types[a] == HALF_SPACE:
+            r_a += plane_reach(motion, world.p_WGs, a, b, far + world.outer[b])
+            bends = A.speed_r == 0.0
+        else:
+            r_b += plane_reach(motion, world.p_WGs, b, a, far + world.outer[a])
+            bends = B.speed_r == 0.0
+        bound[SLACK] = rounding_of_body(motion, motion.on[a], r_a) * ROUNDED_UP
+        bound[SLACK] += rounding_of_body(motion, motion.on[b], r_b) * ROUNDED_UP
+    bound[WAY] = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
+    # A plane turns with its half space: there is no normal that stays.
+    sag = 0.125 * (A.bend + A.bend_r * r_a + B.bend + B.bend_r * r_b) * ROUNDED_UP
+    bound[SAG] = sag if bends else math.inf
+    slack = rounding_of_body(motion, motion.on[a], r_a) + rounding_of_body(
+        motion, motion.on[b], r_b
+    )
+    bound[SLACK] = slack * ROUNDED_UP
+    bound[LEAST] = motion.asked[MIN_DISTANCE] + motion.paddings[k]
+
+
+@inlined
+def _at_start(motion: MotionArrays, k: int, r: int) -> int:
+    """Return what is true of a pair by its record of the start; CLEAR if it is left out, too."""
+    lower, upper, least = (
+        motion.records[r, LOWER],
+        motion.records[r, UPPER],
+        motion.bounds[k, LEAST],
+    )
+    if lower > least:
+        return CLEAR
+    if motion.flags[IGNORES]:
+        motion.skipped[k] = True
+        motion.counts[IGNORED] += 1
+        return CLEAR
+    motion.counts[PAIR] = k
+    if not upper <= least:
+        return UNKNOWN
+    motion.told[T1] = 0.0
+    return CONTACT
+
+
+@inlined
+def _keep(
+    handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, slack: float, count: int
+) -> int:
+    """Look at a pair at the start; return 1 if it is left, 0 if not, or minus a verdict."""
+    motion = motions_of(handle)
+    world = world_of(motion.world)
+    a, b, node = motion.pairs[k, 0], motion.pairs[k, 1], motion.common_of_pair[k]
+    _put_bounds(motion, world, k, A, B, exchanged, slack)
+    way, slack = motion.bounds[k, WAY], motion.bounds[k, SLACK]
+    least = least_possible(
+        a,
+        b,
+        world.types,
+        world.R_WGs,
+        world.p_WGs,
+        world.roundings,
+        world.half_extents,
+        world.outer,
+    )
+    if is_proved(motion, k, least - way - slack):
+        return 0
+    if count >= motion.entries.shape[0] or 2 * count + 1 >= motion.records.shape[0]:
+        return -NO_ROOM
+    gap = put_plane(motion, world, k, node, first_guess(world, a, b), 2 * count)
+    if is_proved(motion, k, gap - way):
+        return 0
+    if way == 0.0:
+        if is_spent(motion):
+            motion.counts[PAIR] = k
+            return -UNKNOWN
+        put_answer(handle, k, node, 0.0, 2 * count)
+        verdict = _at_start(motion, k, 2 * count)
+        if verdict == CLEAR and not motion.skipped[k]:
+            is_proved(motion, k, motion.records[2 * count, LOWER])
+        return 0 if verdict == CLEAR else -verdict
+    motion.entries[count, 0], motion.entries[count, 1] = k, 2 * count
+    return 1
+
+
+@allocating
+def _near_at_start(handle: Handle) -> int:
+    """List the pairs that what is known at the start does not keep clear; return how many.
+
+    Entries get the pair, and its record of the start. Minus a verdict where that is known already.
+    """
+    motion = motions_of(handle)
+    groups, count, unknown = _groups_of(motion), 0, False
+    put_boxes(groups, world_of(motion.world))
+    for m in range(motion.separations.size):
+        first, second, node = motion.sides[m, 0], motion.sides[m, 1], motion.common[m]
+        A, B = rates_against(motion, first, node), rates_against(motion, second, node)
+        slack = _slack_of(motion, m)
+        if _is_far(motion, m, A, B, slack):
+            continue
+        for number in range(motion.starts_of_pairs[m], motion.starts_of_pairs[m + 1]):
+            k = motion.numbers[number]
+            if motion.skipped[k]:
+                continue
+            exchanged = motion.on[motion.pairs[k, 0]] != first
+            kept = _keep(handle, k, exchanged, A, B, slack, count)
+            if kept == -UNKNOWN:
+                unknown = True  # another pair may be known to touch
+            elif kept < 0:
+                return kept
+            else:
+                count += kept
+    return -UNKNOWN if unknown else count
+
+
+@allocating
+def _left_at_end(handle: Handle, count: int) -> int:
+    """Look at the pairs at the end, too; return how many are left.
+
+    They get a record of it, by their kernel, behind that of the start. Minus a verdict else.
+    """
+    motion = motions_of(handle)
+    world, left = world_of(motion.world), 0
+    for e in range(count):
+        k, start = motion.entries[e, 0], motion.entries[e, 1]
+        node = motion.common_of_pair[k]
+        gap = gap_now(motion, world, k, node, start)
+        if is_proved(motion, k, by_plane(motion, k, start, gap, 1.0)):
+            continue
+        if is_spent(motion):
+            motion.counts[PAIR] = k
+            return -UNKNOWN
+        put_answer(handle, k, node, 1.0, start + 1)
+        motion.entries[left, 0], motion.entries[left, 1] = k, start
+        left += 1
+    return left
+
+
+@allocating
+def _left_between(handle: Handle, count: int) -> int:
+    """Look at the start by kernels; return how many pairs are left, or minus a verdict.
+
+    Entries get the records of the start and of the end.
+    """
+    motion = motions_of(handle)
+    world, left = world_of(motion.world), 0
+    for e in range(count):
+        k, start = motion.entries[e, 0], motion.entries[e, 1]
+        node = motion.common_of_pair[k]
+        gap = gap_now(motion, world, k, node, start + 1)
+        if is_proved(motion, k, by_plane(motion, k, start + 1, gap, 1.0)):
+            continue
+        if is_spent(motion):
+            motion.counts[PAIR] = k
+            return -UNKNOWN
+        put_answer(handle, k, node, 0.0, start)
+        if _at_start(motion, k, start) == CONTACT:
+            return -CONTACT
+        if motion.skipped[k] or is_proved(motion, k, by_way(motion, k, start, start + 1, 1.0)):
+            continue
+        motion.entries[left, 0], motion.entries[left, 1] = k, start
+        motion.entries[left, 2] = start + 1
+        left += 1
+    return left
+
+
+@allocating
+def begin(handle: Handle) -> int:
+    """Return how many pairs are not proved to be clear by their ends; minus a verdict else."""
+    motion = motions_of(handle)
+    motion.told[T0], motion.told[T1] = 0.0, 1.0
+    if not put_state(handle, 0.0):
+        return -NO_POSE
+    count = _near_at_start(handle)
+    if count <= 0:
+        return count
+    if not put_state(handle, 1.0):
+        return -NO_POSE
+    count = _left_at_end(handle, count)
+    if count <= 0:
+        return count
+    put_state(handle, 0.0)
+    return _left_between(handle, count)

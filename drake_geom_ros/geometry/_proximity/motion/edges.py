@@ -1,0 +1,84 @@
+"""The edges of a path, one after the other; a motion by poses is one edge."""
+
+from __future__ import annotations
+
+import math
+
+from drake_geom_ros.geometry._proximity.motion.arrays import (
+    CLEAR,
+    EDGE,
+    EVALUATIONS,
+    IGNORED,
+    IGNORES,
+    LOWER_BOUND,
+    PAIR,
+    SEEN,
+    SEEN_EDGE,
+    SEEN_PAIR,
+    SEEN_TIME,
+    STOPPED,
+    motions_of,
+)
+from drake_geom_ros.geometry._proximity.motion.beginning import begin
+from drake_geom_ros.geometry._proximity.motion.bisection import bisect
+from drake_geom_ros.geometry._proximity.motion.interpolants import put_state
+from drake_geom_ros.geometry._proximity.motion.rates import prepare
+from drake_geom_ros.geometry._proximity.motion.records import answer_pair
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_rows
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+
+
+@allocating
+def check_edges(handle: Handle, path: Floats, first: int, last: int) -> int:
+    """Return what is true of the edges of a path (k, c), from row ``first`` to row ``last``.
+
+    It ends with the first edge that is not CLEAR; ``told`` and ``counts`` say the rest. A path
+    without joint values (k, 0) is the motion of the frames that was set. Only at row 0 pairs may
+    be left out because they are not clear at the start.
+    """
+    motion = motions_of(handle)
+    motion.told[LOWER_BOUND], motion.told[SEEN] = math.inf, math.inf
+    motion.told[SEEN_TIME] = 0.0
+    motion.counts[PAIR], motion.counts[SEEN_PAIR], motion.counts[SEEN_EDGE] = -1, -1, 0
+    motion.counts[EVALUATIONS], motion.counts[IGNORED] = 0, 0
+    ignores, verdict = motion.flags[IGNORES], CLEAR
+    for edge in range(first, last):
+        if motion.stop[0] != 0:
+            return STOPPED
+        motion.counts[EDGE] = edge
+        motion.flags[IGNORES] = ignores if edge == 0 else 0
+        for c in range(path.shape[1]):
+            motion.values[0, c], motion.values[1, c] = path[edge, c], path[edge + 1, c]
+        prepare(handle)
+        count = begin(handle)
+        verdict = -count if count < 0 else CLEAR
+        if count > 0:
+            verdict = bisect(handle, count)
+        if verdict != CLEAR:
+            break
+    motion.flags[IGNORES] = ignores
+    return verdict
+
+
+@allocating
+def row_of_pair(
+    handle: Handle, path: Floats, edge: int, t: float, k: int, ids: Indices, rows: Floats
+) -> None:
+    """Write the answer (1, BATCH_WIDTH) of pair k at a time of an edge, and its ids (1, 2)."""
+    motion = motions_of(handle)
+    for c in range(path.shape[1]):
+        motion.values[0, c], motion.values[1, c] = path[edge, c], path[edge + 1, c]
+    put_state(handle, t)
+    answer_pair(handle, k)
+    gather_rows(
+        motion.slot,
+        motion.one,
+        motion.slot,
+        motion.memory,
+        motion.asked[0],
+        motion.world,
+        ids,
+        rows,
+    )

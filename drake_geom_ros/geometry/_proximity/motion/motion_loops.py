@@ -1,0 +1,253 @@
+"""The check of motions with what it needs: a world, its pairs, what moves it, and room."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.addresses import (
+    ADDRESSES,
+    compile_rows,
+    table_rows,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
+from drake_geom_ros.geometry._proximity.motion.arrays import (
+    ASKED_WIDTH,
+    BOUND_WIDTH,
+    COUNT_WIDTH,
+    EDGE,
+    EVALUATIONS,
+    IGNORED,
+    IGNORES,
+    JOINTS,
+    KIND,
+    LEVEL_GAP,
+    LOWER_BOUND,
+    MIN_DISTANCE,
+    MOST,
+    MOST_PADDING,
+    MOVE_WIDTH,
+    NO_ROOM,
+    PAIR,
+    RECORD_WIDTH,
+    SEEN,
+    SEEN_EDGE,
+    SEEN_PAIR,
+    SEEN_TIME,
+    T0,
+    T1,
+    TIME_TOLERANCE,
+    TOLD_WIDTH,
+    MotionArrays,
+)
+from drake_geom_ros.geometry._proximity.motion.edges import check_edges, row_of_pair
+from drake_geom_ros.geometry._proximity.motion.tree import common_nodes, tree_of
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
+from drake_geom_ros.geometry._proximity.report import COUNTS
+from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
+from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of
+from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain
+from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
+from drake_geom_ros.geometry._proximity.world.world import World
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_SPANS = 128  # one a halving may wait: more than there are numbers from 0 to 1 to halve
+_FIRST_ROOM = 1024  # entries, to begin with
+
+
+class Told(NamedTuple):
+    """What is told of a motion; places of pairs are -1 where there is none."""
+
+    verdict: int
+    edge: int  # that ended the search
+    t0: float
+    t1: float
+    pair: int  # that touches at t1, or of which nothing is proved from t0 on
+    lower_bound: float  # [m] of all that was proved
+    seen: float  # [m] the least distance that was seen
+    seen_edge: int
+    seen_time: float
+    seen_pair: int
+    evaluations: int
+    ignored: int
+
+
+class MotionLoops:
+    """Checks of motions of a world of its own, for one thread.
+
+    ``rows`` (f,) are the frames that move, by poses or, of a chain, as its links by ``columns`` of
+    joint values; others stay.
+    ``paddings`` (n,) [m] are those of the geometries. ``stop`` (1,) set by another thread ends a
+    check.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        pairs: Indices,
+        rows: Indices,
+        paddings: Floats,
+        level_gap: float,
+        stop: Indices,
+        chain: JointChain | None = None,
+        columns: int = 0,
+    ) -> None:
+        if level_gap < math.inf:
+            compile_rows(table_rows(*world.geometries.types[pairs].T))
+        world.update()
+        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
+        # What hangs on a frame that moves stays together, as in StateLoops.
+        apart = len(world.frames.ids) + alone
+        _, numbers = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
+        groups = groups_of(numbers, pairs)
+        self._world = world  # whose arrays the handle shows
+        self._arrays = _arrays(world, pairs, rows, paddings, groups, chain, columns)
+        self._arrays = self._arrays._replace(stop=stop)
+        self._arrays.asked[LEVEL_GAP] = level_gap
+        self._arrays.asked[MOST_PADDING] = self._arrays.paddings.max(initial=0.0)
+        if chain is not None:
+            self._arrays.flags[KIND] = JOINTS
+        self._handle = handle_of(self._arrays)
+
+    def ask(
+        self,
+        min_distance: float,
+        time_tolerance: float,
+        max_evaluations: int,
+        *,
+        ignores: bool,
+    ) -> None:
+        """Set what is asked of the motions that follow."""
+        self._arrays.asked[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, time_tolerance
+        self._arrays.flags[[MOST, IGNORES]] = max_evaluations, int(ignores)
+
+    @property
+    def skipped(self) -> NDArray[np.bool_]:
+        """Which pairs (k,) are left out: set before a check, and by one that ignores contacts."""
+        return self._arrays.skipped
+
+    def move(self, starts: Floats, ends: Floats, kind: int) -> Told:
+        """Return what is true of the motion of the frames between poses (f, POSE_WIDTH)."""
+        self._arrays.starts[:], self._arrays.ends[:] = starts, ends
+        self._arrays.flags[KIND] = kind
+        return self.follow(np.zeros((2, 0)), 0, 1)
+
+    def follow(self, path: Floats, first: int, last: int) -> Told:
+        """Return what is true of a path (k, c) of joint values, from row ``first`` to ``last``."""
+        while (verdict := check_edges(self._handle, path, first, last)) == NO_ROOM:
+            entries = np.zeros((2 * len(self._arrays.entries), 3), dtype=np.int64)
+            records = np.zeros((2 * len(self._arrays.records), RECORD_WIDTH))
+            self._arrays = self._arrays._replace(entries=entries, records=records)
+            self._handle = handle_of(self._arrays)
+        told, counts = self._arrays.told.tolist(), self._arrays.counts.tolist()
+        return Told(
+            verdict=verdict,
+            edge=counts[EDGE],
+            t0=told[T0],
+            t1=told[T1],
+            pair=counts[PAIR],
+            lower_bound=told[LOWER_BOUND],
+            seen=told[SEEN],
+            seen_edge=counts[SEEN_EDGE],
+            seen_time=told[SEEN_TIME],
+            seen_pair=counts[SEEN_PAIR],
+            evaluations=counts[EVALUATIONS],
+            ignored=counts[IGNORED],
+        )
+
+    def row(self, path: Floats, edge: int, t: float, pair: int) -> PairBatch:
+        """Return the answer of one pair at a time of an edge, the world being posed there."""
+        found = PairBatch(np.zeros((1, 2), dtype=np.int64), np.zeros((1, BATCH_WIDTH)))
+        row_of_pair(self._handle, path, edge, t, pair, found.ids, found.rows)
+        return found
+
+
+def _arrays(
+    world: World,
+    pairs: Indices,
+    rows: Indices,
+    paddings: Floats,
+    groups: Groups,
+    chain: JointChain | None,
+    columns: int,
+) -> MotionArrays:
+    tree = tree_of(world, rows, chain)
+    sides, common = common_nodes(tree, groups)
+    reaches = np.zeros(len(groups.firsts) - 1)
+    which = np.repeat(np.arange(len(reaches)), np.diff(groups.firsts))
+    np.maximum.at(reaches, which, tree.reaches[groups.members])
+    of_pair = np.empty(len(pairs), dtype=np.int64)
+    of_pair[groups.numbers] = np.repeat(common, np.diff(groups.starts))
+    moves, count = chain or _no_joints(), len(rows)
+    return MotionArrays(
+        parents=tree.parents,
+        nodes=tree.nodes,
+        on=tree.on,
+        reaches=tree.reaches,
+        starts=np.zeros((count if chain is None else 0, POSE_WIDTH)),
+        ends=np.zeros((count if chain is None else 0, POSE_WIDTH)),
+        moves=np.zeros((count if chain is None else 0, MOVE_WIDTH)),
+        **{_NAMES.get(name, name): array for name, array in moves._asdict().items()},
+        values=np.zeros((3, columns)),
+        rows=rows,
+        poses=np.zeros((1, count, 7)),
+        Xs=np.zeros((count, POSE_WIDTH)),
+        world=world.handle,
+        pairs=pairs,
+        paddings=paddings[pairs].sum(axis=1),
+        skipped=np.zeros(len(pairs), dtype=np.bool_),
+        firsts=groups.firsts,
+        members=groups.members,
+        group_pairs=groups.pairs,
+        starts_of_pairs=groups.starts,
+        numbers=groups.numbers,
+        centres=groups.centres,
+        halves=groups.halves,
+        separations=groups.separations,
+        group_reaches=reaches,
+        sides=sides,
+        common=common,
+        common_of_pair=of_pair,
+        kernels=ADDRESSES,
+        asked=np.zeros(ASKED_WIDTH),
+        flags=np.zeros(3, dtype=np.int64),
+        stop=np.zeros(1, dtype=np.int64),
+        told=np.zeros(TOLD_WIDTH),
+        counts=np.zeros(COUNT_WIDTH, dtype=np.int64),
+        bounds=np.zeros((len(pairs), BOUND_WIDTH)),
+        entries=np.zeros((_FIRST_ROOM, 3), dtype=np.int64),
+        records=np.zeros((2 * _FIRST_ROOM, RECORD_WIDTH)),
+        spans=np.zeros((_SPANS, 2)),
+        tops=np.zeros((_SPANS, 3), dtype=np.int64),
+        one=np.zeros((1, 2), dtype=np.int64),
+        slot=np.zeros(1, dtype=np.int64),
+        hits=np.zeros(1, dtype=np.int64),
+        memory=np.zeros((1, SLOT_WIDTH)),
+        effects=np.zeros(COUNTS, dtype=np.int64),
+        waiting=np.zeros(0, dtype=np.int64),
+        distances=np.zeros(0),
+    )
+
+
+_NAMES = {'parents': 'chain_parents'}  # nodes have parents, too
+
+
+def _no_joints() -> JointChain:
+    none, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
+    return JointChain(
+        leaders=none,
+        multipliers=nothing,
+        offsets=nothing,
+        kinds=none,
+        axes=np.zeros((0, 3)),
+        X_PJs=np.zeros((0, 7)),
+        parents=none,
+        children=none,
+        X_WLs=np.zeros((0, 7)),
+        links=none,
+    )

@@ -1,0 +1,155 @@
+"""What keeps two bodies apart from one time to another: a plane, or the way that they can come.
+
+While a plane whose normal stays in the axes of a node has A on one side and B on the other, they
+are apart by no less than the gap that it leaves. Along the normal a point is never farther from
+the chord of its path than ``bend w^2 / 8`` after a span w (de Boor, A Practical Guide to Splines,
+chapter II, the error of linear interpolation); so the gap is never below that parabola of what it
+is at both ends. That is second order: small spans of bodies that pass each other at a small
+distance are proved at once, where the way that they can come, which is of first order (Schwarzer,
+Saha, Latombe, 2002), needs as many spans as the distance goes into the way.
+"""
+
+from __future__ import annotations
+
+import math
+
+from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import support_value
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    column,
+    cross,
+    dot,
+    rotate,
+    scale,
+    unit,
+    unrotate,
+    vector_at,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.motion.arrays import MotionArrays
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import apart
+from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
+    rounding_of_pair,
+    size_of_pair,
+)
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
+from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.views import part, row
+from drake_geom_ros.geometry._proximity.tolerances import CARRIED_PLANE
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
+
+
+@inlined
+def _turned(q: Floats, v: Vector, sign: float) -> Vector:
+    """Return v turned by the rotation of a pose (7,), or for a sign of -1 by its inverse."""
+    axis, w = (sign * q[3], sign * q[4], sign * q[5]), q[6]
+    twice = scale(2.0, cross(axis, v))
+    return add(add(v, scale(w, twice)), cross(axis, twice))
+
+
+@inlined
+def in_world(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> Vector:
+    """Return a direction that is given in the axes of a node in those of the world."""
+    links = motion.X_WLs.shape[0]
+    if node == 0:
+        return n
+    if node <= links:
+        return _turned(row(motion.X_WLs, node - 1), n, 1.0)
+    return rotate(row(world.R_WFs, node - links), n)
+
+
+@inlined
+def in_node(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> Vector:
+    """Return a direction that is given in the axes of the world in those of a node."""
+    links = motion.X_WLs.shape[0]
+    if node == 0:
+        return n
+    if node <= links:
+        return _turned(row(motion.X_WLs, node - 1), n, -1.0)
+    return unrotate(row(world.R_WFs, node - links), n)
+
+
+@inlined
+def _reach_along(world: WorldArrays, g: int, n: Vector) -> float:
+    """Return how far a body reaches along a unit vector in World, from its origin [m]."""
+    shape = part(world.pool, world.starts[g], world.starts[g + 1])
+    return support_value(world.types[g], shape, unrotate(row(world.R_WGs, g), n))
+
+
+@inlined
+def gap_along(world: WorldArrays, a: int, b: int, n: Vector) -> float:
+    """Return no more than the gap [m] that planes with the unit normal n, from a to b, leave.
+
+    Negative where there is none. Next to a half space the normal is that one's own. What rounding
+    of poses, of carrying the normal along and of this sum may add is taken off.
+    """
+    types, p_WGs = world.types, world.p_WGs
+    if types[a] == HALF_SPACE:
+        n = column(row(world.R_WGs, a), 2)
+    elif types[b] == HALF_SPACE:
+        n = scale(-1.0, column(row(world.R_WGs, b), 2))
+    p_WA, p_WB = vector_in(p_WGs, a), vector_in(p_WGs, b)
+    gap = dot(n, (p_WB[0] - p_WA[0], p_WB[1] - p_WA[1], p_WB[2] - p_WA[2]))
+    if types[a] != HALF_SPACE:
+        gap -= _reach_along(world, a, n)
+    if types[b] != HALF_SPACE:
+        gap -= _reach_along(world, b, scale(-1.0, n))
+    extent = size_of_pair(a, b, types, world.outer) + apart(p_WGs, a, b)
+    rounding = rounding_of_pair(a, b, extent, world.roundings)
+    return gap - rounding - CARRIED_PLANE * extent
+
+
+@inlined
+def first_guess(world: WorldArrays, a: int, b: int) -> Vector:
+    """Return a unit vector from one body to the other, by boxes and origins, in World.
+
+    That of the axis along which the boxes are farthest apart, or the line of the origins, where
+    that says more.
+    """
+    p_WGs, halves = world.p_WGs, world.half_extents
+    most, best = -math.inf, 0
+    for c in range(3):
+        separation = abs(p_WGs[b, c] - p_WGs[a, c]) - halves[a, c] - halves[b, c]
+        if separation > most:
+            most, best = separation, c
+    sign = 1.0 if p_WGs[b, best] >= p_WGs[a, best] else -1.0
+    axis = (
+        sign if best == 0 else 0.0,
+        sign if best == 1 else 0.0,
+        sign if best == 2 else 0.0,
+    )
+    line = unit((p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2]))
+    straight = gap_along(world, a, b, line)
+    if straight > most and dot(line, line) > 0.0:
+        return line
+    return axis
+
+
+@inlined
+def least_gap(first: float, last: float, sag: float) -> float:
+    """Return the least value of a gap that is so large at both ends of a span [m].
+
+    In between it is no more than ``4 sag u (1 - u)`` below the chord, for u from 0 to 1.
+    """
+    least = min(first, last)
+    rise = abs(last - first)
+    if not rise < 4.0 * sag:
+        return least
+    # The parabola has its lowest point within the span.
+    return 0.5 * (first + last) - sag - 0.0625 * rise * (rise / sag)
+
+
+@inlined
+def least_by_way(first: float, last: float, way: float) -> float:
+    """Return the least distance of bodies that are so far apart at both ends of a span [m].
+
+    They move against each other by no more than the ``way`` [m] meanwhile.
+    """
+    return min(0.5 * (first + last - way), first, last)
+
+
+@inlined
+def normal_of_answer(out: Floats, normal: int) -> Vector:
+    """Return the unit normal out of A towards B of an answer's row."""
+    return scale(-1.0, vector_at(out, normal))

@@ -1,0 +1,137 @@
+"""What is known of a pair at one time, by its kernel or by a plane alone, and what that proves."""
+
+from __future__ import annotations
+
+import math
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    NORMAL,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import unit, vector_in
+from drake_geom_ros.geometry._proximity.motion.arrays import (
+    EDGE,
+    EVALUATIONS,
+    GAP,
+    LEAST,
+    LEVEL_GAP,
+    LOWER,
+    LOWER_BOUND,
+    MOST,
+    PLANE,
+    SAG,
+    SEEN,
+    SEEN_EDGE,
+    SEEN_PAIR,
+    SEEN_TIME,
+    SLACK,
+    UPPER,
+    WAY,
+    MotionArrays,
+    motions_of,
+)
+from drake_geom_ros.geometry._proximity.motion.planes import (
+    gap_along,
+    in_node,
+    in_world,
+    least_by_way,
+    least_gap,
+    normal_of_answer,
+)
+from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+from drake_geom_ros.geometry._proximity.runtime.views import row
+from drake_geom_ros.geometry._proximity.states.loops import forget
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
+
+
+@allocating
+def answer_pair(handle: Handle, k: int) -> None:
+    """Answer for pair k where the world is posed now, as if it were asked about alone."""
+    motion = motions_of(handle)
+    motion.one[0, 0], motion.one[0, 1] = motion.pairs[k, 0], motion.pairs[k, 1]
+    forget(motion.memory, 0, 1)
+    answer_pairs(
+        motion.kernels,
+        motion.one,
+        motion.slot,
+        motion.memory,
+        motion.world,
+        1,
+        (motion.asked[LEVEL_GAP], math.inf, False),
+        -1,
+        (motion.waiting, motion.distances),
+        motion.hits,
+        motion.effects,
+    )
+
+
+@inlined
+def put_plane(
+    motion: MotionArrays, world: WorldArrays, k: int, node: int, n: Vector, r: int
+) -> float:
+    """Write a record with a plane alone, n its unit normal in World; return the gap [m]."""
+    record, n_N = row(motion.records, r), in_node(motion, world, node, n)
+    gap = gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - motion.bounds[k, SLACK]
+    for c in range(3):
+        record[PLANE + c] = n_N[c]
+    record[GAP], record[LOWER], record[UPPER] = gap, gap, math.inf
+    return gap
+
+
+@inlined
+def put_answer(handle: Handle, k: int, node: int, t: float, r: int) -> None:
+    """Answer for pair k, as the world is posed at a time; write its record."""
+    motion = motions_of(handle)
+    answer_pair(handle, k)
+    motion.counts[EVALUATIONS] += 1
+    out, slack = row(motion.memory, 0), motion.bounds[k, SLACK]
+    gap = put_plane(
+        motion, world_of(motion.world), k, node, unit(normal_of_answer(out, NORMAL)), r
+    )
+    motion.records[r, LOWER] = max(gap, out[DISTANCE] - out[ERROR_BOUND] - slack)
+    motion.records[r, UPPER] = out[DISTANCE] + out[ERROR_BOUND] + slack
+    seen = out[DISTANCE] - motion.paddings[k]
+    if seen < motion.told[SEEN]:
+        motion.told[SEEN], motion.told[SEEN_TIME] = seen, t
+        motion.counts[SEEN_PAIR], motion.counts[SEEN_EDGE] = k, motion.counts[EDGE]
+
+
+@inlined
+def gap_now(motion: MotionArrays, world: WorldArrays, k: int, node: int, r: int) -> float:
+    """Return the gap [m] that the plane of a record leaves as the world is posed now."""
+    n = in_world(motion, world, node, vector_in(motion.records, r, PLANE))
+    return gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - motion.bounds[k, SLACK]
+
+
+@inlined
+def by_plane(motion: MotionArrays, k: int, r: int, gap: float, width: float) -> float:
+    """Return a lower bound [m] for a span from the time of a record to when its gap is ``gap``."""
+    sag = motion.bounds[k, SAG] * width * width
+    return least_gap(motion.records[r, GAP], gap, sag)
+
+
+@inlined
+def by_way(motion: MotionArrays, k: int, r: int, s: int, width: float) -> float:
+    """Return a lower bound [m] for a span between the times of two records."""
+    first, last = motion.records[r, LOWER], motion.records[s, LOWER]
+    return least_by_way(first, last, motion.bounds[k, WAY] * width)
+
+
+@inlined
+def is_proved(motion: MotionArrays, k: int, bound: float) -> bool:
+    """Tell whether a lower bound [m] keeps a pair clear; if so it is one of all that is proved."""
+    if not bound > motion.bounds[k, LEAST]:
+        return False
+    motion.told[LOWER_BOUND] = min(motion.told[LOWER_BOUND], bound - motion.paddings[k])
+    return True
+
+
+@inlined
+def is_spent(motion: MotionArrays) -> bool:
+    """Tell whether no more pairs may be answered."""
+    most = motion.flags[MOST]
+    return most > 0 and motion.counts[EVALUATIONS] >= most

@@ -1,0 +1,77 @@
+"""What hangs on what: nodes of links and frames, and the node that two bodies hang on both."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.motion.arrays import (
+    NODE_WIDTH,
+    OFFSET,
+    TURN_ROUNDING,
+)
+from drake_geom_ros.geometry._proximity.states.groups import Groups
+from drake_geom_ros.geometry._proximity.tolerances import INTERPOLATED_ROTATION, ROUNDED_UP
+from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain
+from drake_geom_ros.geometry._proximity.world.world import World
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class NodeTree(NamedTuple):
+    """Nodes (v,): the world, then the links of joints, then the frames behind the world's.
+
+    A node's parent is the world, a link or a frame. Bounds of how what moves by joints or by poses
+    moves are room.
+    """
+
+    parents: Indices  # (v,)
+    nodes: Floats  # (v, NODE_WIDTH)
+    on: Indices  # (n,) of geometries
+    reaches: Floats  # (n,) [m]
+
+
+def tree_of(world: World, rows: Indices, chain: JointChain | None) -> NodeTree:
+    """Return the nodes of a world whose frames in ``rows`` (f,) are the links of a chain.
+
+    Without one they are moved by poses.
+    """
+    links = 0 if chain is None else len(chain.X_WLs)
+    frames = np.arange(len(world.frames.ids))
+    of_frames = np.where(frames == 0, 0, frames + links)
+    parents = np.zeros(len(frames) + links, dtype=np.int64)
+    nodes = np.zeros((len(parents), NODE_WIDTH))
+    parents[of_frames] = of_frames[world.frames.parents]
+    nodes[of_frames, OFFSET] = np.linalg.norm(world.p_PFs, axis=1) * ROUNDED_UP
+    if chain is not None:
+        parents[1 + chain.children] = 1 + chain.parents
+        parents[of_frames[rows]] = 1 + chain.links
+        nodes[of_frames[rows], OFFSET] = 0.0
+        roots = 1 + np.setdiff1d(np.arange(links), chain.children)
+        nodes[roots, OFFSET] = np.linalg.norm(chain.X_WLs[roots - 1, :3], axis=1) * ROUNDED_UP
+        nodes[roots, TURN_ROUNDING] = INTERPOLATED_ROTATION
+    table = world.geometries
+    outer = np.where(table.types == HALF_SPACE, 0.0, world.outer_radii)
+    reaches = (np.linalg.norm(table.p_FGs, axis=1) + outer) * ROUNDED_UP
+    return NodeTree(parents, nodes, of_frames[table.frames], reaches)
+
+
+def common_nodes(tree: NodeTree, groups: Groups) -> tuple[Indices, Indices]:
+    """Return the nodes (m, 2) of pairs of groups, and those (m,) that both of them hang on."""
+    of_groups = tree.on[groups.members[groups.firsts[:-1]]]
+    sides = np.ascontiguousarray(of_groups[groups.pairs]).reshape(-1, 2)
+    pairs, which = np.unique(sides, axis=0, return_inverse=True)
+    ways: dict[int, list[int]] = {}
+    for node in np.unique(sides).tolist():
+        way = ways[node] = [node]
+        while way[-1] != 0:
+            way.append(int(tree.parents[way[-1]]))
+    found = np.empty(len(pairs), dtype=np.int64)
+    for k, (a, b) in enumerate(pairs.tolist()):
+        above = set(ways[b])
+        found[k] = next(node for node in ways[a] if node in above)
+    return sides, found[which.reshape(-1)]

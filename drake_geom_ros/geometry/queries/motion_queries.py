@@ -1,0 +1,210 @@
+"""Queries about motions of a packed scene, and what is told of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    WITNESS_A,
+    WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.motion.arrays import (
+    CLEAR,
+    CONTACT,
+    NO_POSE,
+    SCREW,
+    SLERP,
+    STOPPED,
+    UNKNOWN,
+)
+from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, Told
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
+from drake_geom_ros.geometry.errors import ArgumentError, PoseError
+from drake_geom_ros.geometry.queries.joint_trees import JointChain
+from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
+from drake_geom_ros.geometry.queries.state_queries import PackedScene, level_gap_of
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+INTERPOLATIONS = {'slerp': SLERP, 'screw': SCREW}
+OUTCOMES = {CLEAR: 'clear', CONTACT: 'contact', UNKNOWN: 'unknown'}
+
+
+@dataclass(frozen=True)
+class MotionQuestion:
+    """What is asked of a motion; raises ArgumentError for what cannot be asked."""
+
+    min_distance: float = 0.0  # [m] clear is what stays farther apart
+    time_tolerance: float = TIME_TOLERANCE  # the longest span that holds a first contact
+    max_evaluations: int = 0  # of pairs by kernels; 0: no limit
+    ignore_start_contacts: bool = False
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.min_distance < math.inf:
+            raise ArgumentError(
+                f'min_distance={self.min_distance!r} must be a distance >= 0, in metres'
+            )
+        if not self.time_tolerance > 0.0:
+            raise ArgumentError(
+                f'time_tolerance={self.time_tolerance!r} must be > 0: it is the longest span of '
+                'time that may hold the first contact'
+            )
+        if self.max_evaluations < 0:
+            raise ArgumentError(
+                f'max_evaluations={self.max_evaluations!r} must be >= 0; 0 is no limit'
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class FoundMotion:
+    """What was found of a motion; geometries by their place, -1 where there is none."""
+
+    outcome: str
+    times: tuple[float, float]
+    time: float  # of the pair that is told
+    a: int
+    b: int
+    distance: float  # [m]
+    error_bound: float  # [m]
+    lower_bound: float  # [m]
+    p_WCa: Floats  # (3,) [m]
+    p_WCb: Floats
+    evaluations: int
+    ignored: int
+
+
+class MotionQueries:
+    """Answers about motions of a packed scene, without the GIL; each thread takes one of its own.
+
+    The frames that the scene has as moved go by poses or, of a chain, by joint values of so many
+    ``columns``. ``stop`` (1,) set to another number than 0, by another thread, ends a check early:
+    it raises InterruptedError then. Every answer depends on its motion and the question alone.
+    """
+
+    def __init__(
+        self,
+        scene: PackedScene,
+        accuracy: str,
+        stop: Indices,
+        chain: JointChain | None = None,
+        columns: int = 0,
+    ) -> None:
+        if chain is not None:
+            chain = chain._replace(X_WLs=chain.X_WLs.copy())  # room, of this thread alone
+        self._world, self._padded = scene.world(), bool(scene.paddings.any())
+        self._paddings = Paddings(scene.paddings, scene.meshes)
+        self._loops = MotionLoops(
+            self._world,
+            scene.pairs.copy(),
+            scene.moved.copy(),
+            scene.paddings,
+            level_gap_of(accuracy),
+            stop,
+            chain,
+            columns,
+        )
+
+    def move(
+        self, asked: MotionQuestion, starts: Floats, ends: Floats, interpolation: str
+    ) -> FoundMotion:
+        """Return what is true of the motion between two poses (f, 12) of each moved frame.
+
+        Rows are R_PF by its rows, then p_PF. Times go from 0 to 1.
+        """
+        self._ask(asked)
+        self._loops.skipped[:] = False
+        told = self._loops.move(starts, ends, INTERPOLATIONS[interpolation])
+        return self._found(told, np.zeros((2, 0)), 1.0)
+
+    def follow(
+        self,
+        asked: MotionQuestion,
+        path: Floats,
+        rows: tuple[int, int] | None = None,
+        skipped: Booleans | None = None,
+    ) -> FoundMotion:
+        """Return what is true of a path (k, c) in joint space, in one piece, times by its rows.
+
+        Of a part of it from one row to another where ``rows`` are given, with pairs left out that
+        are ``skipped`` (n,).
+        """
+        self._ask(asked)
+        self._loops.skipped[:] = False if skipped is None else skipped
+        first, last = rows or (0, len(path) - 1)
+        if len(path) > 1:
+            return self._found(self._loops.follow(path, first, last), path, float(last))
+        resting = np.repeat(path, 2, axis=0)
+        return self._found(self._loops.follow(resting, 0, 1), resting, 0.0)
+
+    def skipped(self) -> Booleans:
+        """Return which pairs (n,) the last answer left out: they were not clear at its start."""
+        return self._loops.skipped.copy()
+
+    def _ask(self, asked: MotionQuestion) -> None:
+        self._loops.ask(
+            asked.min_distance,
+            asked.time_tolerance,
+            asked.max_evaluations,
+            ignores=asked.ignore_start_contacts,
+        )
+
+    def _found(self, told: Told, path: Floats, end: float) -> FoundMotion:
+        """Return what is told, with the pair that it is about; a motion ends at time ``end``."""
+        if told.verdict == STOPPED:
+            raise InterruptedError(f'stopped in edge {told.edge} of a path')
+        if told.verdict == NO_POSE:
+            raise PoseError(
+                f'The motion was refused: between {told.edge} and {told.edge + 1} of its time a '
+                'frame would be where no pose may be, too far away'
+            )
+        still = end == 0.0
+        pair, edge, time = told.seen_pair, told.seen_edge, told.seen_time
+        times = (end, end)
+        if told.verdict != CLEAR:
+            edge = told.edge
+            pair, time = told.pair, told.t1 if told.verdict == CONTACT else told.t0
+            times = _earlier(edge, told.t0), _later(edge, told.t1)
+        told_row = np.zeros(BATCH_WIDTH)
+        told_row[DISTANCE] = math.inf
+        a = b = -1
+        if pair >= 0:
+            found = self._loops.row(path, edge, time, pair)
+            rows = found.rows
+            if self._padded:
+                rows = padded_rows(rows, found.ids, self._paddings, self._world)
+            (told_row,), ((a, b),) = rows, found.ids.tolist()
+        return FoundMotion(
+            outcome=OUTCOMES[told.verdict],
+            times=(0.0, 0.0) if still else times,
+            time=0.0 if still else edge + time,
+            a=a,
+            b=b,
+            distance=float(told_row[DISTANCE]),
+            error_bound=float(told_row[ERROR_BOUND]),
+            lower_bound=told.lower_bound,
+            p_WCa=told_row[WITNESS_A : WITNESS_A + 3].copy(),
+            p_WCb=told_row[WITNESS_B : WITNESS_B + 3].copy(),
+            evaluations=told.evaluations,
+            ignored=told.ignored,
+        )
+
+
+def _earlier(edge: int, t: float) -> float:
+    """Return no more than edge + t."""
+    time = edge + t
+    return math.nextafter(time, -math.inf) if time - edge > t else time
+
+
+def _later(edge: int, t: float) -> float:
+    """Return no less than edge + t."""
+    time = edge + t
+    return math.nextafter(time, math.inf) if time - edge < t else time

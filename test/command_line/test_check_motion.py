@@ -1,0 +1,52 @@
+"""``check-motion``: what it tells, its table, its picture and its exit code."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+from batch.test_paths import ROD, SCENE
+from PIL import Image
+
+from drake_geom_ros.command_line.program import main
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp('rods')
+    (folder / 'rod.urdf').write_text(ROD)
+    (folder / 'scene.yaml').write_text(SCENE)
+    np.save(folder / 'clear.npy', [[math.pi, 0.0], [2 * math.pi, 0.0]])
+    np.save(folder / 'hit.npy', [[0.0, 0.0], [2 * math.pi, 0.0]])
+    return folder
+
+
+def test_a_clear_path_has_bounds_below_all_distances(folder, capsys):
+    table = folder / 'pieces.csv'
+    scene, path = str(folder / 'scene.yaml'), str(folder / 'clear.npy')
+    code = main(['check-motion', scene, '--path', path, '--csv', str(table), '--pieces', '20'])
+    assert code == 0
+    assert 'outcome clear\ntimes 1.0 1.0\n' in capsys.readouterr().out
+    rows = list(csv.DictReader(table.open()))
+    assert len(rows) == 20
+    assert {row['outcome'] for row in rows} == {'clear'}
+    for row in rows:
+        assert 0.0 < float(row['lower_bound']) <= float(row['distance']) + 1e-9
+
+
+def test_a_contact_is_told_and_drawn(folder, capsys):
+    picture = folder / 'hit.png'
+    scene, path = str(folder / 'scene.yaml'), str(folder / 'hit.npy')
+    asked = ['--picture', str(picture), '--pieces', '50']
+    assert main(['check-motion', scene, '--path', path, *asked]) == 1
+    out = capsys.readouterr().out
+    assert 'outcome contact' in out
+    assert 'between' in out
+    assert Image.open(picture).size == (960, 480)
+
+
+def test_what_is_no_path_is_said_in_a_line(folder, capsys):
+    np.save(folder / 'out.npy', [[0.0, 99.0]])
+    scene, path = str(folder / 'scene.yaml'), str(folder / 'out.npy')
+    assert main(['check-motion', scene, '--path', path]) == 2
+    assert 'rod::push = 99; it is outside its limits' in capsys.readouterr().err
