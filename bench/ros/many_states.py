@@ -136,7 +136,7 @@ def main() -> None:
     played = two_arms()
     with Processes() as processes:
         processes.start(NODE, scene_file=played.scene_file, max_distance=0.1)
-        with SceneGraphClient(patience=120.0) as client:
+        with SceneGraphClient(patience=600.0) as client:
             compare(client, played, options.states)
             print(f'poses at {RATE:g} Hz')
             delays(client, played, options.million, options.seconds)

@@ -20,7 +20,13 @@ from drake_geom_ros.client.results import (
     SignedDistance,
     SignedDistances,
 )
-from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
+from drake_geom_ros.client.scene_table import (
+    Geometry,
+    Joint,
+    JointState,
+    SceneTable,
+    UnknownNameError,
+)
 from drake_geom_ros.client.services import (
     RefusedError,
     Services,
@@ -37,6 +43,8 @@ __all__ = [
     'HeldFilter',
     'SceneTable',
     'Geometry',
+    'Joint',
+    'JointState',
     'SignedDistances',
     'SignedDistance',
     'Penetrations',

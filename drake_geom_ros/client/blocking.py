@@ -29,7 +29,7 @@ from drake_geom_ros.client.results import (
     SignedDistance,
     SignedDistances,
 )
-from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.client.scene_table import JointState, SceneTable
 from drake_geom_ros.client.services import (
     JointValues,
     Poses,
@@ -113,7 +113,21 @@ class SceneGraphClient:
         return time.monotonic() + self._patience
 
     def scene(self, version: int = 0) -> SceneTable:
-        """Return the present scene; wait until it has at least that version."""
+        """Return the present scene; wait until it has at least that version.
+
+        Its ``joints`` tell their limits and where they are now, as far as the node knows.
+        """
+        table = self._table(version)
+        return table.with_joint_states(self.joint_states()) if table.joints else table
+
+    def joint_states(self, names: Sequence[str] = ()) -> dict[str, JointState]:
+        """Return where joints are by ``robot::joint``, all or some, as far as the node knows."""
+        answer = self.ask('get_joint_positions', names=list(names))
+        rows = zip(answer.positions, answer.velocities, answer.ages, strict=True)
+        return dict(zip(answer.names, map(JointState._make, rows), strict=True))
+
+    def _table(self, version: int) -> SceneTable:
+        """Return the newest table of ~/scene; wait until it has at least that version."""
 
         def known() -> SceneTable | None:
             table = self.listener.table
@@ -279,7 +293,7 @@ class SceneGraphClient:
             },
         )
         answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
-        return States.of(answers, self.scene(answers[0].scene_version))
+        return States.of(answers, self._table(answers[0].scene_version))
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
         """Return the reasons why a pair is filtered; empty where it is not."""

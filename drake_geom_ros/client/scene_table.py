@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any, NamedTuple
@@ -102,6 +104,19 @@ class Geometry:
         return matches(self.names, pattern)
 
 
+class JointState(NamedTuple):
+    """Where a joint is, as far as the node knows."""
+
+    position: float  # [rad] or [m]; nan: it has no value, and what hangs on it waits
+    velocity: float  # [rad/s] or [m/s]; nan: nobody knows
+    age: float  # [s] since it was heard of; inf: never, or not since the clock jumped
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it has a value, be it only that of the scene file."""
+        return not math.isnan(self.position)
+
+
 class Joint(NamedTuple):
     """A joint of a robot that has a value of its own."""
 
@@ -110,6 +125,8 @@ class Joint(NamedTuple):
     type: str  # as in the URDF
     limits: tuple[float, float]  # [rad] or [m]; infinite where there is none
     frame: Frame | None  # of the link that it moves, by source and name; None: it is no frame
+    # Where it is as far as the node knew when it was asked; a table from ~/scene alone tells None.
+    state: JointState | None = None
 
     @property
     def full_name(self) -> str:
@@ -183,6 +200,14 @@ class SceneTable:
         names = {id: full_name(line[0]) if line else WORLD for id, line in lines.items()}
         versions = message.scene_version, parents, message.names_version
         return cls(geometries, *versions, names, joints)
+
+    def with_joint_states(self, states: Mapping[str, JointState]) -> SceneTable:
+        """Return the same table, the states of joints by full name with it."""
+        other = copy(self)
+        other.joints = tuple(
+            each._replace(state=states.get(each.full_name)) for each in self.joints
+        )
+        return other
 
     def __getitem__(self, geometry_id: int) -> Geometry:
         return self.geometries[int(geometry_id)]

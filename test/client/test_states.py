@@ -5,6 +5,7 @@ import pytest
 from ros.harness import start_node
 from ros.inputs.test_joint_input import ARM, AT, JOINTS_OF_ARM
 from ros.services.test_states import BOUNDS, OBSTACLES
+from sensor_msgs.msg import JointState
 
 from drake_geom_ros.batch import Joints, evaluate
 from drake_geom_ros.client import RefusedError, SceneGraphClient, states
@@ -25,7 +26,9 @@ def scene_file(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def asked(scene_file):
-    process = start_node(scene_file.parent / 'log', name='planned', scene_file=scene_file)
+    process = start_node(
+        scene_file.parent / 'log', name='planned', scene_file=scene_file, use_joint_states=True
+    )
     with SceneGraphClient('/planned') as client:
         yield client
     assert process.end() == 0, process.output()
@@ -101,3 +104,25 @@ def test_no_states_have_no_answers(asked):
     found = asked.evaluate_states(JOINTS_OF_ARM, np.zeros((0, 3)))
     assert len(found.free) == 0
     assert found.first_not_free == -1
+
+
+def test_the_scene_tells_where_its_joints_are(asked):
+    joints = {joint.name: joint for joint in asked.scene().joints}
+    assert not any(joint.state.is_known for joint in joints.values())
+    publisher = asked.node.create_publisher(JointState, '/joint_states', 10)
+    asked.wait_for(publisher.get_subscription_count, 'a listener to joint states')
+
+    def heard():
+        message = JointState(name=['shoulder', 'wrist'], position=[0.5, -0.3], velocity=[0.1, 0.0])
+        message.header.stamp = asked.node.get_clock().now().to_msg()
+        publisher.publish(message)
+        return asked.joint_states(['shoulder'])['arm::shoulder'].is_known
+
+    asked.wait_for(heard, 'the joints')
+    shoulder, wrist, finger = (joint.state for joint in asked.scene().joints)
+    assert (shoulder.position, shoulder.velocity, wrist.position) == (0.5, 0.1, -0.3)
+    assert 0.0 <= shoulder.age < 30.0
+    assert not finger.is_known
+    assert finger.age == np.inf
+    with pytest.raises(RefusedError, match="no joint 'elbow'"):
+        asked.joint_states(['elbow'])

@@ -15,6 +15,7 @@ from drake_geom_ros.ros.services import (
     cameras,
     files,
     filters,
+    joints,
     queries,
     scene,
     shapes,
@@ -87,6 +88,7 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ('has_collisions', srv.HasCollisions, queries.has_collisions),
     ('get_pose', srv.GetPose, queries.get_pose),
     ('get_pose_ages', srv.GetPoseAges, ages.get_pose_ages),
+    ('get_joint_positions', srv.GetJointPositions, joints.get_joint_positions),
     ('list_cameras', srv.ListCameras, cameras.list_cameras),
 )
 

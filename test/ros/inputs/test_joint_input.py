@@ -217,6 +217,27 @@ def test_strangers_numbers_may_be_anything(folder, clock):
         assert joints.take(scene, state(names, (0.1, 0.2, 0.0, math.nan)), 0.0) == 4
 
 
+def test_messages_with_times_that_go_back_count_as_they_come(folder, clock):
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
+    with live.editing() as scene:
+        scene.watch_motion(GAP)
+        for stamp, q in ((1000.0, 0.1), (999.5, 0.2), (999.9, 0.3), (0.0, 0.4), (998.0, 0.5)):
+            joints.take(scene, state(JOINTS_OF_ARM, (q, 0.0, 0.0), stamp), 0.0)
+            assert_stands(scene, [q, 0.0, 0.0], X_WB)
+        # The newest time of all does not make what came last younger than it says it is.
+        assert scene.pose_ages()['arm::hand'] == 2.0
+
+
+def test_efforts_alone_are_no_values(folder, clock):
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
+    with live.editing() as scene:
+        message = state(JOINTS_OF_ARM, ())
+        message.effort = [1.0, 2.0, 3.0]
+        with pytest.raises(RuntimeError, match='position holds 0 numbers for 3 names'):
+            joints.take(scene, message, 0.0)
+        assert waiting(scene) >= {'upper', 'hand'}
+
+
 def test_a_link_is_as_old_as_its_oldest_joint(folder, clock):
     live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
     with live.editing() as scene:
