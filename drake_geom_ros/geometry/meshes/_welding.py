@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._library import near_one_another
+from drake_geom_ros.geometry.meshes.tolerances import WELDED_APART
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Vertices of an open surface that are nearer than this [-], relative to its size, may be meant to
-# be one: the last digits of files that round to 8 or more. No part that is made has such a gap.
-WELDED_APART = 1e-8
 ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"
 
 
