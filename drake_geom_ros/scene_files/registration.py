@@ -15,6 +15,7 @@ from drake_geom_ros.geometry import (
     GeometryId,
     GeometryInstance,
     GeometrySet,
+    Mesh,
     Role,
     SceneGraph,
     SceneGraphContext,
@@ -51,8 +52,9 @@ class LoadedScene:
     the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
     parent of each frame that the description gives one, which contexts made later begin with;
     ``static``, of each frame of which the description says it, whether its pose does not grow old;
-    ``cameras`` with the frames that they are on; ``warnings``, filters that are ``awaited`` and
-    proximity ``rules`` are those of the description.
+    ``cameras`` with the frames that they are on; ``warnings`` those of the description, and what
+    was welded to make solids of meshes; filters that are ``awaited`` and proximity ``rules`` are
+    those of the description.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -144,6 +146,7 @@ class _Registration:
         self._frames: dict[tuple[str, str], FrameId] = {}
         self._geometries: dict[tuple[str, str, str], GeometryId] = {}
         self._geometry_ids: list[GeometryId] = []
+        self._welded: list[str] = []
 
     def run(self) -> LoadedScene:
         description = self._description
@@ -186,7 +189,7 @@ class _Registration:
                 if frame.static is not None
             },
             tuple((self._frame_id(c.source, c.frame), c) for c in description.cameras),
-            description.warnings,
+            (*description.warnings, *self._welded),
             description.awaited,
             description.rules,
         )
@@ -272,6 +275,14 @@ class _Registration:
         self._geometry_ids.append(geometry_id)
         if Role.kProximity in geometry.roles:
             self._geometries[geometry.source, geometry.frame, geometry.name] = geometry_id
+            self._tell_of_weldings(geometry)
+
+    def _tell_of_weldings(self, geometry: GeometryDescription) -> None:
+        """Note what was welded to make a solid of a mesh."""
+        properties, shape = geometry.roles[Role.kProximity], geometry.shape
+        if isinstance(shape, Mesh) and properties.GetPropertyOrDefault('mesh', 'solid', False):
+            name = f'{geometry.source}::{geometry.frame}/{geometry.name}'
+            self._welded += [f'{name}: {told}' for told in shape.weldings()]
 
     def _set(self, members: tuple[Member, ...]) -> GeometrySet:
         geometry_ids = [
