@@ -10,6 +10,7 @@ CODE = """
 import math
 import numpy as np
 from numba.core import event
+from oracles.engine_calls import candidates, has_overlap, signed_distances
 from oracles.worlds import filters_of
 from oracles.worlds import random_world, shuffle
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
