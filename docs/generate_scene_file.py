@@ -141,7 +141,8 @@ def kind(given: dict[str, Any]) -> str:
 
 def _of_type(name: str, given: dict[str, Any]) -> str:
     if name == 'array':
-        count = f'{given["minItems"]} ' if 'minItems' in given else 'list of '
+        is_fixed = given.get('minItems', 0) == given.get('maxItems')
+        count = f'{given["minItems"]} ' if is_fixed else 'list of '
         items = given['items']
         if items.get('type') == 'array':
             return f'{count}lists of {_of_type("array", items).removeprefix("list of ")}'
