@@ -53,30 +53,31 @@ class RuleEvents:
         self, scene: HeldScene, distances: SignedDistanceResults | None, reach: float
     ) -> None:
         """Decide by the poses of now; ``distances`` are those within ``reach`` [m], if any."""
+        if not scene.rules.rules:  # what there is to tell of that, ``look_again`` tells
+            return
         start = time.perf_counter()
-        rules = scene.rules
-        rules.bind(scene.query)
-        computed = 0
-        if rules.rules:
-            seen = None if distances is None else (distances, reach)
-            blind = scene.blind_frames(self._stale_after())
-            self._decided = scene.clocks.steady()
-            computed = rules.decide(self._decided, scene.query, blind, seen, scene.twists())
-        self._tell(scene, scene.rules.take_events())
-        if rules.rules:
-            self._did(computed, time.perf_counter() - start)
+        rules, query = scene.rules, scene.query
+        rules.bind(query)
+        seen = None if distances is None else (distances, reach)
+        blind = scene.blind_frames(self._stale_after())
+        self._decided = scene.clocks.steady()
+        computed = rules.decide(self._decided, query, blind, seen, scene.twists())
+        self._tell(scene, rules.take_events())
+        self._did(computed, time.perf_counter() - start)
 
     def look_again(self, scene: EditableScene) -> None:
         """Decide although no cycle ran: poses grow old, times run out, the scene was changed."""
         rules, now = scene.rules, scene.clocks.steady()
         if now - self._decided < PERIOD / 2.0:
             return
-        rules.bind(scene.query)
-        if not rules.rules or not rules.is_measured:
+        if rules.rules:
+            rules.bind(scene.query)
+        if rules.rules and not rules.is_measured:
             self.look_at(scene, None, 0.0)
             return
         self._decided = now
-        rules.wait(now, scene.blind_frames(self._stale_after()))
+        if rules.rules:
+            rules.wait(now, scene.blind_frames(self._stale_after()))
         self._tell(scene, rules.take_events())
 
     def forget(self) -> None:
