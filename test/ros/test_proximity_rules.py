@@ -125,13 +125,13 @@ def test_a_hand_that_comes_and_goes(client):
     numbers = sequences(events)
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
     assert states[-1].next_sequence == numbers[-1] + 1
-    stop = next(m for m in events if STOP in m.rule and m.entered[0])
+    near = msg.ProximityEvents.NEAR
+    stop = next(m for m in events if m.rule[0] == STOP and m.entered[0] and m.why[0] == near)
     assert (stop.geometry_a[0], stop.geometry_b[0]) in (
         ('arm::hand/ball', 'cell::world/post'),
         ('cell::world/post', 'arm::hand/ball'),
     )
     assert stop.distance[0] == pytest.approx(0.04, abs=1e-9)
-    assert stop.why[0] == msg.ProximityEvents.NEAR
     assert np.linalg.norm(np.subtract(stop.p_wca, stop.p_wcb)) == pytest.approx(0.04)
     assert stop.accuracy == 'exact'
     assert stop.header.stamp.sec >= 1
