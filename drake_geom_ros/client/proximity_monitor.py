@@ -144,12 +144,12 @@ class ProximityMonitor:
                 return f'there is no proximity rule {name!r}{nearest(name, known)}'
             if trouble := known[name].trouble:
                 return trouble
-        if not any(rule.level == 'stop' for rule in known.values()):
-            return 'no proximity rule says when to stop'
+        stops = [rule for rule in known.values() if rule.level == 'stop']
+        if all(rule.trouble for rule in stops):  # or there is none
+            return next((rule.trouble for rule in stops), 'no proximity rule says when to stop')
         if not self.is_alive:
             return f'{self._server} is silent for more than {SILENCE:g} s'
-        entered = [r for r in known.values() if r.entered and r.level == 'stop']
-        return ', '.join(f'{rule.name}: {rule.why}' for rule in entered)
+        return ', '.join(f'{rule.name}: {rule.why}' for rule in stops if rule.entered)
 
     def _hear_scale(self, message: Any) -> None:
         self._heard, self._scale = time.monotonic(), float(message.data)

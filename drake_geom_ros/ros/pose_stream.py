@@ -101,10 +101,9 @@ class PoseStream:
 
     def rules_are_due(self) -> None:
         """Decide about proximity rules where no cycle did."""
-        if self.active:  # not any more while the scene is closed
-            with self._live.editing() as scene:
-                if self.active:
-                    self._cycle.rules.look_again(scene)
+        with self._live.reading() as scene:
+            if self.active:
+                self._cycle.rules.look_again(scene)
 
     def _posed(self, scene: EditableScene, frames: int, start: float) -> None:
         """Run a cycle for poses whose taking began at ``start``, or leave it to the timer."""

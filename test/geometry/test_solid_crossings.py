@@ -65,9 +65,6 @@ def two_bodies(rng, n, step, scale):
     return np.array(vertices), np.array(triangles), *relation(filled, lines)
 
 
-ROUNDING = 1e-12  # the lines are at a few units
-
-
 def relation(filled, lines):
     """Whether two bodies of cells overlap, and whether they have part of a face in common."""
     overlap = flush = False
@@ -75,10 +72,8 @@ def relation(filled, lines):
         at = np.arange(3)
         low = np.maximum(lines[0][at, i], lines[1][at, j])
         high = np.minimum(lines[0][at, i + 1], lines[1][at, j + 1])
-        # What rounding of the lines makes of one line is neither.
-        above, level = high - low > ROUNDING, abs(high - low) <= ROUNDING
-        overlap |= bool(above.all())
-        flush |= bool((above | level).all() and level.sum() == 1)
+        overlap |= bool((low < high).all())
+        flush |= bool((low <= high).all() and (low == high).sum() == 1)
     return overlap, flush
 
 

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 from drake_geom_ros.geometry import SignedDistanceResults
 from drake_geom_ros.proximity_rules import Event
 from drake_geom_ros.ros.conversions.proximity_rules import fill_events
-from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.rule_states import fill_rule_states
 
@@ -65,7 +64,7 @@ class RuleEvents:
         self._tell(scene, rules.take_events())
         self._did(computed, time.perf_counter() - start)
 
-    def look_again(self, scene: EditableScene) -> None:
+    def look_again(self, scene: HeldScene) -> None:
         """Decide although no cycle ran: poses grow old, times run out, the scene was changed."""
         rules, now = scene.rules, scene.clocks.steady()
         if now - self._decided < PERIOD / 2.0:

@@ -261,7 +261,8 @@ class HeldScene:
         values = self.feeders.contested()
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
         told = [] if self._twists is None else self._twists.troubles(self.names)
-        told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *self.rules.troubles()]
+        rules = self.rules.troubles(watches_motion=self.watches_motion)
+        told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *rules]
         if not names:
             return told
         return [

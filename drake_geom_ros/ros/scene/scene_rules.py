@@ -172,9 +172,16 @@ class SceneRules:
         """Believe no distance of before: nobody looked for a while."""
         self._monitor.is_measured = False
 
-    def troubles(self) -> list[str]:
-        """Return which rules can never be entered as the scene is, in words."""
-        return [state.trouble for state in self.states() if state.trouble]
+    def troubles(self, *, watches_motion: bool) -> list[str]:
+        """Return which rules can never be entered, or not for all that they say, in words."""
+        told = [state.trouble for state in self.states() if state.trouble]
+        blind = [rule.name for rule in self.rules if rule.min_time_to_contact]
+        if blind and not watches_motion:
+            told.append(
+                f'min_time_to_contact does not count, for nobody watches how bodies move: proximity '
+                f'rules {some_of(blind)}; set the parameter closing_speeds'
+            )
+        return told
 
     def in_words(self) -> str:
         """Return how many rules there are, and which are entered."""
