@@ -178,8 +178,8 @@ class SceneRules:
         blind = [rule.name for rule in self.rules if rule.min_time_to_contact]
         if blind and not watches_motion:
             told.append(
-                f'min_time_to_contact does not count, for nobody watches how bodies move: proximity '
-                f'rules {some_of(blind)}; set the parameter closing_speeds'
+                'min_time_to_contact does not count, for nobody watches how bodies move: '
+                f'proximity rules {some_of(blind)}; set the parameter closing_speeds'
             )
         return told
 
