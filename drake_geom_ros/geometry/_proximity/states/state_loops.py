@@ -25,7 +25,11 @@ from drake_geom_ros.geometry._proximity.points.sharing import (
     shared_point_distances,
 )
 from drake_geom_ros.geometry._proximity.states.certified import any_near, nearest_pairs
-from drake_geom_ros.geometry._proximity.states.groups import GroupArrays, groups_of
+from drake_geom_ros.geometry._proximity.states.groups import (
+    GroupArrays,
+    groups_of,
+    moved_together,
+)
 from drake_geom_ros.geometry._proximity.states.loops import (
     any_overlap,
     pairs_within_cutoff,
@@ -54,11 +58,7 @@ class StateLoops:
         self._world, self._pairs, self._rows = world, pairs, rows
         self._slots = np.arange(len(pairs))
         self._hits = np.zeros(len(pairs), dtype=np.int64)
-        # What hangs on a frame that moves stays together; all else is far apart, mostly.
-        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
-        apart = len(world.frames.ids) + alone
-        _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
-        self._groups: GroupArrays = groups_of(groups, pairs)[:]
+        self._groups: GroupArrays = groups_of(moved_together(world, rows), pairs)[:]
         self._memory = empty_memory(len(pairs))
 
     def _compile(self, level_gap: float) -> None:
