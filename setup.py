@@ -31,9 +31,6 @@ EXTRAS = {
 }
 
 
-HOME = 'https://drake-geom-ros.invalid'  # the host of the maintainers' address
-
-
 def shared(folder):
     """List the files of a folder for the share of the package, where launch looks for them."""
     return (f'{SHARE}/{folder}', sorted(str(path) for path in Path(folder).glob('*.*')))
@@ -46,13 +43,6 @@ setup(
     license='Apache-2.0',
     maintainer='drake_geom_ros maintainers',
     maintainer_email='maintainers@drake-geom-ros.invalid',
-    url=HOME,
-    project_urls={
-        'Documentation': f'{HOME}/docs',
-        'Changelog': f'{HOME}/CHANGELOG.rst',
-        'Source': f'{HOME}/source',
-        'Issues': f'{HOME}/issues',
-    },
     python_requires='>=3.10,<3.14',  # those that are tested
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={NAME: ['py.typed', '*/*.schema.json']},

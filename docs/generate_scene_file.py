@@ -40,6 +40,7 @@ _SECTIONS = (
     ('Filters', 'filters'),
     ('Sets of geometries', 'set'),
     ('Cameras', 'camera'),
+    ('Proximity rules', 'proximity_rule'),
 )
 # Keys whose value is a mapping with keys of its own.
 _PARTS = {'roles': 'Roles', 'group': 'Group', 'clique': 'Clique'}
@@ -61,6 +62,8 @@ _KINDS = {
     'statement': 'statement',
     'camera': '[camera](#cameras)',
     'frame_name': 'text',
+    'proximity_rule': '[proximity rule](#proximity-rules)',
+    'patterns': 'text, or list of texts',
 }
 
 
@@ -138,7 +141,8 @@ def kind(given: dict[str, Any]) -> str:
 
 def _of_type(name: str, given: dict[str, Any]) -> str:
     if name == 'array':
-        count = f'{given["minItems"]} ' if 'minItems' in given else 'list of '
+        is_fixed = given.get('minItems', 0) == given.get('maxItems')
+        count = f'{given["minItems"]} ' if is_fixed else 'list of '
         items = given['items']
         if items.get('type') == 'array':
             return f'{count}lists of {_of_type("array", items).removeprefix("list of ")}'

@@ -17,7 +17,7 @@ from ompl import base, geometric, util
 from drake_geom_ros.client import SceneGraphClient
 
 ROBOT, JOINTS = 'left', [f'panda_joint{k}' for k in range(1, 8)]
-GOAL = (1.1, 0.55, 0.0, -1.9, 0.0, 2.45, 0.785)  # [rad] over the far side of the table
+GOAL = (1.1, 0.5, 0.0, -1.6, 0.0, 2.3, 0.785)  # [rad] over the far side of the table
 STEP = 0.05  # [rad] between two states of an edge
 CLEARANCE = 0.005  # [m] that every pair is certified to be farther apart
 

@@ -16,6 +16,21 @@ find_underlay() {
   done
 }
 
+# Which ROS is used, and where what is made for it is kept: a distribution that is sourced, or what
+# PyPI has, Kilted or what ROS_DISTRO names, each in an environment of its own.
+choose_ros() {
+  local name=kilted folder=$root
+  underlay=$(find_underlay)
+  [[ -n $underlay ]] || name=${ROS_DISTRO:-kilted}
+  wheels=$root/requirements/$name # the pins of its packages
+  venv=$root/.venv
+  logs=$root/log/setup
+  if [[ $name != kilted ]]; then venv+=-$name; logs+=-$name; folder=$venv; fi
+  builds=$folder/build
+  prefix=$folder/install/drake_geom_msgs
+  tf2_msgs=$folder/install/for_tests/tf2_msgs # where install/setup.bash does not look
+}
+
 # "3.11.2 /usr/bin/python3" of an interpreter; -S leaves out site hooks (faster).
 describe_python() {
   "$1" -S -c 'import sys; print("%d.%d.%d" % sys.version_info[:3], sys.base_prefix)' 2>/dev/null
@@ -44,15 +59,17 @@ find_python() {
 
 # The keys of the steps: each is a hash over all that the step's result depends on.
 compute_keys() {
-  underlay=$(find_underlay)
+  choose_ros
+  [[ -d $wheels ]] || fail "ROS_DISTRO=${ROS_DISTRO:-} is none of: $(cd "$root/requirements"; echo */ | tr -d /).
+     These are on PyPI; of another, source its setup.bash first, or unset ROS_DISTRO."
   python=$(find_python)
-  venv_key=$(printf '%s\n' "$root" "$(describe_python "$python")" "$underlay" | hash)
+  venv_key=$(printf '%s\n' "$venv" "$(describe_python "$python")" "$underlay" | hash)
   packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt
-    { echo "$venv_key"; cat -- *.txt; } | hash)
+    { echo "$venv_key"; cat -- *.txt "$wheels"/*.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"
     cd "$root"
-    cat requirements/ros*.txt requirements/build.txt
+    cat "$wheels"/*.txt requirements/build.txt
     contents msg_defs
   } | hash)
   tf2_msgs_key=$({ echo "$messages_key"; cd "$root"; contents test/msg_defs; } | hash)
@@ -194,7 +211,7 @@ make_venv() {
   local base
   base=$("$python" -S -c 'import sys; print("%s/bin/python%d.%d" % (
     sys.base_prefix, *sys.version_info[:2]))')
-  rm -rf "$venv" "$root"/build/{drake_geom,tf2}_msgs "$prefix" "$tf2_msgs"
+  rm -rf "$venv" "$builds"/{drake_geom,tf2}_msgs "$prefix" "$tf2_msgs"
   # A ROS distribution's Python modules are the system's; they must stay visible.
   "$base" -m venv ${underlay:+--system-site-packages} "$venv"
   if [[ -n $underlay ]]; then "$venv/bin/python" -c 'import rclpy'; fi
@@ -209,7 +226,8 @@ install_packages() {
       "$venv/bin/python" keep_present.py "$venv" "${sets[@]/%/.txt}" lock.txt)
     arguments=(-r "$venv/missing.txt")
   else
-    for name in "${sets[@]}" ros ros_build; do arguments+=(-r "$root/requirements/$name.txt"); done
+    for name in "${sets[@]}"; do arguments+=(-r "$root/requirements/$name.txt"); done
+    arguments+=(-r "$wheels/ros.txt" -r "$wheels/ros_build.txt" -c "$wheels/lock.txt")
   fi
   pip_add "${arguments[@]}"
   [[ -n $underlay ]] || { "$venv/bin/python" -m pip check; relocate_exports; }
@@ -300,8 +318,8 @@ build_interfaces() {
   prepare_environment
   cd "$root"
   # colcon would hold jobs back by the load of the whole machine.
-  MAKEFLAGS=-j$(nproc) colcon build --base-paths "$1" --install-base "${2%/*}" \
-    --event-handlers console_direct+ --cmake-args "${cmake_args[@]}" \
+  MAKEFLAGS=-j$(nproc) colcon build --base-paths "$1" --build-base "$builds" \
+    --install-base "${2%/*}" --event-handlers console_direct+ --cmake-args "${cmake_args[@]}" \
     -DPython3_EXECUTABLE="$venv/bin/python" "${@:3}"
   enter "$2"
   python -c "import ${2##*/}.msg"

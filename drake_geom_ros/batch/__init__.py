@@ -21,7 +21,7 @@ from drake_geom_ros.batch.checker import Checker, Clearance
 from drake_geom_ros.batch.cluster import cluster_executor
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
-from drake_geom_ros.batch.paths import check_path, check_paths
+from drake_geom_ros.batch.paths import PathChecker, check_path, check_paths
 from drake_geom_ros.batch.questions import WANTS, Question
 from drake_geom_ros.batch.results import LeastDistances, PairsOfStates, PointsOfStates
 from drake_geom_ros.batch.running import BatchError
@@ -29,6 +29,7 @@ from drake_geom_ros.batch.running import BatchError
 __all__ = [
     'Checker',
     'Clearance',
+    'PathChecker',
     'evaluate',
     'check_path',
     'check_paths',

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
-from drake_geom_ros.batch.paths import check_paths
+from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.batch.results import LeastDistances
 from drake_geom_ros.geometry import MotionCheck, SceneGraph, SceneGraphContext
 
@@ -43,8 +43,7 @@ def profile_of_path(
     times = np.union1d(inner, np.arange(len(rows)))
     known = np.arange(len(rows))
     states = np.column_stack([np.interp(times, known, column) for column in rows.T])
-    edges = np.stack((states[:-1], states[1:]), axis=1) if len(rows) > 1 else states[:, None]
-    checks = check_paths(scene_graph, joints, list(edges), **asked)
+    checks = PathChecker(scene_graph, joints, **asked).check_edges(states)
     least = evaluate(scene_graph, states=states, joints=joints, want='least')
     assert isinstance(least, LeastDistances)
     return PathProfile(

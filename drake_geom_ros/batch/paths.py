@@ -1,9 +1,9 @@
-"""``check_path`` and ``check_paths``: whether whole paths of joint values are clear."""
+"""``PathChecker``, ``check_path`` and ``check_paths``: whether whole paths are clear."""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -17,6 +17,7 @@ from drake_geom_ros.batch.questions import Question
 from drake_geom_ros.batch.running import cores
 from drake_geom_ros.geometry import (
     ArgumentError,
+    GeometryError,
     MotionCheck,
     SceneGraph,
     SceneGraphContext,
@@ -26,6 +27,7 @@ from drake_geom_ros.geometry.queries.motion_queries import (
     MotionQueries,
     MotionQuestion,
 )
+from drake_geom_ros.geometry.queries.scene_mark import SceneMark
 from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
@@ -93,18 +95,19 @@ def check_paths(
 
     An array (N, k, q) is N paths. Raises as ``check_path``, and names the path.
     """
-    if not isinstance(joints, Joints):
-        raise ArgumentError(
-            f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
-        )
     if threads < 0:
         raise ArgumentError(f'threads={threads} must be >= 0')
-    asked = MotionQuestion(
-        float(min_distance), float(time_tolerance), max_evaluations, ignore_start_contacts
+    checker = PathChecker(
+        scene_graph,
+        joints,
+        min_distance,
+        time_tolerance,
+        max_evaluations,
+        accuracy=accuracy,
+        ignore_start_contacts=ignore_start_contacts,
+        ignore_limits=ignore_limits,
     )
-    every = [_path_of(path, k, joints, ignore_limits) for k, path in enumerate(paths)]
-    checker = _PathChecker(scene_graph, joints, asked, accuracy)
-    return checker.check(every, threads or cores())
+    return checker.check_each(paths, threads)
 
 
 def _path_of(path: ArrayLike, number: int, joints: Joints, ignore_limits: bool) -> Floats:
@@ -135,18 +138,38 @@ def _path_of(path: ArrayLike, number: int, joints: Joints, ignore_limits: bool) 
     return rows
 
 
-class _PathChecker:
-    """A scene and joints, prepared once for many paths."""
+class PathChecker:
+    """Whether paths are clear: prepared once, as planners need it, then asked about each edge.
+
+    Arguments and answers are those of ``check_path``. The scene is that of now: once it changes,
+    its filters or the poses of frames that the joints do not move, a checker refuses to answer.
+    Any number of threads may use one at once; a context must not change meanwhile.
+    """
 
     def __init__(
         self,
         scene_graph: SceneGraph | SceneGraphContext,
         joints: Joints,
-        asked: MotionQuestion,
-        accuracy: str,
+        min_distance: float = 0.0,
+        time_tolerance: float = TIME_TOLERANCE,
+        max_evaluations: int = 0,
+        *,
+        accuracy: str = '',
+        ignore_start_contacts: bool = False,
+        ignore_limits: bool = False,
     ) -> None:
+        """Prepare; raises ArgumentError and PoseError as ``check_path`` does."""
+        if not isinstance(joints, Joints):
+            raise ArgumentError(
+                f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
+            )
+        self._asked = MotionQuestion(
+            float(min_distance), float(time_tolerance), max_evaluations, ignore_start_contacts
+        )
+        self.joints, self._ignore_limits = joints, ignore_limits
+        self._mark = SceneMark(scene_graph, joints.id_values)
         context = context_of(scene_graph)
-        level = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy
+        self._level = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy
         still = still_poses(joints.arms, joints.id_values)
         self._scene, self._ids = PackedScene.of(
             context, joints.id_values, still, about_points=False
@@ -157,28 +180,64 @@ class _PathChecker:
                 'be clear of what nobody looks at. The robot has no collision geometry in this '
                 'scene, or filters leave all of it out'
             )
-        self._level, self._count, self._asked = level, joints.count, asked
         self._chain = chain_of_arms(joints.arms)
-        self._own = threading.local()
-        self._stop = np.zeros(1, dtype=np.int64)
+        self._own, self._stop = threading.local(), np.zeros(1, dtype=np.int64)
 
-    def check(self, paths: Sequence[Floats], threads: int) -> list[MotionCheck]:
-        """Return what is true of each path."""
-        if threads == 1:
-            return [self._check(path, None) for path in paths]
-        with ThreadPoolExecutor(threads) as pool:
+    def check(self, path: ArrayLike) -> MotionCheck:
+        """Return what is true of a path (k, q), by this thread.
+
+        Raises ArgumentError for what is no path, GeometryError once the scene has changed.
+        """
+        self._refuse_another_scene()
+        return self._check(_path_of(path, 0, self.joints, self._ignore_limits))
+
+    def check_each(self, paths: Iterable[ArrayLike], threads: int = 0) -> list[MotionCheck]:
+        """Return what is true of each path, by threads (0: one for each core); raises as above."""
+        every = [
+            _path_of(path, k, self.joints, self._ignore_limits) for k, path in enumerate(paths)
+        ]
+        self._refuse_another_scene()
+        count = threads or cores()
+        if count == 1:
+            return [self._check(path) for path in every]
+        with ThreadPoolExecutor(count) as pool:
             try:
-                if len(paths) == 1:
-                    return [self._check(paths[0], pool)]
-                return list(pool.map(self._check, paths))
+                if len(every) == 1:
+                    return [self._check(every[0], pool)]
+                return list(pool.map(self._check, every))
+            except BaseException:
+                self._stop[0] = 1  # what still runs ends
+                raise
             finally:
-                self._stop[0] = 1
+                pool.shutdown(cancel_futures=True)
+                self._stop[0] = 0
+
+    def check_edges(self, path: ArrayLike) -> list[MotionCheck]:
+        """Return what is true of each edge of a path (k, q) alone, times by the path's rows.
+
+        Pairs that are left out because they are not clear at the start are those of the path's.
+        """
+        rows = _path_of(path, 0, self.joints, self._ignore_limits)
+        self._refuse_another_scene()
+        queries, asked = self._queries(), self._asked
+        found = [queries.follow(asked, rows, (0, min(1, len(rows) - 1)))]
+        skipped = queries.skipped()
+        for k in range(1, len(rows) - 1):
+            found.append(queries.follow(asked, rows, (k, k + 1), skipped))
+        return [MotionCheck.of(each, self._ids) for each in found]
+
+    def _refuse_another_scene(self) -> None:
+        if not self._mark.is_of_now():
+            raise GeometryError(
+                'the scene was changed since this checker was prepared: what is in it, its '
+                'filters, or the pose of a frame that the joints do not move. Make a new one'
+            )
 
     def _queries(self) -> MotionQueries:
         """Return this thread's queries."""
         if not hasattr(self._own, 'queries'):
             self._own.queries = MotionQueries(
-                self._scene, self._level, self._stop, self._chain, self._count
+                self._scene, self._level, self._stop, self._chain, self.joints.count
             )
         queries: MotionQueries = self._own.queries
         return queries

@@ -12,6 +12,11 @@ from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient
 from drake_geom_ros.client.held_filter import HeldFilter, sleep
 from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.listening import SceneListener
+from drake_geom_ros.client.proximity_monitor import (
+    ProximityEvent,
+    ProximityMonitor,
+    RuleStanding,
+)
 from drake_geom_ros.client.results import (
     Penetration,
     Penetrations,
@@ -56,6 +61,9 @@ __all__ = [
     'IncompleteError',
     'UnknownNameError',
     'States',
+    'ProximityMonitor',
+    'ProximityEvent',
+    'RuleStanding',
     'frame_poses',
     'joint_positions',
     'exclude_between',

@@ -21,7 +21,8 @@ class SpeedScale:
     scale ascends in a straight line from 0 at the greatest ``enter`` of the stop rules that share
     a pair with it (0 m where none does) to 1 at its ``leave``, or as its own ``scale`` says; and
     while a pair would touch sooner than ``min_time_to_contact``, it is at most the part of that
-    time that is left. While a slow rule is entered for want of a pose it is the scale's least.
+    time that is left. While a slow rule is entered for want of a pose, or one that it needs never
+    came, it is the scale's least.
     """
 
     def __init__(self, rules: Sequence[ProximityRule], watched: WatchedPairs) -> None:
@@ -46,12 +47,13 @@ class SpeedScale:
         if (self._stops & (entered | blind)).any():
             return 0.0
         scale = 1.0
-        lacking = (entered & blind)[self._slow]
+        unseen = (entered & blind) | reasons.absent
+        lacking = unseen[self._slow]
         near = reasons.lowest[self._slow] < self._ends
         soon = (reasons.soonest < limits.least_time)[self._slow]
         for number in self._slow[near | soon | lacking].tolist():
             distances, scales = self._curves[number]
-            lowest = -np.inf if blind[number] and entered[number] else reasons.lowest[number]
+            lowest = -np.inf if unseen[number] else reasons.lowest[number]
             scale = min(scale, float(np.interp(lowest, distances, scales)))
             if limits.least_time[number] > 0.0:
                 scale = min(scale, float(reasons.soonest[number] / limits.least_time[number]))

@@ -17,6 +17,7 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.ros import rule_topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.guard import Guard
@@ -24,7 +25,7 @@ from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.joint_listening import JointListening
 from drake_geom_ros.ros.namesakes import Namesakes
-from drake_geom_ros.ros.outputs import cameras, level_costs, replays
+from drake_geom_ros.ros.outputs import cameras, level_costs, replays, rule_events
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
@@ -105,10 +106,14 @@ class ConfiguredNode:
             live, surface, settings, lambda: self._stream.active, node.get_logger().warning
         )
         self._beside = {**self._told_beside(), **self._shown.beside}
+        decided = rule_topics.effect()
+        self._rules = rule_topics.rule_events(
+            surface, lambda: settings.values.stale_after, decided.did
+        )
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
-        told = (*self._beside.values(), self._cameras.beside)
-        self._cycle = Cycle(messages, publishers, self._costs, self._replays, told)
+        told = (*self._beside.values(), self._cameras.beside, decided)
+        self._cycle = Cycle(messages, publishers, self._costs, self._replays, self._rules, told)
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,
@@ -141,6 +146,9 @@ class ConfiguredNode:
 
     def activate(self) -> None:
         """Publish from now on."""
+        with self.live.editing() as scene:
+            scene.rules.measure_again()
+            self._rules.forget()
         self._stream.active = True
         self._guard.attempt(self._publish_scene)
 
@@ -199,7 +207,7 @@ class ConfiguredNode:
             'point_distances': lambda: unheard(points, _NOT_DUE.format('cloud of points')),
             'scene': lambda: _NOT_DUE.format('change of the scene'),
         }
-        return {topic: Beside(topic, why_not) for topic, why_not in reasons.items()}
+        return {name: Beside.publishing(name, why_not) for name, why_not in reasons.items()}
 
     def _open_inputs(self, values: NodeParameters) -> None:
         """Listen to poses, points and robot descriptions."""
@@ -280,6 +288,7 @@ class ConfiguredNode:
         for period, task, group in (
             *((period, task, beside) for period, task in self._shown.tasks()),
             (level_costs.PERIOD, self._costs.measure, beside),
+            (rule_events.PERIOD, self._stream.rules_are_due, self._groups.stream),
             (replays.PERIOD, self._write_replays, beside),
             (_HOUSEKEEPING_PERIOD, self._keep_house, None),
             (_DIAGNOSTICS_PERIOD, self._publish_diagnostics, None),
@@ -353,6 +362,7 @@ class ConfiguredNode:
                 scene.unknown_ages(),
                 self._jumps.count,
                 scene.filter_leases(),
+                scene.rules.in_words(),
             )
         stale_after = self._settings.values.stale_after
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())

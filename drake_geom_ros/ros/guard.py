@@ -43,10 +43,13 @@ class Guard:
         if error is not None:
             # RuntimeError is what those raise who refuse; nobody foresaw the others.
             refusal = isinstance(error, RuntimeError)
-            reason = str(error) if refusal else f'internal error: {error!r}'
-            self._count(name, reason, 1)
-            if self._may_tell_reason(name, reason):
-                self._logger.warning(f'a message of {name} was refused: {_shortened(reason)}')
+            self.refused(name, str(error) if refusal else f'internal error: {error!r}')
+
+    def refused(self, name: str, reason: str) -> None:
+        """Count and log that a message was refused."""
+        self._count(name, reason, 1)
+        if self._may_tell_reason(name, reason):
+            self._logger.warning(f'a message of {name} was refused: {_shortened(reason)}')
 
     def refuse(self, name: str, reason: str, count: int) -> None:
         """Count and log parts of a message that were refused while the others were taken."""

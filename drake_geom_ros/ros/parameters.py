@@ -19,8 +19,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.geometry import ACCURACY_LEVELS
+from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.ros.conversions.paddings import paddings_of
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ class NodeParameters:
     filter_self_collisions: bool = False
     frame_prefix: str = ''
     solid_meshes: tuple[str, ...] = ()
+    paddings: tuple[str, ...] = ()
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
@@ -99,6 +101,11 @@ TEXTS = {
     'solid_meshes': (
         'Links, or link/geometry, of the robot of that topic and of a URDF whose meshes are '
         'solids, with * and ?; other meshes count as their convex hulls.'
+    ),
+    'paddings': (
+        'By how much [m] geometries of the robot of that topic and of a URDF are larger all '
+        'around in proximity queries: PATTERN=METRES of links, or link/geometry, with * and ?; '
+        'of those that fit, the last one counts.'
     ),
     'publish_markers': 'Publish ~/markers for RViz, while there is a subscriber.' + _LIVE,
     'marker_rate': 'Messages per second on ~/markers [Hz].',
@@ -315,6 +322,10 @@ def _refusal(values: NodeParameters) -> str:
         )
     if values.replay_dir and not values.allow_writes:
         return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
+    try:
+        paddings_of(values.paddings)
+    except ArgumentError as error:
+        return str(error)
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
 
 

@@ -24,6 +24,7 @@ RESULTS = tuple(
     for name in (
         *('cycle_report', 'geometry_poses', 'markers', 'penetrations', 'point_distances', 'scene'),
         *('signed_distances', 'transition_event'),
+        *('proximity_events', 'proximity_states', 'speed_scale'),
         'cameras/*',  # topics of cameras come and go: the star stands for any of them
     )
 )

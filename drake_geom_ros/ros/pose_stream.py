@@ -99,6 +99,12 @@ class PoseStream:
         with self._live.editing() as scene:
             self._run_cycle(scene)
 
+    def rules_are_due(self) -> None:
+        """Decide about proximity rules where no cycle did."""
+        with self._live.reading() as scene:
+            if self.active:
+                self._cycle.rules.look_again(scene)
+
     def _posed(self, scene: EditableScene, frames: int, start: float) -> None:
         """Run a cycle for poses whose taking began at ``start``, or leave it to the timer."""
         self._frames += frames

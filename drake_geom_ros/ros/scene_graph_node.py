@@ -18,13 +18,16 @@ import time
 from typing import Any
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock as SteadyClock
+from rclpy.clock import ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rosgraph_msgs.msg import Clock
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.configured_node import ConfiguredNode, seconds_now
+from drake_geom_ros.ros.conversions.paddings import paddings_of
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks, settle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
@@ -72,12 +75,16 @@ class SceneGraphNode(LifecycleNode):
         self._first_version = time.time_ns() // 1000
         if self._settings.values.autostart:
             # After the constructor, when the executor spins, so that a launch file sees it.
-            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            steady = SteadyClock(clock_type=ClockType.STEADY_TIME)
             self._autostart = self.create_timer(0.0, self._start_by_itself, clock=steady)
 
-    def callback_failed(self, error: Exception) -> None:
+    def callback_failed(self, error: Exception, entity: Any) -> None:
         """Go on where a callback raised, of rclpy's own ones too."""
-        self._guard.failed('a callback', error)
+        # rclpy listens to the clock, and takes no time before 0.
+        if getattr(entity, 'msg_type', None) is Clock and isinstance(error, ValueError):
+            self._guard.refused('/clock', f'{error}; the node keeps the time that it had')
+        else:
+            self._guard.failed('a callback', error)
 
     def _start_by_itself(self) -> None:
         self.destroy_timer(self._autostart)
@@ -125,6 +132,7 @@ class SceneGraphNode(LifecycleNode):
         live.robot_options = RobotOptions(
             filter_self_collisions=values.filter_self_collisions,
             solid_meshes=values.solid_meshes,
+            paddings=paddings_of(values.paddings),
             frame_prefix=values.frame_prefix,
         )
         if values.scene_file:

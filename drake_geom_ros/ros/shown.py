@@ -50,8 +50,10 @@ class Shown:
             return unheard(markers, _NOT_DUE)
 
         self.beside = {
-            'markers': Beside('markers', why_no_markers),
-            'geometry_poses': Beside('geometry_poses', lambda: unheard(poses, _NOT_DUE)),
+            'markers': Beside.publishing('markers', why_no_markers),
+            'geometry_poses': Beside.publishing(
+                'geometry_poses', lambda: unheard(poses, _NOT_DUE)
+            ),
         }
         self._markers = MarkerPublisher(
             live,

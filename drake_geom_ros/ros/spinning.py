@@ -76,7 +76,7 @@ class StopSignals:
         self.received = True
 
 
-Failed = Callable[[Exception], None]
+Failed = Callable[[Exception, Any], None]  # with the entity whose callback it was
 
 
 class _Executor(SingleThreadedExecutor):
@@ -114,7 +114,7 @@ class _Executor(SingleThreadedExecutor):
             entity._executor_event = False
             entity.callback_group.ending_execution(entity)
         if self._failed is not None and not untold:
-            self._failed(error)
+            self._failed(error, entity)
 
     def _take_service(self, srv: Service[Any, Any]) -> Any:
         """Return what answers the next request of a service: see ``outputs.answers``."""
@@ -216,10 +216,10 @@ def spin_until_stopped(
     """Serve a node's callbacks until a signal is received or a future is done.
 
     Each of ``groups`` has a thread of its own, all other callbacks are served by this one.
-    ``failed`` is told of what callbacks raise, from any thread, and all go on; without it, what
-    one raises ends all of them and is raised here. ``watchdog`` is fed while this thread gets
-    around and no callback of the others runs for longer than its limit, but those of the groups
-    in ``patient``, which may take their time.
+    ``failed`` is told of what callbacks raise, and whose, from any thread, and all go on; without
+    it, what one raises ends all of them and is raised here. ``watchdog`` is fed while this thread
+    gets around and no callback of the others runs for longer than its limit, but those of the
+    groups in ``patient``, which may take their time.
     """
     threads = [_GroupThread(node, group, failed) for group in groups]
     watched = [thread for thread in threads if thread.group not in patient]

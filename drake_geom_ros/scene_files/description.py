@@ -16,6 +16,7 @@ from typing import Any
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import GeometryProperties, Mesh, Role, Shape
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.sensors import CameraInfo
@@ -255,3 +256,4 @@ class SceneDescription:
     cameras: tuple[CameraDescription, ...] = ()
     warnings: tuple[str, ...] = field(default=(), compare=False)
     awaited: tuple[AwaitedFilter, ...] = ()
+    rules: tuple[ProximityRule, ...] = ()

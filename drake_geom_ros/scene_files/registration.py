@@ -15,6 +15,7 @@ from drake_geom_ros.geometry import (
     GeometryId,
     GeometryInstance,
     GeometrySet,
+    Mesh,
     Role,
     SceneGraph,
     SceneGraphContext,
@@ -22,6 +23,7 @@ from drake_geom_ros.geometry import (
     UnknownIdError,
 )
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files.description import (
     WORLD,
     AwaitedFilter,
@@ -50,7 +52,9 @@ class LoadedScene:
     the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
     parent of each frame that the description gives one, which contexts made later begin with;
     ``static``, of each frame of which the description says it, whether its pose does not grow old;
-    ``cameras`` with the frames that they are on; ``warnings`` those of the description.
+    ``cameras`` with the frames that they are on; ``warnings`` those of the description, and what
+    was welded to make solids of meshes; filters that are ``awaited`` and proximity ``rules`` are
+    those of the description.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -63,6 +67,7 @@ class LoadedScene:
     cameras: tuple[tuple[FrameId, CameraDescription], ...] = ()
     warnings: tuple[str, ...] = ()
     awaited: tuple[AwaitedFilter, ...] = ()
+    rules: tuple[ProximityRule, ...] = ()
 
     def name_of(self, id: GeometryId | FrameId | int) -> str:
         """Return ``source::frame/geometry``, or ``source::frame`` of a FrameId.
@@ -141,6 +146,7 @@ class _Registration:
         self._frames: dict[tuple[str, str], FrameId] = {}
         self._geometries: dict[tuple[str, str, str], GeometryId] = {}
         self._geometry_ids: list[GeometryId] = []
+        self._welded: list[str] = []
 
     def run(self) -> LoadedScene:
         description = self._description
@@ -183,8 +189,9 @@ class _Registration:
                 if frame.static is not None
             },
             tuple((self._frame_id(c.source, c.frame), c) for c in description.cameras),
-            description.warnings,
+            (*description.warnings, *self._welded),
             description.awaited,
+            description.rules,
         )
 
     @classmethod
@@ -268,6 +275,14 @@ class _Registration:
         self._geometry_ids.append(geometry_id)
         if Role.kProximity in geometry.roles:
             self._geometries[geometry.source, geometry.frame, geometry.name] = geometry_id
+            self._tell_of_weldings(geometry)
+
+    def _tell_of_weldings(self, geometry: GeometryDescription) -> None:
+        """Note what was welded to make a solid of a mesh."""
+        properties, shape = geometry.roles[Role.kProximity], geometry.shape
+        if isinstance(shape, Mesh) and properties.GetPropertyOrDefault('mesh', 'solid', False):
+            name = f'{geometry.source}::{geometry.frame}/{geometry.name}'
+            self._welded += [f'{name}: {told}' for told in shape.weldings()]
 
     def _set(self, members: tuple[Member, ...]) -> GeometrySet:
         geometry_ids = [

@@ -28,6 +28,7 @@ from drake_geom_ros.scene_files.description import (
 from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.mounting import carried, mount_clique
 from drake_geom_ros.scene_files.names import FileNames
+from drake_geom_ros.scene_files.proximity_rules import read_proximity_rules
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
@@ -97,6 +98,7 @@ class _SceneParser:
             read_cameras(self._document, names),
             tuple(self._warnings),
             tuple(self._waiting),
+            read_proximity_rules(self._document),
         )
 
     def _source(self, plain: Plain) -> str:

@@ -21,6 +21,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.names import FileNames
+from drake_geom_ros.scene_files.proximity_rules import plain_proximity_rule
 from drake_geom_ros.scene_files.yaml_text import (
     MAX_BYTES,
     MOST_ITEMS,
@@ -64,6 +65,7 @@ def to_yaml(description: SceneDescription) -> str:
                 *(each.plain for each in description.awaited),
             ],
             'cameras': [plain_camera(camera, names) for camera in description.cameras],
+            'proximity_rules': [plain_proximity_rule(rule) for rule in description.rules],
         }
         check_size(sections, description.file)
         text = ''.join(_section(key, items) for key, items in sections.items())

@@ -8,10 +8,11 @@ from batch.conftest import Cell
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_geom_ros.batch import Joints, check_path, check_paths, evaluate
+from drake_geom_ros.batch import Joints, PathChecker, check_path, check_paths, evaluate
 from drake_geom_ros.geometry import (
     ArgumentError,
     CollisionFilterDeclaration,
+    GeometryError,
     GeometrySet,
     MotionCheck,
     SceneGraph,
@@ -224,3 +225,30 @@ def test_contacts_at_the_start_stay_left_out(pillar):
     check = check_path(graph, joints, rows, ignore_start_contacts=True)
     assert (check.outcome, check.ignored) == ('clear', 1)
     assert isinstance(check, MotionCheck)
+
+
+def test_a_checker_is_prepared_once_and_refuses_another_scene(pillar):
+    graph, joints = pillar
+    checker = PathChecker(graph, joints)
+    for path in ([[math.pi, 0.0], [2 * math.pi, 0.0]], [[0.0, 0.0], [2 * math.pi, 0.0]]):
+        assert same(checker.check(path), check_path(graph, joints, path))
+        assert all(same(checker.check(path), each) for each in checker.check_each([path] * 3))
+    with pytest.raises(ArgumentError, match='shape'):
+        checker.check([0.0, 0.0])
+    context = graph.CreateDefaultContext()
+    checker = PathChecker(context, joints)
+    everything = GeometrySet(geometry_ids=graph.model_inspector().GetAllGeometryIds()[:2])
+    declaration = CollisionFilterDeclaration().ExcludeWithin(everything)
+    graph.collision_filter_manager(context).Apply(declaration)
+    with pytest.raises(GeometryError, match='changed since'):
+        checker.check([[0.0, 0.0]])
+
+
+def test_edges_alone_leave_out_what_the_path_does(pillar):
+    graph, joints = pillar
+    rows = np.linspace([0.0, 0.0], [2 * math.pi, 0.0], 41)  # clear at the start, and through
+    edges = PathChecker(graph, joints, ignore_start_contacts=True).check_edges(rows)
+    touched = [k for k, edge in enumerate(edges) if edge.outcome != 'clear']
+    half = 2 * math.asin(0.1) / (2 * math.pi / 40)
+    assert touched == list(range(math.floor(10 - half), math.ceil(10 + half)))
+    assert [edge.times for edge in edges[:2]] == [(1.0, 1.0), (2.0, 2.0)]

@@ -77,12 +77,12 @@ def test_a_name_that_cannot_be_posed_is_blamed(scene, names, word):
     assert positions(scene) == before
 
 
-def test_links_of_a_robot_stand_at_rest():
+def test_links_of_a_robot_stand_as_its_configuration_says():
     scene = PosedScene(str(ROOT / 'scenes/two_pandas.yaml'))
     (left, _) = scene.description.robots
     arm = Kinematics(str(left.urdf))
-    rest = np.clip(0.0, arm.lower, arm.upper)
-    expected = arm.link_transforms(rest, left.X_WB.GetAsMatrix4())
+    standing = [left.configuration[name] for name in arm.joint_names]
+    expected = arm.link_transforms(standing, left.X_WB.GetAsMatrix4())
     frames = {scene.frame_name(f): f for f in scene.inspector.GetAllFrameIds()}
     for name, X_WL in zip(arm.link_names, expected, strict=True):
         found = scene.query.X_WF(frames[f'left::{name}']).GetAsMatrix4()

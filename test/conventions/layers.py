@@ -86,7 +86,7 @@ GEOMETRY_ROOMS = {
 }
 
 # What the rooms of the node may import of ours beside one another, and of others beside NumPy.
-_CORE = ('math', 'common', 'sensors', 'geometry', 'scene_files')
+_CORE = ('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'scene_files')
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
@@ -122,7 +122,10 @@ LAYERS = {
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'scene_files': (
-        ('math', 'common', 'sensors', 'geometry', 'geometry/queries', 'scene_files'),
+        (
+            *('math', 'common', 'sensors', 'geometry', 'geometry/queries'),
+            *('proximity_rules', 'scene_files'),
+        ),
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (

@@ -104,7 +104,9 @@ def test_an_unknown_command_is_named():
         ('requirements/cluster.txt', [False, False, False, False]),
         ('requirements/view.txt', [False, False, False, False]),
         ('requirements/vtk.txt', [False, False, False, False]),
-        ('requirements/ros.txt', [False, True, True, True]),
+        ('requirements/kilted/ros.txt', [False, True, True, True]),
+        ('requirements/kilted/lock.txt', [False, True, True, True]),
+        ('requirements/jazzy/ros.txt', [False, False, False, False]),
         ('requirements/build.txt', [False, True, True, True]),
         ('msg_defs/msg/Shape.msg', [False, False, True, True]),
         ('msg_defs/CMakeLists.txt', [False, False, True, True]),
@@ -141,6 +143,37 @@ def test_the_own_environment_is_no_distribution(folder):
     (folder / '.venv/share/rclpy').mkdir(parents=True)
     (folder / '.venv/share/rclpy/package.xml').touch()
     assert keys(folder, AMENT_PREFIX_PATH=str(folder / '.venv')) == keys(folder)
+
+
+def test_jazzy_has_an_environment_beside_that_of_kilted(folder):
+    plain, jazzy = keys(folder), keys(folder, ROS_DISTRO='jazzy')
+    assert [a != b for a, b in zip(plain, jazzy, strict=True)] == [True] * 4
+    append(folder / 'requirements/jazzy/ros.txt', '# changed\n')
+    changed = [a != b for a, b in zip(jazzy, keys(folder, ROS_DISTRO='jazzy'), strict=True)]
+    assert changed == [False, True, True, True]
+    script = (
+        'for place in "$venv" "$prefix" "$tf2_msgs" "$builds"; do echo "${place#$root/}"; done'
+    )
+    places = [shell(folder, script, **given)[1].split() for given in ({}, {'ROS_DISTRO': 'jazzy'})]
+    assert places[0] == [
+        *('.venv', 'install/drake_geom_msgs', 'install/for_tests/tf2_msgs', 'build')
+    ]
+    assert places[1] == ['.venv-jazzy', *(f'.venv-jazzy/{place}' for place in places[0][1:])]
+
+
+def test_a_sourced_distribution_is_used_whatever_its_name(folder, tmp_path_factory):
+    distribution = tmp_path_factory.mktemp('distribution')
+    (distribution / 'share/rclpy').mkdir(parents=True)
+    (distribution / 'share/rclpy/package.xml').touch()
+    given = {'AMENT_PREFIX_PATH': str(distribution), 'ROS_DISTRO': 'rolling'}
+    code, output, errors = shell(folder, 'compute_keys; echo "$venv"', **given)
+    assert (code, output.strip()) == (0, str(folder.resolve() / '.venv')), errors
+
+
+def test_a_distribution_that_pypi_has_not_is_refused_with_those_that_it_has(folder):
+    code, _, errors = shell(folder, 'compute_keys', ROS_DISTRO='humble')
+    assert code == 1
+    assert 'ROS_DISTRO=humble is none of: jazzy kilted' in errors
 
 
 def test_steps_run_once_and_in_order(folder):
@@ -429,6 +462,58 @@ def test_the_quick_tests_hold_a_file_of_each_room_of_the_core():
     rooms = {'math', 'autodiffutils', 'sensors', 'common', 'scene_files', 'trajectories', 'batch'}
     rooms |= {'replay', 'command_line', 'geometry'}
     assert {name.split('/')[1] for name in files} >= rooms
+
+
+# What one shell does for the other ROS, and the closing line of the other.
+FAKE_JAZZY = """
+mkdir -p test; echo '# which' >test/quick_ros.txt; echo test/ros/test_it.py >>test/quick_ros.txt
+others_beside() { :; }
+python() { echo "${venv##*/} $*" >>"$root/checks"; }
+test_other_ros; run_tests
+"""
+
+
+def test_the_node_is_tested_on_jazzy_in_an_environment_of_its_own(folder):
+    code, _, errors = shell(folder, FAKE_STEPS + FAKE_JAZZY)
+    assert code == 0, errors
+    assert 'mypy ok, node on ROS 2 Jazzy ok, pytest ok' in errors
+    first, *others = (folder / 'checks').read_text().splitlines()
+    assert first.startswith('.venv-jazzy -m pytest')
+    assert first.endswith('test/ros/test_it.py')
+    assert all(line.startswith('.venv -m ') for line in others)
+    assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
+
+
+@pytest.mark.parametrize(
+    ('breaks', 'code', 'told'),
+    [
+        ('python() { [[ $venv != *jazzy || $* != *pytest* ]]; }', 1, 'FAILED'),
+        ('build_messages() { false; }', 1, 'FAILED'),
+        (
+            'install_packages() { false; echo; }',
+            0,
+            'NOT RUN (its packages cannot be installed: log/setup-jazzy/packages.log)',
+        ),
+    ],
+)
+def test_what_breaks_on_jazzy_is_told_in_the_closing_line(folder, breaks, code, told):
+    script = FAKE_STEPS + FAKE_JAZZY.replace('test_other_ros;', f'{breaks}\ntest_other_ros;')
+    status, _, errors = shell(folder, script)
+    assert (status, f'node on ROS 2 Jazzy {told}, pytest ok' in errors) == (code, True), errors
+
+
+def test_jazzy_itself_or_another_distribution_is_not_tested_twice(folder):
+    tell = '\ntest_other_ros; echo "[${on_other_ros:-}]"'
+    assert shell(folder, FAKE_STEPS + tell, ROS_DISTRO='jazzy')[1].strip() == '[]'
+    told = shell(folder, FAKE_STEPS + '\nunderlay=/opt/ros' + tell)[1]
+    assert 'NOT RUN (the ROS in /opt/ros is used)' in told
+
+
+def test_the_quick_tests_of_a_ros_are_there():
+    lines = (ROOT / 'test/quick_ros.txt').read_text().splitlines()
+    files = [line for line in lines if not line.startswith('#')]
+    assert len(files) >= 4
+    assert [name for name in files if not (ROOT / name).is_file()] == []
 
 
 def test_what_setup_supports_are_the_ends_that_are_tested():

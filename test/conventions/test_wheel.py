@@ -166,11 +166,3 @@ def test_its_types_are_there_to_be_checked(prefix, tmp_path):
     )
     mypy = [sys.executable, '-m', 'mypy', '--python-executable', prefix / 'bin/python']
     assert 'Revealed type is "float"' in run(*mypy, script, cwd=tmp_path)
-
-
-def test_it_says_where_docs_changes_and_issues_are(wheel):
-    with zipfile.ZipFile(wheel) as archive:
-        (path,) = [name for name in archive.namelist() if name.endswith('/METADATA')]
-        metadata = message_from_bytes(archive.read(path))
-    told = dict(text.split(', ') for text in metadata.get_all('Project-URL'))
-    assert {'Documentation', 'Changelog', 'Source', 'Issues'} <= set(told)

@@ -14,7 +14,8 @@ from bench.evidence.bodies.random_bodies import random_body, random_rotation
 from drake_geom_ros.cross_check.bodies import BOUNDED, PRIMITIVES, Body, Pair
 from drake_geom_ros.cross_check.surfaces import height, support_value, width
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
-from drake_geom_ros.geometry.meshes._solids import merged, volume
+from drake_geom_ros.geometry.meshes._solids import volume
+from drake_geom_ros.geometry.meshes._welding import merged
 from drake_geom_ros.geometry.shapes.primitives import for_queries
 
 

@@ -15,6 +15,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
+from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform
 
 WORLD = SceneGraph.world_frame_id()
@@ -134,9 +135,9 @@ def test_a_query_object_is_live_and_its_copy_is_baked(scene):
 def test_accuracy_is_what_contexts_get(scene):
     scene_graph = SceneGraph(accuracy='fast')
     assert scene_graph.default_accuracy() == 'fast'
-    assert scene_graph.CreateDefaultContext()._accuracy == 'fast'
+    assert state_of(scene_graph.CreateDefaultContext()).accuracy == 'fast'
     scene_graph.set_default_accuracy('balanced')
-    assert scene_graph.CreateDefaultContext()._accuracy == 'balanced'
+    assert state_of(scene_graph.CreateDefaultContext()).accuracy == 'balanced'
     with pytest.raises(RuntimeError, match="accuracy='x'"):
         SceneGraph(accuracy='x')
 

@@ -239,6 +239,16 @@ def test_speed_is_scaled_as_a_rule_says_and_by_the_time_that_is_left():
     assert watch.speed_scale() == pytest.approx(0.2)
 
 
+def test_speed_is_the_least_where_a_pose_never_came():
+    slow = rule('slow', level=Level.SLOW, scale=((0.1, 0.2), (0.5, 1.0)))
+    watch = monitor(slow)
+    absent = Poses(np.zeros(6, bool), np.array([1, 0, 0, 0, 0, 0], bool))
+    assert watch.decide(0.0, absent, NOTHING) == []
+    assert watch.speed_scale() == 0.2
+    watch.decide(1.0, FRESH, NOTHING)
+    assert watch.speed_scale() == 1.0
+
+
 def test_without_a_rule_that_scales_nothing_is_said_of_speed():
     assert monitor(rule(level=Level.WARN)).speed_scale() is None
     assert RuleMonitor(scene()).speed_scale() is None

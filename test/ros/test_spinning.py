@@ -93,7 +93,9 @@ def test_what_fails_ends_nothing_where_somebody_is_told(node, monkeypatch):
     node.create_timer(0.01, fail, callback_group=group)
     patience = threading.Timer(20.0, done.set_result, (None,))
     patience.start()
-    spin_until_stopped(node, StopSignals(), done, (group,), lambda error: told.append(str(error)))
+    spin_until_stopped(
+        node, StopSignals(), done, (group,), lambda error, _: told.append(str(error))
+    )
     patience.cancel()
     assert calls['made'] >= 3
     assert told[:3] == ['not taken', 'on purpose', 'on purpose']

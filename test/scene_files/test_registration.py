@@ -15,7 +15,7 @@ from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.registration import register
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.saving import describe
-from drake_geom_ros.scene_files.scene_file import load_scene
+from drake_geom_ros.scene_files.scene_file import load_scene, read_scene
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
 from drake_geom_ros.scene_files.yaml_text import read_yaml
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
@@ -207,3 +207,24 @@ def test_a_robot_that_ignores_the_universal_group_is_invisible_to_the_others():
 def test_nobody_defines_the_universal_group():
     with pytest.raises(SceneFileError, match=r"<text>:3: .*'universal' is the group that all"):
         load_scene(GHOST.format(name='universal'), SceneGraph())
+
+
+def test_what_was_welded_to_make_a_solid_is_among_the_warnings(tmp_path):
+    """A tetrahedron of which each face has corners of its own, a last digit apart."""
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    lines = [
+        f'v {corners[v][0] + 1e-10 * k} {corners[v][1]} {corners[v][2]}'
+        for k, face in enumerate(faces)
+        for v in face
+    ]
+    lines += [f'f {3 * k + 1} {3 * k + 2} {3 * k + 3}' for k in range(4)]
+    (tmp_path / 'part.obj').write_text('\n'.join(lines))
+    shape = '{type: mesh, uri: part.obj}'
+    for solid, count in (('true', 1), ('false', 0)):
+        roles = f'roles: {{proximity: {{mesh: {{solid: {solid}}}}}}}'
+        scene = tmp_path / f'{solid}.yaml'
+        scene.write_text(f'geometries:\n- {{name: part, shape: {shape}, {roles}}}\n')
+        loaded = register(SceneGraph(), read_scene(str(scene)))
+        assert len(loaded.warnings) == count
+        assert all('world/part: 8 of its vertices were welded' in w for w in loaded.warnings)

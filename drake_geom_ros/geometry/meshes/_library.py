@@ -53,6 +53,19 @@ def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
     return vertices, triangles
 
 
+def near_one_another(points: Floats, apart: float) -> list[Indices]:
+    """Return groups of points (n, 3), by number: of each there is one of its group that near [m].
+
+    Points that are near nobody are in no group.
+    """
+    import trimesh
+
+    found: list[Indices] = list(
+        trimesh.grouping.clusters(points, apart)  # type: ignore[no-untyped-call]
+    )
+    return found
+
+
 def connected_pieces(triangles: Indices, count: int) -> list[Indices]:
     """Return the triangles of each piece, joined by vertices, of a surface of ``count`` ones."""
     from trimesh.graph import connected_component_labels as labelled

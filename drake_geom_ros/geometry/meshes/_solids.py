@@ -2,7 +2,8 @@
 
 A surface is taken for the boundary of a solid if every edge of a triangle is matched by one that
 runs the other way, no two triangles cross, and its pieces bound a body together: one within
-another is a cavity and turned the other way. Vertices in the same place are one; triangles that
+another is a cavity and turned the other way. Vertices in the same place are one (``_welding``
+says what is the same); triangles that
 have two corners in one place are left out, and so are two that lie back to back; a mesh that is
 turned inside out as a whole is turned back. Triangles without area belong to no surface: they tell
 that edges match which others have cut up (T-junctions), and are left out then.
@@ -37,6 +38,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._library import connected_pieces
+from drake_geom_ros.geometry.meshes._welding import ADVICE, ClosedSurface, closed_surface
 from drake_geom_ros.geometry.meshes.source import (
     MeshGiven,
     MeshKey,
@@ -52,7 +54,6 @@ Indices = NDArray[np.int64]
 
 # Faces of the hull that are tried as ways out: each costs a look at all vertices of the hull.
 MOST_PLANES = 64
-_ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"
 
 
 def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
@@ -70,16 +71,14 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     check_size(triangles_of(source).vertices, factors, name)
     hull_vertices, hull_triangles = hull_of(source)
     hull_vertices, hull_triangles = hull_vertices * factors, turned(hull_triangles, factors)
-    vertices, triangles = triangles_of(source)
-    vertices, triangles = merged(vertices * factors, turned(triangles, factors))
-    check_closed(triangles, name)
+    vertices, triangles, *_ = _closed(source, scale)
     corners = vertices[triangles]
     if volume(corners) < 0.0:
         triangles = triangles[:, ::-1]
         corners = vertices[triangles]
     size = float(np.ptp(vertices, axis=0).max())
     if volume(corners) <= NO_VOLUME * size**3:
-        raise MeshFileError(f'{name}: its surface encloses no volume; {_ADVICE}')
+        raise MeshFileError(f'{name}: its surface encloses no volume; {ADVICE}')
     live = have_area(corners)
     pieces = [
         piece[live[piece]]
@@ -103,6 +102,18 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     return SOLID, parameters
 
 
+@functools.lru_cache(maxsize=4)  # what was welded is asked for right after it was packed
+def _closed(source: MeshKey, scale: tuple[float, ...]) -> ClosedSurface:
+    vertices, triangles = triangles_of(source)
+    factors = np.array(scale)
+    return closed_surface(vertices * factors, turned(triangles, factors), name_of(source))
+
+
+def weldings_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[str, ...]:
+    """Return what was welded to make a solid of a mesh, in words; raises as ``solid_of``."""
+    return _closed(mesh_source(mesh), scale).remarks()
+
+
 def check_size(vertices: Floats, factors: Floats, name: str) -> None:
     """Raise MeshFileError for a scaled mesh of which products of three lengths leave float64."""
     with np.errstate(over='ignore', under='ignore'):
@@ -112,58 +123,8 @@ def check_size(vertices: Floats, factors: Floats, name: str) -> None:
         raise MeshFileError(
             f'{name}: scaled by {factors.tolist()}, it reaches to {farthest:g} m and is '
             f'{size:g} m large; a solid is at least {SMALL_SIZE:.3g} m large, and no coordinate '
-            f'of it is beyond {LARGE_SIZE:.3g} m. {_ADVICE}'
+            f'of it is beyond {LARGE_SIZE:.3g} m. {ADVICE}'
         )
-
-
-def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
-    """Return a mesh with one vertex a place, without triangles that have two corners in one."""
-    rows = vertices + 0.0  # -0.0 is 0.0
-    order = np.lexsort(rows.T)
-    fresh = np.ones(len(rows), dtype=np.bool_)
-    fresh[1:] = (np.diff(rows[order], axis=0) != 0.0).any(axis=1)
-    names = np.empty(len(rows), dtype=np.int64)
-    names[order] = np.cumsum(fresh) - 1
-    triangles = names[triangles]
-    a, b, c = triangles.T
-    triangles = triangles[(a != b) & (b != c) & (c != a)]
-    return rows[order[fresh]], without_walls(triangles)
-
-
-def without_walls(triangles: Indices) -> Indices:
-    """Return the triangles but those that lie back to back: the wall between two bodies."""
-    corners = np.sort(triangles, axis=1)
-    order = np.lexsort(corners.T)
-    fresh = np.ones(len(triangles), dtype=np.bool_)
-    fresh[1:] = (np.diff(corners[order], axis=0) != 0).any(axis=1)
-    of = np.empty(len(triangles), dtype=np.int64)
-    of[order] = np.cumsum(fresh) - 1
-    a, b, c = triangles.T
-    turn = np.where((a < b) ^ (b < c) ^ (c < a), 1.0, -1.0)
-    alone = (np.bincount(of) != 2) | (np.bincount(of, turn) != 0.0)
-    kept: Indices = triangles[alone[of]]
-    return kept
-
-
-def check_closed(triangles: Indices, name: str) -> None:
-    """Raise MeshFileError unless every edge is matched by one that runs the other way."""
-    if len(triangles) == 0:
-        raise MeshFileError(f'{name}: no triangles, so it bounds no solid')
-    edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    codes = edges.min(axis=1) * (int(triangles.max()) + 1) + edges.max(axis=1)
-    _, at, counts = np.unique(codes, return_inverse=True, return_counts=True)
-    balance = np.bincount(at.ravel(), np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0))
-    unmatched = balance != 0.0
-    if not unmatched.any():
-        return
-    opened = int((unmatched & (counts == 1)).sum())
-    along = int((unmatched & (counts == 2)).sum())
-    crowded = int((unmatched & (counts > 2)).sum())
-    raise MeshFileError(
-        f'{name} bounds no solid: of its edges {opened} are open (one triangle only: close the '
-        f'holes), {along} have two triangles that run the same way (turn one side of them '
-        f'around), {crowded} have three or more that do not pair up. {_ADVICE}'
-    )
 
 
 def volume(corners: Floats) -> float:
@@ -261,7 +222,7 @@ def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: st
         raise MeshFileError(
             f'{name} bounds no solid: {len(astray)} of its {len(pieces)} closed surfaces '
             'lie in another and are turned like a body, or in none and are turned like a cavity; '
-            f'leave out bodies within bodies, and turn cavities inside out. {_ADVICE}'
+            f'leave out bodies within bodies, and turn cavities inside out. {ADVICE}'
         )
     touching[crowded] = True
     astray = _astray(parameters, np.flatnonzero(touching))
@@ -281,5 +242,5 @@ def _crosses_itself(name: str, crossing: Floats) -> MeshFileError:
     where = crossing.mean(axis=(0, 1)).tolist()
     return MeshFileError(
         f'{name} bounds no solid: its surface crosses itself, at about {where}; unite the bodies '
-        f'or mend the surface (a boolean union does both). {_ADVICE}'
+        f'or mend the surface (a boolean union does both). {ADVICE}'
     )

@@ -58,6 +58,10 @@ class SceneGraphContext(SceneHolder):
         other._state = state
         return other
 
+    def narrowed(self: _Context, considered: NDArray[np.bool_]) -> _Context:
+        """Return a context that considers only some pairs: see ``QueryObject.narrowed``."""
+        return self._of(self._state.narrowed(considered))
+
     def set_default_accuracy(self, accuracy: str) -> None:
         """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
         self._state.set_accuracy(accuracy)

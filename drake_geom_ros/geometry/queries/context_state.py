@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from copy import copy
 from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.engine.prepared import Prepared
@@ -67,6 +71,13 @@ class ContextState(PosedScene):
         if self._snapshot is None or self._snapshot.versions != self.model.versions:
             self._snapshot = self.model.copy()
         return self._about(self._snapshot)
+
+    def narrowed(self: _State, considered: NDArray[np.bool_]) -> _State:
+        """Return a state of the same model and poses that considers some pairs (n, n) only."""
+        other, ids = copy(self), self.up_to_date_world().geometries.ids
+        other.filters = self.filters.narrowed(ids, considered)
+        other.engine, other._usual = Engine(), {}
+        return other
 
     def _about(self: _State, model: Model) -> _State:
         """Return the same about a copy of the model, with an engine of its own, too."""

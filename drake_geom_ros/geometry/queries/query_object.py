@@ -76,6 +76,21 @@ class QueryObject(ImageQueries, MotionChecks):
         world = state.posed_world()
         return seconds_a_pair(world, state.filters, reach, samples, seed)
 
+    def narrowed(self, considered: ArrayLike) -> QueryObject:
+        """Return a query object that considers the pairs of a matrix (n, n), and no other.
+
+        Its rows are those of ``inspector().candidate_matrix()``, whose filters hold, too. It sees
+        later poses, as this one does, until shapes or filters change: then make another one.
+        """
+        flags = np.asarray(considered, dtype=np.bool_)
+        count = len(self._state.up_to_date_world().geometries.ids)
+        if flags.shape != (count, count):
+            raise ArgumentError(
+                f'narrowed was given a matrix {flags.shape}; it must be {(count, count)}, '
+                'as inspector().candidate_matrix() is.'
+            )
+        return QueryObject(self._context and self._context.narrowed(flags | flags.T))
+
     # Pairs.
 
     def ComputePointPairPenetration(

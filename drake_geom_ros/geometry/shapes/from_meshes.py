@@ -217,6 +217,15 @@ class Mesh(_FromMesh):
 
         return PackedShape(*solid_of(self._mesh, self._scales))
 
+    def weldings(self) -> tuple[str, ...]:
+        """Return what has to be welded for the surface to be closed, in words; mostly nothing.
+
+        Raises MeshFileError for a mesh that bounds no solid, or is no mesh.
+        """
+        from drake_geom_ros.geometry.meshes._solids import weldings_of
+
+        return weldings_of(self._mesh, self._scales)
+
     def _to_points(self, hull: PackedShape) -> PackedShape:
         """Return the solid that the surface bounds, else the hull, and warn of that."""
         try:
@@ -233,11 +242,11 @@ def mesh_of(shape: Convex | Mesh) -> MeshGiven:
 
 def tell_if_open(shape: Mesh) -> None:
     """Warn of a mesh that is not closed: it is no solid to points either."""
-    from drake_geom_ros.geometry.meshes._solids import check_closed, merged
+    from drake_geom_ros.geometry.meshes._welding import closed_surface
 
     source = mesh_source(shape._mesh)
     try:
-        check_closed(merged(*triangles_of(source))[1], name_of(source))
+        closed_surface(*triangles_of(source), name_of(source))
     except MeshFileError as problem:
         _warn_of_points(problem)
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import MeshFileError
-from drake_geom_ros.geometry.meshes._solids import check_closed, have_area, merged
+from drake_geom_ros.geometry.meshes._solids import have_area
+from drake_geom_ros.geometry.meshes._welding import closed_surface
 from drake_geom_ros.geometry.meshes.source import remarks_on, surface
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
 
@@ -18,8 +19,8 @@ Floats = NDArray[np.float64]
 class MeshFacts(NamedTuple):
     """Facts of a mesh as scaled: the corners (3,) [m] of the box around it, and more.
 
-    It is closed if its triangles meet along every edge; ``remarks`` are those of its file, and
-    how many of its triangles have no area.
+    It is closed if its triangles meet along every edge; ``remarks`` are those of its file,
+    what was welded to close it, and how many of its triangles have no area.
     """
 
     low: Floats
@@ -35,13 +36,13 @@ def mesh_facts(shape: Convex | Mesh) -> MeshFacts:
     Raises MeshFileError for a file that cannot be read.
     """
     vertices, triangles = surface(mesh_of(shape), shape.scale3())
+    remarks = remarks_on(mesh_of(shape))
     is_closed = True
     try:
-        check_closed(merged(vertices, triangles)[1], '')
+        remarks += closed_surface(vertices, triangles, '').remarks()
     except MeshFileError:
         is_closed = False
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    remarks = remarks_on(mesh_of(shape))
     flat = int((~have_area(vertices[triangles])).sum()) if len(triangles) else 0
     if flat:
         remarks += (f'{flat} of its triangles have no area: they belong to no surface',)

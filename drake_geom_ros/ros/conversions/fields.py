@@ -48,6 +48,12 @@ def seconds_of(stamp: Any) -> float:
     return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
+def stamp_seconds(stamp: Any, seconds: float) -> None:
+    """Fill a builtin_interfaces/Time; seconds before 0, which it has none for, are 0."""
+    whole, part = divmod(round(max(0.0, seconds) * 1e9), 10**9)
+    stamp.sec, stamp.nanosec = whole, part
+
+
 def pose_from_message(message: Any) -> RigidTransform:
     """Return the pose of a geometry_msgs/Pose; raises RuntimeError for what is no pose."""
     p, q = message.position, message.orientation

@@ -193,6 +193,10 @@ class NameTable:
             return self._known_geometries[value]
         raise UnknownNameError(self._problem('geometry', f'#{value}', [], self.geometry_names))
 
+    def name_of_value(self, value: int) -> str:
+        """Return the name of the geometry with that id; empty for 0, which names none."""
+        return self.geometry_names[self.geometry_of_value(value)] if value else ''
+
     def _problem(
         self, kind: str, name: str, found: Sequence[_Id], names: Mapping[_Id, str]
     ) -> str:

@@ -78,7 +78,9 @@ class CameraPublisher:
         self._surface = surface
         self._images, self._latched = images, latched
         self._transforms = CameraTransforms(surface, live.world_frame, latched, transforms)
-        self.beside = Beside('cameras', self._why_not)  # what is told in the report of a cycle
+        self.beside = Beside.publishing(
+            'cameras', self._why_not
+        )  # what is told in the report of a cycle
         self._open: dict[str, _OpenCamera] = {}
         self._unheard, self._unchanged = 0, 0  # times that a camera was due, since last told
 

@@ -16,6 +16,7 @@ from drake_geom_ros.ros.conversions.results import (
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside, Effect
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
+from drake_geom_ros.ros.outputs.rule_events import RuleEvents
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import SceneStamp
 
@@ -40,16 +41,18 @@ class Cycle:
         publishers: dict[str, Any],
         costs: LevelCosts,
         replays: Replays,
+        rules: RuleEvents,
         beside: Sequence[Beside] = (),
     ) -> None:
         """Publish on ``publishers``: penetrations, signed_distances and cycle_report.
 
-        ``costs`` are told what was computed, ``replays`` what was answered. What was done
-        ``beside`` the cycles since the last report is told in the next one.
+        ``costs`` are told what was computed, ``replays`` and ``rules`` what was answered.
+        What was done ``beside`` the cycles since the last report is told in the next one.
         """
         self._beside = beside
         self._costs = costs
         self._replays = replays
+        self.rules = rules
         self._publishers = publishers
         # Filled anew each cycle: making one costs as much as filling it (30 us).
         self._messages = {
@@ -80,6 +83,7 @@ class Cycle:
             for name, publisher in self._publishers.items()
         }
         if not any(wanted.values()):
+            self.rules.look_at(scene, None, 0.0)
             return
         moment, waiting = scene.moment(), scene.waiting()
         for message in self._messages.values():
@@ -90,6 +94,7 @@ class Cycle:
         if wanted['signed_distances'] or wanted['penetrations']:
             computed, published = self._answer(scene, moment, wanted, max_distance, time_budget)
         else:
+            self.rules.look_at(scene, None, 0.0)
             published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         if wanted['cycle_report']:
             effects += _computed(computed) + published
@@ -132,6 +137,7 @@ class Cycle:
             if twists is not None:
                 fill_closing_speeds(message, closing_speeds(distances, twists))
             published[1] = self._publish('signed_distances', moment)
+        self.rules.look_at(scene, distances, reach)
         if self.cross_check is not None:
             self.cross_check.look_at(scene, distances, reach)
         return computed, published

@@ -42,6 +42,7 @@ class SceneState(NamedTuple):
     unknown_ages: UnknownAges = UnknownAges([])
     clock_jumps: int = 0
     filter_leases: Mapping[int, float] = MappingProxyType({})  # [s] that are left, by id
+    rules: str = 'none'  # the proximity rules, in words
 
 
 class Diagnostics:
@@ -142,6 +143,7 @@ class Diagnostics:
             'names of frames that never had a pose': some_of(waiting.frames, _NAMES_IN_VALUE),
             'pairs left out because of them': waiting.pairs,
             'transient filters': _owned(scene.filter_owners, scene.filter_leases),
+            'proximity rules': scene.rules,
             'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
             'memory [MB]': f'{_memory() / 2**20:.1f}',

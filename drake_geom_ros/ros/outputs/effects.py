@@ -21,17 +21,22 @@ class Effect:
 
 
 class Beside:
-    """What is done beside the cycles for one topic, added up from one report to the next.
+    """What is done beside the cycles, added up from one report to the next.
 
     Those who do it are in threads of their own.
     """
 
-    def __init__(self, topic: str, why_not: Callable[[], str]) -> None:
+    def __init__(self, name: str, why_not: Callable[[], str]) -> None:
         """``why_not()`` is the reason to be told when nothing was done."""
-        self._name = f'publish ~/{topic}'
+        self._name = name
         self._why_not = why_not
         self._lock = threading.Lock()
         self._times, self._count, self._seconds = 0, 0, 0.0
+
+    @classmethod
+    def publishing(cls, topic: str, why_not: Callable[[], str]) -> Beside:
+        """Return what tells of a topic of the node."""
+        return cls(f'publish ~/{topic}', why_not)
 
     def did(self, count: int, seconds: float) -> None:
         """Add a message with ``count`` items that took so long [s]."""

@@ -132,6 +132,7 @@ class EditableScene(ChangingScene):
             if self.inspector.IsAttached(frame):
                 self._ages.rest(frame.get_value())
         self.warned += loaded.warnings
+        self.warned += self.rules.take(loaded.rules, self.query)
         self.awaited.begin(loaded.awaited)
         self.bind_filters()
         self._cameras.update((camera.name, (frame, camera)) for frame, camera in loaded.cameras)

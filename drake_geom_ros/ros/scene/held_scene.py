@@ -32,6 +32,7 @@ from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
 from drake_geom_ros.ros.scene.robot_joints import RobotJoints
+from drake_geom_ros.ros.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
@@ -69,6 +70,7 @@ class HeldScene:
         self.tell_named: Callable[[HeldScene], object] = lambda _: None
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
         self.camera_limits = CameraLimits()
+        self.rules = SceneRules()  # they outlive a scene that is replaced
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
@@ -183,6 +185,16 @@ class HeldScene:
         """Return since when a frame has its pose; None where it waits, or nobody knows."""
         return self._ages.since(frame.get_value())
 
+    @property
+    def clocks(self) -> Clocks:
+        """The node's time and steady time."""
+        return self._clocks
+
+    def blind_frames(self, stale_after: float) -> Blind:
+        """Return the frames whose poses are older [s], of unknown age, or never came."""
+        absent = {frame.get_value() for frame in self.query.waiting_frames()}
+        return Blind(self._ages.older_than(stale_after, self.names), absent)
+
     def lag(self) -> float:
         """Return how far [s] behind the poses that were taken last the node is."""
         return self._ages.lag()
@@ -249,7 +261,8 @@ class HeldScene:
         values = self.feeders.contested()
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
         told = [] if self._twists is None else self._twists.troubles(self.names)
-        told = [*told, *self._told_of_attached(), *self.awaited.troubles()]
+        rules = self.rules.troubles(watches_motion=self.watches_motion)
+        told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *rules]
         if not names:
             return told
         return [
@@ -295,4 +308,4 @@ class HeldScene:
         now = {name: robot.configuration() for name, robot in self.joints.robots.items()}
         robots = [replace(r, configuration=now.get(r.name, r.configuration)) for r in self._robots]
         described = describe(self._scene_graph, poses, robots, known, cameras)
-        return replace(described, awaited=self.awaited.waiting())
+        return replace(described, awaited=self.awaited.waiting(), rules=self.rules.rules)

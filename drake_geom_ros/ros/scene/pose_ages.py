@@ -187,6 +187,14 @@ class PoseAges:
         before = {value for value, t in self._posed.items() if t.since.epoch < epoch}
         return [name for frame, name in names.frame_names.items() if frame.get_value() in before]
 
+    def older_than(self, seconds: float, names: NameTable) -> set[int]:
+        """Return the frames whose poses are older [s], or of unknown age; those that wait, too."""
+        if self.oldest(names).age <= seconds:
+            return set()
+        age, posed = self._clocks.ages(), self._posed
+        frames = {f.get_value() for f in names.frame_names if f != names.world}
+        return {f for f in frames if f not in posed or age(posed[f].since) > seconds}
+
     def lag(self) -> float:
         """Return the age [s] of what was noted last; inf: unknown, 0: it does not grow old."""
         return self._clocks.age(self._latest)

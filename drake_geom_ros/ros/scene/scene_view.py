@@ -42,12 +42,16 @@ class SceneStamp:
 
     def stamp_report(self, message: Any) -> None:
         """Say in a message without ids which poses and which scene it is about."""
+        self.stamp_header(message)
+        self.tell_oldest(message)
+
+    def stamp_header(self, message: Any) -> None:
+        """Say in a message which poses and which scene it is about, and not how old they are."""
         message.header.frame_id = self.world_frame
         # A message that is filled again may bear the stamp of an earlier scene.
         stamp = self.newest_stamp
         message.header.stamp = type(message.header.stamp)() if stamp is None else stamp
         message.scene_version = self.version
-        self.tell_oldest(message)
 
     @property
     def oldest_pose_age(self) -> float:

@@ -16,6 +16,7 @@ from drake_geom_ros.ros.services import (
     files,
     filters,
     joints,
+    proximity_rules,
     queries,
     scene,
     shapes,
@@ -41,6 +42,8 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('flatten_filters', Trigger, filters.flatten_filters),
     ('add_camera', srv.AddCamera, cameras.add_camera),
     ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
+    ('add_proximity_rule', srv.AddProximityRule, proximity_rules.add_proximity_rule),
+    ('remove_proximity_rule', srv.RemoveProximityRule, proximity_rules.remove_proximity_rule),
 )
 
 # What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
@@ -90,6 +93,11 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ('get_pose_ages', srv.GetPoseAges, ages.get_pose_ages),
     ('get_joint_positions', srv.GetJointPositions, joints.get_joint_positions),
     ('list_cameras', srv.ListCameras, cameras.list_cameras),
+    (
+        'list_proximity_rules',
+        srv.ListProximityRules,
+        proximity_rules.list_proximity_rules,
+    ),
 )
 
 # What takes images: beside all of these, for the first one compiles for seconds.

@@ -224,6 +224,58 @@ def test_triangles_without_area_belong_to_no_surface(seed):
             assert out[10] <= 1e-12
 
 
+def apart(mesh, by, seed=1):
+    """A mesh of which each triangle has corners of its own, moved at random by up to ``by``."""
+    vertices, triangles = np.array(mesh.vertices), np.array(mesh.triangles)
+    moves = np.random.default_rng(seed).uniform(-by, by, (3 * len(triangles), 3))
+    return MeshData(
+        vertices[triangles].reshape(-1, 3) + moves, np.arange(len(moves)).reshape(-1, 3)
+    )
+
+
+@pytest.mark.parametrize('by', [1e-16, 1e-12, 2e-9])
+def test_vertices_a_last_digit_apart_are_welded_and_told(by):
+    """The distances to the solid are those of the mesh, as exactly as its vertices are placed."""
+    mesh = apart(L, by)
+    kind, parameters = solid_of(mesh, ONES)
+    assert kind == SOLID
+    assert tree_of(SOLID, parameters).triangles == len(L.triangles)
+    ball = Body('Sphere', (0.1,), p=np.array([1.5, 1.5, 0.5]))
+    rows = [
+        row_of(ball, Body('Solid', np.array(m.vertices), triangles=np.array(m.triangles)))
+        for m in (L, mesh)
+    ]
+    assert rows[1][0] == pytest.approx(rows[0][0], abs=2.0 * by + 1e-12)
+    facts = mesh_facts(Mesh.FromMeshData(mesh))
+    assert facts.is_closed
+    (told,) = [text for text in facts.remarks if 'welded' in text]
+    assert 'only so is its surface closed' in told
+    assert float(told.split('at most ')[1].split(' m ')[0]) <= 4.0 * by
+
+
+@pytest.mark.parametrize('by', [1e-7, 1e-3])
+def test_a_gap_that_is_none_of_rounding_stays_one(by):
+    with pytest.raises(MeshFileError, match='are open'):
+        solid_of(apart(L, by), ONES)
+
+
+def test_a_row_of_near_vertices_is_not_drawn_together():
+    """Ten of them, each within the tolerance of the next, cut into an edge: what is open stays."""
+    vertices, triangles = np.array(L.vertices), np.array(L.triangles)
+    a, b, c = triangles[0]
+    step = 1.5e-8  # L is 2 m large
+    row = vertices[a] + np.outer(np.arange(1, 11) * step, [0.3, 0.5, 0.8])
+    fan = [(len(vertices) + k, b, c) for k in range(10)]
+    mesh = MeshData(np.vstack((vertices, row)), np.vstack((triangles[1:], fan)))
+    with pytest.raises(MeshFileError, match='bounds no solid'):
+        solid_of(mesh, ONES)
+
+
+def test_a_closed_mesh_is_left_as_it_is():
+    """Vertices that are near, but belong to a surface that is closed without welding."""
+    assert mesh_facts(Mesh.FromMeshData(L)).remarks == ()
+
+
 def test_how_many_triangles_have_no_area_is_told():
     shape = Mesh.FromMeshData(with_junctions(L, edges_of(L, 4, 1)))
     assert any('4 of its triangles have no area' in text for text in mesh_facts(shape).remarks)

@@ -1,6 +1,7 @@
 """Simulated time that never comes: no cycle runs, and the node says why."""
 
 import pytest
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from drake_geom_msgs import msg
 from ros.harness import start_node
@@ -26,6 +27,9 @@ def test_a_missing_clock_is_told_until_it_comes(node, lone_client):
         own = [s for m in diagnostics for s in m.status if s.name == NAME]
         return own[-1] if own else DiagnosticStatus()
 
+    def value(key):
+        return next((pair.value for pair in latest().values if pair.key == key), '')
+
     client.wait_for(lambda: '/clock' in latest().message, 'the warning in diagnostics')
     assert latest().level == DiagnosticStatus.WARN
     client.wait_for(lambda: 'no message of /clock' in node.output(), 'the line in the log')
@@ -41,3 +45,9 @@ def test_a_missing_clock_is_told_until_it_comes(node, lone_client):
 
     client.wait_for(ticking, 'cycles')
     assert latest().level == DiagnosticStatus.OK
+    before = len(reports)
+    clock.publish(Clock(clock=Time(sec=-5)))  # no time of ROS: it begins at 0
+    client.wait_for(lambda: '/clock: ' in value('latest refusal'), 'the refusal')
+    assert 'must not be negative; the node keeps the time that it had' in value('latest refusal')
+    assert 'internal error' not in node.output()
+    client.wait_for(lambda: ticking() and len(reports) > before, 'cycles after it')

@@ -206,13 +206,16 @@ def test_what_parameters_say_of_robots_holds_for_one_that_comes_by_topic(
     mesh = tmp_path / 'ball.obj'
     mesh.write_text(TETRAHEDRON)
     live.files = FileAccess([], package_roots=[str(tmp_path)])
-    live.robot_options = RobotOptions(filter_self_collisions=True, solid_meshes=('t*',))
+    live.robot_options = RobotOptions(
+        filter_self_collisions=True, solid_meshes=('t*',), paddings=(('*', 0.01), ('base', 0.02))
+    )
     shape = f'<collision><geometry><mesh filename="file://{mesh}"/></geometry></collision>'
     links = ''.join(f'<link name="{name}">{shape}</link>' for name in ('tool', 'base', 'far'))
     done = robot.take(f'<robot name="arm">{links}</robot>')
     assert done.endswith('; of 2 meshes the convex hull counts')
     assert explain(scene, 'base', 'far')
-    for name, solid in (('tool', True), ('base', False)):
+    for name, solid, padding in (('tool', True, 0.01), ('base', False, 0.02)):
         geometry = scene.names.geometry(f'{name}/collision_0')
         properties = scene.inspector.GetProximityProperties(geometry)
         assert properties.GetPropertyOrDefault('mesh', 'solid', False) is solid
+        assert properties.GetProperty('proximity', 'padding') == padding

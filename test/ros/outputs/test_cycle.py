@@ -12,6 +12,7 @@ from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
+from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleTopics
 from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
@@ -66,6 +67,10 @@ class Asked:
         return self._scene.twists()
 
     @property
+    def rules(self):
+        return self._scene.rules
+
+    @property
     def query(self):
         self.times += 1
         return self._scene.query
@@ -86,11 +91,17 @@ def topics():
     return {name: PlainTopic(0) for name in ('penetrations', 'signed_distances', 'cycle_report')}
 
 
+def no_rules():
+    """Return what decides about proximity rules, of which there is none."""
+    topics = RuleTopics(Topic(), Topic(), Topic())
+    return RuleEvents(topics, Plain(), lambda: 1.0, lambda count, seconds: None)
+
+
 @pytest.fixture
 def cycle(live, topics):
     kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
-    return Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)))
+    return Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules())
 
 
 def run(asked, cycle, topics, *names):
@@ -206,10 +217,13 @@ def test_what_waits_for_a_pose_is_counted_and_named(live, asked, cycle, topics):
 
 
 def test_what_is_done_beside_the_cycles_is_told_once(live, asked, topics):
-    beside = [Beside('point_distances', lambda: NO_SUBSCRIBER), Beside('scene', lambda: 'not yet')]
+    beside = [
+        Beside.publishing('point_distances', lambda: NO_SUBSCRIBER),
+        Beside.publishing('scene', lambda: 'not yet'),
+    ]
     kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
-    cycle = Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), beside)
+    cycle = Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules(), beside)
 
     def told():
         report = run(asked, cycle, topics, 'cycle_report')

@@ -80,6 +80,23 @@ class FilterState:
         other.welded = dict(self.welded)
         return other
 
+    def narrowed(self, keys: NDArray[np.int64], considered: Flags) -> FilterState:
+        """Return a copy that excludes all pairs of keys (n,) but those ``considered`` (n, n).
+
+        Of what was said since it knows nothing: it is for queries.
+        """
+        other = self.copy()
+        slots = other.slots(keys)
+        other._give_rows(slots)
+        patterns, pattern_of = np.unique(considered, axis=0, return_inverse=True)
+        for k, pattern in enumerate(patterns):
+            filter_matrix.write_pairs(
+                *(other._bits, other._bit_rows, CURRENT),
+                *(slots[pattern_of.ravel() == k], slots[~pattern], True),
+            )
+        other.version += 1
+        return other
+
     # Geometries come and go.
 
     def add(self, key: int, frame: int, anchored: bool) -> None:

@@ -55,20 +55,6 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_o
 
 
 @inlined
-def _groups_of(motion: MotionArrays) -> Groups:
-    return Groups(
-        motion.firsts,
-        motion.members,
-        motion.group_pairs,
-        motion.starts_of_pairs,
-        motion.numbers,
-        motion.centres,
-        motion.halves,
-        motion.separations,
-    )
-
-
-@inlined
 def _is_far(motion: MotionArrays, m: int, A: Rates, B: Rates, slack: float) -> bool:
     """Tell whether the boxes of a pair of groups keep all their pairs clear for the motion."""
     a, b = motion.group_pairs[m, 0], motion.group_pairs[m, 1]
@@ -198,8 +184,20 @@ def _near_at_start(handle: Handle) -> int:
     Entries get the pair, and its record of the start. Minus a verdict where that is known already.
     """
     motion = motions_of(handle)
-    groups, count, unknown = _groups_of(motion), 0, False
-    put_boxes(groups, world_of(motion.world))
+    count, unknown = 0, False
+    put_boxes(
+        Groups(
+            motion.firsts,
+            motion.members,
+            motion.group_pairs,
+            motion.starts_of_pairs,
+            motion.numbers,
+            motion.centres,
+            motion.halves,
+            motion.separations,
+        ),
+        world_of(motion.world),
+    )
     for m in range(motion.separations.size):
         first, second, node = motion.sides[m, 0], motion.sides[m, 1], motion.common[m]
         A, B = rates_against(motion, first, node), rates_against(motion, second, node)

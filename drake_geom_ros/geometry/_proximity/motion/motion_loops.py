@@ -48,7 +48,7 @@ from drake_geom_ros.geometry._proximity.motion.tree import common_nodes, tree_of
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
-from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of
+from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, moved_together
 from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
@@ -100,11 +100,7 @@ class MotionLoops:
         if level_gap < math.inf:
             compile_rows(table_rows(*world.geometries.types[pairs].T))
         world.update()
-        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
-        # What hangs on a frame that moves stays together, as in StateLoops.
-        apart = len(world.frames.ids) + alone
-        _, numbers = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
-        groups = groups_of(numbers, pairs)
+        groups = groups_of(moved_together(world, rows), pairs)
         self._world = world  # whose arrays the handle shows
         self._arrays = _arrays(world, pairs, rows, paddings, groups, chain, columns)
         self._arrays = self._arrays._replace(stop=stop)

@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inline
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
+from drake_geom_ros.geometry._proximity.world.world import World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -60,6 +61,17 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
         halves=np.zeros((count, 3)),
         separations=np.zeros(len(known)),
     )
+
+
+def moved_together(world: World, rows: Indices) -> Indices:
+    """Return the group (n,) of each geometry where the frames in some rows move.
+
+    What hangs on one of these stays together; all else is far apart, mostly, and each alone.
+    """
+    on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
+    apart = len(world.frames.ids) + alone
+    _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
+    return groups
 
 
 @inlined

@@ -15,7 +15,12 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.pairs.slots import NO_QUEUE
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
-from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, put_boxes_of
+from drake_geom_ros.geometry._proximity.states.groups import (
+    Groups,
+    groups_of,
+    moved_together,
+    put_boxes_of,
+)
 from drake_geom_ros.geometry._proximity.states.joint_checks import (
     CheckArrays,
     check_states,
@@ -51,10 +56,7 @@ class JointLoops:
         if gap < np.inf:
             compile_rows(table_rows(*world.geometries.types[pairs].T))
         world.update()
-        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
-        # What hangs on a frame that moves stays together, as in StateLoops.
-        apart = len(world.frames.ids) + alone
-        _, numbers = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
+        numbers = moved_together(world, rows)
         groups = groups_of(numbers, pairs)
         put_boxes_of(tuple(groups), world.handle)
         self._world = world  # whose arrays the handle shows

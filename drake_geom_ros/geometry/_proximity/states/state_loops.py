@@ -24,7 +24,11 @@ from drake_geom_ros.geometry._proximity.points.sharing import (
     shared_point_distances,
 )
 from drake_geom_ros.geometry._proximity.states.certified import any_near, nearest_pairs
-from drake_geom_ros.geometry._proximity.states.groups import GroupArrays, groups_of
+from drake_geom_ros.geometry._proximity.states.groups import (
+    GroupArrays,
+    groups_of,
+    moved_together,
+)
 from drake_geom_ros.geometry._proximity.states.loops import (
     any_overlap,
     pairs_within_cutoff,
@@ -51,11 +55,7 @@ class StateLoops:
     def __init__(self, world: World, pairs: Indices, rows: Indices) -> None:
         world.update()
         self._world, self._pairs, self._rows = world, pairs, rows
-        # What hangs on a frame that moves stays together; all else is far apart, mostly.
-        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
-        apart = len(world.frames.ids) + alone
-        _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
-        arrays: GroupArrays = groups_of(groups, pairs)[:]
+        arrays: GroupArrays = groups_of(moved_together(world, rows), pairs)[:]
         self._scene = ADDRESSES, rows, world.handle, pairs, arrays
         hits = np.zeros(len(pairs), dtype=np.int64)
         self._room = np.arange(len(pairs)), empty_memory(len(pairs)), hits

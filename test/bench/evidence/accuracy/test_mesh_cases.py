@@ -19,7 +19,8 @@ from bench.evidence.accuracy.samples import CONFIGURATIONS
 from bench.evidence.judging.asking import PENETRATION, POINTS, certified
 from bench.evidence.truth.meshes import point_distance
 from drake_geom_ros.geometry._proximity.kinds import SOLID
-from drake_geom_ros.geometry.meshes._solids import merged, solid_of, volume
+from drake_geom_ros.geometry.meshes._solids import solid_of, volume
+from drake_geom_ros.geometry.meshes._welding import merged
 
 CASES = [case for case in mesh_cases() if case.resolution == 100]
 coarse = pytest.mark.parametrize('case', CASES, ids=lambda case: case.name)

@@ -341,6 +341,11 @@ def signed_distance_of_cores(
     error_bound = max(upper - distance, distance - lower) + noise
     if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
+    if distance < r_A + r_B:
+        # Whoever measures the overlap along the reported normal must find the depth, within it.
+        lacking = distance - separation_along(pair, n)
+        if lacking > error_bound:
+            error_bound = lacking + noise
     if A.kind == CONVEX:
         error_bound += hull_defect(A.shape)
     if B.kind == CONVEX:

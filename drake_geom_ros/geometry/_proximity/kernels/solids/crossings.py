@@ -19,8 +19,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
     weighted,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.meetings import is_flat, sides_of
-from drake_geom_ros.geometry._proximity.kernels.solids.signs import Triangle
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     Tree,
@@ -273,23 +271,11 @@ def touch(shape: Floats, at: int, other: int, near: float) -> bool:
     return distance_of_cores(pair, unit(n), size, near, near).end != BEYOND_CUTOFF
 
 
-@inlined
-def places_at(shape: Floats, at: int) -> Triangle:
-    """Return the corners of a triangle as places, which they are without rounding."""
-    a, b, c = vector_at(shape, at), vector_at(shape, at + 3), vector_at(shape, at + 6)
-    return (
-        (a[0], a[1], a[2], 0.0, 0.0, 0.0),
-        (b[0], b[1], b[2], 0.0, 0.0, 0.0),
-        (c[0], c[1], c[2], 0.0, 0.0, 0.0),
-    )
-
-
 @compiled
 def meeting(shape: Floats, at: int, other: int, apart: float) -> int:
     """Return how two triangles meet: APART, TOUCHING (beyond what they share) or CROSSED.
 
-    Only what is proven apart, by a plane and more than rounding, is not looked at. That they face
-    each other in one plane is told without error: the sides of a sheet may be as near as rounding.
+    Only what is proven apart, by a plane and more than rounding, is not looked at.
     """
     mine, its = plane_of(shape, at, other, apart), plane_of(shape, other, at, apart)
     above_mine, above_its = heights_over(shape, other, mine), heights_over(shape, at, its)
@@ -300,8 +286,6 @@ def meeting(shape: Floats, at: int, other: int, apart: float) -> int:
     if cross_in_line(shape, at, other, (mine, its), (above_mine, above_its)):
         return CROSSED
     flat = max(above_mine) <= mine.noise and min(above_mine) >= -mine.noise
-    if flat and dot(mine.n, its.n) < 0.0:  # the sides of a sheet, or what folds back on itself
-        flat = is_flat(sides_of(places_at(shape, at), places_at(shape, other), 0.0))
     if flat and overlap_in_plane(shape, at, other, mine.n, mine.noise):
         return CROSSED
     return TOUCHING if touch(shape, at, other, max(mine.near, its.near)) else APART

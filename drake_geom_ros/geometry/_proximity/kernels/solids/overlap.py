@@ -59,7 +59,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, ELLIPSOID, SOLID
+from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, ELLIPSOID, SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 from drake_geom_ros.geometry._proximity.tolerances import BEYOND_HULL, SAME_DIRECTION
@@ -87,7 +87,7 @@ def where_it_touches(pair: SolidPair, m: Vector) -> Vector:
         clear, _, found = cleared(pair, scale(out, m), scale(-1.0, m))
         if clear and dot(found.n, m) <= -SAME_DIRECTION:
             return found.b
-    if A.kind == ELLIPSOID:  # only one of its points is that far out
+    if A.kind == ELLIPSOID or A.kind == SPHERE:  # only one of its points is that far out
         return add_scaled(add(pair.p, hull_support(A, scale(-1.0, m))), -pair.radius, m)
     return local_support(CONVEX, B.shape, m, 0.0)
 

@@ -5,13 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from bench.evidence.bodies import grids
 from bench.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.solids import crossings
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import APART, CROSSED, TOUCHING
-from drake_geom_ros.geometry._proximity.kinds import SOLID
-from drake_geom_ros.geometry.meshes._solids import solid_of
 
 FLAT = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
 NEAR = 1e-9
@@ -90,14 +86,3 @@ def test_triangles_meet_alike_in_either_order_and_from_any_corner(other, how):
                 continue
             assert crossings.meeting(shape, 0, 9, 1e-14) == how
             assert crossings.meeting(shape, 9, 0, 1e-14) == how
-
-
-@pytest.mark.parametrize('thin', [2.0**-30, 2.0**-29, 2.0**-24])
-@pytest.mark.parametrize('origin', [(0.0, 0.0, 0.0), (5e5, 4e6, 0.25)])
-def test_a_sheet_whose_sides_are_a_spacing_of_floats_apart_does_not_cross_itself(thin, origin):
-    """An L of two thin walls: in a map's coordinates rounding is as thick as they are."""
-    lines = [np.array(x) + o for x, o in zip(([0, 1, 2], [0, thin, 2 * thin], [0, 1]), origin,
-                                             strict=True)]  # fmt: skip
-    vertices, triangles = grids.surface(grids.L, lines)
-    kind, _ = solid_of(MeshData(vertices, triangles), (1.0, 1.0, 1.0))
-    assert kind == SOLID

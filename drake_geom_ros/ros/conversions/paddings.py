@@ -1,0 +1,32 @@
+"""Paddings of a robot as a parameter tells them, for ROS has no parameters with names: no ROS."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from drake_geom_ros.geometry import ArgumentError
+
+
+def paddings_of(texts: Iterable[str]) -> tuple[tuple[str, float], ...]:
+    """Return patterns of links or geometries with their paddings [m], of ``PATTERN=METRES``.
+
+    >>> paddings_of(['*=0.01', 'panda_hand=0.02'])
+    (('*', 0.01), ('panda_hand', 0.02))
+
+    Raises ArgumentError for a text that is none, and a padding that is negative or not finite.
+    """
+    found = []
+    for text in texts:
+        pattern, _, number = text.rpartition('=')
+        try:
+            padding = float(number)
+        except ValueError:
+            padding = math.nan
+        if not pattern or not 0.0 <= padding < math.inf:
+            raise ArgumentError(
+                f'paddings holds {text!r}; each must be PATTERN=METRES, of a link or '
+                "link/geometry, with * and ?, and a number >= 0, such as 'panda_hand=0.02'"
+            )
+        found.append((pattern, padding))
+    return tuple(found)

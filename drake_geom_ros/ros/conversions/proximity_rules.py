@@ -1,0 +1,77 @@
+"""Proximity rules, events and states to messages and back. No ROS import."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.proximity_rules import (
+    Event,
+    ProximityRule,
+    RuleError,
+    RuleState,
+    scale_points,
+)
+from drake_geom_ros.ros.conversions.fields import floats, uint8s, unsigned
+
+_NUMBERS = ('enter', 'leave', 'hold', 'enter_after', 'min_time_to_contact')
+
+
+def rule_from_message(message: Any) -> ProximityRule:
+    """Return the rule of a ProximityRule message; raises RuleError for what cannot be."""
+    try:
+        scale = scale_points(message.scale)
+    except RuleError as error:
+        raise RuleError(f'proximity rule {message.name[:80]!r}: {error}') from None
+    return ProximityRule(
+        message.name,
+        tuple(message.set_a),
+        tuple(message.set_b),
+        message.level,
+        **{name: float(getattr(message, name)) for name in _NUMBERS},
+        when_stale=message.when_stale,
+        scale=scale,
+    )
+
+
+def fill_rule(message: Any, rule: ProximityRule) -> Any:
+    """Fill a ProximityRule message, and return it."""
+    for field in fields(rule):
+        if field.name not in ('scale', 'set_a', 'set_b', 'level'):
+            setattr(message, field.name, getattr(rule, field.name))
+    message.level = int(rule.level)
+    message.set_a, message.set_b = list(rule.set_a), list(rule.set_b)
+    message.scale = floats(np.array(rule.scale).reshape(-1))
+    return message
+
+
+def fill_events(message: Any, events: Sequence[Event], names: Callable[[int], str]) -> None:
+    """Fill the arrays of a ProximityEvents message; ``names`` tells a geometry by its id."""
+
+    def column(field: str) -> list[Any]:
+        return [getattr(event, field) for event in events]
+
+    message.sequence, message.rule = column('sequence'), column('rule')
+    message.entered = column('is_entered')
+    message.level, message.why = uint8s(np.array(column('level'))), uint8s(np.array(column('why')))
+    for end, id in (('a', 'id_A'), ('b', 'id_B')):
+        values = column(id)
+        setattr(message, f'id_{end}', unsigned(np.array(values)))
+        setattr(message, f'geometry_{end}', [names(value) for value in values])
+    message.distance = floats(np.array(column('distance')))
+    message.error_bound = floats(np.array(column('error_bound')))
+    message.p_wca = floats(np.array(column('p_WCa')))
+    message.p_wcb = floats(np.array(column('p_WCb')))
+
+
+def fill_states(message: Any, states: Sequence[RuleState], rule_type: Callable[[], Any]) -> None:
+    """Fill the arrays of a ProximityStates message, but for ``since``, which is of a clock."""
+    message.rules = [fill_rule(rule_type(), state.rule) for state in states]
+    message.entered = [state.is_entered for state in states]
+    message.why = uint8s(np.array([int(state.why or 0) for state in states]))
+    message.pairs = unsigned(np.array([state.pairs for state in states]))
+    message.left_out_pairs = unsigned(np.array([state.left_out for state in states]))
+    message.trouble = [state.trouble for state in states]

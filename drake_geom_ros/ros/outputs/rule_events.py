@@ -1,0 +1,104 @@
+"""Publishes what proximity rules decide: events, states, the scale of speed. No ROS import.
+
+Rules are decided whether anybody listens or not: who comes later must find their states right, and
+numbers of events without a gap.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from drake_geom_ros.geometry import SignedDistanceResults
+from drake_geom_ros.proximity_rules import Event
+from drake_geom_ros.ros.conversions.proximity_rules import fill_events
+from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.rule_states import fill_rule_states
+
+# [s] at most between two decisions, and two values of the scale: poses may stop to come.
+PERIOD = 0.05
+
+
+class RuleTopics(NamedTuple):
+    """The publishers of ~/proximity_events, ~/proximity_states and ~/speed_scale."""
+
+    events: Any
+    states: Any
+    speed_scale: Any
+
+
+class RuleEvents:
+    """Decides about the rules of the live scene and tells what became of them."""
+
+    def __init__(
+        self,
+        topics: RuleTopics,
+        types: Any,
+        stale_after: Callable[[], float],
+        did: Callable[[int, float], None],
+    ) -> None:
+        """``types`` holds the message classes, ``stale_after()`` is an age [s].
+
+        ``did(pairs, seconds)`` is told of each decision, and of the pairs that it alone needed.
+        """
+        self._topics, self._types = topics, types
+        self._stale_after, self._did = stale_after, did
+        self._decided = -math.inf  # [s] of steady time
+        self._told = -1  # the revision of the states that were published last
+
+    def look_at(
+        self, scene: HeldScene, distances: SignedDistanceResults | None, reach: float
+    ) -> None:
+        """Decide by the poses of now; ``distances`` are those within ``reach`` [m], if any."""
+        if not scene.rules.rules:  # what there is to tell of that, ``look_again`` tells
+            return
+        start = time.perf_counter()
+        rules, query = scene.rules, scene.query
+        rules.bind(query)
+        seen = None if distances is None else (distances, reach)
+        blind = scene.blind_frames(self._stale_after())
+        self._decided = scene.clocks.steady()
+        computed = rules.decide(self._decided, query, blind, seen, scene.twists())
+        self._tell(scene, rules.take_events())
+        self._did(computed, time.perf_counter() - start)
+
+    def look_again(self, scene: HeldScene) -> None:
+        """Decide although no cycle ran: poses grow old, times run out, the scene was changed."""
+        rules, now = scene.rules, scene.clocks.steady()
+        if now - self._decided < PERIOD / 2.0:
+            return
+        if rules.rules:
+            rules.bind(scene.query)
+        if rules.rules and not rules.is_measured:
+            self.look_at(scene, None, 0.0)
+            return
+        self._decided = now
+        if rules.rules:
+            rules.wait(now, scene.blind_frames(self._stale_after()))
+        self._tell(scene, rules.take_events())
+
+    def forget(self) -> None:
+        """Publish the states anew, to those who were told nothing meanwhile."""
+        self._told = -1
+
+    def _tell(self, scene: HeldScene, events: list[Event]) -> None:
+        """Publish events, states where they changed, and the scale of speed."""
+        if events:
+            message = self._types.ProximityEvents(accuracy=scene.accuracy)
+            moment = scene.moment()
+            moment.stamp_header(message)
+            message.names_version = moment.names_version
+            fill_events(message, events, scene.names.name_of_value)
+            message.oldest_pose_age = [moment.oldest.age] * len(events)
+            message.oldest_frame = [moment.oldest.frame] * len(events)
+            self._topics.events.publish(message)
+        if scene.rules.revision != self._told:
+            self._told = scene.rules.revision
+            states = self._types.ProximityStates()
+            fill_rule_states(states, scene, self._types)
+            self._topics.states.publish(states)
+        scale = scene.rules.speed_scale()
+        if scale is not None and self._topics.speed_scale.get_subscription_count():
+            self._topics.speed_scale.publish(self._types.Float64(data=scale))

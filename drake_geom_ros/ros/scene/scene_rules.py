@@ -1,0 +1,275 @@
+"""The proximity rules of the live scene, bound to what it holds now. No ROS."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.common.geometry_names import GeometryNames
+from drake_geom_ros.geometry import (
+    FrameId,
+    GeometryId,
+    GeometryVersion,
+    QueryObject,
+    Role,
+    SceneGraphInspector,
+    SignedDistanceResults,
+    closing_speeds,
+)
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import (
+    Event,
+    Measured,
+    Poses,
+    ProximityRule,
+    RuleMonitor,
+    RuleState,
+    ScenePairs,
+)
+from drake_geom_ros.ros.conversions.names import some_of
+
+Flags = NDArray[np.bool_]
+Twists = Mapping[FrameId, NDArray[np.float64]]
+_NO_PAIRS = ScenePairs(np.zeros(0, dtype=np.int64), [], np.zeros((0, 0), dtype=np.bool_))
+
+
+class Blind(NamedTuple):
+    """The frames, by the values of their ids, whose poses are not those of now."""
+
+    stale: Collection[int]  # too old, or of unknown age
+    absent: Collection[int]  # never posed
+
+
+class SceneRules:
+    """What rules there are, which pairs they watch, and what became of them."""
+
+    def __init__(self) -> None:
+        self._monitor = RuleMonitor(_NO_PAIRS)
+        self._version = GeometryVersion()
+        self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
+        self._extents: dict[FrameId, float] = {}  # [m] how far geometries reach from its origin
+        self._narrowed: QueryObject | None = None
+        self._happened: list[Event] = []  # that nobody was told of yet
+        self.revision = 0  # changes with each rule, state and number of pairs
+
+    @property
+    def rules(self) -> tuple[ProximityRule, ...]:
+        """The rules in the order in which they came."""
+        return self._monitor.rules
+
+    @property
+    def next_sequence(self) -> int:
+        """The number of the next event."""
+        return self._monitor.next_sequence
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether the distances of the pairs of now were looked at."""
+        return self._monitor.is_measured
+
+    def add(self, rules: Iterable[ProximityRule], query: QueryObject) -> RuleState:
+        """Add rules that can be entered in the scene of now, all or none; return the last one.
+
+        Raises RuleError for others.
+        """
+        self.bind(query)
+        self._monitor.add(rules)
+        self._changed()
+        return self._monitor.states()[-1]
+
+    def take(self, rules: Sequence[ProximityRule], query: QueryObject) -> list[str]:
+        """Have the rules of a scene file, in place of those of the same names.
+
+        Returns what is wrong with those that can never be entered as the scene is.
+        """
+        self.bind(query)
+        known = {rule.name: rule for rule in self.rules}
+        for rule in rules:
+            if known.get(rule.name, rule) != rule:
+                self._happened += self._monitor.remove(rule.name)
+        there = {rule.name for rule in self.rules}
+        new = [rule for rule in rules if rule.name not in there]
+        self._changed()
+        return self._monitor.add(new, may_wait=True)
+
+    def remove(self, name: str) -> None:
+        """Remove a rule; raises RuleError where there is none of that name."""
+        self._happened += self._monitor.remove(name)
+        self._changed()
+
+    def _changed(self) -> None:
+        self._narrowed, self.revision = None, self.revision + 1
+
+    def bind(self, query: QueryObject) -> None:
+        """Be about the scene of now, if sources, geometries or filters changed."""
+        inspector = query.inspector()
+        version = inspector.geometry_version()
+        if version.IsSameAs(self._version, Role.kProximity):
+            return
+        self._version = version
+        self._changed()
+        ids, reported = inspector.candidate_matrix()
+        geometries = [GeometryId(value) for value in ids.tolist()]
+        names = [_names(inspector, geometry) for geometry in geometries]
+        self._happened += self._monitor.bind(ScenePairs(ids, names, reported))
+        self._hanging = _hanging(inspector, geometries)
+        self._extents = _extents(inspector, geometries)
+
+    def decide(
+        self,
+        now: float,
+        query: QueryObject,
+        blind: Blind,
+        seen: tuple[SignedDistanceResults, float] | None = None,
+        twists: Twists | None = None,
+    ) -> int:
+        """Decide by the poses of now [s]; return how many pairs were computed for it.
+
+        ``seen`` are the distances of all pairs within so many metres, where a cycle
+        has them: what rules need beyond is computed, of their pairs alone.
+        """
+        farthest = self._monitor.farthest(self._fastest(twists))
+        computed = 0
+        if seen is not None and seen[1] >= farthest:
+            results = seen[0]
+        else:
+            results = self._narrow(query).ComputeSignedDistancePairwiseClosestPoints(farthest)
+            computed = len(results)
+        speeds = None if twists is None else closing_speeds(results, twists).speed
+        self._decide(now, blind, _measured(results, speeds))
+        return computed
+
+    def wait(self, now: float, blind: Blind) -> None:
+        """Decide [s] where nothing moved since, and only time went on."""
+        self._decide(now, blind, None)
+
+    def _decide(
+        self,
+        now: float,
+        blind: Blind,
+        measured: Measured | None,
+    ) -> None:
+        poses = Poses(self._rows(blind.stale), self._rows(blind.absent))
+        events = self._monitor.decide(now, poses, measured)
+        self._happened += events
+        self.revision += len(events)
+
+    def take_events(self) -> list[Event]:
+        """Return what happened since this was last called."""
+        events, self._happened = self._happened, []
+        return events
+
+    def states(self) -> list[RuleState]:
+        """Return the states of all rules."""
+        return self._monitor.states()
+
+    def measure_again(self) -> None:
+        """Believe no distance of before: nobody looked for a while."""
+        self._monitor.is_measured = False
+
+    def troubles(self, *, watches_motion: bool) -> list[str]:
+        """Return which rules can never be entered, or not for all that they say, in words."""
+        told = [state.trouble for state in self.states() if state.trouble]
+        blind = [rule.name for rule in self.rules if rule.min_time_to_contact]
+        if blind and not watches_motion:
+            told.append(
+                'min_time_to_contact does not count, for nobody watches how bodies move: '
+                f'proximity rules {some_of(blind)}; set the parameter closing_speeds'
+            )
+        return told
+
+    def in_words(self) -> str:
+        """Return how many rules there are, and which are entered."""
+        states = self.states()
+        entered = [f'{s.rule.name} ({s.why.name.lower()})' for s in states if s.why is not None]
+        return f'{len(states)}, entered: {some_of(entered) or "none"}' if states else 'none'
+
+    def speed_scale(self) -> float | None:
+        """Return how fast to go, 0 to 1; None: no rule says."""
+        return self._monitor.speed_scale()
+
+    def _narrow(self, query: QueryObject) -> QueryObject:
+        """Return a query object that considers the pairs of rules, and no other."""
+        if self._narrowed is None:
+            self._narrowed = query.narrowed(self._monitor.watched.watched())
+        return self._narrowed
+
+    def _rows(self, frames: Collection[int]) -> Flags:
+        """Return which geometries (n,) hang on any of some frames."""
+        flags = np.zeros(len(self._monitor.watched.ids), dtype=np.bool_)
+        for frame in frames:
+            flags[self._hanging.get(frame, ())] = True
+        return flags
+
+    def _fastest(self, twists: Twists | None) -> float:
+        """Return a bound [m/s] of how fast any two geometries close.
+
+        No point of a body is faster than its frame's origin and the turn about it.
+        """
+        if not twists or not any(rule.min_time_to_contact for rule in self.rules):
+            return 0.0
+        speeds = []
+        for frame, extent in self._extents.items():
+            if frame in twists:
+                turn, straight = np.linalg.norm(twists[frame].reshape(2, 3), axis=1)
+                speeds.append(float(straight + (turn * extent if turn else 0.0)))
+        return sum(sorted(speeds)[-2:])
+
+
+def _measured(
+    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None
+) -> Measured:
+    return Measured(
+        results.id_A,
+        results.id_B,
+        results.distance,
+        results.error_bound,
+        results.p_WCa,
+        results.p_WCb,
+        closing_speed,
+    )
+
+
+def _names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
+    frame = inspector.GetFrameId(geometry)
+    return GeometryNames(
+        inspector.GetOwningSourceName(geometry),
+        inspector.GetName(frame),
+        inspector.GetName(geometry),
+        frame == inspector.world_frame_id(),
+    )
+
+
+def _hanging(
+    inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
+) -> dict[int, list[int]]:
+    """Return by frame the rows of the geometries on it, and on what hangs on it."""
+    world = inspector.world_frame_id()
+    found: dict[int, list[int]] = defaultdict(list)
+    for row, geometry in enumerate(geometries):
+        frame = inspector.GetFrameId(geometry)
+        while frame != world:
+            found[frame.get_value()].append(row)
+            frame = inspector.GetParentFrame(frame)
+    return dict(found)
+
+
+def _extents(
+    inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
+) -> dict[FrameId, float]:
+    """Return by frame how far [m] its geometries reach from its origin."""
+    found: dict[FrameId, float] = defaultdict(float)
+    for geometry in geometries:
+        obb = inspector.GetObbInGeometryFrame(geometry)
+        extent = math.inf
+        if obb is not None:
+            X_FB: RigidTransform = inspector.GetPoseInFrame(geometry) @ obb.pose()
+            extent = float(np.linalg.norm(X_FB.translation()) + np.linalg.norm(obb.half_width()))
+        frame = inspector.GetFrameId(geometry)
+        found[frame] = max(found[frame], extent)
+    return dict(found)

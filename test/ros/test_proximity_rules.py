@@ -1,0 +1,250 @@
+"""Proximity rules on the real middleware: events, states, the scale of speed, and a dead node."""
+
+import math
+import signal
+import time
+
+import numpy as np
+import pytest
+from drake_geom_msgs import msg, srv
+from rclpy.duration import Duration
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import LivelinessPolicy, QoSProfile
+from ros.harness import LATCHED, Client, start_node
+from ros.scene_calls import accepted, poses, refused
+from std_msgs.msg import Float64
+
+from drake_geom_ros.client import ProximityMonitor
+from drake_geom_ros.ros.rule_topics import DEADLINE, LEASE
+
+SCENE = """
+name: cell
+sources: [arm]
+frames:
+- {name: hand, source: arm, static: false}
+- {name: tray, pose: {position: [0, 5, 0]}}
+geometries:
+- {name: ball, source: arm, frame: hand, shape: {type: sphere, radius: 0.1}}
+- {name: post, pose: {position: [0, 0, 0]}, shape: {type: box, size: [0.2, 0.2, 2]}}
+- {name: tray, frame: tray, shape: {type: box, size: [0.2, 0.2, 0.2]}}
+proximity_rules:
+- {name: hands off, set_a: arm, level: stop, enter: 0.05, leave: 0.1}
+- {name: go slowly, set_a: arm, set_b: [post, tray], level: slow, enter: 0.3, leave: 0.45}
+"""
+EVENTS = QoSProfile(depth=1000)
+AGAIN = 1.0  # [s] after which a pose is sent again
+STOP, SLOW = 'hands off', 'go slowly'
+
+
+@pytest.fixture(scope='module')
+def scene_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp('rules') / 'cell.yaml'
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture
+def node(scene_file, tmp_path):
+    process = start_node(
+        tmp_path / 'log', name='ruled', scene_file=scene_file, stale_after=1e6, max_distance=0.01
+    )
+    yield process
+    process.end()
+
+
+@pytest.fixture
+def client(node):
+    client = Client('/ruled')
+    yield client
+    client.close()
+
+
+class Hand:
+    """Poses the ball so far from the post, as often as it takes to be heard."""
+
+    def __init__(self, client):
+        self._client = client
+        self._publisher = client.publisher(msg.FramePoses, 'frame_poses')
+        self._stamp = 0
+
+    def stand_at(self, gap):
+        """Pose the ball with a gap [m] to the post."""
+        self._stamp += 1
+        place = (0.2 + gap, 0, 0)
+        self._publisher.publish(poses(['hand'], [place], source='arm', stamp=self._stamp))
+
+    def until(self, gap, fact, what):
+        """Stand there until a fact holds; return it. What is sent to who is not known is lost."""
+        again = 0.0
+
+        def holds():
+            nonlocal again
+            if time.monotonic() > again:
+                again = time.monotonic() + AGAIN
+                self.stand_at(gap)
+            return fact()
+
+        return self._client.wait_for(holds, what)
+
+
+def changes(heard):
+    return [
+        (rule, entered) for m in heard for rule, entered in zip(m.rule, m.entered, strict=True)
+    ]
+
+
+def sequences(heard):
+    return [number for message in heard for number in message.sequence]
+
+
+def standing(states):
+    """Return by name whether rules are entered, as the last message says."""
+    last = states[-1] if states else None
+    return last and {r.name: e for r, e in zip(last.rules, last.entered, strict=True)}
+
+
+def test_a_hand_that_comes_and_goes(client):
+    states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+    events = client.listen(msg.ProximityEvents, 'proximity_events', EVENTS)
+    scales = client.listen(Float64, 'speed_scale')
+    # Before the first pose: a stop stands, because nobody knows where the hand is.
+    client.wait_for(lambda: standing(states) == {STOP: True, SLOW: False}, 'the first states')
+    assert states[-1].why[0] == msg.ProximityEvents.NO_POSE
+    client.wait_for(lambda: scales and scales[-1].data == 0.0, 'a scale of 0')
+    hand = Hand(client)
+    hand.until(1.0, lambda: standing(states) == {STOP: False, SLOW: False}, 'the stop to go')
+    client.wait_for(lambda: scales[-1].data == 1.0, 'a scale of 1')
+    hand.until(0.25, lambda: standing(states) == {STOP: False, SLOW: True}, 'slow')
+    client.wait_for(lambda: math.isclose(scales[-1].data, 0.5, abs_tol=1e-9), 'half speed')
+    hand.until(0.04, lambda: standing(states) == {STOP: True, SLOW: True}, 'stop')
+    client.wait_for(lambda: scales[-1].data == 0.0, 'a scale of 0')
+    hand.until(0.07, lambda: scales[-1].data == 0.0, 'the stop to stay')
+    hand.until(0.5, lambda: standing(states) == {STOP: False, SLOW: False}, 'all to go')
+    expected = [(SLOW, True), (STOP, True), (STOP, False), (SLOW, False)]
+    client.wait_for(lambda: changes(events)[-4:] == expected, 'the events')
+    numbers = sequences(events)
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    assert states[-1].next_sequence == numbers[-1] + 1
+    near = msg.ProximityEvents.NEAR
+    stop = next(m for m in events if m.rule[0] == STOP and m.entered[0] and m.why[0] == near)
+    assert (stop.geometry_a[0], stop.geometry_b[0]) in (
+        ('arm::hand/ball', 'cell::world/post'),
+        ('cell::world/post', 'arm::hand/ball'),
+    )
+    assert stop.distance[0] == pytest.approx(0.04, abs=1e-9)
+    assert np.linalg.norm(np.subtract(stop.p_wca, stop.p_wcb)) == pytest.approx(0.04)
+    assert stop.accuracy == 'exact'
+    assert stop.header.stamp.sec >= 1
+
+
+def test_rules_are_added_listed_and_removed(client):
+    rule = msg.ProximityRule(
+        name='tray', set_a=['arm'], set_b=['cell::tray'], level=1, enter=9.0, leave=9.5
+    )
+    added = accepted(client.call(srv.AddProximityRule, 'add_proximity_rule', rule=rule))
+    assert (added.pairs, added.left_out_pairs) == (1, 0)
+    events = client.listen(msg.ProximityEvents, 'proximity_events', EVENTS)
+    Hand(client).until(1.0, lambda: ('tray', True) in changes(events), 'the tray to warn')
+    told = accepted(client.call(srv.ListProximityRules, 'list_proximity_rules')).states
+    assert [r.name for r in told.rules] == [STOP, SLOW, 'tray']
+    assert list(told.entered) == [False, False, True]
+    assert list(told.pairs) == [2, 2, 1]
+    refused(client.call(srv.AddProximityRule, 'add_proximity_rule', rule=rule), 'already')
+    rule.name, rule.set_b = 'new', ['trey']
+    told = refused(client.call(srv.AddProximityRule, 'add_proximity_rule', rule=rule), 'trey')
+    assert "nearest: 'tray'" in told
+    rule.set_b, rule.min_time_to_contact = ['tray'], 1.0
+    answer = client.call(srv.AddProximityRule, 'add_proximity_rule', rule=rule)
+    refused(answer, 'closing_speeds')
+    accepted(client.call(srv.RemoveProximityRule, 'remove_proximity_rule', name='tray'))
+    client.wait_for(lambda: ('tray', False) in changes(events), 'the tray to be gone')
+    refused(client.call(srv.RemoveProximityRule, 'remove_proximity_rule', name='tray'), 'no prox')
+
+
+def test_rules_are_saved_and_end_with_what_they_are_about(client, tmp_path):
+    saved = accepted(client.call(srv.SaveScene, 'save_scene'))
+    assert 'name: hands off' in saved.text
+    events = client.listen(msg.ProximityEvents, 'proximity_events', EVENTS)
+    states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+    client.wait_for(lambda: standing(states), 'the states')
+    bare = SCENE[: SCENE.index('proximity_rules')].replace('tray', 'shelf')
+    accepted(client.call(srv.LoadScene, 'load_scene', text=bare, replace=True))
+    client.wait_for(lambda: standing(states) == {STOP: True}, 'a rule to end')
+    assert [m.why[m.rule.index(SLOW)] for m in events if SLOW in m.rule] == [
+        msg.ProximityEvents.GONE
+    ]
+    accepted(client.call(srv.LoadScene, 'load_scene', text=saved.text, replace=True))
+    client.wait_for(lambda: set(standing(states)) == {STOP, SLOW}, 'the rules again')
+
+
+def test_poses_that_stop_enter_a_stop_though_no_message_comes(scene_file, tmp_path):
+    process = start_node(tmp_path / 'log', name='ageing', scene_file=scene_file, stale_after=0.5)
+    client = Client('/ageing')
+    try:
+        states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+        hand = Hand(client)
+        hand.until(1.0, lambda: standing(states) == {STOP: False, SLOW: False}, 'a good pose')
+        client.wait_for(lambda: standing(states) == {STOP: True, SLOW: False}, 'a stale pose')
+        assert states[-1].why[0] == msg.ProximityEvents.STALE
+    finally:
+        client.close()
+        assert process.end() == 0, process.output()
+
+
+def test_only_pairs_of_rules_are_computed_where_nobody_listens_to_distances(client):
+    reports = client.listen(msg.CycleReport, 'cycle_report')
+    hand = Hand(client)
+
+    def decided():
+        hand.stand_at(0.2)
+        return next(
+            (
+                (report.effect_counts[k], report.effect_ran[k])
+                for report in reports[-1:]
+                for k, effect in enumerate(report.effects)
+                if effect == 'decide proximity rules' and report.effect_ran[k]
+            ),
+            None,
+        )
+
+    count, ran = client.wait_for(decided, 'a report of rules')
+    assert ran
+    assert count >= 1
+    assert reports[-1].broadphase_pairs == 0  # of the distances that nobody asked for
+
+
+def test_a_dead_node_is_noticed_by_the_middleware_and_by_the_monitor(client, node):
+    missed, died, told = [], [], []
+    profile = QoSProfile(
+        depth=1,
+        deadline=Duration(seconds=DEADLINE),
+        liveliness=LivelinessPolicy.AUTOMATIC,
+        liveliness_lease_duration=Duration(seconds=LEASE),
+    )
+    callbacks = SubscriptionEventCallbacks(
+        deadline=missed.append,
+        liveliness=lambda event: died.append(event) if event.alive_count == 0 else None,
+    )
+    client.node.create_subscription(
+        Float64, '/ruled/speed_scale', lambda _: None, profile, event_callbacks=callbacks
+    )
+    monitor = ProximityMonitor(client.node, '/ruled', rules=[STOP], on_change=told.append)
+    assert 'nothing was heard' in monitor.why_stop()
+    assert monitor.speed_scale == 0.0
+    hand = Hand(client)
+    hand.until(1.0, lambda: monitor.speed_scale == 1.0, 'full speed')
+    assert monitor.why_stop() == ''
+    assert monitor.rules[STOP].pairs == 2
+    hand.until(0.0, lambda: monitor.why_stop() == f'{STOP}: near', 'a stop')
+    hand.until(1.0, lambda: not monitor.why_stop(), 'the stop to go')
+    node.popen.send_signal(signal.SIGKILL)
+    client.wait_for(lambda: 'silent' in monitor.why_stop(), 'the monitor to notice', 10.0)
+    client.wait_for(lambda: missed and died, 'the middleware to notice', 10.0)
+    assert 'silent' in told[-1]
+    assert monitor.missed == 0
+
+
+def test_a_monitor_wants_its_rules(client):
+    monitor = ProximityMonitor(client.node, '/ruled', rules=['hands of'])
+    client.wait_for(lambda: monitor.rules, 'the states')
+    assert "no proximity rule 'hands of'; nearest: 'hands off'" in monitor.why_stop()
