@@ -283,14 +283,19 @@ def answer_pairs(
             counts[CACHED] += 1
         else:
             least = -math.inf
-            bodies = BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer)
             if cutoff < math.inf:
-                least = separation_of_bounds(a, b, bodies, near_cutoff)
+                least = separation_of_bounds(
+                    a,
+                    b,
+                    BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer),
+                    near_cutoff,
+                )
             near = least <= near_cutoff
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
-                    some = Shapes(types, starts, pool)
-                    bound_pair(a, b, some, R_WGs, p_WGs, inner, p_AB_W, bounds)
+                    bound_pair(
+                        a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, bounds
+                    )
                     least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], out[SLACK] - travelled)
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
@@ -298,16 +303,28 @@ def answer_pairs(
                 extent = size + apart(p_WGs, a, b)
                 tolerance = tolerance_of_pair(level_gap, a, b, outer)
                 rounding = rounding_of_pair(a, b, extent, roundings)
-                shapes = Shapes(types, starts, pool)
                 if math.isinf(level_gap):
-                    bound_pair(a, b, shapes, R_WGs, p_WGs, inner, p_AB_W, out)
+                    bound_pair(
+                        a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, out
+                    )
                 else:
                     _recall(out, level_gap, types[a], types[b])
                     aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
-                    _call_in_order(a, b, kernels, shapes, (R_WGs, p_WGs), p_AB_W, aim, out)
+                    _call_in_order(
+                        a,
+                        b,
+                        kernels,
+                        Shapes(types, starts, pool),
+                        (R_WGs, p_WGs),
+                        p_AB_W,
+                        aim,
+                        out,
+                    )
                 _widen(out, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
-                    raise_lower_end(a, b, bodies, out)
+                    raise_lower_end(
+                        a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer), out
+                    )
                 out[SEEN], out[LEVEL_GAP] = revision, level_gap
                 least = _least(out, level_gap, size, rounding)
             else:

@@ -146,15 +146,15 @@ def collect(
     roundings, half_extents = world.roundings, world.half_extents
     (first, last, skipped), count = which, 0
     for m in range(first, last):
-        if m == skipped or groups.separations[m] > max(
-            cutoff, 0.0
-        ):  # boxes that overlap are 0 apart
+        # Boxes that overlap are 0 apart.
+        if m == skipped or groups.separations[m] > max(cutoff, 0.0):
             continue
         for r in range(groups.starts[m], groups.starts[m + 1]):
             k = groups.numbers[r]
             a, b = pairs[k, 0], pairs[k, 1]
-            bodies = BoundedBodies(types, R_WGs, p_WGs, roundings, half_extents, outer)
-            bound = least_possible(a, b, bodies)
+            bound = least_possible(
+                a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, half_extents, outer)
+            )
             if bound <= cutoff:
                 order[count], bounds[k] = k, bound
                 count += 1
