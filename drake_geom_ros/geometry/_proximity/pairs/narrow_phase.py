@@ -304,9 +304,7 @@ def answer_pairs(
                 tolerance = tolerance_of_pair(level_gap, a, b, outer)
                 rounding = rounding_of_pair(a, b, extent, roundings)
                 if math.isinf(level_gap):
-                    bound_pair(
-                        a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, out
-                    )
+                    bound_pair(a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
                     _recall(out, level_gap, types[a], types[b])
                     aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
