@@ -77,6 +77,9 @@ def _closest_edge(
             t = nearest_parameter(h, middle, b[j], g[j])
             point = add_scaled(middle, t, b[j])
             vector = excess(h, point)
+            if abs(t) < g[j] and min(abs(vector[0]), abs(vector[1]), abs(vector[2])) > 0.0:
+                # Within an edge, over a vertex: what is short has few digits, but is across it.
+                vector = add_scaled(vector, -dot(vector, b[j]), b[j])
             distance = norm(vector)
             if distance < best:
                 best, p_CaCb, p = distance, vector, point

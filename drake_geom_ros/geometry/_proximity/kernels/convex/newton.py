@@ -53,18 +53,18 @@ def by_newton(
     if lower > cutoff:
         set_shares(terms, last, n)
         a, b = witness_points(difference, n)
-        return Separation(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b), nowhere(n)
+        return Separation(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b, n), nowhere(n)
     found = nearby_minimum(difference, n, noise)
     kind, n, h, _ = found
     if kind == NOTHING:
         p = vector_in(terms, 0)
-        return Separation(OVERLAP, np.inf, np.inf, n, p, p), found
+        return Separation(OVERLAP, np.inf, np.inf, n, p, p, n), found
     a, b = witness_points(difference, n)
     upper = norm(sub(a, b))
     end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
     if -h > cutoff:
         end = BEYOND_CUTOFF
-    return Separation(end, upper, -h, n, a, b), found
+    return Separation(end, upper, -h, n, a, b, n), found
 
 
 @compiled
@@ -110,9 +110,9 @@ def sharpened(
     if hulls:
         difference = difference_of_edges(pair, n)
     separation, _ = by_newton(difference, n, noise, tolerance, np.inf)
-    end, distance, lower, n, a, b = separation
+    end, distance, lower, n, a, b, _ = separation
     if hulls:
         lower = min(lower, separation_along(pair, n))
         if distance - lower > max(found, noise):
             end = OVERLAP
-    return Separation(end, distance, lower, n, a, b)
+    return Separation(end, distance, lower, n, a, b, n)

@@ -126,11 +126,11 @@ def beside_an_axis(
         return found
     enough = SHARPER * tolerance
     ring = least_of_hull_in_barrel(pair, max(enough, noise), noise)
-    end, distance, lower, n, a, b = sharpened(pair, difference, ring.n, np.inf, noise, enough)
+    end, distance, lower, n, a, b, _ = sharpened(pair, difference, ring.n, np.inf, noise, enough)
     if not ring.complete or end != CLOSED or lower <= noise:
         return found
     a, b, miss = drawn_to(distance, n, a, b)
-    return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
+    return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True, n)
 
 
 @inlined
@@ -138,7 +138,7 @@ def bounds_of_depth(pair: CorePair, depth: Depth, size: float) -> Bounds:
     """Return the bounds of two cores whose depth is certain to be above 0."""
     h, lower, n, a, b, aside, unique = depth
     a, b, miss = witnesses_of_depth(pair, n, h, size, a, b, aside)
-    return Bounds(CLOSED, -h, -lower, -h, n, a, b, miss, unique)
+    return Bounds(CLOSED, -h, -lower, -h, n, a, b, miss, unique, n)
 
 
 @allocating
@@ -165,11 +165,13 @@ def bounds_of_both(
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, start, overlap, size, SHARPER_DEPTH * tolerance, memory
     )
-    end, upper, lower, n, a, b = separation
+    end, upper, lower, n, a, b, n_lower = separation
     open_, distance, unique, miss = upper - lower, upper, True, 0.0
     upper = min(upper, -least)
     if end == OVERLAP or upper + depth <= open_ + noise:  # else the bounds of GJK are tighter
-        distance, lower, n = -depth, max(lower, -depth), n_in
+        distance, n = -depth, n_in
+        if -depth > lower:
+            lower, n_lower = -depth, n_in
         unique = unique_in or distance > noise
         # EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
         apart = norm(sub(sub(a, b), scale(depth, n)))
@@ -191,7 +193,7 @@ def bounds_of_both(
         # The vector b - a of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise
         a, b, miss = drawn_to(distance, n, a, b)
-    return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
+    return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique, n_lower)
 
 
 @allocating
@@ -212,14 +214,14 @@ def bounds_of_cores(
     if difference.last > 0:
         n = start_of_sums(difference, pair.p_AB, n, hinted)
         separation, newton = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
-        end, upper, lower, n, a, b = separation
+        end, upper, lower, n, a, b, _ = separation
         if end == BEYOND_CUTOFF:
-            return Bounds(end, lower, upper, lower, n, a, b, 0.0, True)
+            return Bounds(end, lower, upper, lower, n, a, b, 0.0, True, n)
         if end == CLOSED:
             distance = upper if lower > 0.0 else lower
             unique = lower > noise or is_strict(difference, n, noise)
             a, b, miss = drawn_to(distance, n, a, b)
-            return Bounds(end, distance, upper, lower, n, a, b, miss, unique)
+            return Bounds(end, distance, upper, lower, n, a, b, miss, unique, n)
         overlap = lower < 0.0
     else:
         narrow, overlap = start_of_hulls(pair, n, hinted, noise)
@@ -236,20 +238,20 @@ def bounds_of_cores(
             return bounds_of_depth(pair, found, size)
         if hulls and found.upper < -noise:  # what was found to part them
             n = found.n
-    end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
+    separation = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
+    end, upper, lower, n, a, b, n_lower = separation
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
     if end == BEYOND_CUTOFF:
-        return Bounds(end, upper, upper, lower, n, a, b, 0.0, True)
+        return Bounds(end, upper, upper, lower, n, a, b, 0.0, True, n)
     if end != OVERLAP and not near:
         if not has_its_digits(pair, difference, upper - lower, noise):
             sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
             if sharper.end == CLOSED:
-                _, distance, lower, n, a, b = sharper
+                _, distance, lower, n, a, b, _ = sharper
                 a, b, miss = drawn_to(distance, n, a, b)
-                return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
+                return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True, n)
         if end == CLOSED or separation_along(pair, n) >= upper - max(tolerance, noise):
-            return Bounds(CLOSED, upper, upper, lower, n, a, b, 0.0, True)
-    separation = Separation(end, upper, lower, n, a, b)
+            return Bounds(CLOSED, upper, upper, lower, n, a, b, 0.0, True, n_lower)
     both = bounds_of_both(
         pair, difference, separation, overlap, size, depth_tolerance, noise, memory
     )
@@ -261,7 +263,7 @@ def bounds_along(pair: CorePair, n: Vector) -> Bounds:
     """Return the bounds that the support points along n give."""
     a, b = support_points(pair, n, RIGHT_ANGLE)
     lower, upper = dot(sub(b, a), n), norm(sub(b, a))
-    return Bounds(BEYOND_CUTOFF, lower, upper, lower, n, a, b, 0.0, True)
+    return Bounds(BEYOND_CUTOFF, lower, upper, lower, n, a, b, 0.0, True, n)
 
 
 @inlined
@@ -313,6 +315,28 @@ def bounds_of_best_start(
     return found
 
 
+@allocating
+def proved_by_normal(
+    pair: CorePair, found: Bounds, error_bound: float, noise: float
+) -> tuple[Vector, Vector, Vector, float]:
+    """Return (n, a, b, error_bound): the bodies are apart by the distance less the bound along n.
+
+    So whoever has the answer can prove it. The vector b - a of bodies near each other has few
+    digits; what proved the lower bound may be the better normal, and is where that costs less.
+    """
+    n, a, b = found.n, found.a, found.b
+    lacking = found.distance - separation_along(pair, n)
+    if lacking <= error_bound:
+        return n, a, b, error_bound
+    a, b, miss = drawn_to(found.distance, found.n_lower, a, b)
+    off = max(error_bound, found.distance - separation_along(pair, found.n_lower))
+    if miss > off:
+        off = max(off, off_surfaces(pair, found.n_lower, a, b, miss))
+    if off < lacking:
+        return found.n_lower, a, b, off
+    return n, found.a, found.b, lacking + noise
+
+
 @compiled
 def signed_distance_of_cores(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
@@ -332,7 +356,7 @@ def signed_distance_of_cores(
         found = bounds_of_best_start(
             pair, n, -found.lower, hinted, size, tolerance, cutoff, memory
         )
-    end, distance, upper, lower, n, a, b, miss, unique = found
+    end, distance, upper, lower, n, a, b, miss, unique, _ = found
     method = ITERATIVE
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
@@ -341,11 +365,8 @@ def signed_distance_of_cores(
     error_bound = max(upper - distance, distance - lower) + noise
     if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
-    if distance < r_A + r_B:
-        # Whoever measures the overlap along the reported normal must find the depth, within it.
-        lacking = distance - separation_along(pair, n)
-        if lacking > error_bound:
-            error_bound = lacking + noise
+    if end != BEYOND_CUTOFF:
+        n, a, b, error_bound = proved_by_normal(pair, found, error_bound, noise)
     if A.kind == CONVEX:
         error_bound += hull_defect(A.shape)
     if B.kind == CONVEX:

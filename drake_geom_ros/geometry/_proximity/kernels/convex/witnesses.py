@@ -48,7 +48,7 @@ def witnesses_of_depth(
     if aside > LOOSE_SLOPE * noise:
         kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
         moved = CorePair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
-        _, separation, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
+        _, separation, _, _, x, y, _ = distance_of_cores(moved, n, size, 0.0, np.inf)
         if separation < aside:
             a, b, aside = x, add_scaled(y, -depth, n), 0.5 * separation
     if aside > noise:

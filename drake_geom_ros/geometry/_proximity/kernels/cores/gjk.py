@@ -126,23 +126,25 @@ def distance_of_cores(
     v = sub(a, b)
     upper = norm(v)
     lower = slab = dot(scale(-1.0, v), n)
+    n_lower = n
     if lower > cutoff:
-        return Separation(BEYOND_CUTOFF, upper, lower, n, a, b)
+        return Separation(BEYOND_CUTOFF, upper, lower, n, a, b, n)
     points, noise = np.empty((4, WEIGHT + 1)), ROUNDING * EPS * size
     put(points, 0, a, b)
     points[0, WEIGHT] = 1.0
     count = 1
     for _ in range(GJK_STEPS):
         if upper <= noise:
-            return Separation(OVERLAP, upper, lower, n, a, b)
+            return Separation(OVERLAP, upper, lower, n, a, b, n_lower)
         n = scale(-1.0 / upper, v)
         s_A, s_B = support_points(pair, n, RIGHT_ANGLE)
         w = sub(s_A, s_B)
         slab = -dot(w, n)
         gained = slab > lower
-        lower = max(lower, slab)
+        if gained:
+            lower, n_lower = slab, n
         if lower > cutoff:
-            return Separation(BEYOND_CUTOFF, upper, lower, n, a, b)
+            return Separation(BEYOND_CUTOFF, upper, lower, n, a, b, n)
         # Bounds g apart at distance d leave the direction an angle sqrt(2 g / d): short ones need
         # more.
         enough = max(tolerance * min(1.0, upper / size), noise)
@@ -159,7 +161,7 @@ def distance_of_cores(
         upper = closer
         a, b = combine(points, count, 3), combine(points, count, 6)
         if inside:  # as far as rounding lets a thin simplex tell
-            return Separation(OVERLAP, upper, lower, n, a, b)
+            return Separation(OVERLAP, upper, lower, n, a, b, n_lower)
         slab = -np.inf  # that along b - a was not looked at yet
     end = CLOSED if upper - slab <= max(tolerance, noise) else CLOSED_ASIDE
-    return Separation(end, upper, lower, unit(sub(b, a)), a, b)
+    return Separation(end, upper, lower, unit(sub(b, a)), a, b, n_lower)

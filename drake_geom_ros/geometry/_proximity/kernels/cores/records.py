@@ -35,7 +35,8 @@ class Overlap(NamedTuple):
 class Separation(NamedTuple):
     """How far two cores are apart: ``lower <= distance <= upper = |b - a|`` [m].
 
-    ``end`` is how the search came to an end (see ``gjk``), n the unit vector from a to b.
+    ``end`` is how the search came to an end (see ``gjk``), n the unit vector from a to b, and
+    ``n_lower`` the one along which the cores are ``lower`` apart.
     """
 
     end: int
@@ -44,6 +45,7 @@ class Separation(NamedTuple):
     n: Vector
     a: Vector
     b: Vector
+    n_lower: Vector
 
 
 class Depth(NamedTuple):
@@ -122,7 +124,8 @@ class Bounds(NamedTuple):
     """Bounds of the signed distance phi of two cores: ``lower <= phi <= upper`` [m].
 
     ``distance`` [m] is the answer; ``b - a = distance n`` for points a of A and b of B, on the
-    surface if it is negative, each to within ``miss`` [m].
+    surface if it is negative, each to within ``miss`` [m]. Along ``n_lower`` they are ``lower``
+    apart.
     """
 
     end: int
@@ -134,3 +137,4 @@ class Bounds(NamedTuple):
     b: Vector
     miss: float
     unique: bool
+    n_lower: Vector

@@ -93,7 +93,7 @@ def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
                 if tells or gap > limit:
                     least = min(least, gap)
                     continue
-                end, upper, lower, n, x, y = separation_of_leaves(pair, k, m, n_best, limit)
+                end, upper, lower, n, x, y, _ = separation_of_leaves(pair, k, m, n_best, limit)
                 if end == OVERLAP:
                     return Nearest(OVERLAP, upper, lower, n, x, y, True)
                 if upper <= touch and end != BEYOND_CUTOFF:

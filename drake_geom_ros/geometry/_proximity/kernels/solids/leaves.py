@@ -223,9 +223,11 @@ def separation_of_leaves(
     noise = noise_of(together)
     if A.kind == SPHERE:
         d, n, b = separation_of_point(p, B, j, noise)
-        return Separation(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
+        return Separation(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b, n)
     pair = leaf_pair(A, i, B, j, p)
-    end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+    end, upper, lower, n, a, b, n_lower = distance_of_cores(
+        pair, n, size, SHARPER * tolerance, limit
+    )
     apart = end != OVERLAP and end != BEYOND_CUTOFF
     if apart and upper - lower > max(tolerance, noise):
         # A thin simplex lost its last digits (curved cores, triangles of km): with a new one the
@@ -233,12 +235,12 @@ def separation_of_leaves(
         again = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
         closed = again.end != OVERLAP and again.end != BEYOND_CUTOFF
         if closed and again.upper - again.lower < upper - lower:
-            end, upper, lower, n, a, b = again
+            end, upper, lower, n, a, b, n_lower = again
     if end == OVERLAP or (apart and upper <= NEAR_TOUCH * size):
         width, m = widest_slab(A, i, B, j, pair, noise)
         if end == OVERLAP or width > lower:
-            n, lower = m, width
+            n, n_lower, lower = m, m, width
         apart = apart or lower >= -noise
     if apart:
         end = CLOSED
-    return Separation(end, upper, lower, n, add(p, a), add(p, b))
+    return Separation(end, upper, lower, n, add(p, a), add(p, b), n_lower)

@@ -7,6 +7,7 @@ from oracles.body_truth import apart
 from oracles.forms import ALIGNED, row_of
 from oracles.kernel_calls import call_for_pair
 from oracles.pairs import check_row, off_surfaces, pair_of, random_pairs, turned
+from scipy.spatial.transform import Rotation
 
 from bench.evidence.bodies.random_bodies import random_rotation
 from bench.evidence.judging.laws import lacking
@@ -84,6 +85,21 @@ def test_gaps_are_found_along_any_normal(name, gap):
         assert abs(row[0] - gap) <= row[calling.ERROR_BOUND] + 1e-15, pair
         if gap > 1e-4:
             assert row[1:4] == pytest.approx(-n, abs=1e-4)
+
+
+@pytest.mark.parametrize('gap', [1e-2, 1e-4, 1e-6, 1e-8, 1e-11])
+@pytest.mark.parametrize('kinds', [*ROWS.values(), (BOX, BOX), (BOX, CAPSULE), (CAPSULE, CAPSULE)])
+def test_the_reported_normal_proves_the_distance(kinds, gap):
+    """Of bodies almost side by side b - a has few digits: it proved 5e-11 less than the bound."""
+    rng = np.random.default_rng(21)
+    for pair in random_pairs(rng, kinds, 2 * COUNT):
+        almost = pair.a.R @ Rotation.from_rotvec(rng.normal(size=3) * 1e-6).as_matrix()
+        n = pair.a.R[:, rng.integers(3)] + rng.normal(size=3) * 10.0 ** rng.uniform(-12, -1)
+        b = pair.b.placed(almost if rng.random() < 0.5 else pair.b.R, pair.b.p)
+        pair = Pair(pair.a, apart(pair.a, b, n / np.linalg.norm(n), gap))
+        out = row_of(pair.a, pair.b)
+        proved = lacking(pair, out[calling.DISTANCE], out[1:4])
+        assert proved <= out[calling.ERROR_BOUND] + 1e-14 * pair.extent, pair
 
 
 CUBE, TALL, COIN = (0.5, 0.5, 0.5), (0.25, 0.5), (0.08, 0.001)
