@@ -19,9 +19,11 @@ from geometry_msgs.msg import Point, Pose, Quaternion
 from numpy.typing import ArrayLike
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.time import Time
+from trajectory_msgs.msg import JointTrajectory
 
 from drake_geom_ros.client.left_out import LeftOut
 from drake_geom_ros.client.listening import SceneListener
+from drake_geom_ros.client.motions import Motion, joint_trajectory
 from drake_geom_ros.client.results import (
     Penetrations,
     PointDistances,
@@ -40,6 +42,7 @@ from drake_geom_ros.client.services import (
 )
 from drake_geom_ros.client.states import Progress, States, StatesRequest
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 _Results = TypeVar('_Results', bound=Results[Any])
 _POLL = 0.01  # [s] between two looks whether something has come
@@ -294,6 +297,50 @@ class SceneGraphClient:
         )
         answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
         return States.of(answers, self._table(answers[0].scene_version))
+
+    def check_motion(
+        self,
+        end: Poses | None = None,
+        *,
+        start: Poses | None = None,
+        joint_names: Sequence[str] = (),
+        path: ArrayLike = (),
+        times: ArrayLike | None = None,
+        start_joints: JointValues | None = None,
+        min_distance: float = 0.0,
+        time_tolerance: float = TIME_TOLERANCE,
+        interpolation: str = '',
+        max_evaluations: int = 0,
+        accuracy: str = '',
+        ignore_start_contacts: bool = False,
+        ignore_limits: bool = False,
+    ) -> Motion:
+        """Return whether a whole motion is clear of ``min_distance`` [m], for all times.
+
+        Frames go to the poses ``end``, from time 0 to 1, by ``interpolation`` 'slerp' or 'screw';
+        or joints along ``path`` (k, q) [rad] or [m], a value each of ``joint_names``, straight
+        from row to row, at ``times`` (k,) [s]. Without times the path goes from 0 to 1, from its
+        first row; a single row is the end. ``start`` poses frames and ``start_joints`` joints at
+        the beginning, all others being where they are now; a path whose first time is later than 0
+        begins there too. ``time_tolerance`` [s] is the longest span that may hold a contact.
+        """
+        rows = np.asarray(path, dtype=np.float64)
+        trajectory = joint_trajectory(joint_names, rows, times) if rows.size else JointTrajectory()
+        answer = self.ask(
+            'check_motion',
+            start=frame_poses(start or {}),
+            end=frame_poses(end or {}),
+            start_joints=joint_positions(start_joints or {}),
+            path=trajectory,
+            min_distance=float(min_distance),
+            time_tolerance=float(time_tolerance),
+            interpolation=interpolation,
+            max_evaluations=max_evaluations,
+            accuracy=accuracy,
+            ignore_start_contacts=ignore_start_contacts,
+            ignore_limits=ignore_limits,
+        )
+        return Motion.of(answer)
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
         """Return the reasons why a pair is filtered; empty where it is not."""
