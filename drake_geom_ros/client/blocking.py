@@ -5,11 +5,9 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,11 +17,10 @@ from geometry_msgs.msg import Point, Pose, Quaternion
 from numpy.typing import ArrayLike
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.time import Time
-from trajectory_msgs.msg import JointTrajectory
 
 from drake_geom_ros.client.left_out import LeftOut
 from drake_geom_ros.client.listening import SceneListener
-from drake_geom_ros.client.motions import Motion, joint_trajectory
+from drake_geom_ros.client.planners import PlannersQuestions
 from drake_geom_ros.client.results import (
     Penetrations,
     PointDistances,
@@ -39,10 +36,9 @@ from drake_geom_ros.client.services import (
     accepted,
     frame_poses,
     joint_positions,
+    limit,
 )
-from drake_geom_ros.client.states import Progress, States, StatesRequest
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 _Results = TypeVar('_Results', bound=Results[Any])
 _POLL = 0.01  # [s] between two looks whether something has come
@@ -55,7 +51,7 @@ class NoAnswerError(RuntimeError):
     """An answer, a service or a version of the scene did not arrive in time."""
 
 
-class SceneGraphClient:
+class SceneGraphClient(PlannersQuestions):
     """Calls the services of a node and waits for each answer; it spins a node of its own.
 
     ``poses`` are "what if" poses: X_PF by frame, as RigidTransform or as seven numbers x y z [m]
@@ -175,7 +171,7 @@ class SceneGraphClient:
         found = self._named(
             SignedDistances,
             'compute_signed_distance_pairwise',
-            max_distance=_limit(max_distance),
+            max_distance=limit(max_distance),
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
@@ -233,7 +229,7 @@ class SceneGraphClient:
             PointDistances,
             'compute_signed_distance_to_point',
             points=np.asarray(points, dtype=np.float64).ravel().tolist(),
-            threshold=_limit(threshold),
+            threshold=limit(threshold),
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
@@ -259,88 +255,6 @@ class SceneGraphClient:
         if left_out.number and not (answer.has_collisions or allow_incomplete):
             left_out.refuse('has_collisions')
         return bool(answer.has_collisions)
-
-    def evaluate_states(
-        self,
-        joint_names: Sequence[str],
-        positions: ArrayLike,
-        want: str = 'collision',
-        *,
-        clearance: float = 0.0,
-        max_distance: float = math.inf,
-        poses: Poses | None = None,
-        stop_at_first: bool = False,
-        ignore_limits: bool = False,
-        accuracy: str = '',
-        progress: Progress | None = None,
-    ) -> States:
-        """Return what is wanted of each of n states of joints, ``positions`` (n, q) [rad] or [m].
-
-        A state is free where every pair is certified to be farther apart than ``clearance`` [m];
-        joints that are not named keep the values of now. ``want`` is ``collision``, ``least`` or
-        ``near`` (all pairs up to ``max_distance`` [m]). More states than an answer holds are asked
-        about in parts, after each of which ``progress`` is called with the states done and all.
-        Raises RuntimeError where the scene changed meanwhile, for its answers would be of two.
-        """
-        asked = StatesRequest(
-            list(joint_names),
-            np.atleast_2d(np.asarray(positions, dtype=np.float64)),
-            {
-                'want': want,
-                'clearance': clearance,
-                'max_distance': 0.0 if want != 'near' else _limit(max_distance),
-                'poses': frame_poses(poses or {}),
-                'stop_at_first': stop_at_first,
-                'ignore_limits': ignore_limits,
-                'accuracy': accuracy,
-            },
-        )
-        answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
-        return States.of(answers, self._table(answers[0].scene_version))
-
-    def check_motion(
-        self,
-        end: Poses | None = None,
-        *,
-        start: Poses | None = None,
-        joint_names: Sequence[str] = (),
-        path: ArrayLike = (),
-        times: ArrayLike | None = None,
-        start_joints: JointValues | None = None,
-        min_distance: float = 0.0,
-        time_tolerance: float = TIME_TOLERANCE,
-        interpolation: str = '',
-        max_evaluations: int = 0,
-        accuracy: str = '',
-        ignore_start_contacts: bool = False,
-        ignore_limits: bool = False,
-    ) -> Motion:
-        """Return whether a whole motion is clear of ``min_distance`` [m], for all times.
-
-        Frames go to the poses ``end``, from time 0 to 1, by ``interpolation`` 'slerp' or 'screw';
-        or joints along ``path`` (k, q) [rad] or [m], a value each of ``joint_names``, straight
-        from row to row, at ``times`` (k,) [s]. Without times the path goes from 0 to 1, from its
-        first row; a single row is the end. ``start`` poses frames and ``start_joints`` joints at
-        the beginning, all others being where they are now; a path whose first time is later than 0
-        begins there too. ``time_tolerance`` [s] is the longest span that may hold a contact.
-        """
-        rows = np.asarray(path, dtype=np.float64)
-        trajectory = joint_trajectory(joint_names, rows, times) if rows.size else JointTrajectory()
-        answer = self.ask(
-            'check_motion',
-            start=frame_poses(start or {}),
-            end=frame_poses(end or {}),
-            start_joints=joint_positions(start_joints or {}),
-            path=trajectory,
-            min_distance=float(min_distance),
-            time_tolerance=float(time_tolerance),
-            interpolation=interpolation,
-            max_evaluations=max_evaluations,
-            accuracy=accuracy,
-            ignore_start_contacts=ignore_start_contacts,
-            ignore_limits=ignore_limits,
-        )
-        return Motion.of(answer)
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
         """Return the reasons why a pair is filtered; empty where it is not."""
@@ -416,10 +330,3 @@ def _pose_message(X: RigidTransform | ArrayLike) -> Pose:
 def _pose_of(message: Pose) -> RigidTransform:
     p, q = message.position, message.orientation
     return RigidTransform.FromArray([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
-
-
-def _limit(metres: float) -> float:
-    """Return a limit as a request has it: there 0 stands for infinity."""
-    if math.isinf(metres):
-        return 0.0
-    return metres or sys.float_info.min

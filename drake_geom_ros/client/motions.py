@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from builtin_interfaces.msg import Duration
 from numpy.typing import ArrayLike, NDArray
+from rclpy.duration import Duration
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 Floats = NDArray[np.float64]
@@ -80,12 +80,10 @@ def joint_trajectory(
             f'times has the shape {seconds.shape}; a path of {len(rows)} rows has ({len(rows)},)'
         )
     points = [
-        JointTrajectoryPoint(positions=row.tolist(), time_from_start=_duration(time))
+        JointTrajectoryPoint(
+            positions=row.tolist(),
+            time_from_start=Duration(nanoseconds=round(time * 1e9)).to_msg(),
+        )
         for row, time in zip(rows, seconds.tolist(), strict=True)
     ]
     return JointTrajectory(joint_names=list(joint_names), points=points)
-
-
-def _duration(seconds: float) -> Duration:
-    whole, part = divmod(round(seconds * 1e9), 10**9)
-    return Duration(sec=whole, nanosec=part)

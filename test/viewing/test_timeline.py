@@ -110,9 +110,9 @@ def test_how_far_a_motion_is_from_its_pieces(tmp_path):
     far, turned = zip(
         *(leaves_pieces_by(motion_of(PASSING, tmp_path, n)[1]) for n in (20, 40)), strict=True
     )
-    # A smooth curve leaves its chords by the square of their length; it turns by half a turn.
+    # A smooth curve leaves its chords by the square of their length.
     assert 0.0 < far[1] < 0.35 * far[0]
-    assert turned[1] < 0.5 * turned[0] < 0.1
+    assert max(turned) < 1e-6  # it turns at one rate
 
 
 def test_moments_that_hold_have_nothing_between_them(shown):

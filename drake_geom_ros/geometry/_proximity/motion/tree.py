@@ -25,8 +25,8 @@ Indices = NDArray[np.int64]
 class NodeTree(NamedTuple):
     """Nodes (v,): the world, then the links of joints, then the frames behind the world's.
 
-    A node's parent is the world, a link or a frame. Bounds of how what moves by joints or by poses
-    moves are room.
+    A node's parent is the world, a link or a frame; that of a root link is what carries the robot.
+    Bounds of how what moves by joints or by poses moves are room.
     """
 
     parents: Indices  # (v,)
@@ -52,6 +52,14 @@ def tree_of(world: World, rows: Indices, chain: JointChain | None) -> NodeTree:
         parents[of_frames[rows]] = 1 + chain.links
         nodes[of_frames[rows], OFFSET] = 0.0
         roots = 1 + np.setdiff1d(np.arange(links), chain.children)
+        # Poses of links are those in what carries the robot, on which all its frames hang.
+        root_of = np.arange(links)
+        for parent, child in zip(chain.parents.tolist(), chain.children.tolist(), strict=True):
+            root_of[child] = root_of[parent]
+        carriers = of_frames[world.frames.parents[rows]]
+        parents[1 + root_of[chain.links]] = carriers
+        if (parents[1 + root_of[chain.links]] != carriers).any():
+            raise ValueError('links of one robot hang on different frames')
         nodes[roots, OFFSET] = offsets_of(chain.X_WLs[roots - 1, :3])
         nodes[roots, TURN_ROUNDING] = INTERPOLATED_ROTATION
     table = world.geometries
