@@ -10,7 +10,6 @@ from drake_geom_ros.geometry import (
     Box,
     Capsule,
     CollisionFilterDeclaration,
-    FrameId,
     FramePoseVector,
     GeometrySet,
     HalfSpace,
@@ -67,7 +66,7 @@ def test_a_filter_of_later_holds_and_one_of_before_does_not(bodies):
     query = bodies.graph.get_query_output_port().Eval(context)
     end = vector(bodies, [pose(x=2.0)] * 4, [0])
     assert query.CheckMotion(end).outcome == 'contact'
-    both = GeometrySet(frame_ids=[FrameId(int(value)) for value in np.asarray(bodies.ids)[:2]])
+    both = GeometrySet(frame_ids=list(bodies.ids[:2]))
     manager = bodies.graph.collision_filter_manager(context)
     filtered = manager.ApplyTransient(CollisionFilterDeclaration().ExcludeWithin(both))
     assert query.CheckMotion(end).outcome == 'clear'
