@@ -6,7 +6,7 @@ proximity events, and a ``Judge`` computes their decisions again.
 
 In: an answer that broke a promise, or a file.
 Out: all that it takes to ask again, as a file or rebuilt; whether a decision was founded.
-May import: ``math``, ``common``, ``geometry``, ``proximity_rules``, ``scene_files``.
+May import: ``math``, ``common``, ``geometry``, ``proximity_rules``, ``scene_files``; numpy, yaml.
 """
 
 from drake_geom_ros.replay.decisions import Finding, Judge, Verdict
