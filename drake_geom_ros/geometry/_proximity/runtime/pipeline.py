@@ -39,7 +39,18 @@ from numba.np.numpy_support import from_dtype
 from drake_geom_ros.geometry._proximity.runtime.front_end import Called, Lower, Pipeline
 
 
-class _Library(JITCodeLibrary):  # type: ignore[misc]
+class _Functions(JITCodeLibrary):  # type: ignore[misc]
+    """Functions that are made smaller one by one, by passes that are made once for all of them."""
+
+    def _optimize_functions(self, module: Any) -> None:
+        module.data_layout = self._codegen._data_layout
+        manager, builder = self._codegen._function_pass_manager()
+        for function in module.functions:
+            if not function.is_declaration:
+                manager.run(function, builder)
+
+
+class _Library(_Functions):
     """Functions as they were lowered, to be linked into others; no engine ever sees them."""
 
     _shared_module: Any
@@ -109,7 +120,7 @@ class _Lowering(typed_passes.NativeLowering):  # type: ignore[misc]
         return changed
 
 
-class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
+class _EntryLibrary(_Functions):
     """What Python calls, optimised twice.
 
     What it calls was inlined before its loops were seen to: points of hulls took 25 % longer, all
