@@ -39,21 +39,18 @@ from numba.np.numpy_support import from_dtype
 from drake_geom_ros.geometry._proximity.runtime.front_end import Called, Lower, Pipeline
 
 
-class _Functions(JITCodeLibrary):  # type: ignore[misc]
-    """Functions that are made smaller one by one, by passes that are made once for all of them."""
-
-    def _optimize_functions(self, module: Any) -> None:
-        module.data_layout = self._codegen._data_layout
-        manager, builder = self._codegen._function_pass_manager()
-        for function in module.functions:
-            if not function.is_declaration:
-                manager.run(function, builder)
-
-
-class _Library(_Functions):
+class _Library(JITCodeLibrary):  # type: ignore[misc]
     """Functions as they were lowered, to be linked into others; no engine ever sees them."""
 
     _shared_module: Any
+
+    def _optimize_functions(self, module: Any) -> None:
+        # So that there is less to link; all of it is optimised where it ends up.
+        module.data_layout = self._codegen._data_layout
+        manager, builder = self._codegen._function_pass_manager(opt=1)
+        for function in module.functions:
+            if not function.is_declaration:
+                manager.run(function, builder)
 
     def finalize(self) -> None:
         for library in dict.fromkeys(self._linking_libraries):
@@ -120,7 +117,7 @@ class _Lowering(typed_passes.NativeLowering):  # type: ignore[misc]
         return changed
 
 
-class _EntryLibrary(_Functions):
+class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
     """What Python calls, optimised twice.
 
     What it calls was inlined before its loops were seen to: points of hulls took 25 % longer, all
@@ -128,6 +125,9 @@ class _EntryLibrary(_Functions):
     """
 
     _linking_libraries: list[Any]
+
+    def _optimize_functions(self, module: Any) -> None:
+        module.data_layout = self._codegen._data_layout  # there is one function
 
     def finalize(self) -> None:
         for library in _called_by(self):
