@@ -83,7 +83,10 @@ def test_an_srdf_and_filters_load_and_leave_those_pairs_out(robot, tmp_path):
 def test_links_without_shapes_connect_as_joints_do(tmp_path, capsys):
     """The hand of a Panda is fixed to its flange, which has no shape."""
     path = tmp_path / 'arm.urdf'
-    joints = joint('a', 'wrist', 'flange', '0.1 0 0'), joint('b', 'flange', 'hand', '0 0 0', 'fixed')
+    joints = (
+        joint('a', 'wrist', 'flange', '0.1 0 0'),
+        joint('b', 'flange', 'hand', '0 0 0', 'fixed'),
+    )
     bare, shaped = '<link name="flange"/>', link('wrist') + link('hand')
     path.write_text(f'<robot name="arm">{shaped}{bare}{"".join(joints)}</robot>')
     assert main(['suggest-filters', str(path), '--states', '10']) == 0

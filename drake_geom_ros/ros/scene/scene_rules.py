@@ -87,6 +87,8 @@ class SceneRules:
 
         Returns what is wrong with those that can never be entered as the scene is.
         """
+        if not rules:
+            return []  # the scene is looked at when there is a rule about it
         self.bind(query)
         known = {rule.name: rule for rule in self.rules}
         for rule in rules:
