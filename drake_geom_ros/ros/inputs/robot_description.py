@@ -18,9 +18,9 @@ from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
 from drake_geom_ros.scene_files import (
-    RegisteredCopy,
     DeclarationDescription,
     Member,
+    RegisteredCopy,
     SceneDescription,
     Statement,
     hulls_in_words,
