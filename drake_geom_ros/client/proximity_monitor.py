@@ -40,7 +40,8 @@ WHY = {
 class ProximityEvent:
     """A rule was entered or left: see ProximityEvents, of which it is one entry.
 
-    ``p_WCa`` and ``p_WCb`` (3,) [m] are the nearest points, in the world.
+    ``p_WCa`` and ``p_WCb`` (3,) [m] are the nearest points, in the world; ``pose_a`` and
+    ``pose_b`` (7,) are where the geometries were: x y z [m] qx qy qz qw.
     """
 
     sequence: int
@@ -56,6 +57,11 @@ class ProximityEvent:
     error_bound: float  # [m]
     p_WCa: NDArray[np.float64]
     p_WCb: NDArray[np.float64]
+    pose_a: NDArray[np.float64]
+    pose_b: NDArray[np.float64]
+    closing_speed: float  # [m/s] NaN: not known
+    limit_distance: float  # [m] that distance - error_bound was held against
+    limit_time: float  # [s] of stale: the age from which on a pose is; else min_time_to_contact
     stamp: float  # [s] of the newest pose used
     oldest_pose_age: float  # [s]
     scene_version: int
@@ -108,6 +114,7 @@ class ProximityMonitor:
         self._heard, self._scale = -np.inf, 0.0
         self._standing: dict[str, RuleStanding] | None = None
         self._next = 0  # the number of the next event; 0: none is known
+        self._stated = 0  # the same, as the states said last
         self._told: str | None = None
         self.missed = 0  # events that were lost on their way
         for kind, topic, hear, profile in (
@@ -170,8 +177,10 @@ class ProximityMonitor:
             )
             for k, rule in enumerate(message.rules)
         }
-        if self._next == 0 or message.next_sequence < self._next:
-            self._next = message.next_sequence  # the first word, or of a server that began anew
+        # States may come after later events; only a server that began anew takes numbers back.
+        if self._next == 0 or message.next_sequence < self._stated:
+            self._next = message.next_sequence
+        self._stated = message.next_sequence
         self._look()
 
     def _hear_events(self, message: Any) -> None:
@@ -179,6 +188,8 @@ class ProximityMonitor:
         for k, sequence in enumerate(message.sequence):
             if 0 < self._next < sequence:
                 self.missed += sequence - self._next
+            elif sequence < self._next:  # a server that began anew, and its states are under way
+                self._stated = 0
             self._next = sequence + 1
             self._on_event(_event(message, k))
         self._look()
@@ -193,6 +204,8 @@ class ProximityMonitor:
 def _event(message: Any, k: int) -> ProximityEvent:
     """Return entry ``k`` of a ProximityEvents message."""
     p_wca, p_wcb = (np.asarray(each[3 * k : 3 * k + 3]) for each in (message.p_wca, message.p_wcb))
+    poses = (np.asarray(each[7 * k : 7 * k + 7]) for each in (message.pose_a, message.pose_b))
+    pose_a, pose_b = poses
     return ProximityEvent(
         sequence=message.sequence[k],
         rule=message.rule[k],
@@ -207,6 +220,11 @@ def _event(message: Any, k: int) -> ProximityEvent:
         error_bound=message.error_bound[k],
         p_WCa=p_wca,
         p_WCb=p_wcb,
+        pose_a=pose_a,
+        pose_b=pose_b,
+        closing_speed=message.closing_speed[k],
+        limit_distance=message.limit_distance[k],
+        limit_time=message.limit_time[k],
         stamp=_seconds(message.header.stamp),
         oldest_pose_age=message.oldest_pose_age[k],
         scene_version=message.scene_version,

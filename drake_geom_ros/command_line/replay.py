@@ -1,10 +1,21 @@
-"""``replay``: ask once more what a replay file of the node holds."""
+"""``replay``: ask once more what a replay file of the node holds, or recorded events."""
 
 import argparse
+from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-from drake_geom_ros.replay import Answer, Opinion, Replay, read, reproduce
+from drake_geom_ros.replay import (
+    Answer,
+    Finding,
+    Judge,
+    Opinion,
+    Replay,
+    read,
+    read_events,
+    reproduce,
+)
 
 STILL_BROKEN = 1  # the exit code
 
@@ -13,23 +24,53 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'replay',
-        help='reproduce an answer that exceeded its tolerance, or that python-fcl disagreed about',
+        help='reproduce an answer that exceeded its tolerance, or recorded proximity events',
         description='Rebuilds the scene of a replay file (parameter replay_dir of the node), asks '
         'for the pair again and compares. Exit code 1 where the answer still '
-        'exceeds its tolerance, or still differs from the other opinion in the file.',
+        'exceeds its tolerance, or still differs from the other opinion in the file. With '
+        '--scene FILE is a recording of ~/proximity_events: each decision is computed again '
+        'from the poses in it. Exit code 1 where one was unfounded.',
     )
-    parser.add_argument('file', metavar='FILE', help='written by the node')
+    parser.add_argument('file', metavar='FILE', help='written by the node, or recorded')
+    parser.add_argument(
+        '--scene',
+        metavar='SCENE',
+        help='the scene of the events in FILE, as save_scene wrote it at their scene_version',
+    )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Reproduce, compare, and return the exit code; raises GeometryError or OSError."""
+    if options.scene is not None:
+        return _judge(options.file, Path(options.scene))
     replay = read(options.file)
     now = reproduce(replay, options.file)
     for line in _report(replay, now):
         print(line)
     differs = replay.opinion is not None and replay.opinion.differs(now)
     return STILL_BROKEN if now.breaks_promise or differs else 0
+
+
+def _judge(file: str, scene: Path) -> int:
+    """Print of each recorded event whether it was founded; return the exit code."""
+    judge, found = Judge(scene), Counter[Finding]()
+    for event in read_events(file):
+        verdict = judge.verdict(event)
+        found[verdict.finding] += 1
+        verb = 'entered' if event.entered else 'left'
+        print(f'{event.sequence} {event.rule}: {verb}, {event.why.name.lower()}: '
+              f'{verdict.finding.value}: {verdict.because}')  # fmt: skip
+        if event.has_pair:
+            print(f'    {event.geometry_a} to {event.geometry_b}')
+        for title, then, now in (
+            ('distance', event.distance, verdict.distance),
+            ('error bound', event.error_bound, verdict.error_bound),
+        ):
+            if now is not None:
+                print(f'    {title} [m]: recorded {then!r}, now {now!r}')
+    print(', '.join(f'{found[finding]} {finding.value}' for finding in Finding))
+    return STILL_BROKEN if found[Finding.UNFOUNDED] else 0
 
 
 def _report(replay: Replay, now: Answer) -> Iterator[str]:

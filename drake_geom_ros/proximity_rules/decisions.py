@@ -19,6 +19,7 @@ from drake_geom_ros.proximity_rules.watched_pairs import Incidences, WatchedPair
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Ids = NDArray[np.int64]
+Whys = NDArray[np.uint8]
 
 
 class Measured(NamedTuple):
@@ -61,19 +62,16 @@ class Limits:
         self.least_time = each('min_time_to_contact')
         self.enters_when_stale = each('enters_when_stale').astype(np.bool_)
 
-    def why(self, reasons: Reasons) -> NDArray[np.uint8]:
-        """Return why each rule would be entered now, as a ``Why``; 0: for nothing."""
-        blind = self.enters_when_stale
-        return np.select(
-            [
-                reasons.lowest < self.enter,
-                reasons.soonest < self.least_time,
-                blind & reasons.absent,
-                blind & reasons.stale,
-            ],
-            [Why.NEAR, Why.SOON, Why.NO_POSE, Why.STALE],
-            default=0,
-        ).astype(np.uint8)
+    def near(self, reasons: Reasons) -> Whys:
+        """Return why each rule would be entered after ``enter_after``, as a ``Why``; 0: not."""
+        soon = np.where(reasons.soonest < self.least_time, np.uint8(Why.SOON), np.uint8(0))
+        return np.where(reasons.lowest < self.enter, np.uint8(Why.NEAR), soon)
+
+    def blind(self, reasons: Reasons) -> Whys:
+        """Return why each rule would be entered at once: to wait were to trust the unknown."""
+        stale = np.where(reasons.stale, np.uint8(Why.STALE), np.uint8(0))
+        whys = np.where(reasons.absent, np.uint8(Why.NO_POSE), stale)
+        return np.where(self.enters_when_stale, whys, np.uint8(0))
 
     def may_leave(self, reasons: Reasons) -> Flags:
         """Return which rules nothing keeps entered, but for ``hold``.

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.proximity_rules.decisions import Limits
-from drake_geom_ros.proximity_rules.rule import Why
 
 Ids = NDArray[np.int64]
-_AT_ONCE = (Why.STALE, Why.NO_POSE)  # to wait would be to trust what is not known
+Whys = NDArray[np.uint8]
 
 
 class Entered:
@@ -21,8 +20,8 @@ class Entered:
     def __init__(self, count: int) -> None:
         self.is_entered = np.zeros(count, dtype=np.bool_)
         self.since = np.full(count, -math.inf)  # of the last change
-        self.why = np.zeros(count, dtype=np.uint8)  # a Why; 0: not entered
-        self._wanted_since = np.full(count, math.inf)  # of a reason without a break
+        self.why = np.zeros(count, dtype=np.uint8)  # a Why, of the last time; 0: never entered
+        self._near_since = np.full(count, math.inf)  # without a break
 
     def of(self, numbers: Sequence[int]) -> Entered:
         """Return the states of these rules; -1: of one that is new."""
@@ -33,19 +32,19 @@ class Entered:
         return other
 
     def step(
-        self, now: float, why: NDArray[np.uint8], may_leave: NDArray[np.bool_], limits: Limits
+        self, now: float, near: Whys, blind: Whys, may_leave: NDArray[np.bool_], limits: Limits
     ) -> Ids:
         """Enter and leave rules by what holds ``now``; return the numbers of those that changed.
 
-        ``why`` is that of ``Limits.why``. What a rule is entered for follows it.
+        ``near`` and ``blind`` are those of ``Limits``. What a rule is entered for follows them;
+        of one that is left it stays.
         """
-        wanted = why > 0
-        self._wanted_since = np.where(wanted, np.minimum(self._wanted_since, now), math.inf)
-        is_due = np.isin(why, _AT_ONCE) | (now - self._wanted_since >= limits.enter_after)
-        enters = ~self.is_entered & wanted & is_due
+        self._near_since = np.where(near > 0, np.minimum(self._near_since, now), math.inf)
+        is_due = now - self._near_since >= limits.enter_after
+        why = np.where(is_due & (near > 0), near, blind)
         leaves = self.is_entered & may_leave & (now - self.since >= limits.hold)
-        changed = enters | leaves
+        changed = (~self.is_entered & (why > 0)) | leaves
         self.is_entered ^= changed
         self.since[changed] = now
-        self.why = np.where(self.is_entered, np.where(wanted, why, self.why), 0).astype(np.uint8)
+        self.why = np.where(self.is_entered & (why > 0), why, self.why)
         return np.flatnonzero(changed)

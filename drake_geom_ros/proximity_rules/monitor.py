@@ -32,6 +32,9 @@ class Event(NamedTuple):
     The pair is the nearest of the rule's, for SOON the one that would touch first; ids of 0, a
     distance of inf and points of NaN: none was near enough to be looked at. For STALE and NO_POSE
     ``id_A`` is a geometry whose pose is missing, and nothing is known of a distance (NaN).
+
+    What the lower bound was held against is ``limit_distance``: ``enter`` of the rule, and
+    ``leave`` where it is left.
     """
 
     sequence: int
@@ -45,6 +48,9 @@ class Event(NamedTuple):
     error_bound: float = 0.0  # [m]
     p_WCa: NDArray[np.float64] = _NOBODY  # (3,) [m]
     p_WCb: NDArray[np.float64] = _NOBODY
+    closing_speed: float = math.nan  # [m/s] NaN: not known
+    limit_distance: float = math.nan  # [m]
+    limit_time: float = 0.0  # [s] ``min_time_to_contact`` of the rule
 
 
 class RuleState(NamedTuple):
@@ -60,12 +66,11 @@ class RuleState(NamedTuple):
     trouble: str  # why it can never be entered as the scene is; empty where it can
 
 
-class _Cycle(NamedTuple):
-    """What one decision is made from."""
+class _Seen(NamedTuple):
+    """What the last cycle that measured saw."""
 
-    poses: Poses
-    measured: Measured | None
-    lowest: Lowest | None
+    measured: Measured
+    lowest: Lowest
 
 
 class RuleMonitor:
@@ -74,6 +79,7 @@ class RuleMonitor:
     def __init__(self, scene: ScenePairs, first_sequence: int = 1) -> None:
         self._scene = scene
         self._sequence = first_sequence
+        self._met: frozenset[str] = frozenset()  # the rules that found all that they name
         self._set((), Entered(0))
 
     # Rules come and go.
@@ -102,7 +108,7 @@ class RuleMonitor:
         return told
 
     def remove(self, name: str) -> list[Event]:
-        """Remove a rule; return the event that it is left, if it was entered.
+        """Remove a rule; return the event that it is gone.
 
         Raises RuleError where there is none of that name.
         """
@@ -112,16 +118,13 @@ class RuleMonitor:
                 f'there is no proximity rule {name[:80]!r}{nearest(name, names)}; '
                 'see list_proximity_rules'
             )
-        number = names.index(name)
-        was_entered = self._entered.is_entered[number]
-        events = self._end([number])
-        return events if was_entered else []
+        return self._end([names.index(name)])
 
     def bind(self, scene: ScenePairs) -> list[Event]:
         """Be about another version of the scene; return the events of the rules that it ends.
 
-        A rule whose names stood for something, and stand for nothing now, is gone. Filters end
-        none, for they come and go.
+        A rule is gone where nothing is left of one of its sets; where only some of its names
+        stand for nothing now, it goes on with the others. Filters end none, for they come and go.
         """
         known, self._scene = self._watched.unknown, scene
         self._set(self.rules, self._entered)
@@ -140,10 +143,13 @@ class RuleMonitor:
         """Have these rules, in these states; nothing is known of distances until ``decide``."""
         self.rules, self._entered = rules, states
         self._limits = Limits(rules)
-        self._watched = WatchedPairs(rules, self._scene)
+        self._watched = WatchedPairs(rules, self._scene, self._met)
+        lacking = zip([rule.name for rule in rules], self._watched.unknown, strict=True)
+        self._met = frozenset(name for name, lacks in lacking if not lacks or name in self._met)
         self._speed = SpeedScale(rules, self._watched)
         far, no = np.full(len(rules), math.inf), np.zeros(len(rules), dtype=np.bool_)
         self._reasons = Reasons(far, far, no, no)
+        self._seen: _Seen | None = None
         self.is_measured = False  # whether the distances of these pairs were looked at
 
     # Cycles.
@@ -169,23 +175,20 @@ class RuleMonitor:
         Returns the changes, in the order of the rules. Before anything was measured, rules are
         entered for want of poses only, and none is left.
         """
-        lowest = None
         if measured is not None:
             lowest = look(self._watched, measured)
             least, soonest = lowest.of_rules(len(self.rules))
             self._reasons = self._reasons._replace(lowest=least, soonest=soonest)
-            self.is_measured = True
-        needed, waits = self._watched.needed, self._watched.is_unknown
+            self._seen, self.is_measured = _Seen(measured, lowest), True
         self._reasons = self._reasons._replace(
-            stale=np.any(needed & poses.stale, axis=1),
-            absent=np.any(needed & poses.absent, axis=1) | waits,
+            stale=self._watched.needs(poses.stale),
+            absent=self._watched.needs(poses.absent) | self._watched.is_unknown,
         )
-        before, why = self._entered.why, self._limits.why(self._reasons)
-        may_leave = self._limits.may_leave(self._reasons) & self.is_measured
-        changed = self._entered.step(now, why, may_leave, self._limits)
-        cycle = _Cycle(poses, measured, lowest)
-        reasons = np.where(why > 0, why, before)  # who is left is told what it was entered for
-        return [self._changed(n, Why(int(reasons[n])), cycle) for n in changed.tolist()]
+        limits, reasons = self._limits, self._reasons
+        may_leave = limits.may_leave(reasons) & self.is_measured
+        near, blind = limits.near(reasons), limits.blind(reasons)
+        changed = self._entered.step(now, near, blind, may_leave, limits)
+        return [self._changed(number, poses) for number in changed.tolist()]
 
     def speed_scale(self) -> float | None:
         """Return how fast to go, 0 to 1; None: no rule says. 0 before anything was measured."""
@@ -202,7 +205,7 @@ class RuleMonitor:
             RuleState(
                 rule,
                 bool(entered.is_entered[n]),
-                Why(int(entered.why[n])) if entered.why[n] else None,
+                Why(int(entered.why[n])) if entered.is_entered[n] else None,
                 float(entered.since[n]),
                 float(self._reasons.lowest[n]),
                 int(watched.pairs[n]),
@@ -214,25 +217,34 @@ class RuleMonitor:
 
     # Events.
 
-    def _changed(self, number: int, why: Why, cycle: _Cycle) -> Event:
+    def _changed(self, number: int, poses: Poses) -> Event:
         """Return the event of a rule that was entered or left."""
-        is_entered = bool(self._entered.is_entered[number])
+        rule = self.rules[number]
+        is_entered, why = bool(self._entered.is_entered[number]), Why(self._entered.why[number])
+        limits = {
+            'limit_distance': rule.enter if is_entered else rule.leave,
+            'limit_time': rule.min_time_to_contact,
+        }
         if is_entered and why in (Why.STALE, Why.NO_POSE):
-            without = cycle.poses.stale if why == Why.STALE else cycle.poses.absent
+            without = poses.stale if why == Why.STALE else poses.absent
             ids = self._watched.ids[self._watched.needed[number] & without]
             about = int(ids[0]) if len(ids) else 0
-            return self._event(number, is_entered, why, id_A=about, distance=math.nan)
-        return self._event(number, is_entered, why, **self._pair(number, why, cycle))
+            return self._event(number, is_entered, why, id_A=about, distance=math.nan, **limits)
+        # Of what is left, the pair that it is nearest to be entered for again.
+        pair = self._pair(number, soonest=is_entered and why == Why.SOON)
+        return self._event(number, is_entered, why, **pair, **limits)
 
-    def _pair(self, number: int, why: Why, cycle: _Cycle) -> dict[str, Any]:
+    def _pair(self, number: int, *, soonest: bool) -> dict[str, Any]:
         """Return the fields of an event that tell its pair; none where no pair is near."""
-        measured, lowest = cycle.measured, cycle.lowest
-        if measured is None or lowest is None:
+        if self._seen is None:
             return {}
-        k = lowest.pair_of(number, soonest=why == Why.SOON)
+        measured, lowest = self._seen
+        k = lowest.pair_of(number, soonest=soonest)
         if k < 0:
             return {}
+        speeds = measured.closing_speed
         return {
+            'closing_speed': math.nan if speeds is None else float(speeds[k]),
             'id_A': int(measured.id_A[k]),
             'id_B': int(measured.id_B[k]),
             'distance': float(measured.distance[k]),

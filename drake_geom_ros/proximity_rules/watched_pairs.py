@@ -6,7 +6,7 @@ one for ``set_b``; those of a pair are ``A[a] & B[b] | B[a] & A[b]``, for all pa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import islice
 from typing import NamedTuple
 
@@ -42,14 +42,17 @@ class Incidences(NamedTuple):
 class WatchedPairs:
     """The pairs of one version of a scene that some rules are about."""
 
-    def __init__(self, rules: Sequence[ProximityRule], scene: ScenePairs) -> None:
+    def __init__(
+        self, rules: Sequence[ProximityRule], scene: ScenePairs, met: Collection[str] = ()
+    ) -> None:
         """``unknown`` and ``unwatched`` say of each rule why it can never be entered, or nothing.
 
-        The one where a name stands for nothing, the other where no pair is ever reported.
+        The one where a name stands for nothing, of the rules called as in ``met`` where all names
+        of a set do; the other where no pair is ever reported.
         """
         self.ids = scene.ids
         finder = _Finder(scene)
-        sets = [finder.sets_of(rule) for rule in rules]
+        sets = [finder.sets_of(rule, may_lack=rule.name in met) for rule in rules]
         shape = len(rules), len(scene.ids)
         self._in_a = np.array([each.in_a for each in sets], dtype=np.bool_).reshape(shape)
         self._in_b = np.array([each.in_b for each in sets], dtype=np.bool_).reshape(shape)
@@ -78,6 +81,10 @@ class WatchedPairs:
         self.left_out: Ids = every.astype(np.int64) - self.pairs  # (r,) that never are
         # (r, n) what has a partner in the other set: of others the pose does not matter.
         self.needed: Flags = (self._in_a & (near_b > 0.0)) | (self._in_b & (near_a > 0.0))
+
+    def needs(self, flags: Flags) -> Flags:
+        """Return which rules (r,) need the pose of any of the geometries (n,) that are flagged."""
+        return np.asarray(self.needed[:, flags].any(axis=1))
 
     def incidences(self, id_A: Ids, id_B: Ids) -> Incidences:
         """Return which of the pairs (k,) concern which rules."""
@@ -124,14 +131,19 @@ class _Finder:
         self._called = [names.found_by for names in scene.names]
         self._found: dict[str, Flags] = {}
 
-    def sets_of(self, rule: ProximityRule) -> _Sets:
-        """Return the sets of a rule, both empty where a pattern stands for nothing."""
-        for pattern in (*rule.set_a, *rule.set_b):
-            if not self._members([pattern]).any():
-                nothing = self._members([])
-                return _Sets(nothing, nothing, self._unknown(rule, pattern))
-        in_a = self._members(rule.set_a)
-        return _Sets(in_a, self._members(rule.set_b) if rule.set_b else ~in_a)
+    def sets_of(self, rule: ProximityRule, *, may_lack: bool) -> _Sets:
+        """Return the sets of a rule, both empty where a pattern stands for nothing.
+
+        One that ``may_lack`` some has the others, if there are any of either set.
+        """
+        in_a, in_b = self._members(rule.set_a), self._members(rule.set_b)
+        patterns = (*rule.set_a, *rule.set_b)
+        lacking = [pattern for pattern in patterns if not self._members([pattern]).any()]
+        is_whole = bool(in_a.any()) and (not rule.set_b or bool(in_b.any()))
+        if lacking and not (may_lack and is_whole):
+            nothing = self._members([])
+            return _Sets(nothing, nothing, self._unknown(rule, lacking[0]))
+        return _Sets(in_a, in_b if rule.set_b else ~in_a)
 
     def _members(self, patterns: Sequence[str]) -> Flags:
         members = np.zeros(len(self._called), dtype=np.bool_)

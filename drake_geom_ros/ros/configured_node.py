@@ -107,9 +107,7 @@ class ConfiguredNode:
         )
         self._beside = {**self._told_beside(), **self._shown.beside}
         decided = rule_topics.effect()
-        self._rules = rule_topics.rule_events(
-            surface, lambda: settings.values.stale_after, decided.did
-        )
+        self._rules = rule_topics.rule_events(surface, self._rule_settings, decided.did)
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
         told = (*self._beside.values(), self._cameras.beside, decided)
@@ -322,6 +320,10 @@ class ConfiguredNode:
         if self._stream.active:
             self._camera_timer.timer_period_ns = int(1e9 * self._cameras.publish())
             self._camera_timer.reset()
+
+    def _rule_settings(self) -> rule_events.RuleSettings:
+        values = self._settings.values
+        return rule_events.RuleSettings(values.stale_after, values.time_budget)
 
     def _replay_settings(self) -> tuple[str, int]:
         values = self._settings.values

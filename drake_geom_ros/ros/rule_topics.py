@@ -11,7 +11,7 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile
 from std_msgs.msg import Float64
 
 from drake_geom_ros.ros.outputs.effects import Beside
-from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleTopics
+from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
 from drake_geom_ros.ros.surface import Surface
 
 _NO_RULE = 'no proximity rule'
@@ -23,7 +23,7 @@ _MOST_EVENTS = 1000  # messages, each of one cycle, that are kept for who is slo
 
 
 def rule_events(
-    surface: Surface, stale_after: Callable[[], float], did: Callable[[int, float], None]
+    surface: Surface, settings: Callable[[], RuleSettings], did: Callable[[int, float], None]
 ) -> RuleEvents:
     """Open the topics on ``surface``, and return what publishes on them."""
     types = SimpleNamespace(
@@ -37,7 +37,7 @@ def rule_events(
         states=surface.publisher(msg.ProximityStates, '~/proximity_states', _states()),
         speed_scale=surface.publisher(Float64, '~/speed_scale', _speed_scale()),
     )
-    return RuleEvents(topics, types, stale_after, did)
+    return RuleEvents(topics, types, settings, did)
 
 
 def effect() -> Beside:

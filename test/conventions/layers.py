@@ -139,7 +139,10 @@ LAYERS = {
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),
         ('numpy', 'distributed', 'matplotlib', 'pyarrow'),
     ),
-    'replay': (('math', 'common', 'geometry', 'scene_files', 'replay'), ()),
+    'replay': (
+        ('math', 'common', 'geometry', 'proximity_rules', 'scene_files', 'replay'),
+        ('numpy', 'yaml'),
+    ),
     'cross_check': (
         ('math', 'common', 'geometry', 'replay', 'cross_check'),
         ('numpy', 'scipy', 'fcl'),

@@ -17,7 +17,7 @@ class Referee:
         everything = members('*')
         outside = everything - self.set_a
         self.set_b = set().union(*(members(p) for p in rule.set_b)) if rule.set_b else outside
-        self.is_entered, self.changed_at, self.wanted_at = False, -math.inf, None
+        self.is_entered, self.changed_at, self.near_since = False, -math.inf, None
 
     def concerns(self, a, b):
         return (a in self.set_a and b in self.set_b) or (b in self.set_a and a in self.set_b)
@@ -32,11 +32,13 @@ class Referee:
         needed = {g for pair in reported if self.concerns(*pair) for g in pair}
         blind = bool(needed & stale) or bool(needed & absent)
         near = lowest < rule.enter or soonest < rule.min_time_to_contact
-        wanted = near or (blind and rule.enters_when_stale)
-        self.wanted_at = (now if self.wanted_at is None else self.wanted_at) if wanted else None
+        if not near:
+            self.near_since = None
+        elif self.near_since is None:
+            self.near_since = now
         if not self.is_entered:
-            patient = now - self.wanted_at >= rule.enter_after if wanted else False
-            changes = wanted and (patient or not near)
+            long_near = near and now - self.near_since >= rule.enter_after
+            changes = long_near or (blind and rule.enters_when_stale)
         else:
             clear = lowest >= rule.leave and soonest >= rule.min_time_to_contact and not blind
             changes = clear and now - self.changed_at >= rule.hold

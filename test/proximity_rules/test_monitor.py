@@ -193,9 +193,52 @@ def test_names_are_taken_once_and_removing_tells_who_was_entered():
     with pytest.raises(RuleError, match="no proximity rule 'c'"):
         watch.remove('c')
     watch.decide(0.0, FRESH, measured((0, 4, 0.0, 0.0)))
-    assert [e.sequence for e in watch.remove('a')] == [2]
-    assert watch.remove('b') == []
+    (event,) = watch.remove('a')
+    assert (event.sequence, event.rule, event.is_entered, event.why) == (2, 'a', False, Why.GONE)
+    # Who was not entered is told of, too: who listens for it must not wait for ever.
+    assert [(e.sequence, e.why) for e in watch.remove('b')] == [(3, Why.GONE)]
     assert watch.rules == ()
+    assert watch.next_sequence == 4
+
+
+def test_a_stale_pose_enters_at_once_though_a_pair_was_not_near_for_long():
+    watch = monitor(rule(enter_after=5.0))
+    stale = Poses(np.array([1, 0, 0, 0, 0, 0], bool), np.zeros(6, bool))
+    (event,) = watch.decide(0.0, stale, measured((1, 4, 0.0, 0.0)))
+    assert (event.is_entered, event.why, event.id_A) == (True, Why.STALE, 11)
+
+
+def test_a_pair_that_was_near_for_long_enough_is_told_though_nothing_is_measured_then():
+    watch = monitor(rule(enter_after=0.5, hold=2.0))
+    assert not watch.decide(0.0, FRESH, measured((0, 4, 0.05, 0.01)))
+    (event,) = watch.decide(0.6, FRESH)
+    assert (event.id_A, event.id_B, event.distance, event.error_bound) == (11, 15, 0.05, 0.01)
+    assert event.p_WCa.tolist() == [0.0, 1.0, 2.0]
+    assert not watch.decide(1.0, FRESH, measured((0, 4, 0.25, 0.0)))
+    (event,) = watch.decide(2.7, FRESH)
+    assert (event.is_entered, event.distance) == (False, 0.25)
+
+
+def test_an_event_bears_what_its_bound_was_held_against():
+    watch = monitor(rule(min_time_to_contact=0.5))
+    (event,) = watch.decide(0.0, FRESH, measured((0, 4, 0.3, 0.0), speeds=[1.0]))
+    assert (event.why, event.closing_speed) == (Why.SOON, 1.0)
+    assert (event.limit_distance, event.limit_time) == (0.1, 0.5)
+    (event,) = watch.decide(1.0, FRESH, measured((0, 4, 0.3, 0.0), speeds=[-1.0]))
+    assert (event.is_entered, event.limit_distance) == (False, 0.2)
+
+
+def test_a_rule_goes_on_with_what_is_left_of_what_it_names():
+    watch = monitor(rule('both', ('left',), ('right', 'table')))
+    without = scene(names=[n for n in NAMES if n.name != 'table'])
+    assert watch.bind(without) == []
+    (state,) = watch.states()
+    assert (state.pairs, state.trouble) == (3, '')
+    watch.bind(scene())
+    assert watch.states()[0].pairs == 6
+    watch.bind(without)
+    (event,) = watch.bind(scene(names=[n for n in NAMES if n.source == 'left']))
+    assert (event.rule, event.why) == ('both', Why.GONE)
 
 
 def test_states_are_kept_when_other_rules_come_and_go():

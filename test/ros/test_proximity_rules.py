@@ -7,14 +7,18 @@ import time
 import numpy as np
 import pytest
 from drake_geom_msgs import msg, srv
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from ros.harness import LATCHED, Client, start_node
+from ros.plain_messages import echoed
 from ros.scene_calls import accepted, poses, refused
 from std_msgs.msg import Float64
 
 from drake_geom_ros.client import ProximityMonitor
+from drake_geom_ros.replay import Finding, Judge, read_events
 from drake_geom_ros.ros.rule_topics import DEADLINE, LEASE
 
 SCENE = """
@@ -167,7 +171,7 @@ def test_rules_are_saved_and_end_with_what_they_are_about(client, tmp_path):
     events = client.listen(msg.ProximityEvents, 'proximity_events', EVENTS)
     states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
     client.wait_for(lambda: standing(states), 'the states')
-    bare = SCENE[: SCENE.index('proximity_rules')].replace('tray', 'shelf')
+    bare = SCENE[: SCENE.index('proximity_rules')].replace('tray', 'shelf').replace('post', 'mast')
     accepted(client.call(srv.LoadScene, 'load_scene', text=bare, replace=True))
     client.wait_for(lambda: standing(states) == {STOP: True}, 'a rule to end')
     assert [m.why[m.rule.index(SLOW)] for m in events if SLOW in m.rule] == [
@@ -175,6 +179,50 @@ def test_rules_are_saved_and_end_with_what_they_are_about(client, tmp_path):
     ]
     accepted(client.call(srv.LoadScene, 'load_scene', text=saved.text, replace=True))
     client.wait_for(lambda: set(standing(states)) == {STOP, SLOW}, 'the rules again')
+
+
+def test_what_is_decided_while_nobody_listens_is_known_later(client):
+    hand = Hand(client)
+    states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+    hand.until(1.0, lambda: standing(states) == {STOP: False, SLOW: False}, 'all to go')
+    before = states[-1].next_sequence
+    client.node.destroy_subscription(
+        next(s for s in client.node.subscriptions if s.topic_name.endswith('proximity_states'))
+    )
+
+    def listed():
+        return accepted(client.call(srv.ListProximityRules, 'list_proximity_rules')).states
+
+    hand.until(0.0, lambda: all(listed().entered), 'the rules, with no listener')
+    for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_ACTIVATE):
+        request = Transition(id=transition)
+        assert client.call(ChangeState, 'change_state', transition=request).success
+    late = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+    events = client.listen(msg.ProximityEvents, 'proximity_events', EVENTS)
+    client.wait_for(lambda: standing(late) == {STOP: True, SLOW: True}, 'a late listener to know')
+    assert late[-1].next_sequence == before + 2
+    assert all(since.sec > 1e9 for since in late[-1].since)  # by the time of day
+    hand.until(1.0, lambda: standing(late) == {STOP: False, SLOW: False}, 'all to go')
+    client.wait_for(lambda: len(sequences(events)) == 2, 'the events')
+    assert sequences(events) == [before + 2, before + 3]
+
+
+def test_recorded_events_are_computed_again(client, tmp_path):
+    events = client.listen(msg.ProximityEvents, 'proximity_events', EVENTS)
+    states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+    hand = Hand(client)
+    for gap, stands in ((1.0, False), (0.04, True), (0.2, False)):
+        hand.until(gap, lambda s=stands: (standing(states) or {}).get(STOP) == s, 'a change')
+    client.wait_for(lambda: (STOP, True) in changes(events), 'the events')
+    saved = accepted(client.call(srv.SaveScene, 'save_scene')).text
+    (tmp_path / 'scene.yaml').write_text(saved)
+    (tmp_path / 'events.yaml').write_text(echoed(events))
+    judge = Judge(tmp_path / 'scene.yaml')
+    recorded = read_events(tmp_path / 'events.yaml')
+    assert {event.scene_version for event in recorded} == {states[-1].scene_version}
+    found = [judge.verdict(event).finding for event in recorded if event.has_pair]
+    assert len(found) >= 2
+    assert set(found) == {Finding.FOUNDED}
 
 
 def test_poses_that_stop_enter_a_stop_though_no_message_comes(scene_file, tmp_path):

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.proximity_rules import (
     Event,
     ProximityRule,
     RuleError,
     RuleState,
+    Why,
     scale_points,
 )
 from drake_geom_ros.ros.conversions.fields import floats, uint8s, unsigned
@@ -65,6 +69,27 @@ def fill_events(message: Any, events: Sequence[Event], names: Callable[[int], st
     message.error_bound = floats(np.array(column('error_bound')))
     message.p_wca = floats(np.array(column('p_WCa')))
     message.p_wcb = floats(np.array(column('p_WCb')))
+
+
+def fill_what_decided(
+    message: Any, events: Sequence[Event], query: QueryObject, stale_after: float
+) -> None:
+    """Fill in what events were decided by, so that each can be computed again.
+
+    ``query`` has the poses that were decided by, ``stale_after`` is the age [s] of a stale pose.
+    """
+    ids = np.array([(event.id_A, event.id_B) for event in events], dtype=np.int64)
+    poses = np.full((len(ids), 2, 7), math.nan)
+    of_pairs = ids[:, 1] > 0
+    if of_pairs.any():
+        Rs, ps = query.X_WGs(ids[of_pairs].ravel())
+        poses[of_pairs] = poses_from_matrices(Rs, ps).reshape(-1, 2, 7)
+    message.pose_a, message.pose_b = floats(poses[:, 0].ravel()), floats(poses[:, 1].ravel())
+    for field in ('closing_speed', 'limit_distance'):
+        setattr(message, field, floats(np.array([getattr(event, field) for event in events])))
+    stale = [event.is_entered and event.why == Why.STALE for event in events]
+    times = np.array([event.limit_time for event in events])
+    message.limit_time = floats(np.where(stale, stale_after, times))
 
 
 def fill_states(message: Any, states: Sequence[RuleState], rule_type: Callable[[], Any]) -> None:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import SignedDistanceResults
 from drake_geom_ros.proximity_rules import Event
-from drake_geom_ros.ros.conversions.proximity_rules import fill_events
+from drake_geom_ros.ros.conversions.proximity_rules import fill_events, fill_what_decided
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.rule_states import fill_rule_states
 
@@ -29,6 +29,13 @@ class RuleTopics(NamedTuple):
     speed_scale: Any
 
 
+class RuleSettings(NamedTuple):
+    """What parameters say of proximity rules."""
+
+    stale_after: float  # [s] age from which on a pose is stale
+    time_budget: float = 0.0  # [s] of a narrow phase; 0: it has none
+
+
 class RuleEvents:
     """Decides about the rules of the live scene and tells what became of them."""
 
@@ -36,15 +43,15 @@ class RuleEvents:
         self,
         topics: RuleTopics,
         types: Any,
-        stale_after: Callable[[], float],
+        settings: Callable[[], RuleSettings],
         did: Callable[[int, float], None],
     ) -> None:
-        """``types`` holds the message classes, ``stale_after()`` is an age [s].
+        """``types`` holds the message classes, ``settings()`` are asked for at each decision.
 
         ``did(pairs, seconds)`` is told of each decision, and of the pairs that it alone needed.
         """
         self._topics, self._types = topics, types
-        self._stale_after, self._did = stale_after, did
+        self._settings, self._did = settings, did
         self._decided = -math.inf  # [s] of steady time
         self._told = -1  # the revision of the states that were published last
 
@@ -55,12 +62,14 @@ class RuleEvents:
         if not scene.rules.rules:  # what there is to tell of that, ``look_again`` tells
             return
         start = time.perf_counter()
-        rules, query = scene.rules, scene.query
-        rules.bind(query)
+        rules, settings = scene.rules, self._settings()
+        scene.bind_rules()
         seen = None if distances is None else (distances, reach)
-        blind = scene.blind_frames(self._stale_after())
-        self._decided = scene.clocks.steady()
-        computed = rules.decide(self._decided, query, blind, seen, scene.twists())
+        blind = scene.blind_frames(settings.stale_after)
+        self._decided, twists = scene.clocks.steady(), scene.twists()
+        computed = rules.decide(
+            self._decided, scene.query, blind, seen, twists, settings.time_budget
+        )
         self._tell(scene, rules.take_events())
         self._did(computed, time.perf_counter() - start)
 
@@ -70,13 +79,13 @@ class RuleEvents:
         if now - self._decided < PERIOD / 2.0:
             return
         if rules.rules:
-            rules.bind(scene.query)
+            scene.bind_rules()
         if rules.rules and not rules.is_measured:
             self.look_at(scene, None, 0.0)
             return
         self._decided = now
         if rules.rules:
-            rules.wait(now, scene.blind_frames(self._stale_after()))
+            rules.wait(now, scene.blind_frames(self._settings().stale_after))
         self._tell(scene, rules.take_events())
 
     def forget(self) -> None:
@@ -91,6 +100,7 @@ class RuleEvents:
             moment.stamp_header(message)
             message.names_version = moment.names_version
             fill_events(message, events, scene.names.name_of_value)
+            fill_what_decided(message, events, scene.query, self._settings().stale_after)
             message.oldest_pose_age = [moment.oldest.age] * len(events)
             message.oldest_frame = [moment.oldest.frame] * len(events)
             self._topics.events.publish(message)

@@ -104,6 +104,7 @@ class ChangingScene(HeldScene):
         source = self.inspector.GetOwningSourceId(frame)
         self._scene_graph.AttachFrame(source, frame, parent, X_PF)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
+        self.rules.measure_again()
         self._ages.rest(frame.get_value())
         self._let_go(frame)
         return X_PF
@@ -121,6 +122,7 @@ class ChangingScene(HeldScene):
             since = Since(*map(min, since, self._since_of_line(frame)))
         self._scene_graph.DetachFrame(self.inspector.GetOwningSourceId(frame), frame, X_PF)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
+        self.rules.measure_again()
         self._ages.rest_no_more(frame.get_value(), since)
         # TF leaves it there until a transform of this very frame comes.
         self.feeders.note(MESSAGES, frozenset([frame.get_value()]))

@@ -142,7 +142,8 @@ class EditableScene(ChangingScene):
             if self.inspector.IsAttached(frame):
                 self._ages.rest(frame.get_value())
         self.warned += loaded.warnings
-        self.warned += self.rules.take(loaded.rules, self.query)
+        self.bind_rules()
+        self.warned += self.rules.take(loaded.rules)
         self.awaited.begin(loaded.awaited)
         self.bind_filters()
         self._cameras.update((camera.name, (frame, camera)) for frame, camera in loaded.cameras)
@@ -175,6 +176,7 @@ class EditableScene(ChangingScene):
         """Set the accuracy level of queries that name none."""
         self._scene_graph.set_default_accuracy(accuracy)
         self._context.set_default_accuracy(accuracy)
+        self.rules.change_accuracy()
 
     def take_poses(self, message: Any, waited: float = 0.0) -> int:
         """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
@@ -191,6 +193,7 @@ class EditableScene(ChangingScene):
         if self.attached:
             poses, posed = self.without_attached(poses, posed)
         self._context.UpdateFramePoses(poses)
+        self.rules.measure_again()
         if welded and (gone := set(welded).difference(manager.welded_frames())):
             self._tell_of_welds(gone)
         if posed:
@@ -220,6 +223,7 @@ class EditableScene(ChangingScene):
         if self._twists is not None:
             since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
             self._twists.note_twists(frames, twists, stamp, since)
+            self.rules.measure_again()
 
     def note_joint_twists(
         self, frames: NDArray[np.int64], twists: NDArray[np.float64], stamp: int, since: Since

@@ -103,6 +103,10 @@ class HeldScene:
         """The version since which nothing came or went, and names and roles are the same."""
         return self._version_base + self._scene_graph.names_version()
 
+    def bind_rules(self) -> None:
+        """Have the proximity rules be about the scene as it is now."""
+        self.rules.bind(self.query, self.names_version)
+
     @property
     def accuracy(self) -> str:
         """The accuracy level of queries that name none."""

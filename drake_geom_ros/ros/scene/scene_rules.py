@@ -50,7 +50,7 @@ class SceneRules:
 
     def __init__(self) -> None:
         self._monitor = RuleMonitor(_NO_PAIRS)
-        self._version = GeometryVersion()
+        self._version, self._frames_version = GeometryVersion(), -1
         self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
         self._extents: dict[FrameId, float] = {}  # [m] how far geometries reach from its origin
         self._narrowed: QueryObject | None = None
@@ -72,24 +72,20 @@ class SceneRules:
         """Whether the distances of the pairs of now were looked at."""
         return self._monitor.is_measured
 
-    def add(self, rules: Iterable[ProximityRule], query: QueryObject) -> RuleState:
-        """Add rules that can be entered in the scene of now, all or none; return the last one.
+    def add(self, rules: Iterable[ProximityRule]) -> RuleState:
+        """Add rules that can be entered in the scene that it is bound to, all or none.
 
-        Raises RuleError for others.
+        Returns the last one; raises RuleError for others.
         """
-        self.bind(query)
         self._monitor.add(rules)
         self._changed()
         return self._monitor.states()[-1]
 
-    def take(self, rules: Sequence[ProximityRule], query: QueryObject) -> list[str]:
+    def take(self, rules: Sequence[ProximityRule]) -> list[str]:
         """Have the rules of a scene file, in place of those of the same names.
 
         Returns what is wrong with those that can never be entered as the scene is.
         """
-        if not rules:
-            return []  # the scene is looked at when there is a rule about it
-        self.bind(query)
         known = {rule.name: rule for rule in self.rules}
         for rule in rules:
             if known.get(rule.name, rule) != rule:
@@ -107,13 +103,14 @@ class SceneRules:
     def _changed(self) -> None:
         self._narrowed, self.revision = None, self.revision + 1
 
-    def bind(self, query: QueryObject) -> None:
-        """Be about the scene of now, if sources, geometries or filters changed."""
+    def bind(self, query: QueryObject, frames_version: int) -> None:
+        """Be about the scene of now, if sources, frames, geometries or filters changed."""
         inspector = query.inspector()
         version = inspector.geometry_version()
-        if version.IsSameAs(self._version, Role.kProximity):
+        is_same = version.IsSameAs(self._version, Role.kProximity)
+        if is_same and frames_version == self._frames_version:
             return
-        self._version = version
+        self._version, self._frames_version = version, frames_version
         self._changed()
         ids, reported = inspector.candidate_matrix()
         geometries = [GeometryId(value) for value in ids.tolist()]
@@ -129,18 +126,22 @@ class SceneRules:
         blind: Blind,
         seen: tuple[SignedDistanceResults, float] | None = None,
         twists: Twists | None = None,
+        time_budget: float = 0.0,
     ) -> int:
         """Decide by the poses of now [s]; return how many pairs were computed for it.
 
         ``seen`` are the distances of all pairs within so many metres, where a cycle
-        has them: what rules need beyond is computed, of their pairs alone.
+        has them: what rules need beyond is computed, of their pairs alone, within a
+        ``time_budget`` [s] (0: without one).
         """
         farthest = self._monitor.farthest(self._fastest(twists))
         computed = 0
         if seen is not None and seen[1] >= farthest:
             results = seen[0]
         else:
-            results = self._narrow(query).ComputeSignedDistancePairwiseClosestPoints(farthest)
+            results = self._narrow(query).ComputeSignedDistancePairwiseClosestPoints(
+                farthest, time_budget=time_budget
+            )
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
         self._decide(now, blind, _measured(results, speeds))
@@ -171,8 +172,13 @@ class SceneRules:
         return self._monitor.states()
 
     def measure_again(self) -> None:
-        """Believe no distance of before: nobody looked for a while."""
+        """Believe no distance of before: what was measured moved, or nobody looked for a while."""
         self._monitor.is_measured = False
+
+    def change_accuracy(self) -> None:
+        """Measure at another level: who measures for rules alone has one of its own."""
+        self._narrowed = None
+        self.measure_again()
 
     def troubles(self, *, watches_motion: bool) -> list[str]:
         """Return which rules can never be entered, or not for all that they say, in words."""

@@ -21,7 +21,8 @@ def add_proximity_rule(scene: EditableScene, request: Any, response: Any) -> Non
             f'proximity rule {rule.name[:80]!r}: min_time_to_contact needs twists, and nobody '
             'watches how bodies move; set the parameter closing_speeds'
         )
-    state = scene.rules.add([rule], scene.query)
+    scene.bind_rules()
+    state = scene.rules.add([rule])
     response.pairs, response.left_out_pairs = state.pairs, state.left_out
     scene.told.append(f'proximity rule {rule.name!r} watches {state.pairs} pairs')
 

@@ -12,7 +12,7 @@ from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
-from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleTopics
+from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
 from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
@@ -94,7 +94,7 @@ def topics():
 def no_rules():
     """Return what decides about proximity rules, of which there is none."""
     topics = RuleTopics(Topic(), Topic(), Topic())
-    return RuleEvents(topics, Plain(), lambda: 1.0, lambda count, seconds: None)
+    return RuleEvents(topics, Plain(), lambda: RuleSettings(1.0), lambda count, seconds: None)
 
 
 @pytest.fixture

@@ -1,0 +1,63 @@
+"""What a ProximityMonitor makes of what comes, in whatever order; without a node."""
+
+import pytest
+from drake_geom_msgs import msg
+
+from drake_geom_ros.client import ProximityMonitor
+
+
+class Node:
+    """Keeps what is to be called, by the end of the topic's name."""
+
+    def __init__(self):
+        self.hears = {}
+
+    def create_subscription(self, kind, topic, hear, profile):
+        self.hears[topic.rpartition('/')[2]] = hear
+
+    def create_timer(self, period, look, clock):
+        pass
+
+
+def events(*sequence):
+    n = len(sequence)
+    message = msg.ProximityEvents(sequence=sequence, rule=['stop'] * n, level=[3] * n)
+    message.entered, message.why = [True] * n, [1] * n
+    message.geometry_a = message.geometry_b = [''] * n
+    message.id_a = message.id_b = [0] * n
+    numbers = ('distance', 'error_bound', 'closing_speed', 'limit_distance', 'limit_time')
+    for field in (*numbers, 'oldest_pose_age'):
+        setattr(message, field, [0.0] * n)
+    message.p_wca = message.p_wcb = [0.0] * (3 * n)
+    message.pose_a = message.pose_b = [0.0] * (7 * n)
+    return message
+
+
+def states(next_sequence):
+    return msg.ProximityStates(next_sequence=next_sequence)
+
+
+@pytest.mark.parametrize(
+    ('heard', 'missed'),
+    [
+        ([states(1), events(1, 2), events(3)], 0),
+        ([states(5), events(5)], 0),
+        ([states(1), events(3)], 2),
+        ([states(1), events(1), events(4)], 2),
+        # Topics have no common order: states of before may come after events.
+        ([states(1), events(1), events(2), states(2), events(3)], 0),
+        ([events(7), states(7), states(8), events(8)], 0),
+        # A node that began anew counts from 1.
+        ([states(9), events(9), states(1), events(1)], 0),
+        ([states(9), events(9), events(1), states(1), events(2)], 0),
+        ([states(9), events(9), states(1), events(2)], 1),
+    ],
+)
+def test_what_was_missed_is_counted(heard, missed):
+    node, got = Node(), []
+    monitor = ProximityMonitor(node, on_event=lambda event: got.append(event.sequence))
+    for message in heard:
+        is_states = isinstance(message, msg.ProximityStates)
+        node.hears['proximity_states' if is_states else 'proximity_events'](message)
+    assert monitor.missed == missed
+    assert got == [n for m in heard if isinstance(m, msg.ProximityEvents) for n in m.sequence]

@@ -1,0 +1,146 @@
+"""Proximity rules of a live scene: the next decision knows what changed. Without a node."""
+
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from drake_geom_msgs import msg
+from ros.live_scenes import Clock, Topic, live_scene
+from ros.scene_calls import poses
+from std_msgs.msg import Float64
+
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import Why
+from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
+
+TEXT = """
+name: cell
+sources: [arm]
+frames:
+- {name: hand, source: arm, static: false, pose: {position: [1, 0, 0]}}
+- {name: part, pose: {position: [0, 3, 0]}, static: true}
+geometries:
+- {name: ball, source: arm, frame: hand, shape: {type: ellipsoid, semi_axes: [0.1, 0.15, 0.2]}}
+- {name: box, frame: part, shape: {type: box, size: [0.2, 0.2, 0.2]}}
+- {name: post, shape: {type: cylinder, radius: 0.1, length: 1}}
+proximity_rules:
+- {name: hand, set_a: arm, set_b: post, level: warn, enter: 0.2, leave: 0.3}
+- {name: part, set_a: part, set_b: post, level: stop, enter: 0.2, leave: 0.3}
+"""
+TYPES = Plain(
+    ProximityEvents=msg.ProximityEvents,
+    ProximityRule=msg.ProximityRule,
+    ProximityStates=msg.ProximityStates,
+    Float64=Float64,
+)
+
+
+class Ruled:
+    """A live scene with rules, looked at again and again as a node does."""
+
+    def __init__(self, text=TEXT, stale_after=1.0):
+        self.clock = Clock()
+        self.live = live_scene(text, self.clock)
+        self.topics = RuleTopics(Topic(), Topic(), Topic())
+        self.computed = []
+        settings = RuleSettings(stale_after)
+        did = lambda pairs, _: self.computed.append(pairs)  # noqa: E731
+        self.events = RuleEvents(self.topics, TYPES, lambda: settings, did)
+
+    def move(self, *place, cycle=True):
+        """Pose the hand; with a ``cycle``, decide by it."""
+        with self.live.editing() as scene:
+            scene.take_poses(poses(['hand'], [(*place, 0, 0)[:3]], source='arm'))
+            if cycle:
+                self.events.look_at(scene, None, 0.0)
+
+    def wait(self, seconds=0.1):
+        """Let time go on; return what was told in it: names and whether they were entered."""
+        self.clock.now += seconds
+        told = len(self.topics.events.published)
+        with self.live.reading() as scene:
+            self.events.look_again(scene)
+        return [
+            (name, entered)
+            for message in self.topics.events.published[told:]
+            for name, entered in zip(message.rule, message.entered, strict=True)
+        ]
+
+
+def frame(scene, name):
+    return next(f for f, label in scene.names.frame_names.items() if label.endswith(name))
+
+
+@pytest.fixture
+def ruled():
+    made = Ruled()
+    made.move(1.0)
+    made.wait()
+    return made
+
+
+def test_what_is_attached_grows_old_with_what_holds_it(ruled):
+    with ruled.live.editing() as scene:
+        hand, part = frame(scene, 'hand'), frame(scene, 'part')
+        scene.attach(part, hand, RigidTransform([0.5, 0, 0]))
+    assert ruled.wait() == []
+    assert ruled.wait(2.0) == [('part', True)]
+    assert ruled.topics.events.published[-1].why[0] == Why.STALE
+    ruled.move(1.0)
+    ruled.wait()
+    with ruled.live.editing() as scene:
+        scene.detach(part, RigidTransform([0, 3, 0]))
+    ruled.wait()
+    assert ruled.wait(2.0) == []
+
+
+def test_what_is_put_somewhere_without_a_cycle_is_seen(ruled):
+    with ruled.live.editing() as scene:
+        scene.attach(frame(scene, 'part'), frame(scene, 'hand'), RigidTransform([-0.7, 0, 0]))
+    assert ruled.wait() == [('part', True)]
+    with ruled.live.editing() as scene:
+        scene.detach(frame(scene, 'part'), RigidTransform([0, 3, 0]))
+    assert ruled.wait() == [('part', False)]
+    ruled.move(0.25, cycle=False)  # as poses come that hang on others, or between two cycles
+    assert ruled.wait() == [('hand', True)]
+
+
+def test_rules_are_decided_at_the_level_of_now(ruled):
+    ruled.move(0.33, 0.33, 0.6)
+    assert ruled.wait() == []  # 0.2506 m, to be seen at level exact
+    with ruled.live.editing() as scene:
+        scene.set_accuracy('bound')
+    assert ruled.wait() == [('hand', True)]  # its bounds alone do not prove 0.2 m
+    event = ruled.topics.events.published[-1]
+    assert event.accuracy == 'bound'
+    assert event.distance[0] - event.error_bound[0] < 0.2
+    with ruled.live.editing() as scene:
+        scene.set_accuracy('exact')
+    assert ruled.wait() == []
+    ruled.move(0.55)
+    assert not ruled.topics.events.published[-1].entered[0]
+
+
+def test_an_event_bears_where_its_pair_was(ruled):
+    ruled.move(0.3)
+    (event,) = ruled.topics.events.published[-1:]
+    places = {event.geometry_a[0]: event.pose_a, event.geometry_b[0]: event.pose_b}
+    assert places['arm::hand/ball'].tolist() == pytest.approx([0.3, 0, 0, 0, 0, 0, 1])
+    assert places['cell::world/post'].tolist() == pytest.approx([0, 0, 0, 0, 0, 0, 1])
+    assert (event.limit_distance[0], event.limit_time[0]) == (0.2, 0.0)
+    ruled.move(1.0)
+    (event,) = ruled.topics.events.published[-1:]
+    assert (event.entered[0], event.limit_distance[0]) == (False, 0.3)
+    assert np.isnan(event.pose_a).all()
+    assert event.distance[0] == np.inf
+
+
+def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):
+    with ruled.live.editing() as scene:
+        scene.rules.remove('hand')
+        scene.remove_source(scene.names.source('cell'))
+    ruled.wait()
+    numbers = [n for message in ruled.topics.events.published for n in message.sequence]
+    assert numbers == list(range(1, len(numbers) + 1))
+    last = ruled.topics.states.published[-1]
+    assert (last.rules, last.next_sequence) == ([], len(numbers) + 1)
