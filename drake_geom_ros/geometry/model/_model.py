@@ -83,10 +83,6 @@ class Model:
         other.children = {parent: list(children) for parent, children in self.children.items()}
         return other
 
-    def become(self, other: Model) -> None:
-        """Have what a model holds that nobody uses from now on."""
-        self.__dict__.update(other.__dict__)
-
     # Look-ups: each raises RuntimeError for an id of the wrong kind or one that is not here.
 
     def source_name(self, source_id: SourceId) -> str:

@@ -46,7 +46,7 @@ class SceneContent:
             return False
         if copy.copied_from != self.mark():
             return False
-        self.model.become(copy.model)
+        vars(self.model).update(vars(copy.model))  # for all who hold this very model
         self.filters.become(copy.filters)
         return True
 
