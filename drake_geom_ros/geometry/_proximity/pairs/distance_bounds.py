@@ -87,7 +87,12 @@ def separation_of_balls(i: int, j: int, p_WGs: Floats, roundings: Floats, outer:
 
 @inlined
 def separation_of_bounds(i: int, j: int, bodies: BoundedBodies, cutoff: float) -> float:
-    """Return a lower bound of the distance [m], of boxes too where balls are within the cutoff."""
+    """Return a lower bound of the distance [m], of boxes too where balls are within the cutoff.
+
+    Without a cutoff nobody needs one, and it is minus infinity.
+    """
+    if cutoff == math.inf:
+        return -math.inf
     types = bodies.types
     # The ball of a half space has no bound, and its separation is minus infinity.
     balls = separation_of_balls(i, j, bodies.p_WGs, bodies.roundings, bodies.outer)

@@ -267,9 +267,9 @@ def answer_pairs(
     halves, outer, inner = world.half_extents, world.outer, world.inner
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
     level_gap, cutoff, penetrating = query
-    p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
-    near_cutoff = max(cutoff, 0.0)
-    far_cutoff = math.inf if math.isinf(level_gap) else near_cutoff
+    p_AB_W, now = np.empty(3), np.empty(PAIR_WIDTH)
+    limit = max(cutoff, 0.0)
+    far_cutoff = math.inf if math.isinf(level_gap) else limit
     counts[:], found = 0, 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
@@ -282,21 +282,14 @@ def answer_pairs(
         if max(stamps[a], stamps[b]) <= out[SEEN] and _stands(out, level_gap, travelled, cutoff):
             counts[CACHED] += 1
         else:
-            least = -math.inf
-            if cutoff < math.inf:
-                least = separation_of_bounds(
-                    a,
-                    b,
-                    BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer),
-                    near_cutoff,
-                )
-            near = least <= near_cutoff
+            least = separation_of_bounds(
+                a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer), limit
+            )
+            near = least <= limit
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
-                    bound_pair(
-                        a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, bounds
-                    )
-                    least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], out[SLACK] - travelled)
+                    bound_pair(a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, now)
+                    least = max(now[DISTANCE] - now[ERROR_BOUND], out[SLACK] - travelled)
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
@@ -307,17 +300,9 @@ def answer_pairs(
                     bound_pair(a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
                     _recall(out, level_gap, types[a], types[b])
+                    shapes = Shapes(types, starts, pool)
                     aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
-                    _call_in_order(
-                        a,
-                        b,
-                        kernels,
-                        Shapes(types, starts, pool),
-                        (R_WGs, p_WGs),
-                        p_AB_W,
-                        aim,
-                        out,
-                    )
+                    _call_in_order(a, b, kernels, shapes, (R_WGs, p_WGs), p_AB_W, aim, out)
                 _widen(out, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
                     raise_lower_end(

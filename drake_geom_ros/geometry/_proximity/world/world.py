@@ -137,9 +137,10 @@ class World:
         self.anchored = table.frames == 0
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].
-        self.outer_radii, self.inner_radii = shape_radii(table.types, table.starts, table.pool)
+        shapes = table.types, table.starts, table.pool
+        self.outer_radii, self.inner_radii = shape_radii(*shapes)
         # Of balls in the shapes, which need not be about Go: centres in G, and radii [m].
-        self.ball_centres, self.ball_radii = balls_inside(table.types, table.starts, table.pool)
+        self.ball_centres, self.ball_radii = balls_inside(*shapes, self.inner_radii)
         levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
         at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
         # In one array (n, 5), for each that compiled code is given takes time: see
