@@ -326,7 +326,7 @@ def proved_by_normal(
     """
     n, a, b = found.n, found.a, found.b
     lacking = found.distance - separation_along(pair, n)
-    if lacking <= error_bound:
+    if not lacking > error_bound:  # nor where an ellipsoid vanishes, which has no support then
         return n, a, b, error_bound
     a, b, miss = drawn_to(found.distance, found.n_lower, a, b)
     off = max(error_bound, found.distance - separation_along(pair, found.n_lower))

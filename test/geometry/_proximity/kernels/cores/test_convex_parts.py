@@ -81,7 +81,7 @@ def test_the_gap_along_a_direction_is_that_of_the_planes():
 
 
 Y = (0.0, 1.0, 0.0)
-NOT_CLOSED = Separation(OVERLAP, 0.0, 0.0, Y, Y, Y)
+NOT_CLOSED = Separation(OVERLAP, 0.0, 0.0, Y, Y, Y, Y)
 
 
 def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED, miss=0.0):
@@ -119,10 +119,10 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED, miss=0.0):
 def test_what_a_walk_ends_with_is_the_answer_if_the_slab_along_its_own_normal_is(
     monkeypatch, end, n, attained
 ):
-    walked = Separation(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    walked = Separation(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0), n)
     depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
     # Not closed, though told the distance: that is not what is asked of it.
-    sharper = Separation(OVERLAP, 2.0, 2.0, Y, Y, Y)
+    sharper = Separation(OVERLAP, 2.0, 2.0, Y, Y, Y, Y)
     found, asked = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, sharper)
     assert asked == ([walked] if attained else [walked, depth])
     assert found.n == (1.0, 0.0, 0.0)
@@ -143,7 +143,7 @@ def test_points_that_need_no_move_are_taken_if_their_normal_lacks_less(
 ):
     """A normal that leans by an angle [rad] lacks twice as much [m]: cubes are 2 m wide."""
     n = (1.0, lean, 0.0)
-    walked = Separation(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    walked = Separation(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0), n)
     depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
     found, _ = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, miss=miss)
     if of_walk:
@@ -175,7 +175,7 @@ def test_a_normal_is_alone_if_the_depth_says_so_or_the_bodies_are_apart(
 ):
     n = (1.0, 0.0, 0.0)
     a, b = (1.0, 0.0, 0.0), (1.0 + apart, 0.0, 0.0)
-    walked = Separation(OVERLAP, 0.5, apart - 0.125, n, a, b)
+    walked = Separation(OVERLAP, 0.5, apart - 0.125, n, a, b, n)
     depth = Depth(-apart, -apart, n, a, b, 0.0, unique)
     found, _ = _bounds_python(monkeypatch, (2.0 + apart, 0.0, 0.0), walked, depth)
     assert (found.distance, found.lower) == (apart, apart)

@@ -22,7 +22,9 @@ def _hull(rng, count):
 
 
 def test_aligned_cubes_are_three_apart():
-    end, upper, lower, n, a, b = _walk(BOX, [0.5] * 3, ALIGNED, BOX, [0.5] * 3, ALIGNED, (0, 4, 0))
+    end, upper, lower, n, a, b, _ = _walk(
+        BOX, [0.5] * 3, ALIGNED, BOX, [0.5] * 3, ALIGNED, (0, 4, 0)
+    )
     assert (end, upper, lower) == (gjk.CLOSED, 3.0, 3.0)
     assert tuple(n) == (0.0, 1.0, 0.0)
     assert np.subtract(b, a) == pytest.approx([0, 3, 0], abs=0)
@@ -38,7 +40,7 @@ def test_polytopes_end_exactly():
         )
         if phi < 0.01:
             continue
-        end, upper, lower, _, a, b = _walk(CONVEX, hulls[0], ALIGNED, CONVEX, hulls[1], R, p)
+        end, upper, lower, _, a, b, _ = _walk(CONVEX, hulls[0], ALIGNED, CONVEX, hulls[1], R, p)
         assert end == gjk.CLOSED
         assert upper - lower <= 1e-14 * (10 + np.linalg.norm(p))
         assert upper == pytest.approx(phi, abs=1e-11)
@@ -56,7 +58,7 @@ def test_bounds_hold_for_every_gap(gap):
         pair = CorePair(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none)
         a, b = gjk.support_points(pair, tuple(n), 0.0)
         p = np.subtract(a, b) + gap * n
-        _, upper, lower, _, _, _ = _walk(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, p)
+        _, upper, lower, *_ = _walk(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, p)
         noise = 1e-15 * (1 + gap)
         assert lower - noise <= gap <= upper + noise
 
@@ -69,11 +71,14 @@ def test_closed_tells_that_the_slab_along_the_gap_is_as_wide():
         shapes = np.array([0.6, 0.9]), rng.uniform(0.2, 1.0, 3)
         pair = CorePair(CYLINDER, shapes[0], R, BOX, shapes[1], ALIGNED, tuple(p))
         n = tuple(p / np.linalg.norm(p))
-        end, upper, _, n, _, _ = gjk.distance_of_cores(pair, n, 10.0, 1e-9, np.inf)
+        found = gjk.distance_of_cores(pair, n, 10.0, 1e-9, np.inf)
+        end, upper, _, n, *_ = found
         a, b = gjk.support_points(pair, n, 0.0)
         ends.append(end)
         if end == gjk.CLOSED:
             assert np.dot(np.subtract(b, a), n) >= upper - 1e-9 - 1e-14
+        a, b = gjk.support_points(pair, found.n_lower, 0.0)
+        assert np.dot(np.subtract(b, a), found.n_lower) >= found.lower - 1e-14
     assert ends.count(gjk.CLOSED) > 30
 
 
