@@ -12,6 +12,9 @@ from drake_geom_ros.client import (
     exclude_between,
 )
 
+_HELD = 'part off'
+_LIMITS = {'level': msg.ProximityRule.STOP, 'enter': 0.05, 'leave': 0.06}  # [m]
+
 
 class Gripper:
     """Serves ``~/expect_contact``, ``~/attach`` and ``~/release`` (Trigger) of its node."""
@@ -53,6 +56,9 @@ class Gripper:
         """Have the object follow the gripper from where it is; to be called while both rest."""
         await self._expect_contact()
         await self._asked.ask('attach', frame=self._object, parent=self._gripper)
+        if not self._attached:  # it is watched as the arm is, from what stands
+            rule = msg.ProximityRule(name=_HELD, set_a=[self._object], set_b=['world'], **_LIMITS)
+            await self._asked.ask('add_proximity_rule', rule=rule)
         self._attached = True
         return f'{self._object} follows {self._gripper}'
 
@@ -60,6 +66,7 @@ class Gripper:
         """Leave the object where it is; the gripper has the length of a lease to withdraw."""
         if self._attached:
             await self._asked.ask('detach', frame=self._object)
+            await self._asked.ask('remove_proximity_rule', name=_HELD)
         self._attached = False
         if self._holding is not None:
             self._holding.let_run_out()
