@@ -28,6 +28,7 @@ EXTRAS = {
     'view': ['imageio>=2.20', 'viser>=1.1', 'websockets>=14'],  # the page
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
+    'examples': ['ompl>=2.0'],  # plan_an_arm.py and plan_with_proof.py
 }
 
 

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 class PathProfile(NamedTuple):
     """Pieces (n,) of a path, each checked alone, and the states (n + 1,) between them."""
 
-    times: Floats  # (n + 1,) by rows of the path
+    times: Floats  # (n + 1,) by rows of the path, or [s]
     outcomes: tuple[str, ...]  # (n,)
     lower_bounds: Floats  # (n,) [m] certified for all times of a piece that is clear
     distances: Floats  # (n + 1,) [m] the least of each state
@@ -58,7 +58,12 @@ def profile_of_path(
 
 
 def draw_profile(
-    profile: PathProfile, check: MotionCheck, min_distance: float, title: str, file: Path
+    profile: PathProfile,
+    check: MotionCheck,
+    min_distance: float,
+    title: str,
+    file: Path,
+    unit: str = 'rows of the path',
 ) -> None:
     """Draw distances and proved bounds over time, with the contact or what is unknown shaded."""
     from matplotlib.figure import Figure
@@ -84,6 +89,6 @@ def draw_profile(
         axes.axvline(
             check.times[1], color='#d62728', linewidth=1.2, label=f'first: {check.outcome}'
         )
-    axes.set(title=title, xlabel='time [rows of the path]', ylabel='distance [m]')
+    axes.set(title=title, xlabel=f'time [{unit}]', ylabel='distance [m]')
     axes.legend(loc='best', fontsize='small')
     figure.savefig(file, dpi=120)

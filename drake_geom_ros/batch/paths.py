@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
@@ -48,6 +49,7 @@ def check_path(
     accuracy: str = '',
     ignore_start_contacts: bool = False,
     ignore_limits: bool = False,
+    bound_tolerance: float = math.inf,
 ) -> MotionCheck:
     """Return whether a whole path is clear, certified for all times.
 
@@ -74,6 +76,7 @@ def check_path(
         accuracy=accuracy,
         ignore_start_contacts=ignore_start_contacts,
         ignore_limits=ignore_limits,
+        bound_tolerance=bound_tolerance,
     )
     return found
 
@@ -90,6 +93,7 @@ def check_paths(
     accuracy: str = '',
     ignore_start_contacts: bool = False,
     ignore_limits: bool = False,
+    bound_tolerance: float = math.inf,
 ) -> list[MotionCheck]:
     """Return what ``check_path`` tells of each of many paths, by threads (0: one for each core).
 
@@ -106,6 +110,7 @@ def check_paths(
         accuracy=accuracy,
         ignore_start_contacts=ignore_start_contacts,
         ignore_limits=ignore_limits,
+        bound_tolerance=bound_tolerance,
     )
     return checker.check_each(paths, threads)
 
@@ -157,6 +162,7 @@ class PathChecker:
         accuracy: str = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
+        bound_tolerance: float = math.inf,
     ) -> None:
         """Prepare; raises ArgumentError and PoseError as ``check_path`` does."""
         if not isinstance(joints, Joints):
@@ -164,7 +170,8 @@ class PathChecker:
                 f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
             )
         self._asked = MotionQuestion(
-            float(min_distance), float(time_tolerance), max_evaluations, ignore_start_contacts
+            *(float(min_distance), float(time_tolerance), max_evaluations),
+            *(ignore_start_contacts, float(bound_tolerance)),
         )
         self.joints, self._ignore_limits = joints, ignore_limits
         self._mark = SceneMark(scene_graph, joints.id_values)

@@ -12,6 +12,7 @@ from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient
 from drake_geom_ros.client.held_filter import HeldFilter, sleep
 from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.listening import SceneListener
+from drake_geom_ros.client.motions import Motion
 from drake_geom_ros.client.proximity_monitor import (
     ProximityEvent,
     ProximityMonitor,
@@ -61,6 +62,7 @@ __all__ = [
     'IncompleteError',
     'UnknownNameError',
     'States',
+    'Motion',
     'ProximityMonitor',
     'ProximityEvent',
     'RuleStanding',

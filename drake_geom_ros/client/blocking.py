@@ -5,11 +5,9 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -22,6 +20,7 @@ from rclpy.time import Time
 
 from drake_geom_ros.client.left_out import LeftOut
 from drake_geom_ros.client.listening import SceneListener
+from drake_geom_ros.client.planners import PlannersQuestions
 from drake_geom_ros.client.results import (
     Penetrations,
     PointDistances,
@@ -37,8 +36,8 @@ from drake_geom_ros.client.services import (
     accepted,
     frame_poses,
     joint_positions,
+    limit,
 )
-from drake_geom_ros.client.states import Progress, States, StatesRequest
 from drake_geom_ros.math import RigidTransform
 
 _Results = TypeVar('_Results', bound=Results[Any])
@@ -52,7 +51,7 @@ class NoAnswerError(RuntimeError):
     """An answer, a service or a version of the scene did not arrive in time."""
 
 
-class SceneGraphClient:
+class SceneGraphClient(PlannersQuestions):
     """Calls the services of a node and waits for each answer; it spins a node of its own.
 
     ``poses`` are "what if" poses: X_PF by frame, as RigidTransform or as seven numbers x y z [m]
@@ -172,7 +171,7 @@ class SceneGraphClient:
         found = self._named(
             SignedDistances,
             'compute_signed_distance_pairwise',
-            max_distance=_limit(max_distance),
+            max_distance=limit(max_distance),
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
@@ -230,7 +229,7 @@ class SceneGraphClient:
             PointDistances,
             'compute_signed_distance_to_point',
             points=np.asarray(points, dtype=np.float64).ravel().tolist(),
-            threshold=_limit(threshold),
+            threshold=limit(threshold),
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
@@ -256,44 +255,6 @@ class SceneGraphClient:
         if left_out.number and not (answer.has_collisions or allow_incomplete):
             left_out.refuse('has_collisions')
         return bool(answer.has_collisions)
-
-    def evaluate_states(
-        self,
-        joint_names: Sequence[str],
-        positions: ArrayLike,
-        want: str = 'collision',
-        *,
-        clearance: float = 0.0,
-        max_distance: float = math.inf,
-        poses: Poses | None = None,
-        stop_at_first: bool = False,
-        ignore_limits: bool = False,
-        accuracy: str = '',
-        progress: Progress | None = None,
-    ) -> States:
-        """Return what is wanted of each of n states of joints, ``positions`` (n, q) [rad] or [m].
-
-        A state is free where every pair is certified to be farther apart than ``clearance`` [m];
-        joints that are not named keep the values of now. ``want`` is ``collision``, ``least`` or
-        ``near`` (all pairs up to ``max_distance`` [m]). More states than an answer holds are asked
-        about in parts, after each of which ``progress`` is called with the states done and all.
-        Raises RuntimeError where the scene changed meanwhile, for its answers would be of two.
-        """
-        asked = StatesRequest(
-            list(joint_names),
-            np.atleast_2d(np.asarray(positions, dtype=np.float64)),
-            {
-                'want': want,
-                'clearance': clearance,
-                'max_distance': 0.0 if want != 'near' else _limit(max_distance),
-                'poses': frame_poses(poses or {}),
-                'stop_at_first': stop_at_first,
-                'ignore_limits': ignore_limits,
-                'accuracy': accuracy,
-            },
-        )
-        answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
-        return States.of(answers, self._table(answers[0].scene_version))
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
         """Return the reasons why a pair is filtered; empty where it is not."""
@@ -369,10 +330,3 @@ def _pose_message(X: RigidTransform | ArrayLike) -> Pose:
 def _pose_of(message: Pose) -> RigidTransform:
     p, q = message.position, message.orientation
     return RigidTransform.FromArray([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
-
-
-def _limit(metres: float) -> float:
-    """Return a limit as a request has it: there 0 stands for infinity."""
-    if math.isinf(metres):
-        return 0.0
-    return metres or sys.float_info.min

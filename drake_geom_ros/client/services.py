@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -84,6 +86,13 @@ def frame_poses(poses: Poses, source: str = '') -> msg.FramePoses:
 def joint_positions(joints: Mapping[str, float]) -> msg.JointPositions:
     """Return a JointPositions message of values [rad] or [m] by joint or ``robot::joint``."""
     return msg.JointPositions(names=list(joints), positions=list(map(float, joints.values())))
+
+
+def limit(metres: float) -> float:
+    """Return a limit as a request has it: there 0 stands for infinity."""
+    if math.isinf(metres):
+        return 0.0
+    return metres or sys.float_info.min
 
 
 def exclude_between(

@@ -1,21 +1,18 @@
-"""``check-motion``: whether a whole path of joint values is clear, for all times."""
+"""``check-motion``: whether a whole path of joint values, or a motion, is clear for all times."""
 
 import argparse
 import csv
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from drake_geom_ros.batch import Joints, check_path
-from drake_geom_ros.batch.path_profile import PathProfile, draw_profile, profile_of_path
-from drake_geom_ros.batch.state_files import read_states
-from drake_geom_ros.command_line.inputs import files_of
-from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
+from drake_geom_ros.batch.path_profile import PathProfile, draw_profile
+from drake_geom_ros.command_line.checked_motions import of_motion, of_path
+from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import ACCURACY_LEVELS, MotionCheck, SceneGraph
+from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, MotionCheck
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
-from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 NOT_CLEAR = 1  # the exit code
 
@@ -24,16 +21,17 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'check-motion',
-        help='whether a whole path is clear, certified for all times',
-        description='Checks a path of joint values, straight in joint space from row to row: '
-        'clear for all times, the first contact, or from when on nothing is proved. Exit code 0 '
-        'where it is clear, 1 where it is not. Times are rows of the path.',
+        help='whether a whole path or motion is clear, certified for all times',
+        description='Checks a path of joint values, straight in joint space from row to row, or '
+        'the poses of a motion, straight from moment to moment: clear for all times, the first '
+        'contact, or from when on nothing is proved. Exit code 0 where it is clear, 1 where it is '
+        'not. Times are rows of the path, or seconds of the motion.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
     add_scene_options(parser)
-    parser.add_argument(
-        '--path', required=True, metavar='FILE', help='.npy, .npz or .csv, as states of batch'
-    )
+    moving = parser.add_mutually_exclusive_group(required=True)
+    moving.add_argument('--path', metavar='FILE', help='.npy, .npz or .csv, as states of batch')
+    moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
     parser.add_argument('--names', nargs='+', metavar='NAME', help='joints of the columns')
     parser.add_argument(
         '--min-distance', type=float, default=0.0, metavar='D', help='[m] (default: 0)'
@@ -57,6 +55,13 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--ignore-limits', action='store_true', help='let joints pass their limits'
     )
+    parser.add_argument(
+        '--bound-tolerance',
+        type=float,
+        default=math.inf,
+        metavar='D',
+        help='prove more of a clear path, until its bound is so close to the distances seen [m]',
+    )
     parser.add_argument('--csv', metavar='FILE', help='what is proved, piece by piece')
     parser.add_argument('--picture', metavar='FILE', help='distances and proved bounds over time')
     parser.add_argument(
@@ -64,7 +69,7 @@ def add_to(commands: Any) -> None:
         type=int,
         default=200,
         metavar='N',
-        help='of --csv and --picture (default: 200)',
+        help='of --csv and --picture, and into which a motion is cut (default: 200)',
     )
     parser.set_defaults(run=run)
 
@@ -72,39 +77,28 @@ def add_to(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Check and return the exit code; raises GeometryError or OSError for bad input."""
     outputs = {'--csv': options.csv, '--picture': options.picture}
-    check_outputs(outputs, [options.scene, options.srdf, options.path])
-    scene_graph = SceneGraph()
-    loaded = load_and_tell(options.scene, scene_graph, options.srdf, options.package_root)
-    check_outputs(outputs, files_of(scene_graph, loaded.robots.values()))
-    states = read_states(options.path, options.names)
-    if states.are_poses:
-        raise SceneFileError('--path takes joint values (k, q), not poses', options.path)
-    joints = Joints.of(loaded, states.names)
-    path = np.array(states.rows[: len(states.rows)])
-    asked = {
-        'min_distance': options.min_distance,
-        'time_tolerance': options.time_tolerance,
-        'accuracy': options.accuracy,
-        'ignore_start_contacts': options.ignore_start_contacts,
-        'ignore_limits': options.ignore_limits,
-    }
-    check = check_path(scene_graph, joints, path, max_evaluations=options.max_evaluations, **asked)
-    print(*_lines(check, loaded), sep='\n')
-    if options.csv or options.picture:
-        profile = profile_of_path(scene_graph, joints, path, options.pieces, **asked)
-        if options.csv:
-            _write(Path(options.csv), profile)
-        if options.picture:
-            title = f'{Path(options.scene).stem}: {check.outcome}'
-            draw_profile(profile, check, options.min_distance, title, Path(options.picture))
+    check_outputs(outputs, [options.scene, options.srdf, options.path, options.motion])
+    found = (of_motion if options.motion else of_path)(options)
+    check_outputs(outputs, found.files)
+    check = found.check
+    print(*_lines(check, found.name_of), *found.told, sep='\n')
+    profile = found.profile() if options.csv or options.picture else None
+    if profile is None:
+        return 0 if check.outcome == 'clear' else NOT_CLEAR
+    if options.csv:
+        _write(Path(options.csv), profile)
+    if options.picture:
+        title = f'{Path(options.scene).stem}: {check.outcome}'
+        file = Path(options.picture)
+        draw_profile(profile, check, options.min_distance, title, file, found.unit)
     return 0 if check.outcome == 'clear' else NOT_CLEAR
 
 
-def _lines(check: MotionCheck, loaded: LoadedScene) -> list[str]:
+def _lines(check: MotionCheck, name_of: Callable[[GeometryId], str]) -> list[str]:
     """Return what there is to tell of a check."""
     told = [f'outcome {check.outcome}', f'times {check.times[0]!r} {check.times[1]!r}']
     if check.id_A is not None and check.id_B is not None:
-        names = ' '.join(loaded.name_of(id) for id in (check.id_A, check.id_B))
+        names = ' '.join(name_of(id) for id in (check.id_A, check.id_B))
         told.append(f'distance {check.distance:.9g} at {check.time:.9g} between {names}')
     told.append(f'lower_bound {check.lower_bound:.9g}')
     told.append(f'evaluations {check.evaluations}')

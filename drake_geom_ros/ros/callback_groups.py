@@ -20,6 +20,7 @@ class CallbackGroups(NamedTuple):
     loading: CallbackGroup  # what may read files and compile
     images: CallbackGroup  # what cameras see
     planning: CallbackGroup  # many states at once
+    motions: CallbackGroup  # whole motions
 
     def let_answers_go(self) -> bool:
         """Wait until no service is at work in another thread: closed before, it cannot answer.
@@ -27,7 +28,8 @@ class CallbackGroups(NamedTuple):
         Return whether none is, for it does not wait for ever.
         """
         end = time.monotonic() + LONGEST_FAREWELL
-        while any(map(_at_work, (self.beside, self.loading, self.images, self.planning))):
+        threads = self.beside, self.loading, self.images, self.planning, self.motions
+        while any(map(_at_work, threads)):
             if time.monotonic() > end:
                 return False
             time.sleep(_LOOKS)

@@ -46,6 +46,7 @@ from drake_geom_ros.ros.services.table import (
     CHANGES,
     IMAGES,
     LOADING,
+    MOTIONS,
     PLANNING,
     Change,
 )
@@ -262,7 +263,7 @@ class ConfiguredNode:
         groups = self._groups
         for services, group in (
             *((BESIDE, groups.beside), (LOADING, groups.loading)),
-            *((IMAGES, groups.images), (PLANNING, groups.planning)),
+            *((IMAGES, groups.images), (PLANNING, groups.planning), (MOTIONS, groups.motions)),
         ):
             for name, kind, handler in services:
                 serve = partial(self._guard.answer, handler, self.live)

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
-from drake_geom_ros.ros.services.table import BESIDE, IMAGES, PLANNING, SERVICES
+from drake_geom_ros.ros.services.table import BESIDE, IMAGES, MOTIONS, PLANNING, SERVICES
 
 VERSION = '0.2.0'  # of the format
 # What the node has, by names as it gives them: ~ is its own.
@@ -51,7 +51,7 @@ LIFE_CYCLE = tuple(
         'get_transition_graph',
     )
 )
-QUERIES = tuple(f'~/{name}' for name, _, _ in (*BESIDE, *IMAGES, *PLANNING))
+QUERIES = tuple(f'~/{name}' for name, _, _ in (*BESIDE, *IMAGES, *PLANNING, *MOTIONS))
 OFFERED = (*(f'~/{name}' for name, _, _ in SERVICES), *LIFE_CYCLE, *OWN_SERVICES)
 
 

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.frame_names import Frame
-from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
+from drake_geom_ros.geometry import (
+    FrameId,
+    FramePoseVector,
+    MotionCheck,
+    QueryObject,
+    SceneGraphContext,
+)
 from drake_geom_ros.trajectories.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -18,14 +25,22 @@ _FARTHEST = 1000.0  # [m] what is farther apart is looked for without a limit
 
 
 class Timeline:
-    """``times`` (n,) [s] of a motion, and ``poses(t)`` of its frames at any of them."""
+    """``times`` (n,) [s] of a motion, and ``poses(t)`` of its frames at any of them.
 
-    def __init__(self, times: Floats, poses: Callable[[float], FramePoseVector]) -> None:
+    ``is_continuous`` tells whether frames move between these times, or stand until the next.
+    """
+
+    def __init__(
+        self, times: Floats, poses: Callable[[float], FramePoseVector], *, is_continuous: bool
+    ) -> None:
         self.times = times
         self.poses = poses
+        self.is_continuous = is_continuous
 
     @classmethod
-    def of_motion(cls, motion: Motion, frames: Mapping[Frame, FrameId]) -> Timeline:
+    def of_motion(
+        cls, motion: Motion, frames: Mapping[Frame, FrameId], moments: int = _MOST_LOOKS
+    ) -> Timeline:
         """Return that of a motion file; ``frames`` are the scene's, by source and name."""
         ids = [frames[source, f] for source, own in motion.frame_names.items() for f in own]
 
@@ -35,7 +50,7 @@ class Timeline:
                 ids, np.concatenate([rows[source] for source in motion.frame_names])
             )
 
-        return cls(np.linspace(0.0, motion.duration, _MOST_LOOKS), poses)
+        return cls(np.linspace(0.0, motion.duration, moments), poses, is_continuous=True)
 
     @classmethod
     def of_moments(cls, times: Sequence[float], moments: Sequence[FramePoseVector]) -> Timeline:
@@ -47,7 +62,7 @@ class Timeline:
         def poses(time: float) -> FramePoseVector:
             return moments[max(0, int(np.searchsorted(starts, time, side='right')) - 1)]
 
-        return cls(starts, poses)
+        return cls(starts, poses, is_continuous=False)
 
     @property
     def start(self) -> float:
@@ -65,25 +80,85 @@ def least_distances(timeline: Timeline, context: SceneGraphContext) -> Iterator[
 
     Poses ``context``, which nobody else may use meanwhile.
     """
+    for distance, error_bound in least_pairs(timeline, context):
+        yield distance - error_bound
+
+
+def least_pairs(timeline: Timeline, context: SceneGraphContext) -> Iterator[tuple[float, float]]:
+    """Yield ``least_pair`` at each time; poses ``context``, as ``least_distances``."""
     query = QueryObject(context)
     reach = _FIRST_REACH
     for time in timeline.times.tolist():
         context.UpdateFramePoses(timeline.poses(time))
-        least = least_distance(query, reach)
+        distance, error_bound = least_pair(query, reach)
         # The next moment is like this one: look a little farther than its answer.
-        reach = max(_FIRST_REACH, 2.0 * least) if np.isfinite(least) else reach
-        yield least
+        reach = max(_FIRST_REACH, 2.0 * distance) if np.isfinite(distance) else reach
+        yield distance, error_bound
 
 
 def least_distance(query: QueryObject, reach: float) -> float:
-    """Return the least certified lower bound [m] of all pairs, sought from ``reach`` [m] on.
+    """Return the least certified lower bound [m] of all pairs, sought from ``reach`` [m] on."""
+    distance, error_bound = least_pair(query, reach)
+    return distance - error_bound
 
-    A limit spares the query the far pairs; where it finds none, the next one is twice as far.
+
+def least_pair(query: QueryObject, reach: float) -> tuple[float, float]:
+    """Return distance and error bound [m] of the pair with the least lower bound.
+
+    Infinity and 0 where there is no pair. A limit, first ``reach`` [m], spares the query the far
+    pairs; where it finds none, the next one is twice as far.
     """
     while reach < _FARTHEST:
         found = query.ComputeSignedDistancePairwiseClosestPoints(reach)
         if len(found):
-            return float((found.distance - found.error_bound).min())
+            break
         reach *= 2.0
-    found = query.ComputeSignedDistancePairwiseClosestPoints()
-    return float((found.distance - found.error_bound).min(initial=np.inf))
+    else:
+        found = query.ComputeSignedDistancePairwiseClosestPoints()
+    if not len(found):
+        return np.inf, 0.0
+    k = int(np.argmin(found.distance - found.error_bound))
+    return float(found.distance[k]), float(found.error_bound[k])
+
+
+def checks_between(
+    timeline: Timeline, context: SceneGraphContext, **asked: Any
+) -> Iterator[MotionCheck]:
+    """Yield what is true of each piece (n - 1) between two times: see ``CheckMotion``.
+
+    A piece is straight from pose to pose; how far the motion itself leaves it: see
+    ``leaves_pieces_by``. Poses ``context``, which nobody else may use meanwhile.
+    Raises ValueError for a time line whose frames stand between its times.
+    """
+    if not timeline.is_continuous:
+        raise ValueError('frames of this time line stand between its times, and jump at them')
+    context.UpdateFramePoses(timeline.poses(timeline.start))
+    for time in timeline.times[1:].tolist():
+        end = timeline.poses(time)
+        yield QueryObject(context).CheckMotion(end, **asked)
+        context.UpdateFramePoses(end)
+
+
+def leaves_pieces_by(timeline: Timeline) -> tuple[float, float]:
+    """Return how far [m] and by which angle [rad] frames are from the straight pieces halfway.
+
+    That is nearly the most of a smooth motion, in the frames that these hang on.
+    """
+    times = timeline.times
+    begins, middles, ends = (
+        np.array([_rows(timeline.poses(t)) for t in each.tolist()])
+        for each in (times[:-1], 0.5 * (times[:-1] + times[1:]), times[1:])
+    )
+    far = np.linalg.norm(middles[..., :3] - 0.5 * (begins + ends)[..., :3], axis=-1)
+    # Halfway a slerp has the rotation of the sum of both quaternions, on the same side.
+    same = np.sign(np.sum(begins[..., 3:] * ends[..., 3:], axis=-1, keepdims=True))
+    halfway = begins[..., 3:] + np.where(same < 0.0, -1.0, 1.0) * ends[..., 3:]
+    halfway /= np.linalg.norm(halfway, axis=-1, keepdims=True)
+    cosines = np.abs(np.sum(halfway * middles[..., 3:], axis=-1))
+    turned = 2.0 * np.arccos(np.clip(cosines, 0.0, 1.0))
+    return float(far.max(initial=0.0)), float(turned.max(initial=0.0))
+
+
+def _rows(poses: FramePoseVector) -> Floats:
+    """Return poses (f, 7), x y z [m] qx qy qz qw, in the order of their ids."""
+    return np.array([poses.value(frame).ToArray() for frame in poses.ids()]).reshape(-1, 7)

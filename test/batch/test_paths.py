@@ -1,6 +1,7 @@
 """Paths of joint values: against fine scans, closed forms and themselves, cut and turned round."""
 
 import math
+from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
@@ -252,3 +253,72 @@ def test_edges_alone_leave_out_what_the_path_does(pillar):
     half = 2 * math.asin(0.1) / (2 * math.pi / 40)
     assert touched == list(range(math.floor(10 - half), math.ceil(10 + half)))
     assert [edge.times for edge in edges[:2]] == [(1.0, 1.0), (2.0, 2.0)]
+
+
+def test_a_million_rows_are_one_path(pillar):
+    """The rod turns away from the post in a million steps, and comes to it in the last one."""
+    graph, joints = pillar
+    count = 1_000_000
+    angles = math.pi + 1e-9 * np.arange(count)
+    path = np.column_stack((angles, np.zeros(count)))
+    check = check_path(graph, joints, path)
+    assert check.outcome == 'clear'
+    assert check.times == (count - 1.0, count - 1.0)
+    # From now on it turns to the post, in one row more.
+    touching = np.vstack((path, [[2.5 * math.pi, 0.0]]))
+    found = check_path(graph, joints, touching)
+    assert found.outcome == 'contact'
+    assert count - 1 < found.times[0] <= found.times[1] < count
+    assert found.last_free == found.times[0]
+
+
+MOUNTED = """name: mounted
+sources: [posts]
+robots:
+  - {name: rod, urdf: rod.urdf, adjacent_links: kept}
+  - name: top
+    urdf: rod.urdf
+    adjacent_links: kept
+    mounted_on: "rod::rod"
+    pose: {position: [2, 0, 0]}
+  - name: far
+    urdf: rod.urdf
+    adjacent_links: kept
+    mounted_on: cart
+    pose: {position: [0, 0, 1], rpy: [0.3, 0, 0]}
+frames: [{name: cart, source: posts, pose: {rpy: [0, 0, 1], position: [0, -4, 0]}}]
+geometries:
+  - {name: post, source: posts, pose: {position: [0, 3, 0]}, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+@pytest.fixture(scope='module')
+def mounted(tmp_path_factory):
+    """A robot on a link of another one, and one on a frame that is turned."""
+    folder = tmp_path_factory.mktemp('mounted')
+    (folder / 'rod.urdf').write_text(ROD)
+    (folder / 'scene.yaml').write_text(MOUNTED)
+    graph = SceneGraph()
+    loaded = load_scene(folder / 'scene.yaml', graph)
+    return Plain(scene_graph=graph, joints=Joints.of(loaded))
+
+
+def test_what_a_moving_base_carries_comes_along(mounted):
+    """The upper robot's rod goes by 3 m on its carrier's, through the post."""
+    still = np.zeros(mounted.joints.count)
+    turned = still.copy()
+    turned[0] = math.pi
+    check = check_path(mounted.scene_graph, mounted.joints, [still, turned])
+    assert check.outcome == 'contact'
+    # Two balls of 0.1, one at 3 on a turning lever of 3, touch where the chord is 0.2.
+    assert math.isclose(check.times[1], 0.5 - 2 * math.asin(0.1 / 3.0) / math.pi, abs_tol=1e-5)
+
+
+@settings(deadline=None, max_examples=80)
+@given(seed=st.integers(0, 10**6), step=st.sampled_from([0.1, 0.5, 2.0]))
+def test_robots_on_robots_against_a_fine_scan(mounted, seed, step):
+    rng = np.random.default_rng(seed)
+    path = rng.uniform(-2, 2, (1, mounted.joints.count)) + np.zeros((2, 1))
+    path[1] += rng.normal(0, step, mounted.joints.count)
+    check = check_path(mounted.scene_graph, mounted.joints, path, ignore_limits=True)
+    hold(mounted, path, check, 0.0)

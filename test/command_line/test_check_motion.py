@@ -50,3 +50,42 @@ def test_what_is_no_path_is_said_in_a_line(folder, capsys):
     scene, path = str(folder / 'scene.yaml'), str(folder / 'out.npy')
     assert main(['check-motion', scene, '--path', path]) == 2
     assert 'rod::push = 99; it is outside its limits' in capsys.readouterr().err
+
+
+CROSSING = """
+robots:
+  rod:
+    joints: [turn]
+    waypoints:
+    - {at: 0.0, q: [%s]}
+    - {at: 2.0, q: [6.283185307]}
+"""
+
+
+def run_motion(folder, begin, *asked):
+    (folder / 'motion.yaml').write_text(CROSSING % begin)
+    scene = str(folder / 'scene.yaml')
+    return main(['check-motion', scene, '--motion', str(folder / 'motion.yaml'), *map(str, asked)])
+
+
+def test_a_motion_file_is_checked_piece_by_piece(folder, capsys):
+    table, picture = folder / 'motion.csv', folder / 'motion.png'
+    asked = ('--csv', table, '--picture', picture, '--pieces', 80)
+    assert run_motion(folder, math.pi, *asked) == 0
+    out = capsys.readouterr().out
+    assert 'outcome clear\ntimes 2.0 2.0\n' in out
+    assert 'pieces 80, each straight from pose to pose' in out
+    rows = list(csv.DictReader(table.open()))
+    assert len(rows) == 80
+    assert all(0.0 < float(r['lower_bound']) <= float(r['distance']) + 1e-9 for r in rows)
+    assert Image.open(picture).size == (960, 480)
+    assert run_motion(folder, 0.0) == 1
+    out = capsys.readouterr().out
+    assert 'outcome contact' in out
+    begin, end = map(float, out.splitlines()[1].split()[1:])
+    assert 0.0 <= begin < end <= begin + 1e-6 < 2.0
+
+
+def test_what_goes_with_a_path_alone_is_refused_for_a_motion(folder, capsys):
+    assert run_motion(folder, math.pi, '--ignore-start-contacts') == 2
+    assert '--ignore-start-contacts goes with --path' in capsys.readouterr().err

@@ -85,6 +85,11 @@ ComputeSignedDistanceToPoint: float64[] points, float64 threshold, FramePoses po
     accuracy --- PointDistances result
 FindCollisionCandidates: FramePoses poses --- uint64[] id_a, uint64[] id_b
 HasCollisions: FramePoses poses --- bool has_collisions
+CheckMotion: FramePoses start, FramePoses end, JointPositions start_joints,
+    trajectory_msgs/JointTrajectory path, float64 min_distance, float64 time_tolerance, string
+    interpolation, uint32 max_evaluations, string accuracy --- uint8 CLEAR=1, uint8 CONTACT=2,
+    uint8 UNKNOWN=3, uint8 outcome, float64[2] times, float64 last_free, string geometry_a, string
+    geometry_b, uint64 id_a, uint64 id_b, float64 distance, float64 lower_bound, uint32 evaluations
 GetPose: uint8 WORLD=0, uint8 PARENT=1, string frame, string geometry, uint8 relative_to ---
     geometry_msgs/PoseStamped pose
 AddCamera: Camera camera ---

@@ -48,6 +48,7 @@ ROS_PACKAGES = {
     'sensor_msgs',
     'std_msgs',
     'std_srvs',
+    'trajectory_msgs',
     'tf2_msgs',
     'visualization_msgs',
 }

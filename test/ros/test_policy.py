@@ -104,7 +104,7 @@ def test_clients_may_do_what_the_node_hears_and_offers_and_an_observer_changes_n
         assert client['request'] <= server['reply']
     assert clients['operator']['request'] == server['reply']
     assert clients['mover']['request'] == clients['observer']['publish'] - logs == set()
-    words = 'compute', 'evaluate', 'find', 'has', 'get', 'explain', 'list', 'render'
+    words = 'check', 'compute', 'evaluate', 'find', 'has', 'get', 'explain', 'list', 'render'
     assert all(
         name.rpartition('/')[2].startswith(words) for name in clients['observer']['request']
     )

@@ -1,5 +1,7 @@
 """Motion over time: the pose that holds, and the least distance, equal to a plain query's."""
 
+import itertools
+
 import numpy as np
 import pytest
 from viewing.scenes import local_scene
@@ -8,7 +10,13 @@ from drake_geom_ros.geometry import FramePoseVector, QueryObject
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
-from drake_geom_ros.viewing.timeline import Timeline, least_distance, least_distances
+from drake_geom_ros.viewing.timeline import (
+    Timeline,
+    checks_between,
+    least_distance,
+    least_distances,
+    leaves_pieces_by,
+)
 
 TEXT = """
 frames:
@@ -68,3 +76,46 @@ def test_a_motion_file_is_played(tmp_path):
     shown.pose(timeline.poses(4.0))
     assert shown.X_WF(('scene', 'a')).translation()[0] == pytest.approx(1.0)
     assert (timeline.start, timeline.end) == (0.0, 4.0)
+
+
+PASSING = """
+frames:
+  "scene::a":
+  - {at: 0.0, pose: [3, 0.9, 0, 0, 0, 0, 1]}
+  - {at: 2.0, pose: [-3, 0.9, 0, 0, 0, 1, 0]}
+"""
+
+
+def motion_of(text, tmp_path, count):
+    (tmp_path / 'motion.yaml').write_text(text)
+    shown, motion = local_scene(TEXT), load_motion(tmp_path / 'motion.yaml', read_scene(TEXT))
+    return shown, Timeline.of_motion(motion, shown.frames, count + 1)
+
+
+def test_pieces_of_a_motion_are_proved_or_touch(tmp_path):
+    shown, timeline = motion_of(PASSING, tmp_path, 40)
+    outcomes = [check.outcome for check in checks_between(timeline, shown.snapshot())]
+    xs = np.array(
+        [
+            timeline.poses(t).value(shown.frames['scene', 'a']).translation()[0]
+            for t in timeline.times
+        ]
+    )
+    touching = np.hypot(xs, 0.9) < 1.0
+    assert outcomes == ['contact' if a or b else 'clear' for a, b in itertools.pairwise(touching)]
+    assert set(outcomes) == {'clear', 'contact'}
+
+
+def test_how_far_a_motion_is_from_its_pieces(tmp_path):
+    far, turned = zip(
+        *(leaves_pieces_by(motion_of(PASSING, tmp_path, n)[1]) for n in (20, 40)), strict=True
+    )
+    # A smooth curve leaves its chords by the square of their length.
+    assert 0.0 < far[1] < 0.35 * far[0]
+    assert max(turned) < 1e-6  # it turns at one rate
+
+
+def test_moments_that_hold_have_nothing_between_them(shown):
+    timeline = Timeline.of_moments([0.0, 1.0], moments(shown, 1.0, 2.0))
+    with pytest.raises(ValueError, match='jump'):
+        next(checks_between(timeline, shown.snapshot()))

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
+from drake_geom_ros.geometry.queries.prepared_motions import PreparedMotions
 
 _State = TypeVar('_State', bound='ContextState')
 _MOST_USUAL = 16  # queries that are usual: distances may come without end
@@ -52,6 +53,8 @@ class ContextState(PosedScene):
         # By renderer: what it shows, and of which version; see RenderEngineExact.
         self.packed_scenes: dict[str, Any] = {}
         self._usual: dict[Hashable, Prepared] = {}
+        # What checks of motions prepared, shared with snapshots; see ``prepared_motions``.
+        self.prepared_motions = PreparedMotions()
         self._snapshot: Model | None = None
         self._padded = _KnownPaddings(None, None)
         self._waiting_pairs = _WaitingPairs(None, 0)
@@ -60,7 +63,9 @@ class ContextState(PosedScene):
     def copy(self: _State) -> _State:
         """Return a state that shares nothing that either could change."""
         other = self._about(self.model.copy())
+        other.copied_from = self.mark()
         other._snapshot, other.packed_scenes = None, dict(self.packed_scenes)
+        other.prepared_motions = PreparedMotions()
         return other
 
     def snapshot(self: _State) -> _State:
@@ -77,6 +82,7 @@ class ContextState(PosedScene):
         other, ids = copy(self), self.up_to_date_world().geometries.ids
         other.filters = self.filters.narrowed(ids, considered)
         other.engine, other._usual = Engine(), {}
+        other.prepared_motions = PreparedMotions()
         return other
 
     def _about(self: _State, model: Model) -> _State:

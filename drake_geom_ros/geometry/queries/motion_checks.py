@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
-from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.motion_queries import (
     INTERPOLATIONS,
@@ -23,6 +24,7 @@ from drake_geom_ros.geometry.queries.state_queries import PackedScene
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +111,7 @@ class MotionChecks:
         accuracy: str = '',
         *,
         ignore_start_contacts: bool = False,
+        bound_tolerance: float = math.inf,
     ) -> MotionCheck:
         """Return whether the whole motion to ``end_poses`` is clear, certified for all times.
 
@@ -119,7 +122,9 @@ class MotionChecks:
         their paddings. ``time_tolerance`` is the longest span that may hold the first contact: 1
         asks only whether there is one. ``max_evaluations`` ends the search after so many pairs
         were answered (0: no limit). ``ignore_start_contacts`` leaves out pairs that are not clear
-        at the start, and tells how many.
+        at the start, and tells how many. ``lower_bound`` is only as large as the proof needs; with
+        a ``bound_tolerance`` [m] more is proved of a clear motion, until the bound is no farther
+        than that below the least distance that was seen, or rounding or the budget ends it.
 
         Proved is what keeps two bodies apart between two times: that their points cannot come as
         far as they are apart (Schwarzer, Saha, Latombe, Exact collision checking of robot paths,
@@ -152,7 +157,8 @@ class MotionChecks:
             'clear'
         """
         asked = MotionQuestion(
-            float(min_distance), float(time_tolerance), max_evaluations, ignore_start_contacts
+            *(float(min_distance), float(time_tolerance), max_evaluations),
+            *(ignore_start_contacts, float(bound_tolerance)),
         )
         if interpolation not in INTERPOLATIONS:
             allowed = ', '.join(INTERPOLATIONS)
@@ -163,20 +169,42 @@ class MotionChecks:
         assert context is not None  # else it has no level
         ids, ends = arrays_of(end_poses)
         world = state.posed_world()  # raises where a frame has no pose
-        scene, geometry_ids = PackedScene.of(context, ids, about_points=False)
-        if len(lost := ids[~world.placed[scene.moved]]):
-            raise PoseError(
-                'CheckMotion was asked of frames that have no pose to start from: '
-                f'{state.describe(lost.tolist())}'
-            )
-        if not scene.has_moving_pairs():
-            raise ArgumentError(
-                'CheckMotion was asked of frames that carry no geometry which could collide with '
-                f'any other: {state.describe(ids.tolist()) or "no frame"}. It would be clear '
-                'of what nobody looks at; filters may leave all of it out'
-            )
-        R_PFs, p_PFs = world.R_PFs[scene.moved], world.p_PFs[scene.moved]
-        starts = np.hstack((R_PFs.reshape(-1, 9), p_PFs))
-        queries = MotionQueries(scene, level, np.zeros(1, dtype=np.int64))
+        world.update()  # takes the poses that were given
+        # Whatever else changes in a state changes one of these; a frame that is posed away from
+        # where it is welded changes the filters of the state that poses it alone.
+        kind = (
+            *(ids.tobytes(), level, state.model.versions.any, state.filters.version),
+            frozenset(state.filters.welded),
+        )
+        queries = state.prepared_motions.take(kind)
+        if queries is None or len(world.unposed_frames()):
+            queries = _prepared(context, ids, level)
+        else:
+            queries.stand(world.R_PFs, world.p_PFs)
+        rows = queries.moved
+        starts = np.hstack((world.R_PFs[rows].reshape(-1, 9), world.p_PFs[rows]))
         found = queries.move(asked, starts, np.ascontiguousarray(ends), interpolation)
-        return MotionCheck.of(found, geometry_ids)
+        state.prepared_motions.keep(kind, queries)
+        return MotionCheck.of(found, world.geometries.ids)
+
+
+def _prepared(context: SceneGraphContext, ids: Indices, level: str) -> MotionQueries:
+    """Return queries about motions of frames (f,), by the values of their ids.
+
+    Raises PoseError and ArgumentError as ``CheckMotion`` does.
+    """
+    state = state_of(context)
+    scene, _ = PackedScene.of(context, ids, about_points=False)
+    world = state.up_to_date_world()
+    if len(lost := ids[~world.placed[scene.moved]]):
+        raise PoseError(
+            'CheckMotion was asked of frames that have no pose to start from: '
+            f'{state.describe(lost.tolist())}'
+        )
+    if not scene.has_moving_pairs():
+        raise ArgumentError(
+            'CheckMotion was asked of frames that carry no geometry which could collide with '
+            f'any other: {state.describe(ids.tolist()) or "no frame"}. It would be clear '
+            'of what nobody looks at; filters may leave all of it out'
+        )
+    return MotionQueries(scene, level, np.zeros(1, dtype=np.int64))

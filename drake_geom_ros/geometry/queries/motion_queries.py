@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +26,11 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
 )
 from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, Told
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
+from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, level_gap_of
+from drake_geom_ros.geometry.queries.state_queries import PackedScene
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]
@@ -47,6 +49,8 @@ class MotionQuestion:
     time_tolerance: float = TIME_TOLERANCE  # the longest span that holds a first contact
     max_evaluations: int = 0  # of pairs by kernels; 0: no limit
     ignore_start_contacts: bool = False
+    # [m] how far the bound that is told of a clear motion may be below what was seen
+    bound_tolerance: float = math.inf
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.min_distance < math.inf:
@@ -61,6 +65,11 @@ class MotionQuestion:
         if self.max_evaluations < 0:
             raise ArgumentError(
                 f'max_evaluations={self.max_evaluations!r} must be >= 0; 0 is no limit'
+            )
+        if not self.bound_tolerance > 0.0:
+            raise ArgumentError(
+                f'bound_tolerance={self.bound_tolerance!r} must be > 0, in metres: it is how far '
+                'lower_bound may be below the least distance that was seen'
             )
 
 
@@ -100,6 +109,7 @@ class MotionQueries:
     ) -> None:
         if chain is not None:
             chain = chain._replace(X_WLs=chain.X_WLs.copy())  # room, of this thread alone
+        self.moved = scene.moved
         self._world, self._padded = scene.world(), bool(scene.paddings.any())
         self._paddings = Paddings(scene.paddings, scene.meshes)
         self._loops = MotionLoops(
@@ -107,11 +117,18 @@ class MotionQueries:
             scene.pairs.copy(),
             scene.moved.copy(),
             scene.paddings,
-            level_gap_of(accuracy),
+            GAPS_OF_LEVELS[accuracy],
             stop,
             chain,
             columns,
         )
+
+    def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
+        """Let the frames that stay have poses of these, X_PF (nf,) of all frames by their place.
+
+        Of queries without a chain.
+        """
+        self._loops.stand(R_PFs, p_PFs)
 
     def move(
         self, asked: MotionQuestion, starts: Floats, ends: Floats, interpolation: str
@@ -120,10 +137,13 @@ class MotionQueries:
 
         Rows are R_PF by its rows, then p_PF. Times go from 0 to 1.
         """
-        self._ask(asked)
-        self._loops.skipped[:] = False
-        told = self._loops.move(starts, ends, INTERPOLATIONS[interpolation])
-        return self._found(told, np.zeros((2, 0)), 1.0)
+
+        def once(asked: MotionQuestion, skipped: Booleans | None) -> FoundMotion:
+            self._ask(asked, skipped)
+            told = self._loops.move(starts, ends, INTERPOLATIONS[interpolation])
+            return self._found(told, np.zeros((2, 0)), 1.0)
+
+        return self._closely(asked, once, None)
 
     def follow(
         self,
@@ -137,19 +157,73 @@ class MotionQueries:
         Of a part of it from one row to another where ``rows`` are given, with pairs left out that
         are ``skipped`` (n,).
         """
-        self._ask(asked)
-        self._loops.skipped[:] = False if skipped is None else skipped
+        way = path if len(path) > 1 else np.repeat(path, 2, axis=0)
         first, last = rows or (0, len(path) - 1)
-        if len(path) > 1:
-            return self._found(self._loops.follow(path, first, last), path, float(last))
-        resting = np.repeat(path, 2, axis=0)
-        return self._found(self._loops.follow(resting, 0, 1), resting, 0.0)
+
+        def once(asked: MotionQuestion, skipped: Booleans | None) -> FoundMotion:
+            self._ask(asked, skipped)
+            told = self._loops.follow(way, first, max(last, first + 1))
+            return self._found(told, way, float(last))
+
+        return self._closely(asked, once, skipped)
 
     def skipped(self) -> Booleans:
         """Return which pairs (n,) the last answer left out: they were not clear at its start."""
         return self._loops.skipped.copy()
 
-    def _ask(self, asked: MotionQuestion) -> None:
+    def _closely(
+        self,
+        asked: MotionQuestion,
+        once: Callable[[MotionQuestion, Booleans | None], FoundMotion],
+        skipped: Booleans | None,
+    ) -> FoundMotion:
+        """Return what is found ``once``, of a clear motion with as close a bound as is asked for.
+
+        The bounds of a proof are only as large as it needs. So ever larger distances are asked
+        about: one just below what was seen first, and then by bisection.
+        """
+        found = once(asked, skipped)
+        if found.outcome != 'clear' or asked.bound_tolerance == math.inf:
+            return found
+        left_out, tolerance = self.skipped(), asked.bound_tolerance
+        low, high = found.lower_bound, found.distance
+        target = high - 0.5 * tolerance
+        while high - low > tolerance:
+            if not low < target < math.inf:
+                target = 0.5 * (low + min(high, 3.0 * low))  # as long as none was seen, farther
+            left = asked.max_evaluations - found.evaluations
+            if not low < target < high or (asked.max_evaluations > 0 and left <= 0):
+                break
+            tried = once(
+                replace(
+                    asked,
+                    min_distance=target,
+                    time_tolerance=math.inf,
+                    max_evaluations=max(left, 0),
+                    ignore_start_contacts=False,
+                ),
+                left_out,
+            )
+            seen = tried if tried.distance < found.distance else found
+            if tried.outcome == 'clear':
+                low = tried.lower_bound
+            found = replace(
+                seen,
+                outcome='clear',
+                times=found.times,
+                lower_bound=low,
+                evaluations=found.evaluations + tried.evaluations,
+                ignored=found.ignored,
+            )
+            if tried.outcome == 'unknown':
+                break
+            high = min(high, found.distance)
+            target = high - 0.5 * tolerance if tried.outcome == 'clear' else -math.inf
+        self._loops.skipped[:] = left_out
+        return found
+
+    def _ask(self, asked: MotionQuestion, skipped: Booleans | None) -> None:
+        self._loops.skipped[:] = False if skipped is None else skipped
         self._loops.ask(
             asked.min_distance,
             asked.time_tolerance,

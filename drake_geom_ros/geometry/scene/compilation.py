@@ -12,6 +12,7 @@ from drake_geom_ros.geometry.meshes.source import MeshData
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import PerceptionProperties, ProximityProperties
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
+from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
 from drake_geom_ros.geometry.queries.state_queries import PackedScene, StateQueries
 from drake_geom_ros.geometry.render.camera_properties import CameraProperties
 from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
@@ -35,6 +36,8 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
     compile_images(tell)
     with compilation(tell, 'batches of states', 1, 1):
         _answer_for_states()
+    with compilation(tell, 'motions', 1, 1):
+        _check_a_motion()
     return kernels
 
 
@@ -62,15 +65,7 @@ def _take_an_image() -> None:
 
 def _answer_for_states() -> None:
     """Ask all that can be asked about one state of two balls, which runs all loops over states."""
-    scene_graph, ids = SceneGraph(), []
-    source = scene_graph.RegisterSource('balls')
-    for name in 'ab':
-        frame = scene_graph.RegisterFrame(source, GeometryFrame(name))
-        ball = GeometryInstance(RigidTransform(), Sphere(1.0), name)
-        ball.set_proximity_properties(ProximityProperties())
-        scene_graph.RegisterGeometry(source, frame, ball)
-        ids.append(frame.get_value())
-    scene, _ = PackedScene.of(scene_graph.CreateDefaultContext(), np.array(ids, dtype=np.int64))
+    scene = _two_balls()
     queries, stop = StateQueries(scene), np.zeros(1, dtype=np.int64)
     poses = np.zeros((1, 2, 7))
     none, links = np.zeros(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
@@ -84,6 +79,30 @@ def _answer_for_states() -> None:
     queries.within(poses, 'exact', math.inf, stop)
     queries.nearest(poses, 'exact', math.inf, 1, stop)
     queries.points(poses, np.zeros((1, 3)), math.inf, stop)
+
+
+def _check_a_motion() -> None:
+    """Check a motion of two balls to where they touch, which runs all that any motion does."""
+    queries = MotionQueries(_two_balls(), 'exact', np.zeros(1, dtype=np.int64))
+    starts = np.tile(np.concatenate((np.eye(3).ravel(), np.zeros(3))), (2, 1))
+    starts[1, 9], ends = 3.0, starts.copy()
+    ends[1, 9] = 1.0
+    queries.move(MotionQuestion(), starts, ends, 'slerp')
+
+
+def _two_balls() -> PackedScene:
+    """Return a scene of two balls on frames of their own."""
+    scene_graph, ids = SceneGraph(), []
+    source = scene_graph.RegisterSource('balls')
+    for name in 'ab':
+        frame = scene_graph.RegisterFrame(source, GeometryFrame(name))
+        ball = GeometryInstance(RigidTransform(), Sphere(1.0), name)
+        ball.set_proximity_properties(ProximityProperties())
+        scene_graph.RegisterGeometry(source, frame, ball)
+        ids.append(frame.get_value())
+    ids_of_both = np.array(ids, dtype=np.int64)
+    scene, _ = PackedScene.of(scene_graph.CreateDefaultContext(), ids_of_both)
+    return scene
 
 
 def kernel_cache() -> str:

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch.evaluation import evaluate
-from drake_geom_ros.batch.joints import Arm, Joints
+from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.results import LeastDistances, PairsOfStates
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, SceneGraphContext
 from drake_geom_ros.ros.conversions.fields import floats, uint8s, uint32s, unsigned
-from drake_geom_ros.ros.scene.live_scene import LiveScene, refuse_twice_posed
-from drake_geom_ros.ros.scene.robot_joints import RobotJoints
-from drake_geom_ros.ros.scene.scene_view import SceneView
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.services.joint_views import view_of_joints
 
 FREE, TOO_NEAR, OUTSIDE_LIMITS = range(3)
 WANTS = {'collision': 'collision', 'least': 'least', 'near': 'within'}  # and as batches call it
@@ -44,7 +43,7 @@ class _Evaluated(NamedTuple):
 def evaluate_states(live: LiveScene, request: Any, response: Any) -> None:
     """Answer for each of many states of joints; raises RuntimeError to refuse all of them."""
     _check(request)
-    view, joints = _view(live, request)
+    view, joints, _ = view_of_joints(live, request.poses, list(request.joint_names))
     states = _states(request, joints, live.most_megabytes)
     inside = np.full(len(states), True)
     if not request.ignore_limits:
@@ -71,47 +70,6 @@ def _check(request: Any) -> None:
     if request.accuracy not in ('', *ACCURACY_LEVELS):
         allowed = ', '.join(ACCURACY_LEVELS)
         raise ArgumentError(f'accuracy is {request.accuracy!r}; it must be one of {allowed}')
-
-
-def _view(live: LiveScene, request: Any) -> tuple[SceneView, Joints]:
-    """Return the scene of now with the poses of a request, and the joints that it names."""
-    with live.reading() as scene:
-        view = live.view(request.poses)
-        posed = {frame.get_value() for frame in scene.read_poses(request.poses).poses.ids()}
-        joints = joints_of(scene.joints, list(request.joint_names), view)
-        refuse_twice_posed(scene, posed & set(joints.id_values.tolist()))
-    return view, joints
-
-
-def joints_of(robots: RobotJoints, names: list[str], view: SceneView) -> Joints:
-    """Return the named joints for batches; the others of their robots stay as they are now.
-
-    Raises ArgumentError for names that mean no joint, and for a robot of which another joint, or
-    the base, is not known.
-    """
-    places = robots.places(names)
-    if not places:
-        raise ArgumentError('joint_names is empty; name the joints that positions are of')
-    arms, ids = [], []
-    for name in dict.fromkeys(place.robot for place in places):
-        robot = robots.robots[name]
-        columns = np.full(len(robot.joint_names), -1, dtype=np.int64)
-        for k, place in enumerate(places):
-            if place.robot == name:
-                columns[place.column] = k
-        now = robot.positions()
-        needed = [c for c in robot.joints_of(robot.links) if columns[c] < 0]
-        robots.require_values(robot, now, needed)
-        rows = np.array(sorted(robot.links), dtype=np.int64)
-        tree = robot.tree.driven_by(columns, np.nan_to_num(now))
-        arms.append(Arm(tree, robots.known_base(robot, view.query).X_PB, rows))
-        ids += [robot.links[row] for row in rows.tolist()]
-    limits = [
-        (robots.robots[p.robot].lower[p.column], robots.robots[p.robot].upper[p.column])
-        for p in places
-    ]
-    lower, upper = np.array(limits).T
-    return Joints(names, lower, upper, np.array(ids, dtype=np.int64), tuple(arms))
 
 
 def _states(request: Any, joints: Joints, most_megabytes: float) -> Floats:

@@ -16,6 +16,7 @@ from drake_geom_ros.ros.services import (
     files,
     filters,
     joints,
+    motions,
     proximity_rules,
     queries,
     scene,
@@ -110,4 +111,9 @@ PLANNING: tuple[tuple[str, Any, Handler], ...] = (
     ('evaluate_states', srv.EvaluateStates, states.evaluate_states),
 )
 
-SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING)
+# What proves motions, for as long as that takes: beside all of these.
+MOTIONS: tuple[tuple[str, Any, Handler], ...] = (
+    ('check_motion', srv.CheckMotion, motions.check_motion),
+)
+
+SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS)

@@ -17,7 +17,7 @@ from drake_geom_ros.math.batched import matrices_from_poses, quaternions_from_ro
 from drake_geom_ros.viewing.joints import JointSlider, JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.plot import plot
-from drake_geom_ros.viewing.timeline import Timeline, least_distances
+from drake_geom_ros.viewing.timeline import Timeline, checks_between, least_distances
 
 NO_FRAME = '-'
 _MOST_FRAMES = 500  # in the list of those that can be moved
@@ -58,6 +58,7 @@ class MotionPanel:
             step = max((timeline.end - timeline.start) / _STEPS, np.finfo(float).tiny)
             end = max(timeline.end, timeline.start + step)
             self._least = np.full(len(timeline.times), np.nan)
+            self._proved: list[str] = []
             self._plot = gui.add_html(self._plotted())
             # Right after the plot, which is drawn on its track.
             self.time = gui.add_slider('time [s]', timeline.start, end, step, timeline.start)
@@ -71,17 +72,27 @@ class MotionPanel:
         """Return the plot of the least distances as far as they are known."""
         assert self._timeline is not None
         line = self._timeline
-        return plot(line.times, self._least, line.start, line.end)
+        return plot(line.times, self._least, line.start, line.end, self._proved)
 
     def _measure(self) -> None:
-        """Compute the least distances of the motion in a thread of its own."""
+        """Compute the least distances of the motion, then prove it, in a thread of its own."""
         assert self._timeline is not None
-        drawn = time.monotonic()
+        self._drawn = time.monotonic()
         for row, least in enumerate(least_distances(self._timeline, self._scene.snapshot())):
             self._least[row] = least if np.isfinite(least) else np.nan
-            if time.monotonic() - drawn > _PLOT_PERIOD:
-                self._plot.content, drawn = self._plotted(), time.monotonic()
+            self._plot_now_and_then()
+        if self._timeline.is_continuous:
+            try:
+                for check in checks_between(self._timeline, self._scene.snapshot()):
+                    self._proved.append(check.outcome)
+                    self._plot_now_and_then()
+            except GeometryError:  # what has no pose, or never meets: nothing is proved of it
+                self._proved.clear()
         self._plot.content = self._plotted()
+
+    def _plot_now_and_then(self) -> None:
+        if time.monotonic() - self._drawn > _PLOT_PERIOD:
+            self._plot.content, self._drawn = self._plotted(), time.monotonic()
 
     def go_to_least(self) -> None:
         """Go to the moment of the least distance that is known."""

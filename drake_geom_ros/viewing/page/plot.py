@@ -7,6 +7,7 @@ the line of the moment. It is a matter of looks only: what moves and tells is vi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from urllib.parse import quote
 
 import numpy as np
@@ -26,19 +27,25 @@ _RULES = """
 """
 _SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="100%" height="100%">
 <svg viewBox="0 0 1 1" preserveAspectRatio="none" width="100%" height="100%">
-<rect y="{zero}" width="1" height="1" fill="#ffe3e3"/>
+<rect y="{zero}" width="1" height="1" fill="#ffe3e3"/>{strip}
 <polyline points="{points}" fill="none" stroke="#2b8a3e" stroke-width="1.5"
  vector-effect="non-scaling-stroke"/></svg>
 <g font-family="sans-serif" font-size="10" fill="#495057">
 <text x="3" y="11">{most}</text><text x="3" y="100%" dy="-3">{least}</text></g></svg>"""
 _DIGITS = 6  # of a distance in metres, those of the texts: what is less is noise
+_STRIP = 0.05  # of the height
+_COLOURS = {'clear': '#2b8a3e', 'contact': '#e03131', 'unknown': '#f08c00'}
 _MARGIN = 0.12  # of the height, above and below the line: there the texts are
 
 
-def plot(times: Floats, least: Floats, start: float, end: float) -> str:
+def plot(
+    times: Floats, least: Floats, start: float, end: float, outcomes: Sequence[str] = ()
+) -> str:
     """Return the HTML that makes a plot of the slider after it, from ``start`` to ``end`` [s].
 
     ``least`` (n,) [m] are the least distances at ``times`` (n,) [s], NaN where none is known.
+    ``outcomes`` (k,) are what is proved of the first pieces between these times, as of
+    ``CheckMotion``: a strip at the bottom, in the colours of the words above it.
     """
     known, least = np.isfinite(least), np.round(least, _DIGITS)
     picture = ''
@@ -51,10 +58,27 @@ def plot(times: Floats, least: Floats, start: float, end: float) -> str:
             points=' '.join(f'{x:.4f},{y:.4f}' for x, y in points),
             most=f'{1e3 * high:.3f} mm',
             least=f'{1e3 * low:.3f} mm',
+            strip=_strip((times - start) / max(end - start, np.finfo(float).tiny), outcomes),
         )
     rules = _RULES.format(slider=_SLIDER, picture='data:image/svg+xml,' + quote(picture))
     said = 'least distance over time: click in it, or drag'
+    if outcomes:
+        words = (f'<b style="color:{colour}">{word}</b>' for word, colour in _COLOURS.items())
+        said += f'<br>for all times of a piece: {", ".join(words)}'
     return f'<div class="least-distances" style="padding:0 1em">{said}</div><style>{rules}</style>'
+
+
+def _strip(xs: Floats, outcomes: Sequence[str]) -> str:
+    """Return rectangles for pieces between xs (n,), one for neighbours of the same outcome."""
+    found, first = '', 0
+    for k, outcome in enumerate(outcomes):
+        if k + 1 == len(outcomes) or outcomes[k + 1] != outcome:
+            found += (
+                f'<rect x="{xs[first]:.4f}" y="{1.0 - _STRIP}" height="{_STRIP}" '
+                f'width="{xs[k + 1] - xs[first]:.4f}" fill="{_COLOURS[outcome]}"/>'
+            )
+            first = k + 1
+    return found
 
 
 def _heights(least: Floats, low: float, high: float) -> Floats:

@@ -112,6 +112,52 @@ def test_balls_that_graze_are_unknown_or_told_apart_by_a_hair():
         assert abs(check.last_free - (1.0 if outcome == 'clear' else 0.5)) < 1e-4
 
 
+@pytest.mark.parametrize('tolerance', [1e-3, 1e-6, 1e-9, 1.0])
+@pytest.mark.parametrize('first', [0.0, 0.25, 0.375, 0.5, 0.75])
+def test_a_contact_at_a_time_that_is_halved_to_is_found(first, tolerance):
+    """There the distance is 0 within rounding: neither clear nor certified to touch."""
+    bodies = Moving([Box(0.5, 0.25, 0.125), Sphere(0.25)])
+    begin = -0.5 - 2.0 * first
+    check = bodies.check(
+        [pose(), pose(x=begin)], [pose(), pose(x=begin + 2.0)], time_tolerance=tolerance
+    )
+    assert check.outcome == 'contact'
+    assert check.times[0] <= first <= check.times[1] <= check.times[0] + tolerance
+    assert check.distance + check.error_bound <= 0.0
+
+
+def test_bodies_that_touch_at_the_start_and_part_are_left_out_where_that_is_asked_for():
+    bodies = Moving([Box(0.5, 0.25, 0.125), Sphere(0.25)])
+    starts = [pose(), pose(x=0.5)]
+    for x in (0.5, 1.0):  # rests, and parts
+        ends = [pose(), pose(x=x)]
+        check = bodies.check(starts, ends)
+        assert (check.outcome, check.last_free) == ('unknown', 0.0)
+        left_out = bodies.check(starts, ends, ignore_start_contacts=True)
+        assert (left_out.outcome, left_out.ignored) == ('clear', 1)
+    into = bodies.check(starts, [pose(), pose(x=0.0)])
+    assert into.outcome == 'contact'
+    assert into.last_free == 0.0
+
+
+def test_a_half_space_that_turns_sweeps_what_is_far():
+    """A plane through the origin turns to a ball 5 m away by the arc of its height."""
+    bodies = Moving([HalfSpace(), Sphere(0.1)])
+    height = 1.0
+    turn = math.asin(height / math.hypot(5.0, height)) - math.asin(0.1 / math.hypot(5.0, height))
+    starts = [pose(), pose(x=5.0, z=height)]
+    for angle, first in ((0.5, turn / 0.5), (0.9 * turn, None)):
+        ends = [pose(axis=(0, -1, 0), angle=angle), starts[1]]
+        check = bodies.check(starts, ends)
+        if first is None:
+            assert check.outcome == 'clear'
+            lever = math.hypot(5.0, height)
+            least = lever * math.sin(math.asin(height / lever) - angle) - 0.1
+            assert 0.0 < check.lower_bound <= least
+        else:
+            holds(check, first)
+
+
 def test_a_sheet_thinner_than_any_step_is_not_missed():
     bodies = Moving([Box(1.0, 1.0, 1e-9), Sphere(1e-6)])
     check = bodies.check([pose(), pose(z=100.0)], [pose(), pose(x=0.2, z=-300.0)])

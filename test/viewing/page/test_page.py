@@ -102,6 +102,26 @@ def test_a_frame_is_moved_and_the_distance_follows(opened):
     assert scene.X_WF(('t', 'b')).translation()[1] == 0.35
 
 
+def test_the_time_line_of_a_motion_shows_what_is_proved():
+    scene = local_scene(TEXT)
+    frame = scene.frames['t', 'b']
+
+    def poses(time):  # the pen touches the ball from time 0.2 on
+        return FramePoseVector({frame: RigidTransform([1.0, 0.5 - time, 0.0])})
+
+    timeline = Timeline(np.linspace(0.0, 0.4, 5), poses, is_continuous=True)
+    with page_of(scene, timeline=timeline) as (page, _):
+        wait_for(lambda: len(page.motion._proved) == 4, 'what is proved')
+        assert page.motion._proved[0] == 'clear'
+        assert page.motion._proved[2:] == ['contact', 'contact']
+        wait_for(lambda: unquote(page.motion._plot.content).count('y="0.95"') == 2, 'the strip')
+        plotted = unquote(page.motion._plot.content)
+        assert re.findall(
+            r'<rect x="([\d.]+)" y="0.95" height="0.05" width="[\d.]+" fill', plotted
+        )
+        assert '<b style="color:#e03131">contact</b>' in page.motion._plot.content
+
+
 def test_a_motion_is_played_and_its_least_distance_found():
     scene = local_scene(TEXT)
     frame = scene.frames['t', 'b']

@@ -97,7 +97,7 @@ class MotionArrays(NamedTuple):
     X_PJs: Rows
     chain_parents: Integers
     children: Integers
-    X_WLs: Rows
+    X_WLs: Rows  # in what carries the robot
     links: Integers
     values: Rows  # (3, c) at the start, at the end, and now
     # The scene.

@@ -45,7 +45,7 @@ from drake_geom_ros.geometry._proximity.motion.records import (
     put_answer,
     put_plane,
 )
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import least_possible
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import BoundedBodies, least_possible
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import row
@@ -78,24 +78,14 @@ def _slack_of(motion: MotionArrays, m: int) -> float:
 
 @inlined
 def _put_bounds(
-    motion: MotionArrays,
-    world: WorldArrays,
-    k: int,
-    A: Rates,
-    B: Rates,
-    exchanged: bool,
-    slack: float,
+    motion: MotionArrays, world: WorldArrays, k: int, A: Rates, B: Rates, exchanged: bool
 ) -> None:
-    """Write the ``bounds`` of a pair; A and B are those of the two groups, or exchanged.
-
-    ``slack`` [m] is what rounding adds, of bodies that are no half spaces.
-    """
+    """Write the ``bounds`` of a pair; A and B are those of the two groups, or exchanged."""
     a, b = motion.pairs[k, 0], motion.pairs[k, 1]
     if exchanged:
         a, b = b, a
     bound, r_a, r_b = row(motion.bounds, k), motion.reaches[a], motion.reaches[b]
     bends = True
-    bound[SLACK] = slack
     if world.types[a] == HALF_SPACE or world.types[b] == HALF_SPACE:
         far = A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b
         if world.types[a] == HALF_SPACE:
@@ -104,16 +94,12 @@ def _put_bounds(
         else:
             r_b += plane_reach(motion, world.p_WGs, b, a, far + world.outer[a])
             bends = B.speed_r == 0.0
-        bound[SLACK] = rounding_of_body(motion, motion.on[a], r_a) * ROUNDED_UP
-        bound[SLACK] += rounding_of_body(motion, motion.on[b], r_b) * ROUNDED_UP
     bound[WAY] = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
     # A plane turns with its half space: there is no normal that stays.
     sag = 0.125 * (A.bend + A.bend_r * r_a + B.bend + B.bend_r * r_b) * ROUNDED_UP
     bound[SAG] = sag if bends else math.inf
-    slack = rounding_of_body(motion, motion.on[a], r_a) + rounding_of_body(
-        motion, motion.on[b], r_b
-    )
-    bound[SLACK] = slack * ROUNDED_UP
+    slack = rounding_of_body(motion, motion.on[a], r_a)
+    bound[SLACK] = (slack + rounding_of_body(motion, motion.on[b], r_b)) * ROUNDED_UP
     bound[LEAST] = motion.asked[MIN_DISTANCE] + motion.paddings[k]
 
 
@@ -139,18 +125,14 @@ def _at_start(motion: MotionArrays, k: int, r: int) -> int:
 
 
 @inlined
-def _keep(
-    handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, slack: float, count: int
-) -> int:
+def _keep(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: int) -> int:
     """Look at a pair at the start; return 1 if it is left, 0 if not, or minus a verdict."""
     motion = motions_of(handle)
     world = world_of(motion.world)
     a, b, node = motion.pairs[k, 0], motion.pairs[k, 1], motion.common_of_pair[k]
-    _put_bounds(motion, world, k, A, B, exchanged, slack)
+    _put_bounds(motion, world, k, A, B, exchanged)
     way, slack = motion.bounds[k, WAY], motion.bounds[k, SLACK]
-    least = least_possible(
-        a,
-        b,
+    bodies = BoundedBodies(
         world.types,
         world.R_WGs,
         world.p_WGs,
@@ -158,6 +140,7 @@ def _keep(
         world.half_extents,
         world.outer,
     )
+    least = least_possible(a, b, bodies)
     if is_proved(motion, k, least - way - slack):
         return 0
     if count >= motion.entries.shape[0] or 2 * count + 1 >= motion.records.shape[0]:
@@ -202,15 +185,14 @@ def _near_at_start(handle: Handle) -> int:
     for m in range(motion.separations.size):
         first, second, node = motion.sides[m, 0], motion.sides[m, 1], motion.common[m]
         A, B = rates_against(motion, first, node), rates_against(motion, second, node)
-        slack = _slack_of(motion, m)
-        if _is_far(motion, m, A, B, slack):
+        if _is_far(motion, m, A, B, _slack_of(motion, m)):
             continue
         for number in range(motion.starts_of_pairs[m], motion.starts_of_pairs[m + 1]):
             k = motion.numbers[number]
             if motion.skipped[k]:
                 continue
             exchanged = motion.on[motion.pairs[k, 0]] != first
-            kept = _keep(handle, k, exchanged, A, B, slack, count)
+            kept = _keep(handle, k, exchanged, A, B, count)
             if kept == -UNKNOWN:
                 unknown = True  # another pair may be known to touch
             elif kept < 0:

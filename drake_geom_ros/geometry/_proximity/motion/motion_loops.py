@@ -31,6 +31,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     MOST_PADDING,
     MOVE_WIDTH,
     NO_ROOM,
+    OFFSET,
     PAIR,
     RECORD_WIDTH,
     SEEN,
@@ -44,7 +45,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     MotionArrays,
 )
 from drake_geom_ros.geometry._proximity.motion.edges import check_edges, row_of_pair
-from drake_geom_ros.geometry._proximity.motion.tree import common_nodes, tree_of
+from drake_geom_ros.geometry._proximity.motion.tree import common_nodes, offsets_of, tree_of
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
@@ -109,6 +110,13 @@ class MotionLoops:
         if chain is not None:
             self._arrays.flags[KIND] = JOINTS
         self._handle = handle_of(self._arrays)
+
+    def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
+        """Put the frames that stay where these rows (nf, 3, 3) and (nf, 3) are; not of a chain."""
+        still = np.setdiff1d(np.arange(1, len(p_PFs)), self._arrays.rows)
+        self._world.set_poses(still, R_PFs[still], p_PFs[still])
+        self._world.update()
+        self._arrays.nodes[still, OFFSET] = offsets_of(p_PFs[still])
 
     def ask(
         self,

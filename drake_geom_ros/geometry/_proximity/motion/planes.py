@@ -49,25 +49,34 @@ def _turned(q: Floats, v: Vector, sign: float) -> Vector:
 
 
 @inlined
+def _carrier_of(motion: MotionArrays, node: int) -> int:
+    """Return the node that carries the robot of a link: the world or a frame."""
+    while 0 < node <= motion.X_WLs.shape[0]:
+        node = motion.parents[node]
+    return node
+
+
+@inlined
 def in_world(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> Vector:
     """Return a direction that is given in the axes of a node in those of the world."""
     links = motion.X_WLs.shape[0]
+    if 0 < node <= links:
+        n = _turned(row(motion.X_WLs, node - 1), n, 1.0)
+        node = _carrier_of(motion, node)
     if node == 0:
         return n
-    if node <= links:
-        return _turned(row(motion.X_WLs, node - 1), n, 1.0)
     return rotate(row(world.R_WFs, node - links), n)
 
 
 @inlined
 def in_node(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> Vector:
     """Return a direction that is given in the axes of the world in those of a node."""
-    links = motion.X_WLs.shape[0]
-    if node == 0:
+    links, carrier = motion.X_WLs.shape[0], _carrier_of(motion, node)
+    if carrier != 0:
+        n = unrotate(row(world.R_WFs, carrier - links), n)
+    if node == carrier:
         return n
-    if node <= links:
-        return _turned(row(motion.X_WLs, node - 1), n, -1.0)
-    return unrotate(row(world.R_WFs, node - links), n)
+    return _turned(row(motion.X_WLs, node - 1), n, -1.0)
 
 
 @inlined

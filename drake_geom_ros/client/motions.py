@@ -1,0 +1,89 @@
+"""Motions as a node is asked about them, and what it tells of one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from rclpy.duration import Duration
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+Floats = NDArray[np.float64]
+_OUTCOMES = ('refused', 'clear', 'contact', 'unknown')
+
+
+class Motion(NamedTuple):
+    """What is true of a whole motion, certified for all times; see ``batch.check_path``.
+
+    ``outcome`` is ``'clear'`` (no pair comes as near as was asked, and none nearer than
+    ``lower_bound``), ``'contact'`` (clear until ``times[0]``, and touching at ``times[1]``) or
+    ``'unknown'`` (clear until ``times[0]``, and nothing is proved from there on). Only ``'clear'``
+    is clear: a motion stands for neither true nor false.
+    """
+
+    outcome: str
+    times: tuple[float, float]  # [s] that hold the first contact
+    last_free: float  # [s] until then all is proved
+    names: tuple[str, str]  # of the pair that is told, as source::frame/geometry; empty: none
+    ids: tuple[int, int]  # 0: none
+    distance: float  # [m] of this pair at ``time``
+    error_bound: float  # [m]
+    time: float  # [s]
+    p_WCa: Floats  # (3,) [m] nearest points at that time
+    p_WCb: Floats
+    lower_bound: float  # [m] of all that was proved
+    evaluations: int
+    ignored: int  # pairs left out because they were not clear at the start
+    scene_version: int
+    oldest_pose_age: float  # [s] of the oldest frame pose used; inf: unknown
+
+    def __bool__(self) -> bool:
+        """Refuse to stand for yes or no: an unknown outcome is neither."""
+        raise TypeError("a Motion is neither true nor false: ask whether outcome == 'clear'")
+
+    @classmethod
+    def of(cls, answer: Any) -> Motion:
+        """Return what an answer of check_motion tells."""
+        begin, end = answer.times
+        return cls(
+            outcome=_OUTCOMES[answer.outcome],
+            times=(float(begin), float(end)),
+            last_free=answer.last_free,
+            names=(answer.geometry_a, answer.geometry_b),
+            ids=(answer.id_a, answer.id_b),
+            distance=answer.distance,
+            error_bound=answer.error_bound,
+            time=answer.time,
+            p_WCa=np.array([answer.p_wca.x, answer.p_wca.y, answer.p_wca.z]),
+            p_WCb=np.array([answer.p_wcb.x, answer.p_wcb.y, answer.p_wcb.z]),
+            lower_bound=answer.lower_bound,
+            evaluations=answer.evaluations,
+            ignored=answer.ignored,
+            scene_version=answer.scene_version,
+            oldest_pose_age=answer.oldest_pose_age,
+        )
+
+
+def joint_trajectory(
+    joint_names: Sequence[str], path: ArrayLike, times: ArrayLike | None = None
+) -> JointTrajectory:
+    """Return a path (k, q) [rad] or [m] as a message; ``times`` (k,) [s], to the nanosecond.
+
+    Raises ValueError for rows and times of different numbers.
+    """
+    rows = np.atleast_2d(np.asarray(path, dtype=np.float64))
+    seconds = np.zeros(len(rows)) if times is None else np.asarray(times, dtype=np.float64)
+    if seconds.shape != (len(rows),):
+        raise ValueError(
+            f'times has the shape {seconds.shape}; a path of {len(rows)} rows has ({len(rows)},)'
+        )
+    points = [
+        JointTrajectoryPoint(
+            positions=row.tolist(),
+            time_from_start=Duration(nanoseconds=round(time * 1e9)).to_msg(),
+        )
+        for row, time in zip(rows, seconds.tolist(), strict=True)
+    ]
+    return JointTrajectory(joint_names=list(joint_names), points=points)

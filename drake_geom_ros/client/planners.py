@@ -1,0 +1,119 @@
+"""What planners ask a node: many states of joints in one call, and whole motions."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from trajectory_msgs.msg import JointTrajectory
+
+from drake_geom_ros.client.motions import Motion, joint_trajectory
+from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.client.services import (
+    JointValues,
+    Poses,
+    frame_poses,
+    joint_positions,
+    limit,
+)
+from drake_geom_ros.client.states import Progress, States, StatesRequest
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+
+
+class PlannersQuestions(ABC):
+    """The questions of planners, of whoever can ``ask`` a service and knows the scene."""
+
+    @abstractmethod
+    def ask(self, name: str, /, **fields: Any) -> Any:
+        """Call a service that changes nothing; call again where no answer arrives."""
+
+    @abstractmethod
+    def _table(self, version: int) -> SceneTable:
+        """Return the newest table of ~/scene; wait until it has at least that version."""
+
+    def evaluate_states(
+        self,
+        joint_names: Sequence[str],
+        positions: ArrayLike,
+        want: str = 'collision',
+        *,
+        clearance: float = 0.0,
+        max_distance: float = math.inf,
+        poses: Poses | None = None,
+        stop_at_first: bool = False,
+        ignore_limits: bool = False,
+        accuracy: str = '',
+        progress: Progress | None = None,
+    ) -> States:
+        """Return what is wanted of each of n states of joints, ``positions`` (n, q) [rad] or [m].
+
+        A state is free where every pair is certified to be farther apart than ``clearance`` [m];
+        joints that are not named keep the values of now. ``want`` is ``collision``, ``least`` or
+        ``near`` (all pairs up to ``max_distance`` [m]). More states than an answer holds are asked
+        about in parts, after each of which ``progress`` is called with the states done and all.
+        Raises RuntimeError where the scene changed meanwhile, for its answers would be of two.
+        """
+        asked = StatesRequest(
+            list(joint_names),
+            np.atleast_2d(np.asarray(positions, dtype=np.float64)),
+            {
+                'want': want,
+                'clearance': clearance,
+                'max_distance': 0.0 if want != 'near' else limit(max_distance),
+                'poses': frame_poses(poses or {}),
+                'stop_at_first': stop_at_first,
+                'ignore_limits': ignore_limits,
+                'accuracy': accuracy,
+            },
+        )
+        answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
+        return States.of(answers, self._table(answers[0].scene_version))
+
+    def check_motion(
+        self,
+        end: Poses | None = None,
+        *,
+        start: Poses | None = None,
+        joint_names: Sequence[str] = (),
+        path: ArrayLike = (),
+        times: ArrayLike | None = None,
+        start_joints: JointValues | None = None,
+        min_distance: float = 0.0,
+        time_tolerance: float = TIME_TOLERANCE,
+        interpolation: str = '',
+        max_evaluations: int = 0,
+        accuracy: str = '',
+        ignore_start_contacts: bool = False,
+        ignore_limits: bool = False,
+    ) -> Motion:
+        """Return whether a whole motion is clear of ``min_distance`` [m], for all times.
+
+        Frames go to the poses ``end``, from time 0 to 1, by ``interpolation`` 'slerp' or 'screw';
+        or joints along ``path`` (k, q) [rad] or [m], a value each of ``joint_names``, straight
+        from row to row, at ``times`` (k,) [s]. Without times the path goes from 0 to 1, from its
+        first row; a single row is the end. ``start`` poses frames and ``start_joints`` joints at
+        the beginning, all others being where they are now; a path whose first time is later than 0
+        begins there too. ``time_tolerance`` [s] is the longest span that may hold a contact.
+        """
+        rows = np.asarray(path, dtype=np.float64)
+        trajectory = joint_trajectory(joint_names, rows, times) if rows.size else JointTrajectory()
+        answer = self.ask(
+            'check_motion',
+            start=frame_poses(start or {}),
+            end=frame_poses(end or {}),
+            start_joints=joint_positions(start_joints or {}),
+            path=trajectory,
+            min_distance=float(min_distance),
+            time_tolerance=float(time_tolerance),
+            interpolation=interpolation,
+            max_evaluations=max_evaluations,
+            accuracy=accuracy,
+            ignore_start_contacts=ignore_start_contacts,
+            ignore_limits=ignore_limits,
+        )
+        return Motion.of(answer)

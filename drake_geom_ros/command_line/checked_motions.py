@@ -1,0 +1,142 @@
+"""What ``check-motion`` finds: of a path of joint values, or of a motion file."""
+
+import argparse
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.batch import Joints, check_path
+from drake_geom_ros.batch.path_profile import PathProfile, profile_of_path
+from drake_geom_ros.batch.state_files import read_states
+from drake_geom_ros.command_line.inputs import files_of
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.scene_input import load_and_tell
+from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
+from drake_geom_ros.scene_files import SceneFileError
+from drake_geom_ros.trajectories.motion_file import load_motion
+from drake_geom_ros.viewing.timeline import (
+    Timeline,
+    checks_between,
+    least_pairs,
+    leaves_pieces_by,
+)
+
+_OF_PATHS = ('names', 'ignore_start_contacts', 'ignore_limits', 'max_evaluations')
+
+
+class CheckedMotion(NamedTuple):
+    """What is found of a whole motion, and how to tell it."""
+
+    check: MotionCheck
+    profile: Callable[[], PathProfile]  # of its pieces
+    name_of: Callable[[GeometryId], str]
+    told: list[str]  # what else there is to say
+    unit: str  # of times
+    files: list[Path]  # that the scene is made of
+
+
+def of_path(options: argparse.Namespace) -> CheckedMotion:
+    """Check a path of joint values; raises GeometryError or OSError for bad input."""
+    scene_graph = SceneGraph()
+    loaded = load_and_tell(options.scene, scene_graph, options.srdf, options.package_root)
+    states = read_states(options.path, options.names)
+    if states.are_poses:
+        raise SceneFileError('--path takes joint values (k, q), not poses', options.path)
+    joints = Joints.of(loaded, states.names)
+    path = np.array(states.rows[: len(states.rows)])
+    asked = {
+        **_asked(options),
+        'ignore_start_contacts': options.ignore_start_contacts,
+        'ignore_limits': options.ignore_limits,
+    }
+    return CheckedMotion(
+        check=check_path(
+            scene_graph, joints, path, max_evaluations=options.max_evaluations, **asked
+        ),
+        profile=lambda: profile_of_path(scene_graph, joints, path, options.pieces, **asked),
+        name_of=loaded.name_of,
+        told=[],
+        unit='rows of the path',
+        files=list(files_of(scene_graph, loaded.robots.values())),
+    )
+
+
+def of_motion(options: argparse.Namespace) -> CheckedMotion:
+    """Check a motion file, in pieces that are straight from pose to pose; raises as above."""
+    for name in _OF_PATHS:
+        if getattr(options, name):
+            raise OSError(f'--{name.replace("_", "-")} goes with --path, not with --motion')
+    posed, count = PosedScene(options.scene, options.srdf, options.package_root), options.pieces
+    motion = load_motion(options.motion, posed.description)
+    if count < 1 or not motion.duration > 0.0:
+        raise SceneFileError(
+            f'a motion of {motion.duration:g} s has no {count} pieces', options.motion
+        )
+    timeline = Timeline.of_motion(motion, posed.loaded.frames, count + 1)
+    asked = _asked(options)
+    # Of a piece times go from 0 to 1.
+    asked['time_tolerance'] = options.time_tolerance / (motion.duration / count)
+    checks = list(checks_between(timeline, posed.context, **asked))
+    far, turned = leaves_pieces_by(timeline)
+
+    def profile() -> PathProfile:
+        distances, bounds = np.array(list(least_pairs(timeline, posed.context))).T
+        return PathProfile(
+            times=timeline.times,
+            outcomes=tuple(check.outcome for check in checks),
+            lower_bounds=np.array(
+                [check.lower_bound if check.outcome == 'clear' else math.nan for check in checks]
+            ),
+            distances=distances,
+            error_bounds=bounds,
+        )
+
+    return CheckedMotion(
+        check=_of_pieces(checks, timeline),
+        profile=profile,
+        name_of=posed.names.__getitem__,
+        told=[
+            f'pieces {count}, each straight from pose to pose: halfway between these poses the '
+            f'motion itself is up to {far:.3g} m and {turned:.3g} rad beside them'
+        ],
+        unit='s',
+        files=list(posed.files()),
+    )
+
+
+def _asked(options: argparse.Namespace) -> dict[str, Any]:
+    return {
+        'min_distance': options.min_distance,
+        'time_tolerance': options.time_tolerance,
+        'accuracy': options.accuracy,
+        'bound_tolerance': options.bound_tolerance,
+    }
+
+
+def _of_pieces(checks: list[MotionCheck], timeline: Timeline) -> MotionCheck:
+    """Return what is true of all pieces, up to the first that is not clear; times in seconds."""
+    count = next((k for k, each in enumerate(checks) if each.outcome != 'clear'), len(checks) - 1)
+    proved, last = checks[: count + 1], checks[count]
+    told = count
+    if last.outcome == 'clear':
+        told = int(np.argmin([check.distance for check in proved]))
+
+    def seconds(piece: int, time: float, towards: float) -> float:
+        begin, end = timeline.times[piece], timeline.times[piece + 1]
+        if time in (0.0, 1.0):
+            return float(end if time else begin)
+        return math.nextafter(float(begin + time * (end - begin)), towards)
+
+    times = last.times
+    return replace(
+        checks[told],
+        outcome=last.outcome,
+        times=(seconds(count, times[0], -math.inf), seconds(count, times[1], math.inf)),
+        time=seconds(told, checks[told].time, checks[told].time),
+        lower_bound=min(check.lower_bound for check in proved),
+        evaluations=sum(check.evaluations for check in proved),
+    )

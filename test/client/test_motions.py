@@ -1,0 +1,146 @@
+"""``check_motion`` by the client, on a real node."""
+
+import math
+import threading
+import time
+
+import numpy as np
+import pytest
+from drake_geom_msgs import msg
+from ros.harness import start_node
+from ros.inputs.test_joint_input import ARM, AT, JOINTS_OF_ARM
+from ros.services.test_motions import BOUNDS, FIRST_TOUCH, NOW
+from ros.services.test_states import OBSTACLES
+
+from drake_geom_ros.batch import Joints, check_path
+from drake_geom_ros.client import RefusedError, SceneGraphClient, exclude_between
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import load_scene
+
+NAMES = [f'arm::{name}' for name in JOINTS_OF_ARM]
+BEFORE, BEHIND = RigidTransform([0, 2, 5.2]), RigidTransform([4, 2, 5.2])
+
+
+@pytest.fixture(scope='module')
+def scene_file(tmp_path_factory):
+    folder = tmp_path_factory.mktemp('motions')
+    (folder / 'arm.urdf').write_text(ARM)
+    path = folder / 'cell.yaml'
+    there = ', '.join(f'{n}: {q}' for n, q in zip(JOINTS_OF_ARM, NOW, strict=True))
+    arm = f'name: arm, {AT}, adjacent_links: filtered, configuration: {{{there}}}'
+    path.write_text(f'robots:\n- {{urdf: {folder}/arm.urdf, {arm}}}\n{OBSTACLES}')
+    return path
+
+
+@pytest.fixture(scope='module')
+def asked(scene_file):
+    process = start_node(
+        scene_file.parent / 'log', name='moved', scene_file=scene_file, use_joint_states=True
+    )
+    with SceneGraphClient('/moved') as client:
+        yield client
+    assert process.end() == 0, process.output()
+
+
+@pytest.fixture(scope='module')
+def check(scene_file):
+    scene_graph = SceneGraph()
+    joints = Joints.of(load_scene(scene_file, scene_graph), NAMES)
+    return lambda path, **fields: check_path(scene_graph, joints, path, **fields)
+
+
+def test_a_ball_meets_a_post(asked):
+    found = asked.check_motion({'free': BEHIND}, start={'free': BEFORE})
+    assert found.outcome == 'contact'
+    assert found.times[0] <= FIRST_TOUCH <= found.times[1] <= found.times[0] + 1e-6
+    assert found.last_free == found.times[0]
+    assert set(found.names) == {'cell::world/post', 'cell::free/ball'}
+    assert math.isclose(found.p_WCa[0], 1.9, abs_tol=1e-5)
+    with pytest.raises(TypeError, match='neither true nor false'):
+        bool(found)
+
+
+def test_paths_are_answered_as_offline(asked, check):
+    outcomes = set()
+    for path in np.random.default_rng(8).uniform(*BOUNDS, size=(30, 3, 3)):
+        found = asked.check_motion(joint_names=NAMES, path=path, times=[0.0, 1.0, 2.0])
+        expected = check(path)
+        outcomes.add(found.outcome)
+        assert found.outcome == expected.outcome
+        assert np.allclose(found.times, expected.times, rtol=0, atol=1e-6)
+        assert math.isclose(found.distance, expected.distance, abs_tol=1e-9)
+        table = asked.scene()
+        named = tuple(table[id].full_name if id else '' for id in found.ids)
+        assert found.names == named
+    assert outcomes >= {'clear', 'contact'}
+
+
+def test_a_budget_that_is_spent_is_unknown(asked, check):
+    rng = np.random.default_rng(9)
+    paths = (rng.uniform(*BOUNDS, size=(2, 3)) for _ in range(1000))
+    path = next(each for each in paths if check(each).evaluations > 3)
+    found = asked.check_motion(joint_names=NAMES, path=path, max_evaluations=2)
+    assert found.outcome == 'unknown'
+    assert found.last_free < 1.0
+
+
+def test_a_filter_that_holds_now_is_kept(asked):
+    way = {'end': {'free': BEHIND}, 'start': {'free': BEFORE}}
+    post, ball = (
+        msg.GeometrySet(geometries=[name]) for name in ('cell::world/post', 'cell::free/ball')
+    )
+    declaration = msg.CollisionFilterDeclaration(statements=[exclude_between(post, ball)])
+    held = asked.call('apply_transient_filter', declaration=declaration, owner='test', lease=60.0)
+    assert asked.check_motion(**way).outcome == 'clear'
+    asked.call('remove_filter', filter_id=held.filter_id)
+    assert asked.check_motion(**way).outcome == 'contact'
+
+
+def test_what_is_refused_is_told(asked):
+    with pytest.raises(RefusedError, match='both empty'):
+        asked.check_motion()
+    with pytest.raises(RefusedError, match="no joint 'elbow'"):
+        asked.check_motion(joint_names=['elbow'], path=[[0.0], [1.0]])
+    with pytest.raises(RefusedError, match='point 0 of path: arm::shoulder = nan'):
+        asked.check_motion(joint_names=NAMES, path=[[math.nan, 0, 0]] * 2)
+    with pytest.raises(RefusedError, match='are both given'):
+        asked.check_motion({'free': BEHIND}, joint_names=NAMES, path=[[0.0, 0, 0]])
+    with pytest.raises(RefusedError, match="no frame 'nobody'"):
+        asked.check_motion({'nobody': BEHIND})
+    with pytest.raises(ValueError, match='times has the shape'):
+        asked.check_motion(joint_names=NAMES, path=[[0.0, 0, 0]], times=[1.0, 2.0])
+
+
+def test_a_frame_without_a_pose_makes_no_motion_clear(asked):
+    asked.call('register_frame', source='cell', name='new')
+    with pytest.raises(RefusedError, match='never had a pose'):
+        asked.check_motion({'free': BEHIND}, start={'free': BEFORE})
+    poses = {'new': RigidTransform([20, 20, 20])}
+    found = asked.check_motion({'free': BEHIND}, start={'free': BEFORE, **poses})
+    assert found.outcome == 'contact'
+    asked.publish_poses(poses)
+    asked.wait_for(lambda: 'cell::new' in asked.pose_ages(), 'the pose of the new frame')
+
+
+def test_the_stream_goes_on_while_motions_are_checked(asked):
+    """Every pose that is sent is in a cycle, while checks that take long run one after another."""
+    reports, done = [], threading.Event()
+    asked.node.create_subscription(msg.CycleReport, '/moved/cycle_report', reports.append, 100)
+    long_path = np.random.default_rng(1).uniform(*BOUNDS, size=(5000, 3))
+    asked.check_motion(joint_names=NAMES, path=long_path, ignore_start_contacts=True)
+
+    def go_on():
+        while not done.is_set():
+            asked.check_motion(joint_names=NAMES, path=long_path, max_evaluations=1)
+
+    thread = threading.Thread(target=go_on)
+    thread.start()
+    asked.wait_for(lambda: len(reports) > 0 or asked.publish_poses({'free': BEFORE}), 'a cycle')
+    before = len(reports)
+    for k in range(100):
+        asked.publish_poses({'free': RigidTransform([0, 2, 5.2 + 0.001 * k])})
+        time.sleep(0.01)
+    done.set()
+    thread.join()
+    asked.wait_for(lambda: len(reports) - before >= 100, 'a hundred cycles')
