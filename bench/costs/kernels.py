@@ -20,6 +20,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,
     PAIR_WIDTH,
+    Aim,
+    OrientedShape,
     call_kernel,
     compiled_address,
 )
@@ -37,19 +39,9 @@ EXACT = 1e-9
 def run(address, kind_A, shapes_A, R_WAs, kind_B, shapes_B, R_WBs, p_AB_Ws, tolerance, rows):
     """Call the kernel once for each pair."""
     for k in range(p_AB_Ws.shape[0]):
-        call_kernel(
-            address,
-            kind_A,
-            shapes_A[k],
-            R_WAs[k],
-            kind_B,
-            shapes_B[k],
-            R_WBs[k],
-            p_AB_Ws[k],
-            tolerance,
-            np.inf,
-            rows[k],
-        )
+        A = OrientedShape(kind_A, shapes_A[k], R_WAs[k])
+        B = OrientedShape(kind_B, shapes_B[k], R_WBs[k])
+        call_kernel(address, A, B, p_AB_Ws[k], Aim(1.0, tolerance, np.inf), rows[k])
 
 
 def random_shapes(rng, kind, count):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -82,7 +82,8 @@ def run(options: argparse.Namespace) -> int:
     scene_graph = SceneGraph()
     loaded = register(scene_graph, _alone(description, robot))
     check_outputs({'--output': output}, files_of(scene_graph, description.robots))
-    joined = {_ordered(j.parent, j.child) for j in loaded.robots[robot].tree.joints}  # type: ignore[union-attr]
+    links = {frame for _, frame, _ in loaded.geometries}
+    joined = _adjacent(loaded.robots[robot].tree.joints, links)  # type: ignore[union-attr]
     counts, at_rest = sampled(scene_graph, loaded, options.states, options.seed)
     found = list(_suggested(scene_graph, loaded, joined, counts, at_rest, options.states))
     if options.without_never:
@@ -103,6 +104,23 @@ def run(options: argparse.Namespace) -> int:
             file.write(text)
     print(f'{robot}: {told}; {note}', file=sys.stderr)
     return 0
+
+
+def _adjacent(joints: Iterable[Any], links: set[str]) -> set[LinkPair]:
+    """Return the pairs of links with shapes that joints connect, through links without shapes.
+
+    As MoveIt's assistant has it (``disableAdjacentLinks``): what a link without shapes connects
+    is taken for connected.
+    """
+    neighbours: dict[str, set[str]] = {}
+    for joint in joints:
+        neighbours.setdefault(joint.parent, set()).add(joint.child)
+        neighbours.setdefault(joint.child, set()).add(joint.parent)
+    for bare in neighbours.keys() - links:
+        around = neighbours.pop(bare)
+        for link in around:
+            neighbours[link] = (neighbours[link] | around) - {link, bare}
+    return {_ordered(link, other) for link in neighbours for other in neighbours[link]}
 
 
 def sampled(

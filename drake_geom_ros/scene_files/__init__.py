@@ -43,8 +43,11 @@ from drake_geom_ros.scene_files.description import (
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
 from drake_geom_ros.scene_files.registration import (
     LoadedScene,
+    RegisteredCopy,
     apply_filter,
     register,
+    register_on_copy,
+    register_rehearsed,
     warm_up,
 )
 from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
@@ -59,6 +62,9 @@ __all__ = [
     'read_scene',
     'save_scene',
     'register',
+    'register_on_copy',
+    'register_rehearsed',
+    'RegisteredCopy',
     'warm_up',
     'apply_filter',
     'AwaitedFilter',

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
@@ -82,6 +83,11 @@ class LoadedScene:
             raise UnknownIdError(f'{id!r} is nothing that this scene has registered by name')
         return known[id]
 
+    @cached_property
+    def first_poses(self) -> FramePoseVector:
+        """The poses ``X_PFs``, as contexts take them."""
+        return FramePoseVector(self.X_PFs)
+
     def names_of(self, ids: Iterable[GeometryId | FrameId | int]) -> list[str]:
         """Return ``name_of`` each of some ids, such as ``id_A`` of results."""
         return [self.name_of(id) for id in ids]
@@ -115,19 +121,50 @@ def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedSc
     while transient ones are active, and so on.
     """
     warm_up(scene_graph, description, scene_graph.CreateDefaultContext())
-    loaded = _Registration(scene_graph, description).run()
-    scene_graph.SetFirstPoses(FramePoseVector(loaded.X_PFs))
-    return loaded
+    return register_rehearsed(scene_graph, description)
+
+
+def register_rehearsed(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
+    """Do what ``register`` does, where ``warm_up`` was told just now that it can be done."""
+    return _registered(scene_graph, description, None)
+
+
+def register_on_copy(
+    scene_graph: SceneGraph, description: SceneDescription, copy: RegisteredCopy
+) -> LoadedScene:
+    """Do what ``register`` does, in a moment if a copy of the scene has it already.
+
+    If the scene changed since the copy was made, it is registered as ever.
+    """
+    if scene_graph.TakeOver(copy.context):
+        return copy.loaded
+    return register(scene_graph, description)
+
+
+class RegisteredCopy(NamedTuple):
+    """A copy of a shared context in which something was registered, and what that became."""
+
+    context: SceneGraphContext
+    loaded: LoadedScene
 
 
 def warm_up(
     scene_graph: SceneGraph, description: SceneDescription, context: SceneGraphContext
-) -> None:
+) -> LoadedScene:
     """Register all of a description in a context alone; raises what ``register`` would raise.
 
     The files of its meshes are read meanwhile, and what they hold is kept for ``register``.
     """
-    _Registration(scene_graph, description, context).run()
+    return _registered(scene_graph, description, context)
+
+
+def _registered(
+    scene_graph: SceneGraph, description: SceneDescription, context: SceneGraphContext | None
+) -> LoadedScene:
+    """Register all of a description, and note where its frames are in contexts made later."""
+    loaded = _Registration(scene_graph, description, context).run()
+    scene_graph.SetFirstPoses(context=context, poses=loaded.first_poses)
+    return loaded
 
 
 class _Registration:

@@ -2,6 +2,7 @@
 
 import pytest
 from lxml import etree
+from oracles.panda import URDF
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.scene_files import read_scene
@@ -77,6 +78,31 @@ def test_an_srdf_and_filters_load_and_leave_those_pairs_out(robot, tmp_path):
     scene = read_scene(f'robots: [{{name: arm, urdf: {robot}}}]\n{text}')
     assert len(scene.filters) > len(read_scene(robot).filters)
     assert 'never' not in text.partition('\n')[2]
+
+
+def test_links_without_shapes_connect_as_joints_do(tmp_path, capsys):
+    """The hand of a Panda is fixed to its flange, which has no shape."""
+    path = tmp_path / 'arm.urdf'
+    joints = (
+        joint('a', 'wrist', 'flange', '0.1 0 0'),
+        joint('b', 'flange', 'hand', '0 0 0', 'fixed'),
+    )
+    bare, shaped = '<link name="flange"/>', link('wrist') + link('hand')
+    path.write_text(f'<robot name="arm">{shaped}{bare}{"".join(joints)}</robot>')
+    assert main(['suggest-filters', str(path), '--states', '10']) == 0
+    found = suggested(capsys.readouterr().out)
+    assert found == {frozenset(('hand', 'wrist')): 'Adjacent'}
+
+
+def test_a_panda_is_filtered_as_its_srdf_has_it(capsys):
+    """That of MoveIt's assistant; what it calls never is what it saw, as for us."""
+    panda, share = URDF.with_name('panda.urdf'), URDF.parents[4]
+    command = ['suggest-filters', str(panda), '--package-root', str(share)]
+    assert main([*command, '--states', '300']) == 0
+    found = suggested(capsys.readouterr().out)
+    theirs = suggested((panda.parents[1] / 'srdf/panda.srdf').read_text())
+    assert theirs.items() <= found.items()
+    assert {found[pair] for pair in found.keys() - theirs.keys()} <= {'Never'}
 
 
 def test_seeds_give_the_same(robot, capsys):

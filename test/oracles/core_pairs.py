@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 from oracles.forms import PARAMETERS
+from oracles.kernel_calls import call_for_pair
 from scipy.spatial.transform import Rotation
 
 from bench.evidence.bodies.random_bodies import random_rotation
@@ -42,7 +43,7 @@ def answer_of(pair, hint=(0.0, 0.0, 0.0)):
     out[NORMAL : NORMAL + 3] = hint
     radii = [supports.bounding_radius(*pair[k : k + 2]) for k in (0, 3)]
     tolerance = 1e-9 * min(1, *radii)
-    convex.signed_distance_of_cores(*pair, tolerance, math.inf, out)
+    call_for_pair(convex.signed_distance_of_cores, *pair, tolerance, math.inf, out)
     rounding = PROMISED_ROUNDING * EPS * (sum(radii) + np.linalg.norm(pair.p_AB))
     return out, tolerance + rounding
 

@@ -4,6 +4,7 @@ The numbers are half sizes; of a hull, and of a solid, they are what it is packe
 """
 
 import numpy as np
+from oracles.kernel_calls import call_for_pair
 
 from bench.evidence.truth import convex
 from drake_geom_ros.cross_check.bodies import COUNTS, NUMBERS, PRIMITIVES, Body
@@ -49,10 +50,8 @@ def row_of(a, b, tolerance=1e-9, cutoff=np.inf, hint=(0.0, 0.0, 0.0), kernel=Non
         kernel = ALL_ROWS[ROW_OF_TYPES[kind_A * TYPE_COUNT + kind_B]].load_kernel()
     out = np.full(calling.PAIR_WIDTH, np.nan)
     out[calling.NORMAL : calling.NORMAL + 3] = hint
-    kernel(
-        kind_A, shape_A, np.ascontiguousarray(a.R), kind_B, shape_B, np.ascontiguousarray(b.R),
-        b.p - a.p, tolerance, cutoff, out,
-    )  # fmt: skip
+    asked = b.p - a.p, tolerance, cutoff, out
+    call_for_pair(kernel, kind_A, shape_A, a.R, kind_B, shape_B, b.R, *asked)
     assert np.isfinite(out).all(), (a, b, out)
     return out
 

@@ -6,6 +6,7 @@ from oracles.forms import KINDS
 from bench.evidence.bodies.random_bodies import random_body, random_rotations
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import BoundedBodies
 from drake_geom_ros.geometry._proximity.world.pose_rounding import taken_roundings
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
 
@@ -68,3 +69,9 @@ def filters_of(world):
     for key, frame, anchored in zip(table.ids, table.frames, world.anchored, strict=True):
         filters.add(int(key), int(frame) + 100, bool(anchored))
     return filters
+
+
+def bounded(world):
+    """Return what is known of a world's bodies beside their shapes."""
+    poses = world.R_WGs, world.p_WGs, world.roundings, world.half_extents
+    return BoundedBodies(world.geometries.types, *poses, world.outer_radii)

@@ -3,6 +3,8 @@
 Those of poses stand in ``drake_geom_ros.math.tolerances``, which imports nothing of ours.
 """
 
+import math
+
 # Spacing of float64 at 1 [-]: the unit in which rounding bounds are counted.
 EPS = 2.0**-52
 
@@ -13,6 +15,8 @@ SINGLE_EPS, SINGLE_TINY, SINGLE_LARGEST = 2.0**-23, 2.0**-125, 2.0**127
 # How far apart [m] the certified bounds may be that an iteration aims for at each accuracy level,
 # for a pair of size 1 m. ``bound`` runs no iteration at all.
 LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
+# The same of all levels; at 'bound' bounds alone will do.
+GAPS_OF_LEVELS = {'bound': math.inf, **LEVEL_GAPS}
 
 # What rounding may add to the bounds that a level promises, in EPS times the pair's size and the
 # distance of the origins. EPA ends within 4 ROUNDING and each answer of an iteration is widened by

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._rendering.kernels.records import (
     Outputs,
     Paint,
     Seen,
+    Windows,
 )
 from drake_geom_ros.geometry._rendering.kernels.shading import write_colours
 
@@ -118,12 +119,11 @@ class _Pass:
         poses = np.ascontiguousarray(R_CGs), np.ascontiguousarray(p_CGs)
         windows, nearest = np.zeros((len(bodies.kinds), 4), np.int64), np.zeros(len(bodies.kinds))
         p_CVs = np.empty_like(bodies.p_GVs)
-        find_windows(bodies.kinds, bodies.shapes, *poses, view, *self._size, windows, nearest)
+        found = Windows(windows, nearest)
+        find_windows(bodies, *poses, view, self._size, found)
         if len(bodies.p_GVs):
-            pose_meshes(
-                *(bodies.kinds, *poses, bodies.vertex_starts, bodies.p_GVs, p_CVs),
-                *(view, self._size, np.eye(3), np.zeros(3), windows, nearest),
-            )
+            room = np.eye(3), np.zeros(3)
+            pose_meshes(bodies, *poses, p_CVs, view, self._size, room, found)
         # From front to back, for what is hidden costs least.
         order = np.argsort(nearest, kind='stable')
         slopes = (np.arange(self._size[0]) + 0.5 - intrinsics[2]) / intrinsics[0]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from drake_geom_ros.geometry.ids import FrameId
-from drake_geom_ros.geometry.model._records import FrameRecord
+from drake_geom_ros.geometry.model._records import FrameRecord, Versions
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry._proximity.filters.state import FilterState
@@ -13,12 +13,42 @@ if TYPE_CHECKING:
     from drake_geom_ros.math import RigidTransform
 
 
+class ContentMark(NamedTuple):
+    """A model, and the versions that it and its filters were at."""
+
+    model: Model
+    versions: Versions
+    filters: int
+
+
 class SceneContent:
-    """A model and the filters of its pairs: what rooms hand around behind a scene or a context."""
+    """A model and the filters of its pairs: what rooms hand around behind a scene or a context.
+
+    ``copied_from`` is what a content that is a copy was copied from, as that was then.
+    """
+
+    copied_from: ContentMark | None = None
 
     def __init__(self, model: Model, filters: FilterState) -> None:
         self.model = model
         self.filters = filters
+
+    def mark(self) -> ContentMark:
+        """Return what this content is now."""
+        return ContentMark(self.model, self.model.versions.copy(), self.filters.version)
+
+    def take_over(self, copy: SceneContent) -> bool:
+        """Become what a copy has become that nobody uses from now on, if this is as it was.
+
+        Return whether it was.
+        """
+        if copy.copied_from is None or copy.copied_from.model is not self.model:
+            return False
+        if copy.copied_from != self.mark():
+            return False
+        vars(self.model).update(vars(copy.model))  # for all who hold this very model
+        self.filters.become(copy.filters)
+        return True
 
     def copy(self) -> SceneContent:
         """Return a content that shares nothing that either could change."""

@@ -63,6 +63,7 @@ class ContextState(PosedScene):
     def copy(self: _State) -> _State:
         """Return a state that shares nothing that either could change."""
         other = self._about(self.model.copy())
+        other.copied_from = self.mark()
         other._snapshot, other.packed_scenes = None, dict(self.packed_scenes)
         other.prepared_motions = PreparedMotions()
         return other

@@ -15,8 +15,9 @@ from drake_geom_ros.geometry._proximity.states.joint_checks import (
     OUTSIDE,
 )
 from drake_geom_ros.geometry._proximity.states.joint_loops import JointLoops
+from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, level_gap_of
+from drake_geom_ros.geometry.queries.state_queries import PackedScene
 
 # What is said of a state; see ``JointQueries.verdict``.
 __all__ = ['FREE', 'NEAR', 'NO_POSE', 'NO_STATE', 'OUTSIDE', 'JointQueries', 'Least']
@@ -52,7 +53,7 @@ class JointQueries:
             scene.moved.copy(),
             chain,
             limits,
-            level_gap_of(accuracy),
+            GAPS_OF_LEVELS[accuracy],
             margin,
         )
         # Bound here: a method that passes it on takes a tenth of a microsecond.

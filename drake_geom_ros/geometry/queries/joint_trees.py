@@ -103,21 +103,9 @@ class JointTree:
         """Write the poses of some ``links`` (k,) to ``X_WLs`` (N, m, 7), from row ``first`` on."""
         room = np.empty((len(self.parents) + 1, 7))
         room[0] = X_WB
-        pose_links(
-            values,
-            self.leaders,
-            self.multipliers,
-            self.offsets,
-            self.kinds,
-            self.axes,
-            self.X_PJs,
-            self.parents,
-            self.children,
-            room,
-            links,
-            first,
-            X_WLs,
-        )
+        joints = self.leaders, self.multipliers, self.offsets, self.kinds, self.axes, self.X_PJs
+        chain = *joints, self.parents, self.children, room, links
+        pose_links(values, chain, first, X_WLs)
 
     def driven_by(self, columns: Indices, at_rest: Floats) -> JointTree:
         """Return the tree for configurations in which value v stands in column ``columns[v]``.

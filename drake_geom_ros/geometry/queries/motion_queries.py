@@ -26,10 +26,11 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
 )
 from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, Told
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
+from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, level_gap_of
+from drake_geom_ros.geometry.queries.state_queries import PackedScene
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]
@@ -116,7 +117,7 @@ class MotionQueries:
             scene.pairs.copy(),
             scene.moved.copy(),
             scene.paddings,
-            level_gap_of(accuracy),
+            GAPS_OF_LEVELS[accuracy],
             stop,
             chain,
             columns,

@@ -89,7 +89,7 @@ def padded_pairs(
     Each row holds that about the bodies themselves behind its own columns.
     """
     ids, rows = batch[0], batch[1][:, :BATCH_WIDTH]
-    places = np.searchsorted(world.geometries.ids, ids)
+    places = world.geometry_rows(ids)
     padded = padded_rows(rows, places, paddings, world)
     R_WAs, R_WBs = (world.R_WGs[places[:, side]] for side in range(2))
     nhat = rows[:, NORMAL : NORMAL + 3]
@@ -151,7 +151,7 @@ def padded_points(
     batch: PointBatch, paddings: Paddings, world: World, p_WQs: Floats, threshold: float
 ) -> PointBatch:
     """Return distances to padded bodies up to ``threshold`` [m], made of those to the bodies."""
-    places = np.searchsorted(world.geometries.ids, batch.ids)
+    places = world.geometry_rows(batch.ids)
     rows, radii = padded_point_rows(batch.rows, places, paddings)
     grads = rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
     steps = np.einsum('kij,ki->kj', world.R_WGs[places], grads)

@@ -92,7 +92,7 @@ class PoseQueries:
             raise RoleError(
                 f'these ids belong to no geometry with the proximity role: {unknown[:5]}'
             )
-        rows = np.searchsorted(known, values)
+        rows = world.geometry_rows(values)
         return world.R_WGs[rows], world.p_WGs[rows]
 
 

@@ -224,7 +224,7 @@ class QueryObject(ImageQueries, MotionChecks):
         for record in records:
             state.placed_frame(record.frame_id)
         world = state.posed_world()
-        pair = np.searchsorted(world.geometries.ids, keys)[None, :].astype(np.int64)
+        pair = world.geometry_rows(np.array([keys], dtype=np.int64))
         start = None if hint is None else _checked_hint(hint)
         batch = state.engine.distance_of_pair(world, pair, state.level(accuracy), start)
         if not len(batch.ids):

@@ -18,7 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import OVERLAPS, PairBatch, PointBatch
 from drake_geom_ros.geometry._proximity.states.state_loops import StateLoops
-from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
+from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.world import (
     FrameTable,
     GeometryTable,
@@ -215,9 +215,9 @@ class StateQueries:
                 near = lower_ends(rows) <= margin
             return _any_of_each(counts, near)
         if margin is None:
-            done, found = self._loops.overlaps(poses, level_gap_of(accuracy), stop)
+            done, found = self._loops.overlaps(poses, GAPS_OF_LEVELS[accuracy], stop)
         else:
-            done, found = self._loops.near(poses, level_gap_of(accuracy), margin, stop)
+            done, found = self._loops.near(poses, GAPS_OF_LEVELS[accuracy], margin, stop)
         _check_done(done, poses, stop)
         return found
 
@@ -232,7 +232,7 @@ class StateQueries:
         if self._paddings is not None:
             return self._padded_nearest(poses, accuracy, max_distance, most, stop)
         done, counts, batch = self._loops.nearest(
-            poses, level_gap_of(accuracy), max_distance, most, stop
+            poses, GAPS_OF_LEVELS[accuracy], max_distance, most, stop
         )
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
@@ -241,7 +241,9 @@ class StateQueries:
         """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
         if self._paddings is not None:
             return self._padded_within(poses, accuracy, max_distance, stop)
-        done, counts, batch = self._loops.within(poses, level_gap_of(accuracy), max_distance, stop)
+        done, counts, batch = self._loops.within(
+            poses, GAPS_OF_LEVELS[accuracy], max_distance, stop
+        )
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
@@ -286,7 +288,7 @@ class StateQueries:
     ) -> tuple[Indices, Indices, Floats]:
         assert self._paddings is not None
         far = reach + self._paddings.of_pair
-        done, counts, (ids, rows) = self._loops.within(poses, level_gap_of(accuracy), far, stop)
+        done, counts, (ids, rows) = self._loops.within(poses, GAPS_OF_LEVELS[accuracy], far, stop)
         _check_done(done, poses, stop)
         return counts, ids, padded_rows(rows, ids, self._paddings, self._world)
 
@@ -322,11 +324,6 @@ def _any_of_each(counts: Indices, keep: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return which states have a row that is kept."""
     found: NDArray[np.bool_] = _count_of_each(counts, keep) > 0
     return found
-
-
-def level_gap_of(accuracy: str) -> float:
-    """Return the gap [m] that a level allows kernels; infinite: bounds alone will do."""
-    return math.inf if accuracy == 'bound' else LEVEL_GAPS[accuracy]
 
 
 def _check_done(done: int, poses: Floats, stop: Indices) -> None:

@@ -297,18 +297,21 @@ class SceneGraph(Attaching):
         """Set the accuracy that later contexts get: bound, fast, balanced or exact."""
         self._default_accuracy = checked_accuracy(accuracy)
 
-    def SetFirstPoses(self, poses: FramePoseVector) -> None:
+    @or_on_context
+    def SetFirstPoses(self, on: SceneContent, poses: FramePoseVector) -> None:
         """Set the poses X_PF that some frames have in contexts which are made later.
+
+        Of a context: in copies of it that a scene takes over, see ``TakeOver``.
 
         What a scene file says of frames comes in this way. Raises RuntimeError for a frame that is
         not here and for the world, and nothing has changed then.
         """
         checked_type(poses, FramePoseVector, 'SetFirstPoses: poses')
-        first = {self._state.model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
+        first = {on.model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
         if WORLD_FRAME_ID in first:
             raise PoseError('SetFirstPoses: the world frame has no pose')
         # A new one: whoever noted the old one sees that it is another, see ``SceneMark``.
-        self._state.model.first_X_PFs = self._state.model.first_X_PFs | first
+        on.model.first_X_PFs = on.model.first_X_PFs | first
 
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters.
@@ -318,6 +321,17 @@ class SceneGraph(Attaching):
         """
         own = self._state.copy()
         return self._context_type(own.model, own.filters, self._default_accuracy)
+
+    def TakeOver(self, context: SceneGraphContext) -> bool:
+        """Become what a copy of a shared context has become; return False where that is too late.
+
+        So a long change, of thousands of frames, is made on a copy (``copy()`` of what
+        ``CreateSharedContext`` returns) while others use this scene, and then is made here in a
+        moment, by the same ids. It is too late where this scene has changed since the copy was
+        made: nothing changes then. Nobody may use the context any more. Poses are not taken over.
+        """
+        checked_type(context, SceneGraphContext, 'TakeOver: context')
+        return self._state.take_over(content_of(context))
 
     def Clone(self) -> SceneGraph:
         """Return a scene of its own, with the same ids, filters and default accuracy."""

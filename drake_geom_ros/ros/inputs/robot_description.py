@@ -16,16 +16,16 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.held_scene import HeldScene
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
 from drake_geom_ros.scene_files import (
     DeclarationDescription,
     Member,
+    RegisteredCopy,
     SceneDescription,
     Statement,
     hulls_in_words,
     read_scene,
     robot_name,
-    warm_up,
 )
 from drake_geom_ros.scene_files.description import FilterDescription
 
@@ -94,13 +94,13 @@ class RobotInput:
         if robot.warnings:
             told += f', {counted(len(robot.warnings), "warning")}'
         (source,) = robot.sources
-        self._make_ready(robot)
+        copy = self._make_ready(robot)
         with self._live.editing() as scene:
             if self._is_in(scene):
                 scene.replace(prepared(self._in_its_place(robot, scene)))
                 done = f'replaces {self._source!r}'
             else:
-                scene.add(robot)
+                scene.add(robot, copy)
                 done = 'added'
             self._text, self._source = text, source
         return (
@@ -108,15 +108,18 @@ class RobotInput:
             f'{told}{hulls_in_words(robot.geometries)}'
         )
 
-    def _make_ready(self, robot: SceneDescription) -> None:
-        """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it."""
+    def _make_ready(self, robot: SceneDescription) -> RegisteredCopy | None:
+        """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it.
+
+        Returns a copy of the scene with the robot where it is new.
+        """
         with self._live.reading() as scene:
             self._refuse_same_name(robot.sources[0], scene)
             whole = self._in_its_place(robot, scene) if self._is_in(scene) else None
         if whole is not None:
             prepared(whole)
-        else:
-            self._live.make_ready(lambda graph, context: warm_up(graph, robot, context))
+            return None
+        return registered_copy(self._live, robot)
 
     def _in_its_place(self, robot: SceneDescription, scene: HeldScene) -> SceneDescription:
         """Return the scene with another robot in the place of the one before."""

@@ -29,8 +29,11 @@ from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
     CameraDescription,
     LoadedScene,
+    RegisteredCopy,
     SceneDescription,
     register,
+    register_on_copy,
+    register_rehearsed,
 )
 
 _IS_THE_WORLD = (
@@ -66,15 +69,20 @@ class EditableScene(ChangingScene):
         """The scene graph, to register on and to filter."""
         return self._scene_graph
 
-    def add(self, description: SceneDescription) -> tuple[int, int]:
+    def add(
+        self, description: SceneDescription, copy: RegisteredCopy | None = None
+    ) -> tuple[int, int]:
         """Register what is described; return frames, geometries added.
 
-        Frames stand where the description puts them until their first pose comes.
+        Frames stand where the description puts them until their first pose comes. With a ``copy``
+        that has it, it takes a moment: see ``registered_copy``.
         """
         for camera in description.cameras:
             self._refuse_taken(camera.name)
         self._refuse_cameras(description.cameras)
-        return self._take(register(self._scene_graph, description))
+        if copy is None:
+            return self._take(register(self._scene_graph, description))
+        return self._take(register_on_copy(self._scene_graph, description, copy))
 
     def swap(self, sources: Sequence[SourceId], description: SceneDescription) -> tuple[int, int]:
         """Put what is described in the place of sources; return frames, geometries added.
@@ -86,8 +94,8 @@ class EditableScene(ChangingScene):
             if frame is not None and self.inspector.GetOwningSourceId(frame) not in sources:
                 self._refuse_taken(camera.name)
         self._refuse_cameras(description.cameras)
-        kept = self.make_room(sources, description)
-        loaded = register(self._scene_graph, description)
+        kept = self.make_room(sources, description)  # which rehearses it
+        loaded = register_rehearsed(self._scene_graph, description)
         added = self._take(loaded)
         self.stay(kept, loaded)
         return added
@@ -124,8 +132,10 @@ class EditableScene(ChangingScene):
     def _take(self, loaded: LoadedScene) -> tuple[int, int]:
         """Take over what was registered."""
         self._robots += loaded.robots.values()  # before their frames are called by names
-        X_PFs = {**loaded.X_PFs, **self._frame_that_is_the_world(loaded)}
-        self._context.UpdateFramePoses(FramePoseVector(X_PFs))
+        self._context.UpdateFramePoses(loaded.first_poses)
+        at_world = self._frame_that_is_the_world(loaded)
+        self._context.UpdateFramePoses(FramePoseVector(at_world))
+        X_PFs = {**loaded.X_PFs, **at_world}
         declared = {frame.get_value(): static for frame, static in loaded.static.items()}
         self._ages.begin([frame.get_value() for frame in X_PFs], declared)
         for frame in loaded.frames.values():

@@ -14,7 +14,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -32,7 +32,15 @@ from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
-from drake_geom_ros.scene_files import RobotOptions, camera_of
+from drake_geom_ros.scene_files import (
+    RegisteredCopy,
+    RobotOptions,
+    SceneDescription,
+    camera_of,
+    warm_up,
+)
+
+_Result = TypeVar('_Result')
 
 
 class LiveScene:
@@ -131,17 +139,28 @@ class LiveScene:
             view.query.render_images(pixel, view.names.world, RigidTransform())
         return kernels
 
-    def make_ready(self, change: Callable[[SceneGraph, SceneGraphContext], object]) -> None:
+    def make_ready(
+        self, change: Callable[[SceneGraph, SceneGraphContext], _Result]
+    ) -> tuple[SceneGraphContext, _Result]:
         """Make a change on a copy of the scene, and what queries need of the changed scene.
 
         So files are read and kernels compiled beside the cycle, before the change is made in
         earnest: the scene is held only while it is copied. ``change`` is given the copy, after a
-        scene graph whose methods take it; what it raises is raised here.
+        scene graph whose methods take it; what it raises is raised here. Returns the copy, and
+        what ``change`` returned.
         """
         with self.reading() as scene:
             context = scene.copy()
-        change(SceneGraph(), context)
+        result = change(SceneGraph(), context)
         context.compile_kernels(self.tell_compiling)
+        return context, result
+
+
+def registered_copy(live: LiveScene, description: SceneDescription) -> RegisteredCopy:
+    """Return a copy of the scene with what is described, all that takes long done beside it."""
+    return RegisteredCopy(
+        *live.make_ready(lambda graph, context: warm_up(graph, description, context))
+    )
 
 
 def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:

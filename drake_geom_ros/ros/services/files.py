@@ -11,9 +11,9 @@ from typing import Any
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.changing_scene import rehearse_swap
 from drake_geom_ros.ros.scene.editable_scene import prepared
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
 from drake_geom_ros.ros.services.saved_file import SavedFile
-from drake_geom_ros.scene_files import read_scene, to_yaml, warm_up
+from drake_geom_ros.scene_files import read_scene, to_yaml
 
 
 def load_scene(live: LiveScene, request: Any, response: Any) -> None:
@@ -42,9 +42,9 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         with live.editing() as scene:
             added = scene.replace(other)
     else:
-        live.make_ready(lambda graph, context: warm_up(graph, description, context))
+        copy = registered_copy(live, description)
         with live.editing() as scene:
-            added = scene.add(description)
+            added = scene.add(description, copy)
     response.frames, response.geometries = added
     response.message = '\n'.join(description.warnings)
 

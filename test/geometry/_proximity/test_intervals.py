@@ -153,8 +153,9 @@ def test_whoever_moves_under_a_budget_stays_in_the_interval(seed):
     engine, filters = Engine(), filters_of(world)
     for cycle in range(CYCLES):
         query = world, filters, 'exact', (math.inf, 0.2 * scale)[seed % 2]
-        budget = NOTHING if cycle % 4 else 0.0
-        answer = by_ids(signed_distances(engine, *query, time_budget=budget))
+        answer = by_ids(
+            signed_distances(engine, *query, time_budget=NOTHING if cycle % 4 else 0.0)
+        )
         for ids, true in by_ids(signed_distances(Engine(), *query)).items():
             if ids in answer:
                 assert_holds(answer[ids], true, (cycle, ids))

@@ -24,6 +24,8 @@ from drake_geom_ros.geometry import _proximity
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     NORMAL,
     PAIR_WIDTH,
+    Aim,
+    OrientedShape,
     call_kernel,
     compiled_address,
 )
@@ -113,11 +115,9 @@ def test_who_returns_an_array_counts_as_its_callers_do():
 def _call_each(address, kind_A, shape_A, R_WAs, kind_B, shape_B, R_WBs, p_AB_Ws, rows):
     """Call a kernel with slices that do have references, unlike those of the narrow phase."""
     for k in range(len(rows)):
-        R_WA, R_WB, p_AB_W = R_WAs[k], R_WBs[k], p_AB_Ws[k]
-        call_kernel(
-            *(address, kind_A, shape_A, R_WA, kind_B, shape_B, R_WB),
-            *(p_AB_W, 1e-9, np.inf, rows[k]),
-        )
+        A = OrientedShape(kind_A, shape_A, R_WAs[k])
+        B = OrientedShape(kind_B, shape_B, R_WBs[k])
+        call_kernel(address, A, B, p_AB_Ws[k], Aim(1.0, 1e-9, np.inf), rows[k])
 
 
 def _shape(rng, kind):

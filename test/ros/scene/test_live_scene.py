@@ -10,12 +10,14 @@ from ros.live_scenes import live_scene
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FrameId,
+    GeometryFrame,
     GeometrySet,
     QueryObject,
+    Sphere,
 )
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import prepared
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
 TEXT = """
@@ -202,3 +204,81 @@ def test_a_scene_with_cameras_has_what_takes_images_compiled_at_once(monkeypatch
     assert sizes == []
     live_scene(TEXT + 'cameras: [{name: eye, size: [64, 48], shows: proximity}]').compile_kernels()
     assert sizes == [(1, 1, 'exact_proximity')]
+
+
+MORE = """
+sources: [t]
+frames:
+  - {name: c, source: t, pose: {position: [3, 0, 0]}}
+  - {name: d, source: t, parent: c, pose: {position: [0, 2, 0]}}
+  - {name: e, source: t}
+geometries:
+  - {name: ball, source: t, frame: c, shape: {type: sphere, radius: 0.1}}
+  - {name: ball, source: t, frame: d, shape: {type: sphere, radius: 0.2}}
+filters: [{exclude_within: [{source: t, frame: c}, {source: t, frame: d}]}]
+"""
+
+
+def told(live):
+    with live.reading() as scene:
+        results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+        return (
+            to_yaml(scene.description()),
+            [*zip(*map(scene.inspector.full_names, (results.id_A, results.id_B)), strict=True)],
+            results.distance.tolist(),
+            scene.names.labels.values(),
+            scene.pose_ages(),
+        )
+
+
+def test_what_was_registered_on_a_copy_is_what_would_be_registered(clock):
+    """And nothing is registered again while the scene is held."""
+    plain, live = live_scene(TEXT, clock), live_scene(TEXT, clock)
+    description = read_scene(MORE)
+    with plain.editing() as scene:
+        assert scene.add(description) == (3, 2)
+    copy = registered_copy(live, description)
+    with live.editing() as scene:
+        assert scene.add(description, copy) == (3, 2)
+        assert [*scene.names.labels][-3:] == [*copy.loaded.frames.values()]
+    one, other = told(plain), told(live)
+    assert [*one[3]] == [*other[3]]
+    assert one[:3] + one[4:] == other[:3] + other[4:]
+
+
+@pytest.mark.parametrize('change', ['a frame', 'a filter', 'a shape', 'nothing but a pose'])
+def test_what_changed_since_the_copy_was_made_stays(live, change):
+    description = read_scene(MORE)
+    copy = registered_copy(live, description)
+    with live.editing() as scene:
+        source = scene.names.source('s')
+        a, b = (scene.names.frame(f's::{f}') for f in 'ab')
+        if change == 'a frame':
+            scene.scene_graph.RegisterFrame(source, GeometryFrame('late'))
+        elif change == 'a filter':
+            pair = GeometrySet(frame_ids=[a, b])
+            manager = scene.scene_graph.collision_filter_manager()
+            manager.Apply(CollisionFilterDeclaration().ExcludeWithin(pair))
+        elif change == 'a shape':
+            ball = scene.names.geometry('s::a/ball')
+            scene.scene_graph.ChangeShape(source, ball, Sphere(0.3))
+        else:
+            assert scene.take_poses(message(a=-1)) == 1
+        before = pairs_of(scene)
+        assert scene.add(description, copy) == (3, 2)
+        after = pairs_of(scene)
+        assert before.items() <= after.items()
+        assert (change == 'a frame') == (('s', 'late') in scene.names.labels.values())
+        # By the ids of the copy only where nothing had changed.
+        taken = {*copy.loaded.frames.values()} <= {*scene.names.labels}
+        assert taken == (change == 'nothing but a pose')
+        # The scene goes on changing as ever.
+        scene.scene_graph.RegisterFrame(scene.names.source('t'), GeometryFrame('later'))
+        assert ('t', 'later') in scene.names.labels.values()
+
+
+def pairs_of(scene):
+    """Return the distances of all pairs by their names."""
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    names = map(scene.inspector.full_names, (results.id_A, results.id_B))
+    return dict(zip(zip(*names, strict=True), results.distance.tolist(), strict=True))

@@ -9,6 +9,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     METHOD,
     NORMAL,
     UNIQUE,
+    OrientedShape,
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius, core_radius
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
@@ -40,12 +41,9 @@ from drake_geom_ros.geometry._proximity.runtime.views import part, row
 @allocating
 def _is_alone(
     numbers: Floats,
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
+    shaped_A: OrientedShape,
     p_ACa: Vector,
-    shape_B: Floats,
-    R_WB: Floats,
+    solid_B: OrientedShape,
     p_BCb: Vector,
     nhat_BA_W: Vector,
 ) -> bool:
@@ -53,6 +51,8 @@ def _is_alone(
 
     ``nhat_BA_W`` points out of B into A.
     """
+    kind_A, shape_A, R_WA = shaped_A
+    _, shape_B, R_WB = solid_B
     R = np.empty((3, 3))
     for j in range(3):
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
@@ -86,9 +86,9 @@ def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: B
         if not unique[k]:
             continue
         n, p, q = vector_at(numbers, NORMAL), vector_at(numbers, P_ACA), vector_at(numbers, P_BCB)
-        A, B = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-        R_WA, R_WB, m = row(R_WGs, a), row(R_WGs, b), scale(-1.0, n)
+        A = OrientedShape(types[a], part(pool, starts[a], starts[a + 1]), row(R_WGs, a))
+        B = OrientedShape(types[b], part(pool, starts[b], starts[b + 1]), row(R_WGs, b))
         # Each solid can be the one that the other is near to or leaves.
-        unique[k] = types[b] == SOLID and _is_alone(numbers, types[a], A, R_WA, p, B, R_WB, q, n)
+        unique[k] = types[b] == SOLID and _is_alone(numbers, A, p, B, q, n)
         if not unique[k] and types[a] == SOLID:
-            unique[k] = _is_alone(numbers, types[b], B, R_WB, q, A, R_WA, p, m)
+            unique[k] = _is_alone(numbers, B, q, A, p, scale(-1.0, n))

@@ -11,9 +11,6 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.effects import Effects, seconds_by_step
 from drake_geom_ros.geometry._proximity.engine.pair_query import (
-    ANSWERS,
-    CANDIDATES,
-    CONTACT,
     LACKS_KERNELS,
     LIST,
     run_cycle,
@@ -63,16 +60,15 @@ from drake_geom_ros.geometry._proximity.report import (
 )
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell
 from drake_geom_ros.geometry._proximity.runtime.threads import LONG, THREADS, share
-from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
+from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.world import NO_POSES, World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
+ACCURACY_LEVELS = tuple(GAPS_OF_LEVELS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
-_LEVEL_GAPS = {'bound': math.inf, **LEVEL_GAPS}
 _NO_ANSWERS = np.zeros((0, ANSWER_WIDTH))
 _NO_KERNELS = ()
 _empty = np.empty
@@ -145,41 +141,23 @@ class Engine:
         mode: int,
     ) -> Prepared:
         """Return a query of a world under filters, in a mode of ``pair_query``, for many asks."""
-        level_gap = _LEVEL_GAPS[accuracy]
+        level_gap = GAPS_OF_LEVELS[accuracy]
         return self._queries.prepared(world, filters, level_gap, cutoff, penetrating, mode)
 
-    def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
-        """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
-        prepared = self.prepared(world, filters, 'bound', distance, False, CANDIDATES)
-        return self.candidates_of(prepared)
-
     def candidates_of(self, prepared: Prepared) -> Indices:
-        """Return ``candidates`` of a prepared query."""
+        """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
         count = self._run(prepared)
         near = prepared.near
         pairs: Indices = near.arrays.pairs[near.arrays.hits[:count]]
         self._counts[FAR] = near.count - count
         return pairs
 
-    def signed_distances(
-        self,
-        world: World,
-        filters: FilterState,
-        accuracy: str,
-        cutoff: float,
-        penetrating: bool = False,
-        time_budget: float = 0.0,
-    ) -> PairBatch:
-        """Return the unfiltered pairs within ``cutoff`` [m], or only those that overlap.
-
-        Of pairs that are answered from bounds alone, by the level or because the narrow phase has
-        spent its ``time_budget`` [s] (0: none), all that may be.
-        """
-        prepared = self.prepared(world, filters, accuracy, cutoff, penetrating, ANSWERS)
-        return batch_of(self.answer_of(prepared, time_budget))
-
     def answer_of(self, prepared: Prepared, time_budget: float = 0.0) -> Floats:
-        """Return ``signed_distances`` of a prepared query as rows (k, ANSWER_WIDTH).
+        """Return the unfiltered pairs within a query's cutoff as rows (k, ANSWER_WIDTH).
+
+        Or only those that overlap, if it is about ``penetrating`` ones. Of pairs that are answered
+        from bounds alone, by the level or because the narrow phase has spent its ``time_budget``
+        [s] (0: none), all that may be.
 
         What is usual is done here, in one go: in the first cycle after other work, which is what a
         robot has each time, each function in between comes from memory, too.
@@ -213,16 +191,11 @@ class Engine:
             self._queries.forget_list(prepared.cutoff)
         return answers
 
-    def has_overlap(self, world: World, filters: FilterState, accuracy: str) -> bool:
-        """Return whether ``signed_distances`` would return a pair that overlaps.
+    def finds_overlap(self, prepared: Prepared) -> bool:
+        """Return whether ``answer_of`` the query would have a pair that overlaps.
 
         Or one that may, where rounding hides more than UNSEEN_DEPTH.
         """
-        prepared = self.prepared(world, filters, accuracy, 0.0, True, CONTACT)
-        return self.finds_overlap(prepared)
-
-    def finds_overlap(self, prepared: Prepared) -> bool:
-        """Return ``has_overlap`` of a prepared query."""
         return self._run(prepared) > 0
 
     def distance_of_pair(
@@ -238,13 +211,13 @@ class Engine:
         slots, memory = np.zeros(1, dtype=np.int64), empty_memory(1)
         if hint is not None:
             # As of this level: what another one left is not started from.
-            memory[0, NORMAL : NORMAL + 3], memory[0, LEVEL_GAP] = hint, _LEVEL_GAPS[accuracy]
+            memory[0, NORMAL : NORMAL + 3], memory[0, LEVEL_GAP] = hint, GAPS_OF_LEVELS[accuracy]
         if row < 0:
             return batch_of(gathered(world, slots[:0], pair, slots, memory, math.inf))
         self._kernels = compile_rows(rows)
         self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
-        level_gap, hits = _LEVEL_GAPS[accuracy], np.empty(1, dtype=np.int64)
+        level_gap, hits = GAPS_OF_LEVELS[accuracy], np.empty(1, dtype=np.int64)
         hits = self._steps.answer(world, pair, slots, memory, (level_gap, math.inf, False), hits)
         self._moments[ANSWERED] = time.perf_counter()
         return batch_of(gathered(world, hits, pair, slots, memory, level_gap))

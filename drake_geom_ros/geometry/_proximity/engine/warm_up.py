@@ -14,6 +14,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.derivatives.gradients import compile_derivatives
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
+from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS, CANDIDATES, CONTACT
 from drake_geom_ros.geometry._proximity.filters.log import EXCLUDE_BETWEEN
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.addresses import compile_rows
@@ -81,15 +82,16 @@ def _warmed_scene() -> tuple[World, Engine]:
         world.pose(named, X_PFs)
         world.copy()  # takes what was given without a query
         world.pose(named, X_PFs)
+        asked = world, filters, 'bound'
         for reach in (0.0, math.inf):
-            engine.signed_distances(world, filters, 'bound', reach)
-        engine.has_overlap(world, filters, 'bound')
-        engine.candidates(world, filters, 0.0)
+            engine.answer_of(engine.prepared(*asked, reach, False, ANSWERS))
+        engine.finds_overlap(engine.prepared(*asked, 0.0, True, CONTACT))
+        engine.candidates_of(engine.prepared(*asked, 0.0, False, CANDIDATES))
     world.pose(named, X_PFs)
     world.update_shared()
     _leave_at_bounds(world, filters)
     engine.detailed = True  # then Python calls what else only compiled code does
-    engine.signed_distances(world, filters, 'bound', 1.0)
+    engine.answer_of(engine.prepared(world, filters, 'bound', 1.0, False, ANSWERS))
     engine.detailed = False
     shift_of(0.0, 0.0, 0.0, 0.0)
     return world, engine

@@ -80,6 +80,15 @@ class FilterState:
         other.welded = dict(self.welded)
         return other
 
+    def become(self, other: FilterState) -> None:
+        """Have what a copy of this state holds that nobody uses from now on.
+
+        First poses of welded frames stay: this one may have been told of some since.
+        """
+        welded = {frame: self.welded.get(frame, pose) for frame, pose in other.welded.items()}
+        self.__dict__.update(other.__dict__)
+        self.welded = welded
+
     def narrowed(self, keys: NDArray[np.int64], considered: Flags) -> FilterState:
         """Return a copy that excludes all pairs of keys (n,) but those ``considered`` (n, n).
 

@@ -2,18 +2,17 @@
 
 Conventions, for every pair kernel (A, B)::
 
-    kernel(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out)
+    kernel(A, B, p_AB_W, aim, out)
 
 ========== ========================================================================
-kind_A     shape type number of A, for the kernel that serves many pairs
-shape_A    parameters of A, see *Shape parameters* (float64, 1-D)
-R_WA       orientation of A (3, 3), C order
+A, B       each an ``OrientedShape``: ``kind``, the shape type number, for the kernel that serves
+           many pairs; ``shape``, see *Shape parameters* (float64, 1-D); ``R_W`` (3, 3), C order
 p_AB_W     position of Bo from Ao, in World axes (3,) [m]: a kernel never sees how far
            the pair is from the world's origin, so an offset costs it no digits
-tolerance  how far [m] apart the certified bounds at which an iteration may stop;
-           a closed form ignores it
-cutoff     [m] once the distance is certified to exceed it a kernel may stop and report
-           its lower bound with BOUND_ONLY as method; infinity: never
+aim        an ``Aim``: ``tolerance``, how far [m] apart the certified bounds at which an iteration
+           may stop (a closed form ignores it); ``cutoff`` [m], once the distance is certified to
+           exceed it a kernel may stop and report its lower bound with BOUND_ONLY as method,
+           infinity: never; and the ``size`` of the pair's shapes [m]
 out        one row of PAIR_WIDTH numbers, see ``calling.pairs``. On entry its normal is a *hint*:
            nhat_BA_W of an earlier answer of the same pair, or zeros. A row may have SLOT_WIDTH
            columns and MEMORY_WIDTH more: there, zeros at first, a kernel of hulls keeps

@@ -45,7 +45,7 @@ from drake_geom_ros.geometry._proximity.motion.records import (
     put_answer,
     put_plane,
 )
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import least_possible
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import BoundedBodies, least_possible
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import row
@@ -132,9 +132,7 @@ def _keep(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: in
     a, b, node = motion.pairs[k, 0], motion.pairs[k, 1], motion.common_of_pair[k]
     _put_bounds(motion, world, k, A, B, exchanged)
     way, slack = motion.bounds[k, WAY], motion.bounds[k, SLACK]
-    least = least_possible(
-        a,
-        b,
+    bodies = BoundedBodies(
         world.types,
         world.R_WGs,
         world.p_WGs,
@@ -142,6 +140,7 @@ def _keep(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: in
         world.half_extents,
         world.outer,
     )
+    least = least_possible(a, b, bodies)
     if is_proved(motion, k, least - way - slack):
         return 0
     if count >= motion.entries.shape[0] or 2 * count + 1 >= motion.records.shape[0]:

@@ -171,8 +171,7 @@ def _put_links(motion: MotionArrays, t: float) -> None:
     for c in range(values.shape[1]):
         start, end = values[0, c], values[1, c]
         values[2, c] = end if t == 1.0 else start + t * (end - start)
-    pose_links(
-        table(row(values, 2), 0, 1, values.shape[1]),
+    chain = (
         motion.leaders,
         motion.multipliers,
         motion.offsets,
@@ -183,9 +182,8 @@ def _put_links(motion: MotionArrays, t: float) -> None:
         motion.children,
         motion.X_WLs,
         motion.links,
-        0,
-        motion.poses,
     )
+    pose_links(table(row(values, 2), 0, 1, values.shape[1]), chain, 0, motion.poses)
 
 
 @compiled

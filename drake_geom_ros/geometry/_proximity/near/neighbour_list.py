@@ -150,7 +150,7 @@ class NeighbourList:
         """
         self.look_at(world, filters)
         state = world.revision, filters.version, world.placings
-        while (told := _bring_up_to_date(world.handle, *self.handles, *state, cutoff)) > MADE:
+        while (told := _bring_up_to_date(world.handle, *self.handles, state, cutoff)) > MADE:
             self.make_room(told)
         return bool(told == MADE)
 
@@ -202,19 +202,18 @@ def _bring_up_to_date(
     boxes: Handle,
     resting: Handle,
     filters: Handle,
-    revision: int,
-    version: int,
-    placings: int,
+    moment: tuple[int, int, int],
     cutoff: float,
 ) -> int:
-    """Do what ``making.bring_up_to_date`` does, by handles."""
+    """Do what ``making.bring_up_to_date`` does, by handles.
+
+    The ``moment`` is told by the world's revision, the filters' version, and its placings.
+    """
     return bring_up_to_date(
         list_of(near),
         world_of(world),
         (near, world, boxes, resting),
         filters_of(filters),
-        revision,
-        version,
-        placings,
+        *moment,
         cutoff,
     )

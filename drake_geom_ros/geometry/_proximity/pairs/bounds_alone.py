@@ -30,8 +30,9 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SPHERE
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import least_possible
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import BoundedBodies, least_possible
+from drake_geom_ros.geometry._proximity.pairs.slots import Shapes
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import EPS
@@ -41,9 +42,7 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS
 def bound_pair(
     a: int,
     b: int,
-    types: Indices,
-    starts: Indices,
-    pool: Floats,
+    shapes: Shapes,
     R_WGs: Floats,
     p_WGs: Floats,
     inner: Floats,
@@ -51,6 +50,7 @@ def bound_pair(
     out: Floats,
 ) -> None:
     """Write a pair's answer from the widths along the line of the centres."""
+    types, starts, pool = shapes
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
@@ -60,24 +60,14 @@ def bound_pair(
 
 
 @compiled
-def raise_lower_end(
-    a: int,
-    b: int,
-    types: Indices,
-    R_WGs: Floats,
-    p_WGs: Floats,
-    roundings: Floats,
-    half_extents: Floats,
-    outer: Floats,
-    out: Floats,
-) -> None:
+def raise_lower_end(a: int, b: int, bodies: BoundedBodies, out: Floats) -> None:
     """Raise the lower end of a pair's interval to what boxes and balls around the bodies certify.
 
     So none of these knows more of a pair than its answer. The witness point on B moves with it.
     """
-    if types[a] == SPHERE and types[b] == SPHERE:
+    if bodies.types[a] == SPHERE and bodies.types[b] == SPHERE:
         return  # whose interval is as wide as rounding
-    least = least_possible(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
+    least = least_possible(a, b, bodies)
     lower, upper = out[DISTANCE] - out[ERROR_BOUND], out[DISTANCE] + out[ERROR_BOUND]
     if not least > lower:
         return

@@ -11,6 +11,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import ADDRESSES
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.budget import Pace
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs, bound_pairs
+from drake_geom_ros.geometry._proximity.pairs.slots import NO_QUEUE
 from drake_geom_ros.geometry._proximity.report import (
     BY_METHOD,
     CACHED,
@@ -24,9 +25,6 @@ from drake_geom_ros.geometry._proximity.world.world import World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-_NO_DISTANCES = np.zeros(0)
-_AT_ONCE = np.zeros(0, dtype=np.int64), _NO_DISTANCES  # a queue in which no pair waits
 
 
 class BudgetedAnswers:
@@ -64,7 +62,7 @@ class BudgetedAnswers:
         memory: Floats,
         query: tuple[float, float, bool],
         hits: Indices,
-        queue: tuple[Indices, Floats] = _AT_ONCE,
+        queue: tuple[Indices, Floats] = NO_QUEUE,
     ) -> Indices:
         """Return the numbers of the pairs that ``query`` is about, their slots up to date.
 
@@ -102,7 +100,7 @@ class BudgetedAnswers:
                 world.revision,
                 query,
                 -1,
-                _AT_ONCE,
+                NO_QUEUE,
                 room[first:last],
                 counts,
             )
@@ -116,7 +114,7 @@ class BudgetedAnswers:
         self, world: World, near: NeighbourList, query: tuple[float, float, bool]
     ) -> Indices:
         """Return what ``_answer`` does: first what is known, then what kernels have to compute."""
-        waiting, _ = queue = np.empty(len(near.pairs), dtype=np.int64), _NO_DISTANCES
+        waiting, _ = queue = np.empty(len(near.pairs), dtype=np.int64), np.zeros(0)
         asked, room = (near.pairs, near.slots, near.memory, query), near.arrays.hits
         known = self.answer(world, *asked, room, queue=queue).copy()
         total = self._counts.copy()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
@@ -11,6 +12,20 @@ from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
+
+
+class BoundedBodies(NamedTuple):
+    """What is known of n bodies beside their shapes, fields of ``WorldArrays``.
+
+    Made where it is handed over, which costs nothing: see ``narrow_phase.answer_pairs``.
+    """
+
+    types: Indices
+    R_WGs: Floats
+    p_WGs: Floats
+    roundings: Floats
+    half_extents: Floats
+    outer: Floats
 
 
 @inlined
@@ -32,13 +47,12 @@ def separation_of_aabbs(p_WGs: Floats, half_extents: Floats, i: int, j: int) -> 
 
 
 @inlined
-def separation_from_plane(
-    R_WGs: Floats, p_WGs: Floats, roundings: Floats, half_extents: Floats, h: int, g: int
-) -> float:
+def separation_from_plane(h: int, g: int, bodies: BoundedBodies) -> float:
     """Return a lower bound of the distance [m] of the box around g above the half space h.
 
     Boxes have room for the rounding of their poses; that of h is taken off, see ``pose_rounding``.
     """
+    _, R_WGs, p_WGs, roundings, half_extents, _ = bodies
     height, extent, size = 0.0, 0.0, 0.0
     for k in range(3):
         height += R_WGs[h, k, 2] * (p_WGs[g, k] - p_WGs[h, k])
@@ -48,21 +62,13 @@ def separation_from_plane(
 
 
 @inlined
-def separation_of_boxes(
-    i: int,
-    j: int,
-    types: Indices,
-    R_WGs: Floats,
-    p_WGs: Floats,
-    roundings: Floats,
-    half_extents: Floats,
-) -> float:
+def separation_of_boxes(i: int, j: int, bodies: BoundedBodies) -> float:
     """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
-    if types[i] == HALF_SPACE:
-        return separation_from_plane(R_WGs, p_WGs, roundings, half_extents, i, j)
-    if types[j] == HALF_SPACE:
-        return separation_from_plane(R_WGs, p_WGs, roundings, half_extents, j, i)
-    return separation_of_aabbs(p_WGs, half_extents, i, j)
+    if bodies.types[i] == HALF_SPACE:
+        return separation_from_plane(i, j, bodies)
+    if bodies.types[j] == HALF_SPACE:
+        return separation_from_plane(j, i, bodies)
+    return separation_of_aabbs(bodies.p_WGs, bodies.half_extents, i, j)
 
 
 @inlined
@@ -80,44 +86,31 @@ def separation_of_balls(i: int, j: int, p_WGs: Floats, roundings: Floats, outer:
 
 
 @inlined
-def separation_of_bounds(
-    i: int,
-    j: int,
-    types: Indices,
-    R_WGs: Floats,
-    p_WGs: Floats,
-    roundings: Floats,
-    half_extents: Floats,
-    outer: Floats,
-    cutoff: float,
-) -> float:
-    """Return a lower bound of the distance [m], of boxes too where balls are within the cutoff."""
+def separation_of_bounds(i: int, j: int, bodies: BoundedBodies, cutoff: float) -> float:
+    """Return a lower bound of the distance [m], of boxes too where balls are within the cutoff.
+
+    Without a cutoff nobody needs one, and it is minus infinity.
+    """
+    if cutoff == math.inf:
+        return -math.inf
+    types = bodies.types
     # The ball of a half space has no bound, and its separation is minus infinity.
-    balls = separation_of_balls(i, j, p_WGs, roundings, outer)
+    balls = separation_of_balls(i, j, bodies.p_WGs, bodies.roundings, bodies.outer)
     round_ones = types[i] == SPHERE and types[j] == SPHERE and balls > -math.inf
     if round_ones or balls > cutoff:
         return balls
-    boxes = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-    return max(boxes, balls)
+    return max(separation_of_boxes(i, j, bodies), balls)
 
 
 @inlined
-def least_possible(
-    i: int,
-    j: int,
-    types: Indices,
-    R_WGs: Floats,
-    p_WGs: Floats,
-    roundings: Floats,
-    half_extents: Floats,
-    outer: Floats,
-) -> float:
+def least_possible(i: int, j: int, bodies: BoundedBodies) -> float:
     """Return a lower bound [m] of a signed distance, of bodies that overlap too.
 
     The depth of convex bodies is no more than the overlap of their shadows on any line, so no
     more than that of their boxes along an axis or of their balls along the line of the centres.
     """
-    separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+    types, _, p_WGs, roundings, half_extents, outer = bodies
+    separation = separation_of_boxes(i, j, bodies)
     if types[i] == HALF_SPACE or types[j] == HALF_SPACE:
         return separation
     if separation == 0.0:
@@ -146,12 +139,13 @@ def apart(p_WGs: Floats, a: int, b: int) -> float:
 def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> int:
     """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
     world, found = world_of(world), 0
-    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
-    roundings, half_extents = world.roundings, world.half_extents
+    bodies = BoundedBodies(
+        *(world.types, world.R_WGs, world.p_WGs, world.roundings),
+        *(world.half_extents, world.outer),
+    )
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
-        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-        if separation <= cutoff:
+        if separation_of_boxes(i, j, bodies) <= cutoff:
             hits[found] = k
             found += 1
     return found

@@ -16,9 +16,9 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import (
 )
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
-from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
+from drake_geom_ros.geometry._proximity.pairs.slots import NO_QUEUE, empty_memory
 from drake_geom_ros.geometry._proximity.report import COUNTS, POSTPONED
-from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
+from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
@@ -48,10 +48,9 @@ def seconds_a_pair(
         return {}, 0
     pairs = np.tile(chosen, (LAPS, 1))
     compile_rows(table_rows(*world.geometries.types[pairs].T))
-    no_queue = waiting[:0], distances[:0]
     costs = {}
-    for level, level_gap in {'bound': math.inf, **LEVEL_GAPS}.items():
-        trials = [_answer(world, pairs, level_gap, cutoff, no_queue) for _ in range(TRIALS)]
+    for level, level_gap in GAPS_OF_LEVELS.items():
+        trials = [_answer(world, pairs, level_gap, cutoff, NO_QUEUE) for _ in range(TRIALS)]
         costs[level] = min(seconds for seconds, _ in trials) / len(pairs)
     return costs, len(chosen)
 

@@ -31,6 +31,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     UNIQUE,
     WITNESS_A,
     WITNESS_B,
+    Aim,
+    OrientedShape,
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.pair_table import TYPE_COUNT
@@ -43,6 +45,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, raise_lower_end
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
+    BoundedBodies,
     apart,
     separation_of_bounds,
 )
@@ -52,7 +55,7 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.pairs.slots import Aim, Query, Queue, Shapes
+from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
@@ -82,14 +85,13 @@ def _call_in_order(
     b: int,
     kernels: Addresses,
     shapes: Shapes,
-    R_WGs: Floats,
-    p_WGs: Floats,
+    poses: tuple[Floats, Floats],
     p_AB_W: Floats,
     aim: Aim,
     out: Floats,
 ) -> None:
     """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
-    types, starts, pool = shapes.types, shapes.starts, shapes.pool
+    (types, starts, pool), (R_WGs, p_WGs) = shapes, poses
     swapped = types[a] > types[b]
     if swapped:
         a, b = b, a
@@ -99,40 +101,15 @@ def _call_in_order(
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     address = kernels[ROWS[_code(types[a], types[b])]]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-    R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
+    A = OrientedShape(types[a], shape_a, row(R_WGs, a))
+    B = OrientedShape(types[b], shape_b, row(R_WGs, b))
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
     extreme = is_extreme(aim.size, p_AB_W)
-    extreme = extreme or vanishes(types[a], shape_a) or vanishes(types[b], shape_b)
-    if extreme and types[b] <= CONVEX:
-        call_at_one_metre(
-            kernels[AT_ONE_METRE],
-            address,
-            aim.size,
-            types[a],
-            shape_a,
-            R_WA,
-            types[b],
-            shape_b,
-            R_WB,
-            p_AB_W,
-            aim.tolerance,
-            aim.cutoff,
-            out,
-        )
+    extreme = extreme or vanishes(A.kind, shape_a) or vanishes(B.kind, shape_b)
+    if extreme and B.kind <= CONVEX:
+        call_at_one_metre(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
     else:
-        call_kernel(
-            address,
-            types[a],
-            shape_a,
-            R_WA,
-            types[b],
-            shape_b,
-            R_WB,
-            p_AB_W,
-            aim.tolerance,
-            aim.cutoff,
-            out,
-        )
+        call_kernel(address, A, B, p_AB_W, aim, out)
     if swapped:
         for c in range(3):
             # Measured from the other body's origin from now on.
@@ -289,10 +266,10 @@ def answer_pairs(
     types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
     halves, outer, inner = world.half_extents, world.outer, world.inner
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
-    level_gap, cutoff, penetrating = query.level_gap, query.cutoff, query.penetrating
-    p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
-    near_cutoff = max(cutoff, 0.0)
-    far_cutoff = math.inf if math.isinf(level_gap) else near_cutoff
+    level_gap, cutoff, penetrating = query
+    p_AB_W, now = np.empty(3), np.empty(PAIR_WIDTH)
+    limit = max(cutoff, 0.0)
+    far_cutoff = math.inf if math.isinf(level_gap) else limit
     counts[:], found = 0, 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
@@ -305,16 +282,14 @@ def answer_pairs(
         if max(stamps[a], stamps[b]) <= out[SEEN] and _stands(out, level_gap, travelled, cutoff):
             counts[CACHED] += 1
         else:
-            least = -math.inf
-            if cutoff < math.inf:
-                least = separation_of_bounds(
-                    a, b, types, R_WGs, p_WGs, roundings, halves, outer, near_cutoff
-                )
-            near = least <= near_cutoff
+            least = separation_of_bounds(
+                a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer), limit
+            )
+            near = least <= limit
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
-                    bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
-                    least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], out[SLACK] - travelled)
+                    bound_pair(a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, now)
+                    least = max(now[DISTANCE] - now[ERROR_BOUND], out[SLACK] - travelled)
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
@@ -322,15 +297,17 @@ def answer_pairs(
                 tolerance = tolerance_of_pair(level_gap, a, b, outer)
                 rounding = rounding_of_pair(a, b, extent, roundings)
                 if math.isinf(level_gap):
-                    bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
+                    bound_pair(a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
                     _recall(out, level_gap, types[a], types[b])
                     shapes = Shapes(types, starts, pool)
                     aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
-                    _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
+                    _call_in_order(a, b, kernels, shapes, (R_WGs, p_WGs), p_AB_W, aim, out)
                 _widen(out, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
-                    raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
+                    raise_lower_end(
+                        a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer), out
+                    )
                 out[SEEN], out[LEVEL_GAP] = revision, level_gap
                 least = _least(out, level_gap, size, rounding)
             else:
@@ -378,7 +355,8 @@ def bound_pairs(
         if stamps[a] <= out[SEEN] and stamps[b] <= out[SEEN] and math.isinf(out[LEVEL_GAP]):
             counts[CACHED] += 1
         else:
-            bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
+            shapes = Shapes(types, starts, pool)
+            bound_pair(a, b, shapes, R_WGs, p_WGs, inner, p_AB_W, bounds)
             moved = math.inf
             if out[SEEN] >= 0.0:
                 moved = travelled - (out[SLACK] - _least(out, out[LEVEL_GAP], size, 0.0))

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SEEN, SLACK, SLOT_WIDTH
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -35,20 +36,22 @@ class Queue(NamedTuple):
     distances: Floats
 
 
+# A queue in which no pair waits, so that kernels run at once.
+NO_QUEUE = Queue(np.zeros(0, dtype=np.int64), np.zeros(0))[:]
+
+
+@allocating
+def no_queue() -> tuple[Indices, Floats]:
+    """Return the same for compiled code, to which arrays of a module are read-only."""
+    return np.zeros(0, dtype=np.int64), np.zeros(0)
+
+
 class Shapes(NamedTuple):
     """Type numbers, and where in the pool the parameters are."""
 
     types: Indices
     starts: Indices
     pool: Floats
-
-
-class Aim(NamedTuple):
-    """What a kernel is to do: the pair's size, tolerance and cutoff [m]."""
-
-    size: float
-    tolerance: float
-    cutoff: float
 
 
 def empty_memory(pairs: int) -> Floats:

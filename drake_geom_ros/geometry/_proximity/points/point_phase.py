@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Set
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.addresses import compile_rows, table_rows
+from drake_geom_ros.geometry._proximity.kernels.addresses import (
+    ADDRESSES,
+    compile_rows,
+    table_rows,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import compiled_address
 from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_WIDTH,
@@ -30,6 +35,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
+from drake_geom_ros.geometry._proximity.world.world import PointShapes
 
 BLOCK = 64  # points: their rows of one geometry, far from each other, stay in the nearest caches
 # By shape type: the point kernels, compiled once a process, and the pair table's row of a point.
@@ -53,34 +59,43 @@ def compile_point_kernels(types: Set[int], tell: Tell | None = None) -> list[str
     return list(names)
 
 
+class PointTables(NamedTuple):
+    """What n geometries are to points, and the kernels that know how far these are."""
+
+    addresses: Addresses  # by shape type
+    pair_addresses: Addresses  # those of the pair table
+    pair_rows: Indices  # (n,) of points to each geometry in that table
+    types: Indices  # (n,)
+    starts: Indices  # (n + 1,)
+    pool: Floats
+
+
+# As compiled code is handed it, and what it fills: see ``pairs.slots``.
+TableArrays: TypeAlias = tuple[Addresses, Addresses, Indices, Indices, Indices, Floats]
+AnswerArrays: TypeAlias = tuple[Floats, Booleans, Unsigned32, Indices, Indices]
+
+
+def point_tables(shapes: PointShapes) -> TableArrays:
+    """Return the ``PointTables`` of geometries as a plain tuple."""
+    types, starts, pool, _ = shapes
+    return PointTables(POINT_ADDRESSES, ADDRESSES, POINT_ROWS[types], types, starts, pool)[:]
+
+
 @compiled
 def point_phase(
-    addresses: Addresses,
-    pair_addresses: Addresses,
-    pair_rows: Indices,
-    types: Indices,
-    starts: Indices,
-    pool: Floats,
-    world: Handle,
-    p_WQs: Floats,
-    threshold: float,
-    rows: Floats,
-    found: Booleans,
-    points: Unsigned32,
-    ids: Indices,
-    counts: Indices,
+    tables: TableArrays, world: Handle, p_WQs: Floats, threshold: float, answers: AnswerArrays
 ) -> int:
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
-    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``types`` (n,),
-    ``starts`` (n + 1,) and ``pool`` what it is to them; ``world`` is a handle. The first of
-    ``rows`` (m n, POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in the order of points,
-    then ids. ``found`` (m n,) comes in as False, ``counts`` get how many answers there are by
-    each method.
+    ``tables`` are those of ``PointTables``, ``world`` is a handle. Of the ``answers``, the first
+    of rows (m n, POINT_WIDTH), points and ids (m n,) are filled, in the order of points, then
+    ids; found (m n,) comes in as False, and counts get how many there are by each method.
     """
+    addresses, pair_addresses, pair_rows, types, starts, pool = tables
+    rows, found, points, ids, counts = answers
     world = world_of(world)
     R_WGs, p_WGs, roundings, outer = world.R_WGs, world.p_WGs, world.roundings, world.outer
-    m, n, answers = p_WQs.shape[0], types.size, PointAnswers(rows, found, counts)
+    m, n, filled = p_WQs.shape[0], types.size, PointAnswers(rows, found, counts)
     for first in range(0, m, BLOCK):
         last = min(first + BLOCK, m)
         for g in range(n):
@@ -95,7 +110,7 @@ def point_phase(
                 p_WQs,
                 threshold,
                 Span(first, last, g, n),
-                answers,
+                filled,
             )
     count = 0
     for k in range(m * n):

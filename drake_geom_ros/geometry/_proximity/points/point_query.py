@@ -87,17 +87,15 @@ def _run_points(
     X_PFs: Floats,
     p_WQs: Floats,
     threshold: float,
-    rows: Floats,
-    found: Booleans,
-    points: Unsigned32,
-    ids: Indices,
+    answers: tuple[Floats, Booleans, Unsigned32, Indices],
 ) -> int:
     """Do what a point query does; return how many answers there are.
 
     ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.
-    Answers for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,)
-    comes in as does not matter.
+    The ``answers`` for points (m, 3) and n geometries are those of ``point_phase``, without
+    counts; what found (m n,) comes in as does not matter.
     """
+    rows, found, points, ids = answers
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
     pose_world(hands.world, report, stale, revision, X_PFs)
@@ -105,22 +103,12 @@ def _run_points(
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
     found[:] = False
-    count = point_phase(
-        hands.kernels,
-        hands.pair_kernels,
-        hands.pair_rows,
-        hands.types,
-        hands.starts,
-        hands.pool,
-        hands.world,
-        p_WQs,
-        threshold,
-        rows,
-        found,
-        points,
-        ids,
-        part(counts, BY_METHOD, counts.size),
+    tables = (
+        *(hands.kernels, hands.pair_kernels, hands.pair_rows),
+        *(hands.types, hands.starts, hands.pool),
     )
+    filled = (rows, found, points, ids, part(counts, BY_METHOD, counts.size))
+    count = point_phase(tables, hands.world, p_WQs, threshold, filled)
     told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, capacity, capacity
     counts[FAR] = capacity - count
     moments[ANSWERED] = now()
@@ -131,7 +119,7 @@ def _there(world: World, found: PointBatch) -> PointBatch:
     """Return the answers about geometries that do not wait for a pose."""
     if world.is_whole:
         return found
-    there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, found.ids)])
+    there = np.flatnonzero(~world.waiting[world.geometry_rows(found.ids)])
     return PointBatch(found.ids[there], found.points[there], found.rows[there])
 
 
@@ -167,8 +155,9 @@ class PointDistanceQueries:
         stale = world.is_stale
         revision = world.revision + stale
         X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
-        asked = p_WQs, threshold
-        count = _run_points(self._hands, stale, revision, X_PFs, *asked, rows, found, points, ids)
+        answers = rows, found, points, ids
+        state = self._hands, stale, revision, X_PFs
+        count = _run_points(*state, p_WQs, threshold, answers)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         return count, PointBatch(ids, points, rows)
 

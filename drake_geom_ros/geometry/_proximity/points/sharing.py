@@ -5,16 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.addresses import ADDRESSES
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.pair_table import BY_PAIR_KERNEL, POINT_KERNELS
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import PointBatch
-from drake_geom_ros.geometry._proximity.points.point_phase import (
-    POINT_ADDRESSES,
-    POINT_ROWS,
-    point_phase,
-)
+from drake_geom_ros.geometry._proximity.points.point_phase import point_phase, point_tables
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.threads import LONG, THREADS, share
 from drake_geom_ros.geometry._proximity.tolerances import LONG_POINT, SHORT_POINT
@@ -38,30 +33,17 @@ def shared_point_distances(
     world: World, p_WQs: Floats, threshold: float
 ) -> tuple[PointBatch, Indices]:
     """Return the answers of ``point_phase`` about a world that is up to date, and its counts."""
-    shapes, n = world.point_shapes, world.geometry_count
+    n = world.geometry_count
     capacity = len(p_WQs) * n
     rows = np.empty((capacity, POINT_WIDTH))
     points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
-    pair_rows = POINT_ROWS[shapes.types]
+    tables = point_tables(world.point_shapes)
 
     def answer(first: int, last: int) -> tuple[int, int, Indices]:
         part, counts = slice(first * n, last * n), np.zeros(COUNTS, dtype=np.int64)
-        count = point_phase(
-            POINT_ADDRESSES,
-            ADDRESSES,
-            pair_rows,
-            shapes.types,
-            shapes.starts,
-            shapes.pool,
-            world.handle,
-            p_WQs[first:last],
-            threshold,
-            rows[part],
-            np.zeros((last - first) * n, dtype=np.bool_),
-            points[part],
-            ids[part],
-            counts,
-        )
+        found = np.zeros((last - first) * n, dtype=np.bool_)
+        answers = rows[part], found, points[part], ids[part], counts
+        count = point_phase(tables, world.handle, p_WQs[first:last], threshold, answers)
         points[first * n : first * n + count] += np.uint32(first)
         return first * n, count, counts
 

@@ -18,6 +18,7 @@ from typing import Any
 
 from numba import types
 from numba.core import (
+    cgutils,
     compiler,
     errors,
     event,
@@ -41,6 +42,7 @@ _LEFT_OUT = (
     untyped_passes.LiteralUnroll,
     untyped_passes.LiteralPropagationSubPipelinePass,
     typed_passes.InlineOverloads,
+    typed_passes.NopythonRewrites,
     typed_passes.NoPythonSupportedFeatureValidation,
     typed_passes.AnnotateTypes,
     typed_passes.DumpParforDiagnostics,
@@ -69,9 +71,12 @@ class _Typing:
 
     def resolve_function_type(self, function: Any, args: Any, kws: Any) -> Any:
         """Return the signature of a function for some types of arguments."""
-        if isinstance(function, types.Function) and not kws and args:
+        # What gets an element is asked for as the operator itself, all else as its type.
+        operation = getattr(function, 'typing_key', function)
+        typed = operation is function and function is operator.getitem
+        if (typed or isinstance(function, types.Function)) and not kws and args:
             first, *others = args
-            of_array = function.typing_key in _OF_ARRAYS and isinstance(first, types.Array)
+            of_array = operation in _OF_ARRAYS and isinstance(first, types.Array)
             if all(map(_is_plain, others if of_array else args)):
                 return self._recalled(function, tuple(args))
         return self._context.resolve_function_type(function, args, kws)
@@ -117,7 +122,22 @@ class _TypeInference(typed_passes.NopythonTypeInference):  # type: ignore[misc]
 
 
 class Lower(lowering.Lower):  # type: ignore[misc]
-    """Lowers operations by the signatures that were inferred, which need not be found again."""
+    """Lowers operations by the signatures that were inferred, which need not be found again.
+
+    Nothing is noted for debuggers, for which the size of each variable would be looked up.
+    """
+
+    def alloca_lltype(self, name: str, lltype: Any, datamodel: Any = None) -> Any:
+        """Make room for a variable."""
+        return cgutils.alloca_once(self.builder, lltype, name=name)
+
+    def storevar(self, value: Any, name: str, argidx: Any = None) -> None:
+        """Store the value of a variable, or of an argument."""
+        if argidx is None or name in self._singly_assigned_vars:
+            super().storevar(value, name, argidx)
+        else:
+            self._alloca_var(name, self.typeof(name))
+            self.builder.store(value, self.getvar(name))
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         """Lower an operation of two operands."""

@@ -26,18 +26,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, gather_rows
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
+from drake_geom_ros.geometry._proximity.pairs.slots import no_queue
 from drake_geom_ros.geometry._proximity.report import COUNTS
-from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
 from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
-from drake_geom_ros.geometry._proximity.runtime.handles import Handle
-from drake_geom_ros.geometry._proximity.states.groups import (
-    GroupArrays,
-    Groups,
-    collect,
-    put_boxes,
-)
-from drake_geom_ros.geometry._proximity.states.loops import forget, pose_state
+from drake_geom_ros.geometry._proximity.states.groups import Groups, collect, put_boxes
+from drake_geom_ros.geometry._proximity.states.loops import SceneArrays, forget, pose_state
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
@@ -126,22 +120,16 @@ def _insert(
 
 @allocating
 def nearest_pairs(
-    kernels: Addresses,
+    scene: SceneArrays,
     poses: Floats,
-    rows: Indices,
-    world: Handle,
-    pairs: Indices,
-    groups: GroupArrays,
     query: tuple[float, float, bool],
     stop: Indices,
-    found: Indices,
-    ids: Indices,
-    out: Floats,
+    answers: tuple[Indices, Indices, Floats],
 ) -> int:
     """Answer for the nearest pairs of each state (N, n, 7); return how many states are done.
 
-    ``found`` (N,) gets how many pairs may be within the cutoff, at most as many as ``ids``
-    (N, most, 2) and ``out`` (N, most, BATCH_WIDTH) have room for: their ids and rows, those of the
+    ``answers`` are filled: found (N,), how many pairs may be within the cutoff, at most as many as
+    ids (N, most, 2) and out (N, most, BATCH_WIDTH) have room for: their ids and rows, those of the
     least lower ends, in their order. States are done until ``stop`` (1,) is set, or one has a pose
     that is none.
 
@@ -149,15 +137,15 @@ def nearest_pairs(
     have as low an end as what was found. What a kernel is told as a cutoff is that end: it stops
     when it has certified that a pair is farther away, and changes no digit of a pair that is not.
     """
+    kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
-    level_gap, cutoff, _ = query
+    (level_gap, cutoff, _), (found, ids, out) = query, answers
     total, most = pairs.shape[0], ids.shape[1]
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(total), np.empty(total, dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
     counts = np.zeros(COUNTS, dtype=np.int64)
-    memory = np.zeros((1, SLOT_WIDTH))
-    queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
+    memory, queue = np.zeros((1, SLOT_WIDTH)), no_queue()
     best, ends, kept = np.empty(most, np.int64), np.empty(most), np.empty((most, PAIR_WIDTH))
     slots, both = np.arange(most), np.empty((most, 2), dtype=np.int64)
     some_ids, full = np.empty((most, 2), dtype=np.int64), np.empty((most, BATCH_WIDTH))
@@ -173,9 +161,8 @@ def nearest_pairs(
             first, last, skipped = nearest, nearest + 1, -1
             if turn == 1:
                 first, last, skipped = 0, groups.separations.size, nearest
-            left = collect(
-                groups, first, last, skipped, limit + below, pairs, posed, order, bounds
-            )
+            which = (first, last, skipped)
+            left = collect(groups, which, limit + below, pairs, posed, order, bounds)
             while True:
                 left = _take_nearest(order, left, bounds, limit + below) - 1
                 if left < 0:
@@ -203,12 +190,8 @@ def nearest_pairs(
 
 @allocating
 def any_near(
-    kernels: Addresses,
+    scene: SceneArrays,
     poses: Floats,
-    rows: Indices,
-    world: Handle,
-    pairs: Indices,
-    groups: GroupArrays,
     query: tuple[float, float, bool],
     stop: Indices,
     out: Booleans,
@@ -218,13 +201,14 @@ def any_near(
     ``out`` (N,) is False where every pair is certified to be farther. Each state ends at the first
     pair that is not. How many states are done is as in ``nearest_pairs``.
     """
+    kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
     level_gap, cutoff, _ = query
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(pairs.shape[0]), np.empty(pairs.shape[0], dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
     counts, memory = np.zeros(COUNTS, dtype=np.int64), np.zeros((1, SLOT_WIDTH))
-    queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
+    queue = no_queue()
     last = -1
     for s in range(poses.shape[0]):
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
@@ -232,8 +216,8 @@ def any_near(
         put_boxes(groups, posed)
         below = most_below(level_gap, posed)
         asked = (level_gap, cutoff + below, False)
-        everything = (0, groups.separations.size, -1, cutoff + below)
-        count = collect(groups, *everything, pairs, posed, order, bounds)
+        everything = (0, groups.separations.size, -1)
+        count = collect(groups, everything, cutoff + below, pairs, posed, order, bounds)
         for r in range(count):
             if order[r] == last:  # what was near still is, mostly
                 order[0], order[r] = last, order[0]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
+    BoundedBodies,
     least_possible,
     separation_of_aabbs,
 )
@@ -129,9 +130,7 @@ def plainly_apart(groups: Groups, m: int, cutoff: float) -> bool:
 @inlined
 def collect(
     groups: Groups,
-    first: int,
-    last: int,
-    skipped: int,
+    which: tuple[int, int, int],
     cutoff: float,
     pairs: Indices,
     world: WorldArrays,
@@ -140,21 +139,22 @@ def collect(
 ) -> int:
     """Collect the numbers of pairs that may be nearer than ``cutoff`` [m]; return how many.
 
-    Of pairs of groups from the first up to the last, without it, and without the one ``skipped``;
-    ``bounds`` (k,) [m] get what is known of those that are collected.
+    Of pairs of groups from the first up to the last, without it, and without the one skipped:
+    ``which`` these are. ``bounds`` (k,) [m] get what is known of those that are collected.
     """
     types, R_WGs, p_WGs, outer = world.types, world.R_WGs, world.p_WGs, world.outer
     roundings, half_extents = world.roundings, world.half_extents
-    count = 0
+    (first, last, skipped), count = which, 0
     for m in range(first, last):
-        if m == skipped or groups.separations[m] > max(
-            cutoff, 0.0
-        ):  # boxes that overlap are 0 apart
+        # Boxes that overlap are 0 apart.
+        if m == skipped or groups.separations[m] > max(cutoff, 0.0):
             continue
         for r in range(groups.starts[m], groups.starts[m + 1]):
             k = groups.numbers[r]
             a, b = pairs[k, 0], pairs[k, 1]
-            bound = least_possible(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
+            bound = least_possible(
+                a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, half_extents, outer)
+            )
             if bound <= cutoff:
                 order[count], bounds[k] = k, bound
                 count += 1

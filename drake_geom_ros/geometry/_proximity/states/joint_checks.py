@@ -118,8 +118,7 @@ _checks_of = taker(CheckArrays)
 @inlined
 def _put_links(checks: CheckArrays, q: Floats) -> None:
     """Write the poses of the links that are frames, by joint values (c,), to ``poses``."""
-    pose_links(
-        table(q, 0, 1, q.size),
+    chain = (
         checks.leaders,
         checks.multipliers,
         checks.offsets,
@@ -130,9 +129,8 @@ def _put_links(checks: CheckArrays, q: Floats) -> None:
         checks.children,
         checks.X_WLs,
         checks.links,
-        0,
-        checks.poses,
     )
+    pose_links(table(q, 0, 1, q.size), chain, 0, checks.poses)
 
 
 @inlined
@@ -175,8 +173,7 @@ def _any_near_of(
     groups.separations[m] = separation_of_aabbs(
         groups.centres, groups.halves, groups.pairs[m, 0], groups.pairs[m, 1]
     )
-    count = collect(groups, m, m + 1, -1, most, pairs, world, order, checks.bounds)
-    queue = (checks.waiting, checks.distances)  # in which no pair waits
+    count = collect(groups, (m, m + 1, -1), most, pairs, world, order, checks.bounds)
     for r in range(count):
         k = order[r]
         checks.one[0, 0], checks.one[0, 1] = pairs[k, 0], pairs[k, 1]
@@ -190,7 +187,7 @@ def _any_near_of(
             1,
             asked,
             -1,
-            queue,
+            (checks.waiting, checks.distances),  # no pair waits
             checks.hits,
             checks.counts,
         )
@@ -251,28 +248,19 @@ def least_of_state(handle: Handle, states: Floats) -> tuple[int, float, float, i
     if limits_verdict(q, checks.lower, checks.upper) == NO_STATE:
         return NO_STATE, 0.0, 0.0, 0, 0
     _put_links(checks, q)
-    done = nearest_pairs(
-        checks.kernels,
-        checks.poses,
-        checks.rows,
-        checks.world,
-        checks.pairs,
-        (
-            checks.firsts,
-            checks.members,
-            checks.group_pairs,
-            checks.starts,
-            checks.numbers,
-            checks.centres,
-            checks.halves,
-            checks.separations,
-        ),
-        (checks.asked[GAP], math.inf, False),
-        checks.never,
-        checks.found,
-        checks.ids,
-        checks.out,
+    groups = (
+        checks.firsts,
+        checks.members,
+        checks.group_pairs,
+        checks.starts,
+        checks.numbers,
+        checks.centres,
+        checks.halves,
+        checks.separations,
     )
+    scene = (checks.kernels, checks.rows, checks.world, checks.pairs, groups)
+    query, answers = (checks.asked[GAP], math.inf, False), (checks.found, checks.ids, checks.out)
+    done = nearest_pairs(scene, checks.poses, query, checks.never, answers)
     if done == 0:
         return NO_POSE, 0.0, 0.0, 0, 0
     if checks.found[0] == 0:

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
+from drake_geom_ros.geometry._proximity.pairs.slots import NO_QUEUE
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.states.groups import (
@@ -122,8 +123,8 @@ def _arrays(
         hits=np.zeros(1, dtype=np.int64),
         memory=np.zeros((1, SLOT_WIDTH)),
         counts=np.zeros(COUNTS, dtype=np.int64),
-        waiting=np.zeros(0, dtype=np.int64),
-        distances=np.zeros(0),
+        waiting=NO_QUEUE[0],
+        distances=NO_QUEUE[1],
         never=np.zeros(1, dtype=np.int64),
         found=np.zeros(1, dtype=np.int64),
         ids=np.zeros((1, 1, 2), dtype=np.int64),

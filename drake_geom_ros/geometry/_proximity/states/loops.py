@@ -9,6 +9,7 @@ are not posed again, and a pair that overlapped is the first to be looked at in 
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -20,7 +21,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, gather_rows
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
-from drake_geom_ros.geometry._proximity.points.point_phase import point_phase
+from drake_geom_ros.geometry._proximity.pairs.slots import no_queue
+from drake_geom_ros.geometry._proximity.points.point_phase import TableArrays, point_phase
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
 from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, Unsigned32
@@ -35,6 +37,13 @@ from drake_geom_ros.geometry._proximity.states.groups import (
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_poses
 from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
+
+# A world whose states are asked about, as compiled loops are handed it (see ``pairs.slots``): the
+# addresses of kernels, the rows (n,) of the frames that a state poses, the world's handle, the
+# pairs (k, 2) that may be reported, and their groups.
+SceneArrays: TypeAlias = tuple[Addresses, Indices, Handle, Indices, GroupArrays]
+# Room for what loops know of pairs: slots (k,), memory, see ``empty_memory``, and hits (k,).
+RoomArrays: TypeAlias = tuple[Indices, Floats, Indices]
 
 
 @compiled
@@ -69,25 +78,20 @@ def _list(order: Indices, count: int, pairs: Indices, some: Indices, memory: Flo
 
 @allocating
 def any_overlap(
-    kernels: Addresses,
+    scene: SceneArrays,
+    room: RoomArrays,
     poses: Floats,
-    rows: Indices,
-    world: Handle,
-    pairs: Indices,
-    groups: GroupArrays,
     query: tuple[float, float, bool],
-    slots: Indices,
-    memory: Floats,
     stop: Indices,
-    hits: Indices,
     out: Booleans,
 ) -> int:
     """Tell of each state (N, n, 7) whether a pair overlaps; return how many states are done.
 
-    ``out`` (N,) gets the answers of ``Engine.has_overlap``; each state ends at its first proof.
+    ``out`` (N,) gets the answers of ``Engine.finds_overlap``; each state ends at its first proof.
     """
+    kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
-    queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
+    (slots, memory, hits), queue = room, no_queue()
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
     counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
@@ -96,8 +100,8 @@ def any_overlap(
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        everything = (0, groups.separations.size, -1, 0.0)
-        count = collect(groups, *everything, pairs, posed, order, bounds)
+        everything = (0, groups.separations.size, -1)
+        count = collect(groups, everything, 0.0, pairs, posed, order, bounds)
         for r in range(count):
             if order[r] == last:  # where there was a contact there still is one, mostly
                 order[0], order[r] = last, order[0]
@@ -112,32 +116,26 @@ def any_overlap(
 
 @allocating
 def pairs_within_cutoff(
-    kernels: Addresses,
+    scene: SceneArrays,
+    room: RoomArrays,
     poses: Floats,
     first: int,
-    rows: Indices,
-    world: Handle,
-    pairs: Indices,
-    groups: GroupArrays,
     query: tuple[float, float, bool],
-    slots: Indices,
-    memory: Floats,
     stop: Indices,
-    hits: Indices,
     offsets: Indices,
-    ids: Indices,
-    out: Floats,
+    answers: tuple[Indices, Floats],
 ) -> int:
     """Answer for all pairs of each state (N, n, 7) within the cutoff; return how many are done.
 
-    ``offsets`` (N + 1,) get where each state's answers begin in ``ids`` (room, 2) and ``out``
-    (room, BATCH_WIDTH). States are done from the ``first`` on, until there is no room, ``stop``
+    ``offsets`` (N + 1,) get where each state's ``answers`` begin in ids (most, 2) and rows
+    (most, BATCH_WIDTH). States are done from the ``first`` on, until there is no room, ``stop``
     (1,) is set, or one has a pose that is none.
     """
+    kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
-    level_gap, cutoff, _ = query
+    (slots, memory, hits), queue = room, no_queue()
+    (level_gap, cutoff, _), (ids, out) = query, answers
     near_cutoff = max(cutoff, 0.0)
-    queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
     counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
@@ -146,8 +144,8 @@ def pairs_within_cutoff(
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        everything = (0, groups.separations.size, -1, near_cutoff)
-        count = collect(groups, *everything, pairs, posed, order, bounds)
+        everything = (0, groups.separations.size, -1)
+        count = collect(groups, everything, near_cutoff, pairs, posed, order, bounds)
         order[:count].sort()
         _list(order, count, pairs, some, memory)
         count = answer_pairs(
@@ -167,29 +165,23 @@ def pairs_within_cutoff(
 
 @allocating
 def points_within_threshold(
-    kernels: Addresses,
-    pair_kernels: Addresses,
-    pair_rows: Indices,
-    shapes: tuple[Indices, Indices, Floats],
+    tables: TableArrays,
+    scene: tuple[Indices, Handle],
     poses: Floats,
     first: int,
-    rows: Indices,
-    world: Handle,
-    p_WQs: Floats,
-    threshold: float,
+    asked: tuple[Floats, float],
     stop: Indices,
     offsets: Indices,
-    points: Unsigned32,
-    ids: Indices,
-    out: Floats,
+    answers: tuple[Unsigned32, Indices, Floats],
 ) -> int:
     """Answer for points (m, 3) and all geometries, in each state (N, n, 7), as ``point_phase``.
 
-    ``shapes`` are types, starts and pool of ``PointShapes``. Returns how many states are done; the
-    rest is as in ``pairs_within_cutoff``, with ``points``
-    (room,) for which point an answer is of, and ``ids`` (room,), ``out`` (room, POINT_WIDTH).
+    ``tables`` are its own, ``scene`` the rows of frames that are posed, and the world; ``asked``
+    are points and threshold [m]. Returns how many states are done; the rest is as in
+    ``pairs_within_cutoff``, with points (most,) for which point an answer is of, ids (most,) and
+    rows (most, POINT_WIDTH).
     """
-    types, starts, pool = shapes
+    (rows, world), (p_WQs, threshold), (points, ids, out) = scene, asked, answers
     room = p_WQs.shape[0] * world_of(world).ids.size
     Xs = np.empty((rows.size, POSE_WIDTH))
     counts = np.zeros(COUNTS, dtype=np.int64)
@@ -199,22 +191,8 @@ def points_within_threshold(
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         there[:] = False
-        count = point_phase(
-            kernels,
-            pair_kernels,
-            pair_rows,
-            types,
-            starts,
-            pool,
-            world,
-            p_WQs,
-            threshold,
-            full,
-            there,
-            some_points,
-            some_ids,
-            counts,
-        )
+        some = (full, there, some_points, some_ids, counts)
+        count = point_phase(tables, world, p_WQs, threshold, some)
         start = offsets[s]
         if start + count > ids.size:
             return s

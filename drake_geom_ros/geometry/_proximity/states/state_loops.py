@@ -16,9 +16,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDT
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch, PointBatch
 from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
 from drake_geom_ros.geometry._proximity.points.point_phase import (
-    POINT_ADDRESSES,
-    POINT_ROWS,
     compile_point_kernels,
+    point_tables,
 )
 from drake_geom_ros.geometry._proximity.points.sharing import (
     is_worth_sharing,
@@ -56,10 +55,10 @@ class StateLoops:
     def __init__(self, world: World, pairs: Indices, rows: Indices) -> None:
         world.update()
         self._world, self._pairs, self._rows = world, pairs, rows
-        self._slots = np.arange(len(pairs))
-        self._hits = np.zeros(len(pairs), dtype=np.int64)
-        self._groups: GroupArrays = groups_of(moved_together(world, rows), pairs)[:]
-        self._memory = empty_memory(len(pairs))
+        arrays: GroupArrays = groups_of(moved_together(world, rows), pairs)[:]
+        self._scene = ADDRESSES, rows, world.handle, pairs, arrays
+        hits = np.zeros(len(pairs), dtype=np.int64)
+        self._room = np.arange(len(pairs)), empty_memory(len(pairs)), hits
 
     def _compile(self, level_gap: float) -> None:
         """Compile the kernels of the pairs; bounds need none."""
@@ -72,20 +71,8 @@ class StateLoops:
         """Return which states (N,) have a pair that overlaps, at a level gap [m]."""
         self._compile(level_gap)
         out = np.zeros(len(poses), dtype=np.bool_)
-        done = any_overlap(
-            ADDRESSES,
-            poses,
-            self._rows,
-            self._world.handle,
-            self._pairs,
-            self._groups,
-            (level_gap, 0.0, True),
-            self._slots,
-            self._memory,
-            stop,
-            self._hits,
-            out,
-        )
+        query = level_gap, 0.0, True
+        done = any_overlap(self._scene, self._room, poses, query, stop, out)
         return done, out
 
     def near(
@@ -94,17 +81,7 @@ class StateLoops:
         """Return which states (N,) have a pair that is not certified to be beyond a cutoff [m]."""
         self._compile(level_gap)
         out = np.zeros(len(poses), dtype=np.bool_)
-        done = any_near(
-            ADDRESSES,
-            poses,
-            self._rows,
-            self._world.handle,
-            self._pairs,
-            self._groups,
-            (level_gap, cutoff, False),
-            stop,
-            out,
-        )
+        done = any_near(self._scene, poses, (level_gap, cutoff, False), stop, out)
         return done, out
 
     def nearest(
@@ -118,19 +95,8 @@ class StateLoops:
         found = np.zeros(len(poses), dtype=np.int64)
         ids = np.zeros((len(poses), most, 2), dtype=np.int64)
         out = np.zeros((len(poses), most, BATCH_WIDTH))
-        done = nearest_pairs(
-            ADDRESSES,
-            poses,
-            self._rows,
-            self._world.handle,
-            self._pairs,
-            self._groups,
-            (level_gap, cutoff, False),
-            stop,
-            found,
-            ids,
-            out,
-        )
+        query = level_gap, cutoff, False
+        done = nearest_pairs(self._scene, poses, query, stop, (found, ids, out))
         there = np.arange(most) < found[:, None]
         return done, found, PairBatch(ids[there], out[there])
 
@@ -141,21 +107,10 @@ class StateLoops:
         self._compile(level_gap)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
+            ids, rows = room
+            states = self._scene, self._room, poses, first
             return pairs_within_cutoff(
-                ADDRESSES,
-                poses,
-                first,
-                self._rows,
-                self._world.handle,
-                self._pairs,
-                self._groups,
-                (level_gap, cutoff, False),
-                self._slots,
-                self._memory,
-                stop,
-                self._hits,
-                offsets,
-                *room,
+                *states, (level_gap, cutoff, False), stop, offsets, (ids, rows)
             )
 
         columns = [((2,), np.int64), ((BATCH_WIDTH,), np.float64)]
@@ -176,29 +131,17 @@ class StateLoops:
         Sorted by (point, id). A single state may be ``shared`` out to all threads.
         """
         table = self._world.geometries
-        types, starts, pool, kinds = self._world.point_shapes
-        compile_point_kernels(kinds)
+        shapes = self._world.point_shapes
+        compile_point_kernels(shapes.kinds)
+        tables = point_tables(shapes)
         if shared and len(poses) == 1 and is_worth_sharing(self._world, len(p_WQs)):
             return self._points_of_one(poses[0], p_WQs, threshold, stop)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             points, ids, rows = room
+            states = tables, (self._rows, self._world.handle), poses, first
             return points_within_threshold(
-                POINT_ADDRESSES,
-                ADDRESSES,
-                POINT_ROWS[types],
-                (types, starts, pool),
-                poses,
-                first,
-                self._rows,
-                self._world.handle,
-                p_WQs,
-                threshold,
-                stop,
-                offsets,
-                points,
-                ids,
-                rows,
+                *states, (p_WQs, threshold), stop, offsets, (points, ids, rows)
             )
 
         columns = [((), np.uint32), ((), np.int64), ((POINT_WIDTH,), np.float64)]

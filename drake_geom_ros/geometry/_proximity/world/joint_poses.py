@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
@@ -44,27 +44,13 @@ def _compose(poses: Floats, a: int, p: Vector, q: Quaternion, b: int) -> None:
 
 
 @compiled
-def pose_links(
-    values: Floats,
-    leaders: Indices,
-    multipliers: Floats,
-    offsets: Floats,
-    kinds: Indices,
-    axes: Floats,
-    X_PJs: Floats,
-    parents: Indices,
-    children: Indices,
-    X_WLs: Floats,
-    links: Indices,
-    first: int,
-    chosen: Floats,
-) -> None:
+def pose_links(values: Floats, chain: tuple[Any, ...], first: int, chosen: Floats) -> None:
     """Write poses X_WL for joint values (N, c) to ``chosen`` (N, m, 7), from row ``first`` on.
 
-    Those of the ``links`` (k,); ``X_WLs`` (links, 7) is room for all of them and holds the root's.
-    Of each joint, parents first: which value leads it (-1: none), times what and plus what it is,
-    its kind and unit axis, X_PJ (7,), and the rows of its two links.
+    Those of the ``links`` of a ``JointChain`` as a plain tuple, see ``pairs.slots``; its joints
+    are in order, parents first.
     """
+    leaders, multipliers, offsets, kinds, axes, X_PJs, parents, children, X_WLs, links = chain
     for s in range(values.shape[0]):
         for j in range(parents.size):
             value = offsets[j]

@@ -137,9 +137,10 @@ class World:
         self.anchored = table.frames == 0
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].
-        self.outer_radii, self.inner_radii = shape_radii(table.types, table.starts, table.pool)
+        shapes = table.types, table.starts, table.pool
+        self.outer_radii, self.inner_radii = shape_radii(*shapes)
         # Of balls in the shapes, which need not be about Go: centres in G, and radii [m].
-        self.ball_centres, self.ball_radii = balls_inside(table.types, table.starts, table.pool)
+        self.ball_centres, self.ball_radii = balls_inside(*shapes, self.inner_radii)
         levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
         at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
         # In one array (n, 5), for each that compiled code is given takes time: see
@@ -258,6 +259,10 @@ class World:
     def frame_rows(self, ids: Indices) -> Indices:
         """Return the rows of FrameId values, all of which are in this world."""
         return self._order[np.searchsorted(self._sorted_ids, ids)]
+
+    def geometry_rows(self, ids: Indices) -> Indices:
+        """Return the rows of GeometryId values, all of which are in this world."""
+        return np.searchsorted(self.geometries.ids, ids).astype(np.int64)
 
     def named(self, ids: Indices) -> Named | None:
         """Return the frames of FrameId values (n,), or None when not all of them can be posed."""

@@ -3,10 +3,17 @@
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._rendering.compiled import compiled
 from drake_geom_ros.geometry._rendering.kernels.primitives import draw_primitive
-from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Outputs, Paint, Seen
+from drake_geom_ros.geometry._rendering.kernels.records import (
+    Band,
+    Bodies,
+    Outputs,
+    Paint,
+    Seen,
+    Windows,
+)
 from drake_geom_ros.geometry._rendering.kernels.shading import (
     write_colours,
     write_depths,
@@ -18,23 +25,21 @@ from drake_geom_ros.geometry._rendering.kernels.windows import box_window
 
 @compiled
 def pose_meshes(
-    kinds: Indices,
+    bodies: Bodies,
     R_CGs: Floats,
     p_CGs: Floats,
-    vertex_starts: Indices,
-    p_GVs: Floats,
     p_CVs: Floats,
     view: Floats,
     size: tuple[int, int],
-    eye: Floats,
-    middle: Floats,
-    windows: Indices,
-    nearest: Floats,
+    room: tuple[Floats, Floats],
+    found: Windows,
 ) -> None:
-    """Pose the vertices of all meshes, and fill their windows and least depths.
+    """Pose the vertices of all meshes, and fill their windows.
 
-    ``size`` is width and height; ``eye`` (3, 3) and ``middle`` (3,) are for the box around a mesh.
+    ``size`` is width and height; ``room`` the identity (3, 3), and (3,) for the middle of a box.
     """
+    kinds, vertex_starts, p_GVs = bodies.kinds, bodies.vertex_starts, bodies.p_GVs
+    (eye, middle), (windows, nearest) = room, found
     for k in range(len(kinds)):
         if kinds[k] != CONVEX:
             continue

@@ -6,6 +6,7 @@ from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELL
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Integers32, Vector
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.rays import normal
+from drake_geom_ros.geometry._rendering.kernels.records import Normals
 
 
 @inlined
@@ -32,9 +33,10 @@ def towards_camera(nx: float, ny: float, nz: float, x: float, y: float) -> Vecto
 
 @compiled
 def flat_normals(
-    nx: float, ny: float, nz: float, y: float, slopes: Floats, xs: Floats, ys: Floats, zs: Floats
+    nx: float, ny: float, nz: float, y: float, slopes: Floats, normals: Normals
 ) -> None:
     """Fill the normals, (n,) each, of pixels that show one plane: all of it from one side."""
+    xs, ys, zs = normals
     nx, ny, nz = towards_camera(nx, ny, nz, slopes[0], y)
     for i in range(len(slopes)):
         xs[i], ys[i], zs[i] = nx, ny, nz
@@ -49,11 +51,10 @@ def round_normals(
     y: float,
     slopes: Floats,
     depths: Floats,
-    xs: Floats,
-    ys: Floats,
-    zs: Floats,
+    normals: Normals,
 ) -> None:
     """Fill the normals, (n,) each, of pixels that show a ``kind`` that the compiler knows."""
+    xs, ys, zs = normals
     s0, s1, s2 = shape[0], shape[1], shape[2]
     ax, ay, az = R[0, 0], R[0, 1], R[0, 2]
     bx, by, bz = R[1, 0], R[1, 1], R[1, 2]
@@ -85,23 +86,21 @@ def primitive_normals(
     y: float,
     slopes: Floats,
     depths: Floats,
-    xs: Floats,
-    ys: Floats,
-    zs: Floats,
+    normals: Normals,
 ) -> None:
     """Fill the normals, (n,) each, of pixels that show a primitive."""
     if kind == SPHERE:
-        round_normals(SPHERE, shape, R, p, y, slopes, depths, xs, ys, zs)
+        round_normals(SPHERE, shape, R, p, y, slopes, depths, normals)
     elif kind == BOX:
-        round_normals(BOX, shape, R, p, y, slopes, depths, xs, ys, zs)
+        round_normals(BOX, shape, R, p, y, slopes, depths, normals)
     elif kind == CAPSULE:
-        round_normals(CAPSULE, shape, R, p, y, slopes, depths, xs, ys, zs)
+        round_normals(CAPSULE, shape, R, p, y, slopes, depths, normals)
     elif kind == CYLINDER:
-        round_normals(CYLINDER, shape, R, p, y, slopes, depths, xs, ys, zs)
+        round_normals(CYLINDER, shape, R, p, y, slopes, depths, normals)
     elif kind == ELLIPSOID:
-        round_normals(ELLIPSOID, shape, R, p, y, slopes, depths, xs, ys, zs)
+        round_normals(ELLIPSOID, shape, R, p, y, slopes, depths, normals)
     else:
-        flat_normals(R[0, 2], R[1, 2], R[2, 2], y, slopes, xs, ys, zs)
+        flat_normals(R[0, 2], R[1, 2], R[2, 2], y, slopes, normals)
 
 
 @compiled
@@ -111,11 +110,10 @@ def facet_normals(
     p_CVs: Floats,
     y: float,
     slopes: Floats,
-    xs: Floats,
-    ys: Floats,
-    zs: Floats,
+    normals: Normals,
 ) -> None:
     """Fill the normals, (n,) each, of pixels that show triangles ``facets`` (n,) of a mesh."""
+    xs, ys, zs = normals
     last = -1
     nx, ny, nz = 0.0, 0.0, 0.0
     for i in range(len(slopes)):

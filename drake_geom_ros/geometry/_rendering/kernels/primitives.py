@@ -8,10 +8,10 @@ from drake_geom_ros.geometry._proximity.kinds import (
     HALF_SPACE,
     SPHERE,
 )
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector, signed32
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector, signed32
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.rays import interval
-from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Seen
+from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Seen, Windows
 from drake_geom_ros.geometry._rendering.kernels.windows import box_window
 
 
@@ -30,17 +30,15 @@ def half_sizes(kind: int, s0: float, s1: float, s2: float) -> Vector:
 
 @compiled
 def find_windows(
-    kinds: Indices,
-    shapes: Floats,
+    bodies: Bodies,
     R_CGs: Floats,
     p_CGs: Floats,
     view: Floats,
-    width: int,
-    height: int,
-    windows: Indices,
-    nearest: Floats,
+    size: tuple[int, int],
+    found: Windows,
 ) -> None:
-    """Fill the windows (n, 4) of all bodies and their least depths (n,); meshes have none here."""
+    """Fill the windows of all bodies; meshes have none here. ``size`` is width and height."""
+    kinds, shapes, (width, height), (windows, nearest) = bodies.kinds, bodies.shapes, size, found
     for k in range(len(kinds)):
         hx, hy, hz = half_sizes(kinds[k], shapes[k, 0], shapes[k, 1], shapes[k, 2])
         u0, u1, v0, v1, z = box_window(R_CGs[k], p_CGs[k], hx, hy, hz, view, width, height)

@@ -46,6 +46,21 @@ class Band(NamedTuple):
     facets: NDArray[np.int32]  # (rows, width) the triangle, -1 for primitives
 
 
+class Normals(NamedTuple):
+    """The normals of pixels in C, of length 1; each array (n,)."""
+
+    xs: Floats
+    ys: Floats
+    zs: Floats
+
+
+class Windows(NamedTuple):
+    """Where bodies can be in an image."""
+
+    pixels: Indices  # (n, 4) columns and rows u0, u1, v0, v1
+    nearest: Floats  # (n,) least depths [m]
+
+
 class Paint(NamedTuple):
     """How colours are made, and room for it."""
 

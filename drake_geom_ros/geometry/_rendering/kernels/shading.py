@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import (
 )
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.normals import facet_normals, primitive_normals
-from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Paint, Seen
+from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Normals, Paint, Seen
 from drake_geom_ros.geometry._rendering.tolerances import EDGE_COSINE
 
 # Of a surface's colour: what it has everywhere, and what light from the camera and from above add.
@@ -65,13 +65,9 @@ def run_end(u: int, owners: Integers32) -> int:
 @compiled
 def find_edges(
     owners: Integers32,
-    xs: Floats,
-    ys: Floats,
-    zs: Floats,
+    normals: Normals,
     other_owners: Integers32,
-    other_xs: Floats,
-    other_ys: Floats,
-    other_zs: Floats,
+    other_normals: Normals,
     factors: Singles,
 ) -> None:
     """Darken pixels that show another body than a neighbour, or another face: ``factors`` (n,).
@@ -79,6 +75,8 @@ def find_edges(
     All are (n,). A body's silhouette belongs to the body: what shows nothing is not darkened, the
     pixel beside it is.
     """
+    xs, ys, zs = normals
+    other_xs, other_ys, other_zs = other_normals
     for i in range(len(owners)):
         cosine = xs[i] * other_xs[i] + ys[i] * other_ys[i] + zs[i] * other_zs[i]
         is_edge = (owners[i] != other_owners[i]) | (cosine < EDGE_COSINE)
@@ -86,10 +84,9 @@ def find_edges(
 
 
 @compiled
-def light_run(
-    y: float, slopes: Floats, view: Floats, xs: Floats, ys: Floats, zs: Floats, light: Singles
-) -> None:
+def light_run(y: float, slopes: Floats, view: Floats, normals: Normals, light: Singles) -> None:
     """Give pixels (n,) the light of the camera and from above, times what ``light`` holds."""
+    xs, ys, zs = normals
     up_x, up_y, up_z = view[6], view[7], view[8]
     for i in range(len(slopes)):
         x = slopes[i]
@@ -161,25 +158,23 @@ def write_colours(bodies: Bodies, seen: Seen, paint: Paint, band: Band, out: Uns
                 colour_run(background, lit, pixels)
                 continue
             rays, shown = slopes[u:end], facets[row, u:end]
-            nx, ny, nz = xs[u:end], ys[u:end], zs[u:end]
+            towards = Normals(xs[u:end], ys[u:end], zs[u:end])
             if shown[0] >= 0:
-                facet_normals(shown, bodies.triangles, seen.p_CVs, y, rays, nx, ny, nz)
+                facet_normals(shown, bodies.triangles, seen.p_CVs, y, rays, towards)
             else:
                 R, p, deep = R_CGs[k], p_CGs[k], band.depths[row, u:end]
-                primitive_normals(
-                    bodies.kinds[k], bodies.shapes[k], R, p, y, rays, deep, nx, ny, nz
-                )
+                primitive_normals(bodies.kinds[k], bodies.shapes[k], R, p, y, rays, deep, towards)
             if edges:
                 if row + first_row > 0:
-                    mx, my, mz = up_xs[u:end], up_ys[u:end], up_zs[u:end]
-                    find_edges(here[u:end], nx, ny, nz, before[u:end], mx, my, mz, lit)
+                    others = Normals(up_xs[u:end], up_ys[u:end], up_zs[u:end])
+                    find_edges(here[u:end], towards, before[u:end], others, lit)
                 # Within a run of a half space no face differs from that on the left.
                 v, last = max(u, 1), u + 1 if bodies.kinds[k] == HALF_SPACE else end
-                mx, my, mz = xs[v - 1 : last - 1], ys[v - 1 : last - 1], zs[v - 1 : last - 1]
-                nx, ny, nz = xs[v:last], ys[v:last], zs[v:last]
-                left = here[v - 1 : last - 1]
-                find_edges(here[v:last], nx, ny, nz, left, mx, my, mz, light[v:last])
-            light_run(y, rays, view, xs[u:end], ys[u:end], zs[u:end], lit)
+                a, b = v - 1, last - 1
+                inner = Normals(xs[v:last], ys[v:last], zs[v:last])
+                others = Normals(xs[a:b], ys[a:b], zs[a:b])
+                find_edges(here[v:last], inner, here[a:b], others, light[v:last])
+            light_run(y, rays, view, towards, lit)
             colour_run(bodies.colours[k], lit, pixels)
             if shown[0] >= 0:
                 colour_facets(shown, bodies.facet_colours, lit, pixels)

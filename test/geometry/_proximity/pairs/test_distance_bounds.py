@@ -1,7 +1,7 @@
 """Bounds of the distance from boxes: never more than it is, and tight."""
 
 import numpy as np
-from oracles.worlds import geometry_table, random_world
+from oracles.worlds import bounded, geometry_table, random_world
 
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     separation_from_plane,
@@ -36,6 +36,5 @@ def test_the_gap_above_a_plane():
     world = World(frames, table)
     world.set_poses(np.array([1]), np.eye(3)[None], np.array([[0.0, 0.0, 1.5]]))
     world.update()
-    posed = world.R_WGs, world.p_WGs, world.roundings
-    gap = separation_from_plane(*posed, world.half_extents, 0, 1)
+    gap = separation_from_plane(0, 1, bounded(world))
     assert 0.4 - 1e-13 <= gap <= 0.4

@@ -84,7 +84,8 @@ def test_the_ball_in_a_hull_is_inside_each_of_its_facets(seed, count, flatness):
     vertices = rng.normal(size=(count, 3)) * [1.0, 1.0, 10.0**flatness] + rng.normal(size=3)
     hull = ConvexHull(vertices)
     pool = for_queries(Convex.FromMeshData(MeshData(vertices))).in_pairs.parameters
-    (centre,), (radius,) = balls_inside(np.array([CONVEX]), np.array([0, len(pool)]), pool)
+    one = np.array([CONVEX]), np.array([0, len(pool)]), pool
+    (centre,), (radius,) = balls_inside(*one, np.zeros(1))
     room = -(hull.equations[:, :3] @ centre + hull.equations[:, 3])
     assert radius <= room.min() + 1e-6 * PLAIN_DEPTH
     assert radius > 0.0 or flatness < -1.5 or count < 30

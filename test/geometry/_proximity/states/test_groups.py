@@ -12,6 +12,7 @@ from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
 from drake_geom_ros.geometry._proximity.states.groups import (
+    BoundedBodies,
     Groups,
     collect,
     groups_of,
@@ -28,9 +29,7 @@ SIZES = {SPHERE: 1, BOX: 3, CAPSULE: 2, CYLINDER: 2, ELLIPSOID: 3}
 @njit
 def _bound(i, j, world):
     places = world_of(world)
-    return least_possible(
-        i,
-        j,
+    bodies = BoundedBodies(
         places.types,
         places.R_WGs,
         places.p_WGs,
@@ -38,14 +37,14 @@ def _bound(i, j, world):
         places.half_extents,
         places.outer,
     )
+    return least_possible(i, j, bodies)
 
 
 @njit
 def _collected(groups, most, pairs, world, order, bounds):
     places = world_of(world)
     put_boxes(groups, places)
-    whole = (0, groups.separations.size, -1, most)
-    return collect(groups, *whole, pairs, places, order, bounds)
+    return collect(groups, (0, groups.separations.size, -1), most, pairs, places, order, bounds)
 
 
 @njit

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from oracles.poses import composed, length, mp
-from oracles.worlds import geometry_table, random_rotations
+from oracles.worlds import bounded, geometry_table, random_rotations
 
 from drake_geom_ros.geometry._proximity.kinds import BOX, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
@@ -99,7 +99,7 @@ def test_boxes_and_gaps_hold_the_exact_bodies(depth, link, returns):
         assert gap <= abs(mp.matrix(p[3].tolist())[0] - chain.p_WG[0]) - 0.75
         p[3] += 10.0 * link * rng.normal(size=3)
         height = (chain.R_WG.T * (mp.matrix(p[3].tolist()) - chain.p_WG))[2]
-        assert separation_from_plane(world.R_WGs, p, world.roundings, half, 2, 3) <= height - 0.25
+        assert separation_from_plane(2, 3, bounded(world)) <= height - 0.25
 
 
 def test_no_body_is_farther_than_its_travels_and_roundings_tell():

@@ -14,6 +14,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     PAIR_SIGNATURE,
     WITNESS_A,
     WITNESS_B,
+    Aim,
+    OrientedShape,
     call_kernel,
     compiled_address,
 )
@@ -25,8 +27,8 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, LEAST_LENGTH, SMALL_SIZE
 
-# That of ``at_one_metre``: a kernel's address and the size of its pair come first.
-_SIGNATURE = types.void(types.intp, types.float64, *PAIR_SIGNATURE.args)
+# That of ``at_one_metre``: a kernel's address comes first.
+_SIGNATURE = types.void(types.intp, *PAIR_SIGNATURE.args)
 call_at_one_metre = caller(_SIGNATURE)
 
 
@@ -70,16 +72,10 @@ def resized(kind: int, shape: Floats, exponent: int) -> Floats:
 @allocating
 def at_one_metre(
     address: Address,
-    size: float,
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
+    A: OrientedShape,
+    B: OrientedShape,
     p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
+    aim: Aim,
     out: Floats,
 ) -> None:
     """Call the kernel at an address for the pair brought to about 1 m.
@@ -87,14 +83,16 @@ def at_one_metre(
     Itself called through its address: a copy of a shape may fail, and to Numba that made every
     other pair of the narrow phase take 100 ns more.
     """
-    largest = max(size, norm(vector_at(p_AB_W, 0)))
+    largest = max(aim.size, norm(vector_at(p_AB_W, 0)))
     _, e = math.frexp(largest)
     p = p_AB_W.copy()
     for k in range(3):
         p[k] = math.ldexp(p[k], -e)
-    shape_A, shape_B = resized(kind_A, shape_A, -e), resized(kind_B, shape_B, -e)
-    pair = kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p
-    call_kernel(address, *pair, math.ldexp(tolerance, -e), math.ldexp(cutoff, -e), out)
+    shape_A, shape_B = resized(A.kind, A.shape, -e), resized(B.kind, B.shape, -e)
+    A, B = OrientedShape(A.kind, shape_A, A.R_W), OrientedShape(B.kind, shape_B, B.R_W)
+    size, tolerance, cutoff = aim
+    aim = Aim(math.ldexp(size, -e), math.ldexp(tolerance, -e), math.ldexp(cutoff, -e))
+    call_kernel(address, A, B, p, aim, out)
     for k in (DISTANCE, ERROR_BOUND):
         out[k] = math.ldexp(out[k], e)
     for k in range(3):

@@ -8,7 +8,7 @@ alone, when a scene first has such a pair, and the caller gets an array of addre
 Under ``NUMBA_DISABLE_JIT=1`` an "address" is the Python function itself.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from numba import types
 
@@ -35,19 +35,28 @@ SLOT_WIDTH = 16  # two lines of the cache
 # with them it takes eight lines of the cache.
 MEMORY_WIDTH = 48
 
+
+class OrientedShape(NamedTuple):
+    """A shape of a pair, as its kernel takes it: where it is the other's position tells."""
+
+    kind: int  # shape type number, for the kernel that serves many pairs
+    shape: Floats  # parameters
+    R_W: Floats  # (3, 3) its orientation in World, C order
+
+
+class Aim(NamedTuple):
+    """What a kernel is to do."""
+
+    size: float  # [m] that of the pair's shapes
+    tolerance: float  # [m]
+    cutoff: float  # [m]
+
+
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]
+_shape = types.NamedTuple([types.int64, _vector, _matrix], OrientedShape)
 PAIR_SIGNATURE = types.void(
-    types.int64,
-    _vector,
-    _matrix,
-    types.int64,
-    _vector,
-    _matrix,
-    _vector,
-    types.float64,
-    types.float64,
-    _vector,
+    _shape, _shape, _vector, types.NamedUniTuple(types.float64, 3, Aim), _vector
 )
 
 

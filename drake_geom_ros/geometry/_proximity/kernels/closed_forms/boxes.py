@@ -15,7 +15,7 @@ face lies on face, the witness points are at the centre of the outline of the pa
 
 import math
 
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import Aim, OrientedShape, write
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.box_contact import (
     closest_points,
     common_point,
@@ -146,34 +146,23 @@ def _signed_distance(
 
 
 @compiled
-def box_box(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
-) -> None:
+def box_box(A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats) -> None:
     """Signed distance of two boxes."""
-    h, g = vector_at(shape_A, 0), vector_at(shape_B, 0)
-    c = unrotate(R_WA, vector_at(p_AB_W, 0))
+    h, g = vector_at(A.shape, 0), vector_at(B.shape, 0)
+    c = unrotate(A.R_W, vector_at(p_AB_W, 0))
     b = (
-        unrotate(R_WA, column(R_WB, 0)),
-        unrotate(R_WA, column(R_WB, 1)),
-        unrotate(R_WA, column(R_WB, 2)),
+        unrotate(A.R_W, column(B.R_W, 0)),
+        unrotate(A.R_W, column(B.R_W, 1)),
+        unrotate(A.R_W, column(B.R_W, 2)),
     )
     extent = norm(h) + norm(g) + norm(c)
     phi, n, p_ACa, unique = _signed_distance(h, g, b, c, TIE * extent)
     write(
         out,
         phi,
-        rotate(R_WA, scale(-1.0, n)),
-        rotate(R_WA, p_ACa),
-        rotate(R_WA, add_scaled(p_ACa, phi, n)),
+        rotate(A.R_W, scale(-1.0, n)),
+        rotate(A.R_W, p_ACa),
+        rotate(A.R_W, add_scaled(p_ACa, phi, n)),
         CLOSED_FORM_ROUNDING * extent,
         unique,
         CLOSED_FORM,

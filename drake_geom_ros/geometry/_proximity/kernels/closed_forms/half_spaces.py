@@ -8,7 +8,7 @@ midpoint of the lowest face or edge.
 
 import math
 
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import Aim, OrientedShape, write
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
@@ -64,129 +64,84 @@ def _write(
 
 @compiled
 def box_half_space(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a box and a half space."""
-    n = unrotate(R_WA, column(R_WB, 2))
-    h = vector_at(shape_A, 0)
+    n = unrotate(A.R_W, column(B.R_W, 2))
+    h = vector_at(A.shape, 0)
     depth = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     p_ACa = (_lowest(n[0], h[0]), _lowest(n[1], h[1]), _lowest(n[2], h[2]))
-    _write(out, R_WA, R_WB, p_AB_W, norm(h), depth, p_ACa)
+    _write(out, A.R_W, B.R_W, p_AB_W, norm(h), depth, p_ACa)
 
 
 @compiled
 def capsule_half_space(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a capsule and a half space."""
-    n = unrotate(R_WA, column(R_WB, 2))
-    radius, half = shape_A[SHAPE_RADIUS], shape_A[HALF_LENGTH]
+    n = unrotate(A.R_W, column(B.R_W, 2))
+    radius, half = A.shape[SHAPE_RADIUS], A.shape[HALF_LENGTH]
     p_ACa = (-radius * n[0], -radius * n[1], _lowest(n[2], half) - radius * n[2])
     depth = half * abs(n[2]) + radius
-    _write(out, R_WA, R_WB, p_AB_W, radius + half, depth, p_ACa)
+    _write(out, A.R_W, B.R_W, p_AB_W, radius + half, depth, p_ACa)
 
 
 @compiled
 def cylinder_half_space(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a cylinder and a half space."""
-    n = unrotate(R_WA, column(R_WB, 2))
-    radius, half = shape_A[SHAPE_RADIUS], shape_A[HALF_LENGTH]
+    n = unrotate(A.R_W, column(B.R_W, 2))
+    radius, half = A.shape[SHAPE_RADIUS], A.shape[HALF_LENGTH]
     across = math.sqrt(n[0] * n[0] + n[1] * n[1])
     reach = radius / across if across > RIGHT_ANGLE else 0.0
     p_ACa = (-reach * n[0], -reach * n[1], _lowest(n[2], half))
     depth = half * abs(n[2]) + radius * across
-    _write(out, R_WA, R_WB, p_AB_W, radius + half, depth, p_ACa)
+    _write(out, A.R_W, B.R_W, p_AB_W, radius + half, depth, p_ACa)
 
 
 @compiled
 def ellipsoid_half_space(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of an ellipsoid and a half space."""
-    n = unrotate(R_WA, column(R_WB, 2))
-    e = vector_at(shape_A, 0)
+    n = unrotate(A.R_W, column(B.R_W, 2))
+    e = vector_at(A.shape, 0)
     v = (e[0] * n[0], e[1] * n[1], e[2] * n[2])
     depth = norm(v)
     p_ACa = (-e[0] * (v[0] / depth), -e[1] * (v[1] / depth), -e[2] * (v[2] / depth))
-    _write(out, R_WA, R_WB, p_AB_W, max(e), depth, p_ACa)
+    _write(out, A.R_W, B.R_W, p_AB_W, max(e), depth, p_ACa)
 
 
 @compiled
 def half_space_convex(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a half space (A) and a hull or solid (B): that of its lowest vertices.
 
     The witness is the mean of the vertices that are lowest to rounding; of a solid it is the first
     of them, for between them there may be a hole.
     """
-    z_W = column(R_WA, 2)
-    n = unrotate(R_WB, z_W)
-    count = int(shape_B[VERTEX_COUNT])
+    z_W = column(A.R_W, 2)
+    n = unrotate(B.R_W, z_W)
+    count = int(B.shape[VERTEX_COUNT])
     lowest, size = math.inf, 0.0
     for k in range(1, count + 1):
-        v = vertex_at(shape_B, k)
+        v = vertex_at(B.shape, k)
         lowest = min(lowest, dot(n, v))
         size = max(size, norm(v))
     mean, level = (0.0, 0.0, 0.0), 0
     for k in range(1, count + 1):
-        v = vertex_at(shape_B, k)
+        v = vertex_at(B.shape, k)
         if dot(n, v) <= lowest + RIGHT_ANGLE * size:
             mean = add_scaled(mean, 1.0, v)
             level += 1
-            if kind_B != CONVEX:
+            if B.kind != CONVEX:
                 break
     mean = scale(1.0 / level, mean)
     p = vector_at(p_AB_W, 0)
     distance = dot(p, z_W) + lowest
-    p_ACb_W = add_scaled(p, 1.0, rotate(R_WB, mean))
+    p_ACb_W = add_scaled(p, 1.0, rotate(B.R_W, mean))
     p_ACa_W = add_scaled(p_ACb_W, -distance, z_W)
     bound = CLOSED_FORM_ROUNDING * (size + norm(p))
     write(out, distance, scale(-1.0, z_W), p_ACa_W, p_ACb_W, bound, True, CLOSED_FORM)

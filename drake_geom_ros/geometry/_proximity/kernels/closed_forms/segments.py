@@ -15,7 +15,7 @@ face each other, the witness points are in the middle of the stretch that they s
 
 import math
 
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import Aim, OrientedShape, write
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
     along,
     clamp,
@@ -244,36 +244,16 @@ def _write(
 
 @compiled
 def capsule_capsule(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of two capsules."""
-    h = (0.0, 0.0, shape_A[HALF_LENGTH])
-    radius_A, radius_B = shape_A[SHAPE_RADIUS], shape_B[SHAPE_RADIUS]
-    _write(out, R_WA, radius_A, h, radius_B, R_WB, shape_B[HALF_LENGTH], p_AB_W)
+    h = (0.0, 0.0, A.shape[HALF_LENGTH])
+    radius_A, radius_B = A.shape[SHAPE_RADIUS], B.shape[SHAPE_RADIUS]
+    _write(out, A.R_W, radius_A, h, radius_B, B.R_W, B.shape[HALF_LENGTH], p_AB_W)
 
 
 @compiled
-def box_capsule(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
-) -> None:
+def box_capsule(A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats) -> None:
     """Signed distance of a box and a capsule."""
-    h = vector_at(shape_A, 0)
-    _write(out, R_WA, 0.0, h, shape_B[SHAPE_RADIUS], R_WB, shape_B[HALF_LENGTH], p_AB_W)
+    h = vector_at(A.shape, 0)
+    _write(out, A.R_W, 0.0, h, B.shape[SHAPE_RADIUS], B.R_W, B.shape[HALF_LENGTH], p_AB_W)

@@ -4,7 +4,7 @@ The nearest point and the choices where it is not unique are those of ``points``
 concentric spheres the normal is the x axis of B.
 """
 
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import Aim, OrientedShape, write
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
     NearestOnSurface,
 )
@@ -55,109 +55,53 @@ def _write(
 
 @compiled
 def sphere_sphere(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of two spheres."""
-    size, nearest = near_sphere(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
+    size, nearest = near_sphere(B.shape, _centre(B.R_W, p_AB_W))
+    _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
 
 @compiled
-def sphere_box(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
-) -> None:
+def sphere_box(A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats) -> None:
     """Signed distance of a sphere and a box."""
     # Not by ``points.near_box``: a function between, though inlined, costs half as much again.
-    q, h = _centre(R_WB, p_AB_W), vector_at(shape_B, 0)
+    q, h = _centre(B.R_W, p_AB_W), vector_at(B.shape, 0)
     size = norm(h) + norm(q)
-    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, box_point(h, q, TIE * size))
+    _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, box_point(h, q, TIE * size))
 
 
 @compiled
 def sphere_capsule(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a sphere and a capsule."""
-    size, nearest = near_capsule(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
+    size, nearest = near_capsule(B.shape, _centre(B.R_W, p_AB_W))
+    _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_cylinder(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a sphere and a cylinder."""
-    size, nearest = near_cylinder(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
+    size, nearest = near_cylinder(B.shape, _centre(B.R_W, p_AB_W))
+    _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_ellipsoid(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a sphere and an ellipsoid."""
-    size, nearest = near_ellipsoid(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
+    size, nearest = near_ellipsoid(B.shape, _centre(B.R_W, p_AB_W))
+    _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_half_space(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Signed distance of a sphere and a half space."""
-    size, nearest = near_half_space(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
+    size, nearest = near_half_space(B.shape, _centre(B.R_W, p_AB_W))
+    _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)

@@ -18,6 +18,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     PAIR_WIDTH,
     UNIQUE,
     WITNESS_B,
+    Aim,
+    OrientedShape,
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.points import (
@@ -191,7 +193,8 @@ def by_pair_kernel(
     answers: PointAnswers,
 ) -> None:
     """Signed distance of points to a shape without a closed form: spheres without radius."""
-    nothing, identity = np.zeros(1), np.eye(3)
+    point = OrientedShape(SPHERE, np.zeros(1), np.eye(3))
+    G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, math.inf)
     p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
     for k in range(span.first, span.last):
         near, _, rounding = seen(body, p_WQs, k, threshold)
@@ -200,8 +203,7 @@ def by_pair_kernel(
         for c in range(3):
             p_QG_W[c] = body.p_WG[c] - p_WQs[k, c]
             out[NORMAL + c] = 0.0
-        pair = SPHERE, nothing, identity, kind, body.shape, body.R_WG, p_QG_W
-        call_kernel(address, *pair, 0.0, math.inf, out)
+        call_kernel(address, point, G, p_QG_W, aim, out)
         bound = out[ERROR_BOUND] + rounding
         if out[DISTANCE] - bound <= threshold:
             # The witness on G is measured from the point.

@@ -21,6 +21,8 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     MEMORY_WIDTH,
     SLOT_WIDTH,
+    Aim,
+    OrientedShape,
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.convex.depths import (
@@ -313,27 +315,18 @@ def bounds_of_best_start(
 
 @compiled
 def signed_distance_of_cores(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Write the result row of two convex shapes, given by type number and parameters."""
-    r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
+    r_A, r_B = core_radius(A.kind, A.shape), core_radius(B.kind, B.shape)
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
-    size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
+    size = bounding_radius(A.kind, A.shape) + bounding_radius(B.kind, B.shape) + norm(p)
     n, hinted = hint_of(out, p)
     noise = ROUNDING * EPS * size
-    pair = CorePair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
-    hulls = kind_A == CONVEX and kind_B == CONVEX
+    pair = CorePair(A.kind, A.shape, A.R_W, B.kind, B.shape, B.R_W, p)
+    hulls = A.kind == CONVEX and B.kind == CONVEX
     memory = part(out, min(SLOT_WIDTH, out.size) if hulls else out.size, out.size)
-    cutoff += r_A + r_B
+    tolerance, cutoff = aim.tolerance, aim.cutoff + r_A + r_B
     found = bounds_along(pair, n)
     if not found.lower > cutoff:
         found = bounds_of_best_start(
@@ -353,10 +346,10 @@ def signed_distance_of_cores(
         lacking = distance - separation_along(pair, n)
         if lacking > error_bound:
             error_bound = lacking + noise
-    if kind_A == CONVEX:
-        error_bound += hull_defect(shape_A)
-    if kind_B == CONVEX:
-        error_bound += hull_defect(shape_B)
+    if A.kind == CONVEX:
+        error_bound += hull_defect(A.shape)
+    if B.kind == CONVEX:
+        error_bound += hull_defect(B.shape)
     write(
         out,
         distance - r_A - r_B,

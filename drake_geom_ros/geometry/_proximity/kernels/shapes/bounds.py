@@ -27,7 +27,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
 )
 from drake_geom_ros.geometry._proximity.runtime.arrays import Indices, Vector
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import part
 
 Floats = NDArray[np.float64]
 
@@ -99,14 +100,21 @@ def inner_radius(shape_type: int, shape: Floats) -> float:
     return 0.0
 
 
-@allocating
+@compiled
+def _put_radii(
+    types: Indices, starts: Indices, pool: Floats, outer: Floats, inner: Floats
+) -> None:
+    """Write both radii of each shape."""
+    for k in range(types.size):
+        shape = part(pool, starts[k], starts[k + 1])
+        outer[k] = outer_radius(types[k], shape)
+        inner[k] = inner_radius(types[k], shape)
+
+
 def shape_radii(types: Indices, starts: Indices, pool: Floats) -> tuple[Floats, Floats]:
     """Return outer and inner radii (n,), (n,) [m] about each Go."""
     outer, inner = np.empty(types.size), np.empty(types.size)
-    for k in range(types.size):
-        shape = pool[starts[k] : starts[k + 1]]
-        outer[k] = outer_radius(types[k], shape)
-        inner[k] = inner_radius(types[k], shape)
+    _put_radii(types, starts, pool, outer, inner)
     return outer, inner
 
 
@@ -122,16 +130,26 @@ def point_inside(shape_type: int, shape: Floats, R_WG: Floats, n_W: Vector) -> V
     return rotate(R_WG, farthest_vertex(shape, x, y, z))
 
 
-@allocating
-def balls_inside(types: Indices, starts: Indices, pool: Floats) -> tuple[Floats, Floats]:
-    """Return centres (n, 3) from Go, in G, and radii (n,) [m] of balls in shapes; 0: none."""
-    centres, radii = np.zeros((types.size, 3)), np.zeros(types.size)
+@compiled
+def _put_balls_in_hulls(
+    types: Indices, starts: Indices, pool: Floats, centres: Floats, radii: Floats
+) -> None:
+    """Write the centre and the radius of the ball that is known in each hull."""
     for k in range(types.size):
-        shape = pool[starts[k] : starts[k + 1]]
         if types[k] == CONVEX:
-            centre, radii[k] = ball_in_hull(shape)
+            centre, radii[k] = ball_in_hull(part(pool, starts[k], starts[k + 1]))
             for c in range(3):
                 centres[k, c] = centre[c]
-        elif types[k] < CONVEX and types[k] != HALF_SPACE:
-            radii[k] = inner_radius(types[k], shape)
+
+
+def balls_inside(
+    types: Indices, starts: Indices, pool: Floats, inner: Floats
+) -> tuple[Floats, Floats]:
+    """Return centres (n, 3) from Go, in G, and radii (n,) [m] of balls in shapes; 0: none.
+
+    ``inner`` are the inner radii of ``shape_radii``.
+    """
+    centres, radii = np.zeros((types.size, 3)), inner.copy()
+    if (types == CONVEX).any():
+        _put_balls_in_hulls(types, starts, pool, centres, radii)
     return centres, radii

@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 
 MOST_CONTACTS = 64  # pairs of leaves that ways apart are taken from
-ASIDE = 2.5  # roundings from what it touches that A is moved, to be apart by more than one
+ASIDE = 3.0  # roundings from what it touches that A is moved, to be apart by more than one
 
 
 @allocating

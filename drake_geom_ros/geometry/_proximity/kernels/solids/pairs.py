@@ -13,7 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, write
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    NORMAL,
+    Aim,
+    OrientedShape,
+    write,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     bounding_radius,
@@ -187,18 +192,12 @@ def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
 
 @allocating
 def signed_distance_to_solid(
-    kind_A: int,
-    shape_A: Floats,
-    R_WA: Floats,
-    kind_B: int,
-    shape_B: Floats,
-    R_WB: Floats,
-    p_AB_W: Floats,
-    tolerance: float,
-    cutoff: float,
-    out: Floats,
+    shaped_A: OrientedShape, shaped_B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
     """Write the result row of any bounded shape and a solid."""
+    kind_A, shape_A, R_WA = shaped_A
+    kind_B, shape_B, R_WB = shaped_B
+    tolerance, cutoff = aim.tolerance, aim.cutoff
     radius = core_radius(kind_A, shape_A)
     p = scale(-1.0, unrotate(R_WB, vector_at(p_AB_W, 0)))
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)

@@ -41,10 +41,10 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
         row = np.zeros(calling.PAIR_WIDTH)
         kinds, lengths = zip(*(for_queries(each).in_pairs for each in (shape, other)), strict=True)
         lengths = [np.ldexp(each, e) for each in lengths]
-        extremes.at_one_metre(
-            address, np.ldexp(4.0, e), kinds[0], lengths[0], np.eye(3),
-            kinds[1], lengths[1], R, np.ldexp(p, e), np.ldexp(1e-9, e), np.inf, row,
-        )  # fmt: skip
+        A = calling.OrientedShape(kinds[0], lengths[0], np.eye(3))
+        B = calling.OrientedShape(kinds[1], lengths[1], R)
+        aim = calling.Aim(np.ldexp(4.0, e), np.ldexp(1e-9, e), np.inf)
+        extremes.at_one_metre(address, A, B, np.ldexp(p, e), aim, row)
         rows.append(row)
     lengths = [calling.DISTANCE, calling.ERROR_BOUND, *range(calling.WITNESS_A, 10)]
     rows[0][lengths] = np.ldexp(rows[0][lengths], exponent)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.forms import ALIGNED, hull_of
+from oracles.kernel_calls import call_for_pair
 from oracles.pairs import check, check_kernel, pair_of, turned
 
 from bench.evidence.bodies.random_bodies import random_rotation
@@ -97,9 +98,8 @@ def test_a_hull_is_as_far_as_its_lowest_vertex(scale, far):
             scale * far * rng.normal(size=3),
         )
         shape, out = hull_of(vertices), np.zeros(PAIR_WIDTH)
-        half_spaces.half_space_convex(
-            HALF_SPACE, np.zeros(0), R_WA, CONVEX, shape, R_WB, p, 0.0, np.inf, out
-        )
+        pair = HALF_SPACE, np.zeros(0), R_WA, CONVEX, shape, R_WB, p
+        call_for_pair(half_spaces.half_space_convex, *pair, 0.0, np.inf, out)
         exact = np.vectorize(Fraction)
         truth = (exact(p) + exact(vertices) @ exact(R_WB).T) @ exact(R_WA)[:, 2]
         lengths = np.linalg.norm(vertices, axis=1).max() + np.linalg.norm(p)

@@ -5,6 +5,7 @@ import pytest
 from numba import config
 from oracles import closed_forms
 from oracles.forms import PARAMETERS
+from oracles.kernel_calls import call_for_pair
 
 from bench.evidence.tolerances import EPS
 from drake_geom_ros.cross_check.surfaces import height_of
@@ -49,7 +50,8 @@ def _row(kind, size, q):
     out = np.full(PAIR_WIDTH, np.nan)
     kernel = getattr(spheres, f'sphere_{ShapeKind(kind).name.lower()}')
     axes = np.eye(3)
-    kernel(SPHERE, np.zeros(1), axes, kind, size, axes, -q, 0.0, np.inf, out)
+    asked = SPHERE, np.zeros(1), axes, kind, size, axes, -q
+    call_for_pair(kernel, *asked, 0.0, np.inf, out)
     return out
 
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.kernel_calls import call_for_pair
 
 from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import pair_table
@@ -55,9 +56,8 @@ def test_as_a_sphere_without_radius(kind, place):
     for p_WQ, answer in zip(p_WQs, rows, strict=True):
         out = np.zeros(calling.PAIR_WIDTH)
         shape = np.array(CLOSED_FORMS[kind])
-        pair_kernel(
-            *(SPHERE, np.zeros(1), np.eye(3), kind, shape, R_WG, p_WG - p_WQ, 0.0, math.inf, out)
-        )
+        pair = SPHERE, np.zeros(1), np.eye(3), kind, shape, R_WG, p_WG - p_WQ
+        call_for_pair(pair_kernel, *pair, 0.0, math.inf, out)
         assert answer[calling_points.POINT_DISTANCE] == pytest.approx(out[0], abs=1e-15)
         np.testing.assert_allclose(answer[1:4], out[1:4], atol=1e-14)
         p_QN_W = R_WG @ answer[4:7] + (p_WG - p_WQ)

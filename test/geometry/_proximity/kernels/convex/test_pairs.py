@@ -5,6 +5,7 @@ import pytest
 from numba import config
 from oracles.body_truth import apart
 from oracles.forms import ALIGNED, row_of
+from oracles.kernel_calls import call_for_pair
 from oracles.pairs import check_row, off_surfaces, pair_of, random_pairs, turned
 
 from bench.evidence.bodies.random_bodies import random_rotation
@@ -287,7 +288,8 @@ def test_a_vanishing_body_is_a_point(kind, size):
         R_WA, q = random_rotation(rng), rng.normal(size=3)
         q *= 1.5 / np.abs(q).max()
         out = np.zeros(calling.PAIR_WIDTH)
-        convex.signed_distance_of_cores(
+        call_for_pair(
+            convex.signed_distance_of_cores,
             *(BOX, np.full(3, 0.5), R_WA, kind, np.full(3, size), random_rotation(rng)),
             *(R_WA @ q, 1e-9, np.inf, out),
         )

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.kernel_calls import call_for_pair
 
 from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
@@ -158,7 +159,8 @@ def test_points_of_a_disk_and_a_tiny_rod_just_beside_it_lie_on_both(seed):
     R = random_rotation(np.random.default_rng(seed))
     disk, rod, p = np.array([1.0, 5e-7]), np.array([1e-9, 3e-8]), R @ [-1.0, -0.0002, 0.8]
     out = np.zeros(PAIR_WIDTH)
-    convex.signed_distance_of_cores(CYLINDER, disk, R, CYLINDER, rod, R, p, 1e-12, np.inf, out)
+    pair = CYLINDER, disk, R, CYLINDER, rod, R, p
+    call_for_pair(convex.signed_distance_of_cores, *pair, 1e-12, np.inf, out)
     assert out[DISTANCE] == pytest.approx(0.7999994700000003, abs=1e-15)
     assert out[ERROR_BOUND] < 2e-14
     for shape, q in ((disk, out[WITNESS_A:][:3]), (rod, out[WITNESS_B:][:3] - p)):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from numba import config
 from oracles.core_pairs import core_pair, turned
 from oracles.forms import signed_distance
+from oracles.kernel_calls import call_for_pair
 
 from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import Convex, MeshData
@@ -62,7 +63,7 @@ def _moved(rng, pair, step):
 
 def _answer(pair, row):
     """Have the kernel answer in a row, which holds what is known of last time; return the row."""
-    convex.signed_distance_of_cores(*pair, 1e-9, math.inf, row)
+    call_for_pair(convex.signed_distance_of_cores, *pair, 1e-9, math.inf, row)
     assert np.isfinite(row[:PAIR_WIDTH]).all()
     return row
 
