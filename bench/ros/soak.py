@@ -4,7 +4,8 @@ Beside a stream of poses, eight callers change the scene, filter, ask and try th
 ``mix``), hostile messages arrive (see ``hostile``), a subscriber never reads, and the player is
 killed and started again; faults (see ``faults``) come in an order that the seed fixes. At the end
 the scene is saved, the node is killed with SIGKILL and comes back from the file. The exit code is
-1 where anything was not as expected. With ``--faults`` it is faults alone, see ``storm``.
+1 where anything was not as expected. With ``--faults`` it is faults alone, see ``storm``; with
+``--rules`` it is proximity rules, see ``rules.storm``.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from bench.ros.faults.order import Faults, listed
 from bench.ros.faults.site import NODE, PATIENCE, Site
 from bench.ros.listener import QUANTILES
 from bench.ros.processes import Processes, memory
+from bench.ros.rules import storm as rule_storm
 
 PLAYER_LIFE = 30.0  # [s]
 FAULT_PERIOD = 5.0  # [s] between two faults
@@ -154,8 +156,11 @@ def main() -> int:
     parser.add_argument(
         '--faults', type=int, help='so many faults in a row instead, and no callers that change'
     )
+    parser.add_argument('--rules', action='store_true', help='proximity rules and a referee')
     parser.add_argument('--first', type=int, default=1, help='number of the first fault')
     options = parser.parse_args()
+    if options.rules:
+        return rule_storm.run(options)
     with tempfile.TemporaryDirectory() as folder:
         if options.faults:
             return storm.run(options, Path(folder))

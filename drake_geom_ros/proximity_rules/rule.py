@@ -75,6 +75,7 @@ class ProximityRule:
             raise self._refusal('set_a is empty; it must name sources, frames or geometries')
         if self.level not in tuple(Level):
             raise self._refusal(f'level is {self.level}; it must be 1 (WARN), 2 (SLOW), 3 (STOP)')
+        object.__setattr__(self, 'level', Level(self.level))  # messages bear numbers
         if not (math.isfinite(self.enter) and math.isfinite(self.leave)):
             raise self._refusal(f'enter={self.enter} and leave={self.leave} must be finite [m]')
         if not self.leave > self.enter:

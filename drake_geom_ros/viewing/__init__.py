@@ -2,6 +2,6 @@
 
 In: a scene, its poses and the answers.
 Out: what a page shows, as plain data.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``scene_files``,
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
     ``trajectories``; numpy, yaml, PIL.
 """

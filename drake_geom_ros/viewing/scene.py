@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.viewing.looks import Look
 from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.rules import ShownRule
 from drake_geom_ros.viewing.short_names import short_names
 
 Floats = NDArray[np.float64]
@@ -58,6 +59,7 @@ class Moment:
     p_WFs: Floats
     # What is to be said of the moment, such as how old it is.
     remarks: Sequence[str] = field(default=())
+    rules: Sequence[ShownRule] = field(default=())
 
 
 class ShownScene(Protocol):

@@ -26,8 +26,12 @@ from std_srvs.srv import Trigger
 from drake_geom_ros.client import (
     Geometry,
     Penetrations,
+    ProximityEvent,
+    ProximityMonitor,
+    RefusedError,
     SceneListener,
     SceneTable,
+    Services,
     SignedDistance,
     SignedDistances,
     UnknownNameError,
@@ -41,7 +45,7 @@ from drake_geom_ros.trajectories.motion_file import adjacent_links
 from examples.demo import reading
 from examples.demo.filter_keeper import FilterKeeper
 from examples.demo.live_table import Screen
-from examples.demo.recording import FilterChange, Recording
+from examples.demo.recording import FilterChange, Recording, RuleEvent
 from examples.demo.report import write_report
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -51,6 +55,8 @@ _START_PATIENCE = 900.0  # [s] for the node to compile its kernels the first tim
 _PROGRESS_PERIOD = 5  # [s]
 _POSES_KEPT = 100
 _POLL = 0.05  # [s]
+_RULE = 'near each other'
+_LIMITS = {'enter': 0.1, 'leave': 0.12}  # [m]
 _ANSWER_PATIENCE = 5.0  # [s]
 
 
@@ -76,6 +82,8 @@ class DemoClient(Node):
         self.done: Future = Future()
         self._filters = FilterKeeper(self, self._note, self._fail)
         self._restart = self.create_client(Trigger, 'pose_player/restart')
+        self._asked = Services(self, 'scene_graph')
+        self._monitor = ProximityMonitor(self, 'scene_graph', on_event=self._on_event)
         self._subscribe()
         self._start_timer = self.create_timer(0.0, self._start)
         self.create_timer(_POLL, self._show)
@@ -116,9 +124,20 @@ class DemoClient(Node):
             self._awaited = f'service {missing[0]}'
             await sleep(self, _POLL)
         self._awaited = 'result'
+        await self._add_rule()
         await self._restarted()
         self._record_from = self._heard = self._now()
         self._patience = _PATIENCE
+
+    async def _add_rule(self) -> None:
+        """Have the node say when the first two robots, or one and the rest, come near."""
+        if self._robots:
+            rule = msg.ProximityRule(name=_RULE, level=msg.ProximityRule.SLOW, **_LIMITS)
+            rule.set_a, rule.set_b = [self._robots[0]], list(self._robots[1:2])
+            try:
+                await self._asked.ask('add_proximity_rule', rule=rule)
+            except RefusedError as error:  # it is there: of a client before us
+                self.get_logger().info(str(error))
 
     async def _restarted(self) -> None:
         """Have the player begin anew; an answer may be lost where it has not found us yet."""
@@ -132,7 +151,7 @@ class DemoClient(Node):
 
     def _missing(self) -> list[str]:
         restart = [] if self._restart.service_is_ready() else [self._restart.srv_name]
-        return self._filters.missing() + restart
+        return self._filters.missing() + self._asked.missing('add_proximity_rule') + restart
 
     def _for_good(self, distances: SignedDistances) -> msg.CollisionFilterDeclaration:
         """Return what to exclude for good: adjacent links, and what touches in this result."""
@@ -173,6 +192,11 @@ class DemoClient(Node):
         if len(self._poses) > _POSES_KEPT:
             del self._poses[next(iter(self._poses))]
         self._picture_closest()
+
+    def _on_event(self, event: ProximityEvent) -> None:
+        if self.recording is not None and event.stamp >= self._record_from:
+            told = event.stamp, event.rule, event.level, event.entered, event.distance
+            self.recording.events.append(RuleEvent(*told))
 
     def _on_intended(self, message: msg.CollisionFilterDeclaration) -> None:
         self._run(self._filters.follow(message))

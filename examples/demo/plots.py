@@ -11,6 +11,7 @@ from examples.demo.recording import Recording
 _MOST_LISTED = 12  # changes of filters that have a number and a line of text: the last ones
 _MOST_LABELS = 12  # spells of contact that have a name; of more only the deepest one
 
+_LEVELS = {'warn': '#e6be00', 'slow': '#ff7800', 'stop': '#ff0000'}  # as the viewer has them
 _BLUE, _GREEN, _RED, _GREY = '#1f5fa8', '#2a8a57', '#c0392b', '#555555'
 
 
@@ -68,6 +69,7 @@ def _draw_smallest(axes: Any, recording: Recording) -> None:
             xytext=(0, 34), textcoords='offset points', ha='center', fontsize=9, color=_GREEN,
             arrowprops={'arrowstyle': '-', 'color': _GREEN, 'lw': 0.8},
         )  # fmt: skip
+    _mark_events(axes, recording)
     axes.axhline(0.0, color='black', lw=0.8)
     axes.set_ylabel('smallest signed distance [mm]')
     if np.isfinite(recording.max_distance):
@@ -79,7 +81,24 @@ def _draw_smallest(axes: Any, recording: Recording) -> None:
     shown = np.array([d for t, d in zip(time, smallest, strict=True) if t >= _settled(recording)])
     if np.isfinite(shown).any():
         axes.set_ylim(bottom=min(-15.0, 1.3e3 * np.nanmin(shown)))
-    axes.legend(loc='lower left', bbox_to_anchor=(0.0, 1.05), ncols=2, frameon=False)
+    axes.legend(loc='lower left', bbox_to_anchor=(0.0, 1.05), ncols=4, frameon=False)
+
+
+def _mark_events(axes: Any, recording: Recording) -> None:
+    """Mark where proximity rules were entered (down) and left (up), in the colour of the level."""
+    told = [event for event in recording.events if np.isfinite(event.distance)]
+    for level, colour in _LEVELS.items():
+        for entered, marker in ((True, 'v'), (False, '^')):
+            at = [
+                (event.time - recording.start, event.distance * 1e3)
+                for event in told
+                if event.level == level and event.entered == entered
+            ]
+            if at:
+                axes.plot(
+                    *np.transpose(at), marker, color=colour, ms=8, mec='black', mew=0.6, zorder=3,
+                    label=f'{level} rule {"entered" if entered else "left"}',
+                )  # fmt: skip
 
 
 def _draw_deepest(axes: Any, recording: Recording) -> None:

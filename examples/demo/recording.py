@@ -56,6 +56,17 @@ class FilterChange:
 
 
 @dataclass(frozen=True)
+class RuleEvent:
+    """A proximity rule of the node was entered or left, by poses of the stamp ``time`` [s]."""
+
+    time: float
+    rule: str
+    level: str  # warn, slow or stop
+    entered: bool
+    distance: float  # [m] of the rule's nearest pair; inf or NaN where none is told
+
+
+@dataclass(frozen=True)
 class Approach:
     """The closest moment of two robots: the pair, its witnesses and every frame's pose X_WF."""
 
@@ -79,6 +90,7 @@ class Recording:
     pairs: list[RecordedPairs] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
     changes: list[FilterChange] = field(default_factory=list)
+    events: list[RuleEvent] = field(default_factory=list)
     cycle_seconds: list[float] = field(default_factory=list)
     filtered_pairs: int | None = None  # as get_filters said last
     start: float = 0.0  # the stamp [s] of the first result
@@ -157,6 +169,7 @@ class Recording:
         del self.pairs[: RESULTS_KEPT // 2]
         oldest = self.pairs[0].time
         self.contacts = [contact for contact in self.contacts if contact.time >= oldest]
+        self.events = [event for event in self.events if event.time >= oldest]
         self.depth_of = {k: depth for k, depth in self.depth_of.items() if k[0] >= oldest}
         del self.cycle_seconds[: -len(self.pairs)]
 

@@ -155,6 +155,7 @@ LAYERS = {
             'sensors',
             'geometry',
             'geometry/queries',
+            'proximity_rules',
             'scene_files',
             'trajectories',
             'viewing',

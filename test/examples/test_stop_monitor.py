@@ -21,21 +21,21 @@ geometries:
 - {{name: block, source: cell, shape: {{type: box, size: [1, 1, 1]}}}}
 - {{name: load, source: cell, frame: cart, shape: {{type: box, size: [1, 1, 1]}}}}
 - {{name: ball, source: {robot}, frame: 'arm::hand', shape: {{type: sphere, radius: 0.1}}}}
+proximity_rules:
+- {{name: hands off, set_a: {watched}, level: stop, enter: 0.05, leave: 0.06}}
 """
 
 
 class Watched:
-    """A node, and a monitor that is told to watch ``robot``."""
+    """A node, and a monitor of the rule that watches ``robot``."""
 
     def __init__(self, folder, client, robot):
-        self.client, self.at = client, None
-        self.node = start_node(folder / 'node', max_distance=0.5)
-        given = [f'robot:={robot}', 'oldest_pose:=5.0', 'longest_silence:=5.0']
+        self.client, self.at, self.watched = client, None, robot
+        self.node = start_node(folder / 'node', max_distance=0.5, stale_after=5.0)
         self.log = folder / 'monitor'
         with self.log.open('w') as log:
             self.monitor = subprocess.Popen(
-                [sys.executable, str(ROOT / 'examples/ur5_cell/stop_monitor.py'), '--ros-args']
-                + [word for each in given for word in ('-p', each)],
+                [sys.executable, str(ROOT / 'examples/ur5_cell/stop_monitor.py')],
                 env=environment(),
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -45,7 +45,7 @@ class Watched:
 
     def load(self, robot):
         """Load the scene with a robot of that name, which has no pose yet."""
-        text = SCENE.format(robot=robot)
+        text = SCENE.format(robot=robot, watched=self.watched)
         accepted(self.client.call(srv.LoadScene, 'load_scene', text=text, replace=True))
         self.robot, self.at = robot, None
 
@@ -86,7 +86,7 @@ class Watched:
 
 @pytest.fixture
 def watch(tmp_path, lone_client):
-    """Return a function that starts a node, and a monitor of a robot."""
+    """Return a function that starts a node, and a monitor of a rule about a robot."""
     started = []
 
     def start(robot):
@@ -102,7 +102,7 @@ def test_a_misspelt_robot_is_stopped_for_ever_and_the_nearest_name_is_told(watch
     watched = watch('rigth')
     watched.load('right')
     watched.at = (0.0, 0.0, 0.0)  # right in the block: the robot that was meant
-    watched.says("stop: nobody to watch: 'rigth' stands for no geometry")
+    watched.says("'rigth' stands for no geometry")
     assert "nearest: 'right'" in watched.log.read_text()
     watched.at = (0.0, 0.0, 3.0)
     watched.stays(stop=True)
@@ -110,20 +110,23 @@ def test_a_misspelt_robot_is_stopped_for_ever_and_the_nearest_name_is_told(watch
 
 def test_it_goes_once_its_robot_is_there_and_posed_and_stops_when_it_is_gone(watch):
     watched = watch('right')
+    watched.says("there is no proximity rule 'hands off'")
     watched.load('other')
-    watched.says('stop: nobody to watch')
+    watched.says("'right' stands for no geometry")
     watched.stays(stop=True)
     watched.load('right')
-    watched.says('stop: not all is posed: right::arm::hand')
+    watched.says('stop: hands off: no pose')
     watched.stays(stop=True)
     watched.at = (0.0, 0.0, 3.0)
     watched.says('go')
     watched.stays(stop=False)
     watched.at = (0.0, 0.0, 0.62)
-    watched.says('stop: cell::world/block to right::arm::hand/ball: 0.0200 m')
+    watched.says('stop: hands off: near')
+    pair = 'hands off entered, near: cell::world/block to right::arm::hand/ball: 0.0200 m'
+    assert pair in watched.log.read_text()
     watched.load('other')
     watched.at = (0.0, 0.0, 3.0)
-    watched.says('stop: nobody to watch')
+    watched.says("'right' stands for no geometry")
     watched.load('right')
     watched.at = (0.0, 0.0, 3.0)
     watched.says('go')

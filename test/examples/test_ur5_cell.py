@@ -85,7 +85,8 @@ def test_it_stops_near_the_part_and_near_the_fence_and_goes_between(cell):
     cell.client.wait_for(lambda: cell.stops, 'a word of the monitor', 120.0)
     cell.client.wait_for(lambda: 'go\n' in cell.said(), 'go', 120.0)
     cell.wait_until_said(
-        'stop: cell::part/body to ur5::tool0/gripper: 0.0', 'go\n', 'cell::world/fence: 0.0'
+        'hands off entered, near: cell::part/body to ur5::tool0/gripper: 0.0',
+        *('stop: hands off: near\n', 'go\n', 'cell::world/fence: 0.0'),
     )
     assert {stop.data for stop in cell.stops} == {True, False}
 
@@ -150,7 +151,12 @@ def test_it_stops_when_the_poses_stop_and_when_the_results_do(cell):
     """Last: the player is gone then."""
     cell.client.wait_for(lambda: not cell.stops[-1].data, 'go')
     assert cell.player.end() == 0
-    cell.client.wait_for(lambda: 'stop: no result' in cell.said().splitlines()[-1], 'stop')
+    cell.client.wait_for(lambda: 'stop: hands off: stale' in cell.said().splitlines()[-1], 'stop')
     count = len(cell.stops)
     cell.client.wait_for(lambda: len(cell.stops) > count + 10, 'more words')
     assert all(stop.data for stop in cell.stops[count:])
+    cell.node.popen.send_signal(signal.SIGSTOP)
+    try:
+        cell.wait_until_said('stop: scene_graph is silent')
+    finally:
+        cell.node.popen.send_signal(signal.SIGCONT)

@@ -15,14 +15,18 @@ from rclpy.task import Future
 from drake_geom_ros.client import Services
 from drake_geom_ros.client.listening import LATCHED
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry import GeometryError, GeometryId
+from drake_geom_ros.common.geometry_names import GeometryNames
+from drake_geom_ros.geometry import GeometryError, GeometryId, Role
 from drake_geom_ros.math.batched import matrices_from_poses
+from drake_geom_ros.proximity_rules import ScenePairs, WatchedPairs, Why
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.conversions.names import some_of
+from drake_geom_ros.ros.conversions.proximity_rules import rule_from_message
 from drake_geom_ros.ros.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.ros.conversions.shapes import shape_from_message
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
 from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
 from drake_geom_ros.viewing.scene import Cast, Moment
 
 _ANSWER_PATIENCE = 2.0  # [s] for who waits at the page
@@ -52,6 +56,9 @@ class NodeScene:
         self._cast = Cast(np.zeros(0, np.int64), [], {})
         self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
         self._heard = 0.0  # [s] of the steady clock, when poses came
+        self._bodies: dict[int, GeometryNames] = {}  # with the proximity role, by id value
+        self._rules: Any = None  # the last ProximityStates, and the pairs that it is about
+        self._watched: WatchedPairs | None = None
         self._results: Any = None  # of the topic, or of the last answer
         self._asked: tuple[float, str] | None = None  # what the answer is for
         self._answer: Any = None
@@ -60,6 +67,7 @@ class NodeScene:
             (msg.Scene, 'scene', self._take_scene, LATCHED),
             (msg.GeometryPoses, 'geometry_poses', self._take_poses, _NEWEST),
             (msg.SignedDistancePairs, 'signed_distances', self._take_results, _NEWEST),
+            (msg.ProximityStates, 'proximity_states', self._take_rules, LATCHED),
         ):
             node.create_subscription(kind, f'{server}/{topic}', take, profile)
 
@@ -85,7 +93,8 @@ class NodeScene:
             pairs = self._pairs(results, max_distance)
             none = np.zeros((0, 3, 3)), np.zeros((0, 3))
             remarks = self._remarks() + self._left_out(results)
-            return Moment(self._cast, R_WGs, p_WGs, pairs, *none, remarks)
+            rules = self._shown_rules(pairs)
+            return Moment(self._cast, R_WGs, p_WGs, pairs, *none, remarks, rules)
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
         """Return why a pair is not reported; raises GeometryError where the node does not say."""
@@ -124,10 +133,15 @@ class NodeScene:
         frames = {frame.id: frame.name for frame in message.frames}
         files = FileAccess(_ANY_FILE)
         names, looks, troubles = {}, [], []
+        world, bodies = message.frames[0].id, {}
         for entry in message.geometries:
             frame = frames[entry.frame_id]
             name = f'{sources[entry.source_id]}::{frame}/{entry.name}'
             names[entry.id] = name
+            if any(role_from_number(r.role) == Role.kProximity for r in entry.roles):
+                bodies[entry.id] = GeometryNames(
+                    sources[entry.source_id], frame, entry.name, entry.frame_id == world
+                )
             try:
                 shape = shape_from_message(entry.shape, files)
             except RuntimeError as error:
@@ -144,6 +158,7 @@ class NodeScene:
             self._cast = Cast(np.zeros(0, np.int64), [], names)
             self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
             self._results = self._answer = self._asked = None
+            self._bodies, self._watched = dict(sorted(bodies.items())), None
             self._changes += 1
 
     def _take_poses(self, message: msg.GeometryPoses) -> None:
@@ -164,7 +179,36 @@ class NodeScene:
             self._results = message
             self._changes += 1
 
+    def _take_rules(self, message: msg.ProximityStates) -> None:
+        with self._lock:
+            self._rules, self._watched = message, None
+            self._changes += 1
+
     # Answers.
+
+    def _shown_rules(self, pairs: Pairs) -> list[ShownRule]:
+        """Return how the rules stand, with the nearest of the pairs that each is about."""
+        message = self._rules
+        if message is None or self._known < 0:
+            return []
+        rules = [rule_from_message(rule) for rule in message.rules]
+        if self._watched is None:
+            ids, count = np.array(list(self._bodies), dtype=np.int64), len(self._bodies)
+            every = np.ones((count, count), dtype=np.bool_)
+            names = list(self._bodies.values())
+            met = [rule.name for rule in rules]
+            self._watched = WatchedPairs(rules, ScenePairs(ids, names, every), met)
+        nearest = nearest_by_rule(self._watched, pairs)
+        return [
+            ShownRule(
+                rule.name,
+                rule.level,
+                message.entered[k],
+                _why(message.why[k]) or message.trouble[k],
+                nearest.get(k),
+            )
+            for k, rule in enumerate(rules)
+        ]
 
     def _pairs(self, results: Any, max_distance: float) -> Pairs:
         """Return the pairs of a message, with witnesses where their geometries are shown."""
@@ -218,3 +262,7 @@ class NodeScene:
         if answer is None or not answer.success:
             raise SilentNodeError(f'{name}: {getattr(answer, "message", "no answer")}')
         return answer
+
+
+def _why(number: int) -> str:
+    return Why(number).name.lower().replace('_', ' ') if number else ''

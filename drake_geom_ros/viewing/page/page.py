@@ -18,6 +18,7 @@ from drake_geom_ros.viewing.page.copy_panel import CopyPanel
 from drake_geom_ros.viewing.page.filter_panel import FilterPanel
 from drake_geom_ros.viewing.page.motion_panel import MotionPanel
 from drake_geom_ros.viewing.page.picture import MOST_NAMES, Picture
+from drake_geom_ros.viewing.page.rules_panel import RulesPanel
 from drake_geom_ros.viewing.page.serving import Served
 from drake_geom_ros.viewing.scene import Moment, ShownScene
 from drake_geom_ros.viewing.timeline import Timeline
@@ -71,6 +72,7 @@ class Page:
         server.scene.configure_default_lights(cast_shadow=False)
         self._status = server.gui.add_html('')
         self.answer = AnswerPanel(server.gui, self.touch, self.select, max_distance, accuracy)
+        self.rules = RulesPanel(server.gui)
         self.filters = FilterPanel(server.gui, scene, local)
         self.motion = None
         if local is not None:
@@ -184,6 +186,7 @@ class Page:
 
     def _show_words(self, moment: Moment) -> None:
         self.answer.show(moment, self.selected)
+        self.rules.show(moment.rules)
         if self.motion is not None:
             self.motion.show()
         lines = [*moment.remarks, *self._remarks(moment)]

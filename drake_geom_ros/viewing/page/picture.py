@@ -17,6 +17,7 @@ from drake_geom_ros.math.batched import quaternions_from_rotations
 from drake_geom_ros.viewing.batches import Batch, batches_of
 from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS
 from drake_geom_ros.viewing.pairs import Pairs, in_words
+from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
 from drake_geom_ros.viewing.scene import Cast, Moment
 
 Floats = NDArray[np.float64]
@@ -79,6 +80,10 @@ class Picture:
             'distances': _Lines(scene, 'distances', _bytes('distances'), _THIN),
             'selected': _Lines(scene, 'selected', _SELECTED, _THICK),
         }
+        self._of_rules = {
+            level: _Lines(scene, f'rules/{level.name.lower()}', colour, _THICK)
+            for level, colour in COLOURS.items()
+        }
         self._points = scene.add_point_cloud(
             '/pairs/points',
             np.zeros((1, 3)),
@@ -102,6 +107,9 @@ class Picture:
             if shown.batch.layer in wishes.layers:
                 shown.pose(moment)
         self._show_pairs(moment.pairs.rows(slice(_MOST_PAIRS)), wishes)
+        for level, lines in self._of_rules.items():
+            rows = np.array(rows_of_level(moment.rules, moment.pairs, level), dtype=np.int64)
+            lines.show(moment.pairs.rows(rows).segments())
         self._show_selected(moment.pairs, wishes, selected)
         self._show_names(moment, wishes)
         self._show_frames(moment, wishes)

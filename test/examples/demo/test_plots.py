@@ -5,7 +5,7 @@ from PIL import Image
 
 from examples import demo_scenes as scenes
 from examples.demo.plots import draw_distances
-from examples.demo.recording import FilterChange, Recording
+from examples.demo.recording import FilterChange, Recording, RuleEvent
 
 
 def _has(picture, colour, least):
@@ -28,6 +28,20 @@ def test_a_change_of_the_filters_changes_the_picture(tmp_path):
     with_changes = np.asarray(Image.open(tmp_path / 'with.png').convert('L'))
     without = np.asarray(Image.open(tmp_path / 'without.png').convert('L'))
     assert with_changes.shape != without.shape or (with_changes != without).any()
+
+
+def test_events_of_rules_are_marked_in_the_colour_of_their_level(tmp_path):
+    made, colours = scenes.recording(), {'slow': (0xFF, 0x78, 0x00), 'stop': (0xFF, 0x00, 0x00)}
+    for level in colours:
+        made.events = [
+            RuleEvent(101.0, 'near', level, True, 0.1),
+            RuleEvent(101.5, 'near', level, False, 0.2),
+            RuleEvent(102.0, 'blind', level, True, np.nan),
+        ]
+        draw_distances(made, tmp_path / f'{level}.png')
+        picture = np.asarray(Image.open(tmp_path / f'{level}.png').convert('RGB'))
+        for each, other in colours.items():
+            assert _has(picture, other, 60) == (each == level), (level, each)
 
 
 def test_an_empty_recording_is_drawn_empty(tmp_path):

@@ -8,8 +8,10 @@ from drake_geom_msgs.msg import FramePoses, GeometryPoses
 from ros.harness import SENSOR, start_node
 
 from drake_geom_ros.geometry import GeometryError, Role
+from drake_geom_ros.proximity_rules import Level
 from drake_geom_ros.ros.viewer.node_scene import NodeScene
 from drake_geom_ros.viewing.looks import PALETTE
+from drake_geom_ros.viewing.rules import rows_of_level
 
 SCENE = """
 sources: [s]
@@ -106,6 +108,37 @@ def test_poses_results_and_reasons_are_those_of_the_node(lone_client, shown, sce
         assert ask_in_a_thread(lone_client, lambda: shown.explain(pair)) == ['anchored']
         pair = ids['s::a/ball'], ids['s::world/post']
         assert ask_in_a_thread(lone_client, lambda: shown.explain(pair)) == []
+    finally:
+        node.end()
+
+
+def test_rules_are_listed_with_their_state_and_the_pair_that_they_are_entered_by(
+    lone_client, shown, tmp_path
+):
+    path = tmp_path / 'scene.yaml'
+    path.write_text(
+        f'{SCENE}proximity_rules:\n'
+        '- {name: near, set_a: a, set_b: post, level: slow, enter: 0.3, leave: 0.4}\n'
+        '- {name: far, set_a: a, level: stop, enter: 0.1, leave: 0.2, when_stale: keep}\n'
+    )
+    node = start_node(tmp_path / 'log', scene_file=path, max_distance=5.0)
+    try:
+        poses = lone_client.publisher(FramePoses, 'frame_poses', SENSOR)
+
+        def entered():
+            poses.publish(FramePoses(frame_names=['a'], poses=[0.5, 0, 0, 0, 0, 0, 1]))
+            moment = shown.moment(1.0, 'exact')
+            return moment if any(rule.is_entered for rule in moment.rules) else None
+
+        moment = lone_client.wait_for(entered, 'a rule that is entered')
+        near, far = moment.rules
+        assert near.in_words() == 'near: slow, entered, near'
+        assert far.in_words() == 'far: stop, not entered'
+        names = moment.cast.names
+        assert {names[value] for value in near.pair} == {'s::a/ball', 's::world/post'}
+        (row,) = rows_of_level(moment.rules, moment.pairs, Level.SLOW)
+        assert moment.pairs.distance[row] == pytest.approx(0.2)
+        assert rows_of_level(moment.rules, moment.pairs, Level.STOP) == []
     finally:
         node.end()
 

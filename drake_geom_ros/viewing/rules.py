@@ -1,0 +1,45 @@
+"""Proximity rules as they are shown: how each stands, and the pair that it is nearest by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drake_geom_ros.proximity_rules import Level, WatchedPairs
+from drake_geom_ros.viewing.pairs import Pairs
+
+# Of levels, 0 to 255: of the lines between the pairs of rules that are entered, and of words.
+COLOURS = {Level.WARN: (230, 190, 0), Level.SLOW: (255, 120, 0), Level.STOP: (255, 0, 0)}
+
+
+@dataclass(frozen=True)
+class ShownRule:
+    """A rule; ``pair`` are the id values of the pair that keeps it entered, if any is shown."""
+
+    name: str
+    level: Level
+    is_entered: bool
+    said: str  # why it is entered, or can never be
+    pair: tuple[int, int] | None = None
+
+    def in_words(self) -> str:
+        """Return how it stands."""
+        stands = f'entered, {self.said}' if self.is_entered else self.said or 'not entered'
+        return f'{self.name}: {self.level.name.lower()}, {stands}'
+
+
+def nearest_by_rule(watched: WatchedPairs, pairs: Pairs) -> dict[int, tuple[int, int]]:
+    """Return by the number of a rule its first pair (id values) of those that are shown."""
+    found: dict[int, tuple[int, int]] = {}
+    concerned = watched.incidences(pairs.ids[:, 0], pairs.ids[:, 1])
+    for row, rule in zip(concerned.pairs.tolist(), concerned.rules.tolist(), strict=True):
+        a, b = pairs.ids[row].tolist()
+        found.setdefault(rule, (a, b))
+    return found
+
+
+def rows_of_level(rules: Sequence[ShownRule], pairs: Pairs, level: Level) -> list[int]:
+    """Return the rows of the pairs by which rules of a level are entered."""
+    entered = [rule.pair for rule in rules if rule.is_entered and rule.level == level]
+    rows = [pairs.find(pair) for pair in dict.fromkeys(entered) if pair is not None]
+    return [row for row in rows if row is not None]
