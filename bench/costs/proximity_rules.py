@@ -67,7 +67,8 @@ def measured(balls: Balls, count: int) -> tuple[np.ndarray, np.ndarray, int]:
     query = balls.graph.get_query_output_port().Eval(balls.context)
     watch = SceneRules()
     if count:
-        watch.add(rules(count), query)
+        watch.bind(query, 0)
+        watch.add(rules(count))
     spent = np.empty((CYCLES, 2))
     nobody = Blind((), ())
     for cycle in range(CYCLES):
@@ -77,7 +78,7 @@ def measured(balls: Balls, count: int) -> tuple[np.ndarray, np.ndarray, int]:
         found = query.ComputeSignedDistancePairwiseClosestPoints(REACH)
         between = time.perf_counter()
         if count:
-            watch.bind(query)
+            watch.bind(query, 0)
             watch.decide(between, query, nobody, (found, REACH))
             watch.take_events()
             watch.speed_scale()
