@@ -64,7 +64,7 @@ compute_keys() {
      These are on PyPI; of another, source its setup.bash first, or unset ROS_DISTRO."
   python=$(find_python)
   venv_key=$(printf '%s\n' "$venv" "$(describe_python "$python")" "$underlay" | hash)
-  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt
+  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt
     { echo "$venv_key"; cat -- *.txt "$wheels"/*.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"
@@ -259,6 +259,7 @@ pip_add_wheels() {
 install_peers() { pip_add_wheels peers drake coal mujoco pin; }
 install_cluster() { pip_add_wheels cluster distributed pyarrow; }
 install_view() { pip_add_wheels view viser lcm; }
+install_examples() { pip_add_wheels examples ompl; }
 install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
 
 # The wheels' CMake exports name folders of the machine that built them.
