@@ -86,7 +86,7 @@ def snake(name):
 def test_every_service_is_there(client):
     expected = {f'{PREFIX}/{snake(name)}': f'drake_geom_msgs/srv/{name}' for name in SERVICES}
     expected[f'{PREFIX}/flatten_filters'] = 'std_srvs/srv/Trigger'
-    assert len(expected) == 27
+    assert len(expected) == 28
     wait_for(client, 'service', expected)
 
 

@@ -54,7 +54,7 @@ def test_no_number_comes_again_after_a_restart(tmp_path, lone_client):
     busy = lone_client
 
     def filter_of(client, owner):
-        fields = {'declaration': exclude(*PAIR.values()), 'owner': owner, 'lease': 2.0}
+        fields = {'declaration': exclude(*PAIR.values()), 'owner': owner, 'lease': 5.0}
         answer = client.call(srv.ApplyTransientFilter, 'apply_transient_filter', **fields)
         return accepted(answer).filter_id
 

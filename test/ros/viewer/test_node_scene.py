@@ -128,7 +128,7 @@ def test_rules_are_listed_with_their_state_and_the_pair_that_they_are_entered_by
         def entered():
             poses.publish(FramePoses(frame_names=['a'], poses=[0.5, 0, 0, 0, 0, 0, 1]))
             moment = shown.moment(1.0, 'exact')
-            return moment if any(rule.is_entered for rule in moment.rules) else None
+            return moment if any(rule.is_entered and rule.pair for rule in moment.rules) else None
 
         moment = lone_client.wait_for(entered, 'a rule that is entered')
         near, far = moment.rules

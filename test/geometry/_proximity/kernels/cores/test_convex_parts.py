@@ -155,14 +155,17 @@ def test_points_that_need_no_move_are_taken_if_their_normal_lacks_less(
 
 @pytest.mark.parametrize('seed', range(20))
 def test_points_of_a_disk_and_a_tiny_rod_just_beside_it_lie_on_both(seed):
-    """Their normal is level: leaning by 2.4e-8 rad to the rim gains less than rounding."""
+    """Their normal is level, for points on both: leaning by 2.4e-8 rad to the rim proves more.
+
+    By up to 4e-10 here, which is in the bound: see ``pairs.proved_by_normal``.
+    """
     R = random_rotation(np.random.default_rng(seed))
     disk, rod, p = np.array([1.0, 5e-7]), np.array([1e-9, 3e-8]), R @ [-1.0, -0.0002, 0.8]
     out = np.zeros(PAIR_WIDTH)
     pair = CYLINDER, disk, R, CYLINDER, rod, R, p
     call_for_pair(convex.signed_distance_of_cores, *pair, 1e-12, np.inf, out)
     assert out[DISTANCE] == pytest.approx(0.7999994700000003, abs=1e-15)
-    assert out[ERROR_BOUND] < 2e-14
+    assert out[ERROR_BOUND] < 1e-9
     for shape, q in ((disk, out[WITNESS_A:][:3]), (rod, out[WITNESS_B:][:3] - p)):
         x, y, z = R.T @ q
         assert max(np.hypot(x, y) - shape[0], abs(z) - shape[1]) == pytest.approx(0.0, abs=1e-14)
@@ -191,7 +194,7 @@ def test_the_last_digits_come_from_the_edge_next_to_the_normal(is_hull):
     rod = CYLINDER, np.array([0.5, 2.0]), R, (3.0, 3.0, 0.0)
     pair = CorePair(*cube, np.eye(3), *rod)
     n = np.array([c, c, 1e-3]) / np.hypot(1.0, 1e-3)
-    end, distance, lower, m, a, b = convex.sharpened(
+    end, distance, lower, m, a, b, _ = convex.sharpened(
         pair, convex.difference_of(pair), tuple(n), 1e-6, 1e-14, 1e-12
     )
     assert end == CLOSED
@@ -226,7 +229,7 @@ def test_bounds_that_stay_loose_are_sought_from_elsewhere(
         names[0.0, float(k), 1.0] = f'found {k}'
         zero = 0.0, 0.0, 0.0
         m = 0.0, float(k), 1.0
-        return convex.Bounds(CLOSED, 1.0, 1.0, 1.0 - widths[k], m, zero, zero, 0.0, True)
+        return convex.Bounds(CLOSED, 1.0, 1.0, 1.0 - widths[k], m, zero, zero, 0.0, True, m)
 
     monkeypatch.setattr(convex, 'bounds_of_cores', bounds_of_cores)
     pair = CorePair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (0.0, 4.0, 0.0))
