@@ -317,7 +317,7 @@ def bounds_of_best_start(
 
 @allocating
 def proved_by_normal(
-    pair: CorePair, found: Bounds, error_bound: float, noise: float
+    pair: CorePair, found: Bounds, error_bound: float, size: float
 ) -> tuple[Vector, Vector, Vector, float]:
     """Return (n, a, b, error_bound): the bodies are apart by the distance less the bound along n.
 
@@ -325,6 +325,9 @@ def proved_by_normal(
     digits; what proved the lower bound may be the better normal, and is where that costs less.
     """
     n, a, b = found.n, found.a, found.b
+    # A separation changes by no more than the pair's size times what its normal does.
+    if found.distance - found.lower + norm(sub(n, found.n_lower)) * size <= error_bound:
+        return n, a, b, error_bound
     lacking = found.distance - separation_along(pair, n)
     if not lacking > error_bound:  # nor where an ellipsoid vanishes, which has no support then
         return n, a, b, error_bound
@@ -334,7 +337,7 @@ def proved_by_normal(
         off = max(off, off_surfaces(pair, found.n_lower, a, b, miss))
     if off < lacking:
         return found.n_lower, a, b, off
-    return n, found.a, found.b, lacking + noise
+    return n, found.a, found.b, lacking + ROUNDING * EPS * size
 
 
 @compiled
@@ -366,7 +369,7 @@ def signed_distance_of_cores(
     if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
     if end != BEYOND_CUTOFF:
-        n, a, b, error_bound = proved_by_normal(pair, found, error_bound, noise)
+        n, a, b, error_bound = proved_by_normal(pair, found, error_bound, size)
     if A.kind == CONVEX:
         error_bound += hull_defect(A.shape)
     if B.kind == CONVEX:
