@@ -170,8 +170,11 @@ class PathChecker:
                 f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
             )
         self._asked = MotionQuestion(
-            *(float(min_distance), float(time_tolerance), max_evaluations),
-            *(ignore_start_contacts, float(bound_tolerance)),
+            min_distance=float(min_distance),
+            time_tolerance=float(time_tolerance),
+            max_evaluations=max_evaluations,
+            ignore_start_contacts=ignore_start_contacts,
+            bound_tolerance=float(bound_tolerance),
         )
         self.joints, self._ignore_limits = joints, ignore_limits
         self._mark = SceneMark(scene_graph, joints.id_values)

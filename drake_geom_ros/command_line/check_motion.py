@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.batch.path_profile import PathProfile, draw_profile
-from drake_geom_ros.command_line.checked_motions import of_motion, of_path
+from drake_geom_ros.command_line.checked_motions import CLEAR_IN_PIECES, of_motion, of_path
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, MotionCheck
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
-NOT_CLEAR = 1  # the exit code
+NOT_CLEAR, IN_PIECES = 1, 3  # exit codes; 2 is that of bad input
 
 
 def add_to(commands: Any) -> None:
@@ -25,7 +25,8 @@ def add_to(commands: Any) -> None:
         description='Checks a path of joint values, straight in joint space from row to row, or '
         'the poses of a motion, straight from moment to moment: clear for all times, the first '
         'contact, or from when on nothing is proved. Exit code 0 where it is clear, 1 where it is '
-        'not. Times are rows of the path, or seconds of the motion.',
+        'not, and 3 where a motion is clear in pieces: of its curves between the moments nothing '
+        'is proved. Times are rows of the path, or seconds of the motion.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
     add_scene_options(parser)
@@ -81,22 +82,20 @@ def run(options: argparse.Namespace) -> int:
     found = (of_motion if options.motion else of_path)(options)
     check_outputs(outputs, found.files)
     check = found.check
-    print(*_lines(check, found.name_of), *found.told, sep='\n')
+    print(f'outcome {found.outcome}', *_lines(check, found.name_of), *found.told, sep='\n')
     profile = found.profile() if options.csv or options.picture else None
-    if profile is None:
-        return 0 if check.outcome == 'clear' else NOT_CLEAR
-    if options.csv:
+    if profile is not None and options.csv:
         _write(Path(options.csv), profile)
-    if options.picture:
-        title = f'{Path(options.scene).stem}: {check.outcome}'
+    if profile is not None and options.picture:
+        title = f'{Path(options.scene).stem}: {found.outcome}'
         file = Path(options.picture)
         draw_profile(profile, check, options.min_distance, title, file, found.unit)
-    return 0 if check.outcome == 'clear' else NOT_CLEAR
+    return {'clear': 0, CLEAR_IN_PIECES: IN_PIECES}.get(found.outcome, NOT_CLEAR)
 
 
 def _lines(check: MotionCheck, name_of: Callable[[GeometryId], str]) -> list[str]:
-    """Return what there is to tell of a check."""
-    told = [f'outcome {check.outcome}', f'times {check.times[0]!r} {check.times[1]!r}']
+    """Return what there is to tell of a check, but for its outcome."""
+    told = [f'times {check.times[0]!r} {check.times[1]!r}']
     if check.id_A is not None and check.id_B is not None:
         names = ' '.join(name_of(id) for id in (check.id_A, check.id_B))
         told.append(f'distance {check.distance:.9g} at {check.time:.9g} between {names}')

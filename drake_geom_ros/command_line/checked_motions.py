@@ -15,6 +15,7 @@ from drake_geom_ros.batch.state_files import read_states
 from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import load_and_tell
+from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -25,6 +26,9 @@ from drake_geom_ros.viewing.timeline import (
     leaves_pieces_by,
 )
 
+# [m] and [rad] that a motion may be beside its pieces and be them, all the same.
+_STRAIGHT = 1e-9
+CLEAR_IN_PIECES = 'clear in pieces'  # of a motion that is not straight between its moments
 _OF_PATHS = ('names', 'ignore_start_contacts', 'ignore_limits', 'max_evaluations')
 
 
@@ -32,6 +36,7 @@ class CheckedMotion(NamedTuple):
     """What is found of a whole motion, and how to tell it."""
 
     check: MotionCheck
+    outcome: str  # of the check, or where more is left open than that tells
     profile: Callable[[], PathProfile]  # of its pieces
     name_of: Callable[[GeometryId], str]
     told: list[str]  # what else there is to say
@@ -53,10 +58,10 @@ def of_path(options: argparse.Namespace) -> CheckedMotion:
         'ignore_start_contacts': options.ignore_start_contacts,
         'ignore_limits': options.ignore_limits,
     }
+    check = check_path(scene_graph, joints, path, max_evaluations=options.max_evaluations, **asked)
     return CheckedMotion(
-        check=check_path(
-            scene_graph, joints, path, max_evaluations=options.max_evaluations, **asked
-        ),
+        check=check,
+        outcome=check.outcome,
         profile=lambda: profile_of_path(scene_graph, joints, path, options.pieces, **asked),
         name_of=loaded.name_of,
         told=[],
@@ -81,7 +86,9 @@ def of_motion(options: argparse.Namespace) -> CheckedMotion:
     # Of a piece times go from 0 to 1.
     asked['time_tolerance'] = options.time_tolerance / (motion.duration / count)
     checks = list(checks_between(timeline, posed.context, **asked))
+    check = _of_pieces(checks, timeline)
     far, turned = leaves_pieces_by(timeline)
+    is_straight = max(far, turned) <= _STRAIGHT
 
     def profile() -> PathProfile:
         distances, bounds = np.array(list(least_pairs(timeline, posed.context))).T
@@ -96,12 +103,13 @@ def of_motion(options: argparse.Namespace) -> CheckedMotion:
         )
 
     return CheckedMotion(
-        check=_of_pieces(checks, timeline),
+        check=check,
+        outcome=check.outcome if is_straight or check.outcome != 'clear' else CLEAR_IN_PIECES,
         profile=profile,
         name_of=posed.names.__getitem__,
         told=[
-            f'pieces {count}, each straight from pose to pose: halfway between these poses the '
-            f'motion itself is up to {far:.3g} m and {turned:.3g} rad beside them'
+            f'pieces {count}, each straight from pose to pose and proved as such: between these '
+            f'poses the motion itself is up to {far:.3g} m and {turned:.3g} rad beside them'
         ],
         unit='s',
         files=list(posed.files()),
@@ -125,18 +133,16 @@ def _of_pieces(checks: list[MotionCheck], timeline: Timeline) -> MotionCheck:
     if last.outcome == 'clear':
         told = int(np.argmin([check.distance for check in proved]))
 
-    def seconds(piece: int, time: float, towards: float) -> float:
-        begin, end = timeline.times[piece], timeline.times[piece + 1]
-        if time in (0.0, 1.0):
-            return float(end if time else begin)
-        return math.nextafter(float(begin + time * (end - begin)), towards)
+    def seconds(piece: int, time: float, towards: float | None = None) -> float:
+        begin, end = timeline.times[piece : piece + 2].tolist()
+        return time_between(begin, end, time, towards)
 
     times = last.times
     return replace(
         checks[told],
         outcome=last.outcome,
         times=(seconds(count, times[0], -math.inf), seconds(count, times[1], math.inf)),
-        time=seconds(told, checks[told].time, checks[told].time),
+        time=seconds(told, checks[told].time),
         lower_bound=min(check.lower_bound for check in proved),
         evaluations=sum(check.evaluations for check in proved),
     )

@@ -29,7 +29,7 @@ def add_to(commands: Any) -> None:
         'for the pair again and compares. Exit code 1 where the answer still '
         'exceeds its tolerance, or still differs from the other opinion in the file. With '
         '--scene FILE is a recording of ~/proximity_events: each decision is computed again '
-        'from the poses in it. Exit code 1 where one was unfounded.',
+        'from the poses in it. Exit code 1 where one was unfounded, or is missing.',
     )
     parser.add_argument('file', metavar='FILE', help='written by the node, or recorded')
     parser.add_argument(
@@ -54,8 +54,16 @@ def run(options: argparse.Namespace) -> int:
 
 def _judge(file: str, scene: Path) -> int:
     """Print of each recorded event whether it was founded; return the exit code."""
-    judge, found = Judge(scene), Counter[Finding]()
+    judge, found, missing, last = Judge(scene), Counter[Finding](), 0, 0
     for event in read_events(file):
+        if 0 < last < event.sequence - 1:
+            missing += event.sequence - 1 - last
+            print(f'MISSING: events {last + 1} to {event.sequence - 1}')
+        elif event.sequence <= last:
+            print(
+                f'event {event.sequence} follows {last}: a node began anew, or it is there twice'
+            )
+        last = event.sequence
         verdict = judge.verdict(event)
         found[verdict.finding] += 1
         verb = 'entered' if event.entered else 'left'
@@ -69,8 +77,9 @@ def _judge(file: str, scene: Path) -> int:
         ):
             if now is not None:
                 print(f'    {title} [m]: recorded {then!r}, now {now!r}')
-    print(', '.join(f'{found[finding]} {finding.value}' for finding in Finding))
-    return STILL_BROKEN if found[Finding.UNFOUNDED] else 0
+    print(', '.join(f'{found[finding]} {finding.value}' for finding in Finding), end='')
+    print(f', {missing} MISSING' * bool(missing))
+    return STILL_BROKEN if found[Finding.UNFOUNDED] or missing else 0
 
 
 def _report(replay: Replay, now: Answer) -> Iterator[str]:

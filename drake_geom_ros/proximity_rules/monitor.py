@@ -64,6 +64,7 @@ class RuleState(NamedTuple):
     pairs: int  # that it watches
     left_out: int  # of its two sets, that are never reported
     trouble: str  # why it can never be entered as the scene is; empty where it can
+    lacking: tuple[str, ...]  # names that it goes on without, for they stand for nothing any more
 
 
 class _Seen(NamedTuple):
@@ -211,6 +212,7 @@ class RuleMonitor:
                 int(watched.pairs[n]),
                 int(watched.left_out[n]),
                 watched.unknown[n] or watched.unwatched[n],
+                watched.lacking[n],
             )
             for n, rule in enumerate(self.rules)
         ]

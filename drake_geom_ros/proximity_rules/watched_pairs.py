@@ -48,7 +48,8 @@ class WatchedPairs:
         """``unknown`` and ``unwatched`` say of each rule why it can never be entered, or nothing.
 
         The one where a name stands for nothing, of the rules called as in ``met`` where all names
-        of a set do; the other where no pair is ever reported.
+        of a set do; the other where no pair is ever reported. ``lacking`` are of each
+        rule in ``met`` the names that it goes on without.
         """
         self.ids = scene.ids
         finder = _Finder(scene)
@@ -58,6 +59,7 @@ class WatchedPairs:
         self._in_b = np.array([each.in_b for each in sets], dtype=np.bool_).reshape(shape)
         self._count(scene.reported)
         self.unknown = [each.refusal for each in sets]
+        self.lacking = [each.lacking for each in sets]
         self.is_unknown: Flags = np.array([bool(each) for each in self.unknown], dtype=np.bool_)
         self.unwatched = [
             '' if each.refusal else _why_never(rule, int(pairs), int(left_out))
@@ -117,11 +119,12 @@ def _words(flags: Flags) -> NDArray[np.uint64]:
 
 
 class _Sets(NamedTuple):
-    """The geometries (n,) of a rule's two sets, and why there are none."""
+    """The geometries (n,) of a rule's two sets, and why there are none, or not all."""
 
     in_a: Flags
     in_b: Flags
     refusal: str = ''
+    lacking: tuple[str, ...] = ()
 
 
 class _Finder:
@@ -143,7 +146,7 @@ class _Finder:
         if lacking and not (may_lack and is_whole):
             nothing = self._members([])
             return _Sets(nothing, nothing, self._unknown(rule, lacking[0]))
-        return _Sets(in_a, in_b if rule.set_b else ~in_a)
+        return _Sets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
 
     def _members(self, patterns: Sequence[str]) -> Flags:
         members = np.zeros(len(self._called), dtype=np.bool_)

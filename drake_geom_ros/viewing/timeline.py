@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import (
@@ -21,6 +22,7 @@ from drake_geom_ros.trajectories.motion import Motion
 Floats = NDArray[np.float64]
 _MOST_LOOKS = 400  # moments of a motion at which the least distance is computed
 _FIRST_REACH = 0.1  # [m]
+_LOOKS_BETWEEN = (0.25, 0.5, 0.75)  # of the time of a piece
 _FARTHEST = 1000.0  # [m] what is farther apart is looked for without a limit
 
 
@@ -140,25 +142,28 @@ def checks_between(
 
 
 def leaves_pieces_by(timeline: Timeline) -> tuple[float, float]:
-    """Return how far [m] and by which angle [rad] frames are from the straight pieces halfway.
+    """Return how far [m] and by which angle [rad] frames are from the straight pieces.
 
-    That is nearly the most of a smooth motion, in the frames that these hang on.
+    The most of what is seen a quarter, half and three quarters of the time of each: nearly the
+    most of a smooth motion, in the frames that these hang on, and 0 of a cubic only where it is
+    straight.
     """
-    times = timeline.times
-    begins, middles, ends = (
-        np.array([_rows(timeline.poses(t)) for t in each.tolist()])
-        for each in (times[:-1], 0.5 * (times[:-1] + times[1:]), times[1:])
-    )
-    far = np.linalg.norm(middles[..., :3] - 0.5 * (begins + ends)[..., :3], axis=-1)
-    # Halfway a slerp has the rotation of the sum of both quaternions, on the same side.
-    same = np.sign(np.sum(begins[..., 3:] * ends[..., 3:], axis=-1, keepdims=True))
-    halfway = begins[..., 3:] + np.where(same < 0.0, -1.0, 1.0) * ends[..., 3:]
-    halfway /= np.linalg.norm(halfway, axis=-1, keepdims=True)
-    cosines = np.abs(np.sum(halfway * middles[..., 3:], axis=-1))
-    turned = 2.0 * np.arccos(np.clip(cosines, 0.0, 1.0))
-    return float(far.max(initial=0.0)), float(turned.max(initial=0.0))
+    times, far, turned = timeline.times, 0.0, 0.0
+    p_begins, R_begins = _frames_at(timeline, times[:-1])
+    p_ends, R_ends = _frames_at(timeline, times[1:])
+    ways = (R_begins.inv() * R_ends).as_rotvec()
+    for share in _LOOKS_BETWEEN:
+        ps, Rs = _frames_at(timeline, times[:-1] + share * np.diff(times))
+        aside = np.linalg.norm(ps - p_begins - share * (p_ends - p_begins), axis=1)
+        far = max(far, float(aside.max(initial=0.0)))
+        straight = R_begins * Rotation.from_rotvec(share * ways)
+        turned = max(turned, float((straight.inv() * Rs).magnitude().max(initial=0.0)))
+    return far, turned
 
 
-def _rows(poses: FramePoseVector) -> Floats:
-    """Return poses (f, 7), x y z [m] qx qy qz qw, in the order of their ids."""
-    return np.array([poses.value(frame).ToArray() for frame in poses.ids()]).reshape(-1, 7)
+def _frames_at(timeline: Timeline, times: Floats) -> tuple[Floats, Rotation]:
+    """Return positions (n f, 3) [m] and rotations of f frames at times (n,), in one order."""
+    moments = [timeline.poses(time) for time in times.tolist()]
+    poses = [poses.value(frame).ToArray() for poses in moments for frame in poses.ids()]
+    rows = np.array(poses).reshape(-1, 7)
+    return rows[:, :3], Rotation.from_quat(rows[:, 3:])

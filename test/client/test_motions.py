@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from drake_geom_msgs import msg
 from ros.harness import start_node
-from ros.inputs.test_joint_input import ARM, AT, JOINTS_OF_ARM
+from ros.inputs.test_joint_input import JOINTS_OF_ARM
 from ros.services.test_motions import BOUNDS, FIRST_TOUCH, NOW
-from ros.services.test_states import OBSTACLES
+from ros.services.test_states import cell_in
 
 from drake_geom_ros.batch import Joints, check_path
 from drake_geom_ros.client import RefusedError, SceneGraphClient, exclude_between
@@ -25,11 +25,10 @@ BEFORE, BEHIND = RigidTransform([0, 2, 5.2]), RigidTransform([4, 2, 5.2])
 @pytest.fixture(scope='module')
 def scene_file(tmp_path_factory):
     folder = tmp_path_factory.mktemp('motions')
-    (folder / 'arm.urdf').write_text(ARM)
     path = folder / 'cell.yaml'
     there = ', '.join(f'{n}: {q}' for n, q in zip(JOINTS_OF_ARM, NOW, strict=True))
-    arm = f'name: arm, {AT}, adjacent_links: filtered, configuration: {{{there}}}'
-    path.write_text(f'robots:\n- {{urdf: {folder}/arm.urdf, {arm}}}\n{OBSTACLES}')
+    more = 'adjacent_links: filtered', f'configuration: {{{there}}}'
+    path.write_text(cell_in(folder, *more))
     return path
 
 

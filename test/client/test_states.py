@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from ros.harness import start_node
-from ros.inputs.test_joint_input import ARM, AT, JOINTS_OF_ARM
-from ros.services.test_states import BOUNDS, OBSTACLES
+from ros.inputs.test_joint_input import JOINTS_OF_ARM
+from ros.services.test_states import BOUNDS, cell_in
 from sensor_msgs.msg import JointState
 
 from drake_geom_ros.batch import Joints, evaluate
@@ -18,9 +18,8 @@ NAMES = [f'arm::{name}' for name in JOINTS_OF_ARM]
 @pytest.fixture(scope='module')
 def scene_file(tmp_path_factory):
     folder = tmp_path_factory.mktemp('states')
-    (folder / 'arm.urdf').write_text(ARM)
     path = folder / 'cell.yaml'
-    path.write_text(f'robots:\n- {{urdf: {folder}/arm.urdf, name: arm, {AT}}}\n{OBSTACLES}')
+    path.write_text(cell_in(folder))
     return path
 
 

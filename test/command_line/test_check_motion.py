@@ -58,12 +58,12 @@ robots:
     joints: [turn]
     waypoints:
     - {at: 0.0, q: [%s]}
-    - {at: 2.0, q: [6.283185307]}
+    - {at: 2.0, q: [%s]}
 """
 
 
-def run_motion(folder, begin, *asked):
-    (folder / 'motion.yaml').write_text(CROSSING % begin)
+def run_motion(folder, begin, *asked, end=6.283185307):
+    (folder / 'motion.yaml').write_text(CROSSING % (begin, end))
     scene = str(folder / 'scene.yaml')
     return main(['check-motion', scene, '--motion', str(folder / 'motion.yaml'), *map(str, asked)])
 
@@ -71,9 +71,9 @@ def run_motion(folder, begin, *asked):
 def test_a_motion_file_is_checked_piece_by_piece(folder, capsys):
     table, picture = folder / 'motion.csv', folder / 'motion.png'
     asked = ('--csv', table, '--picture', picture, '--pieces', 80)
-    assert run_motion(folder, math.pi, *asked) == 0
+    assert run_motion(folder, math.pi, *asked) == 3
     out = capsys.readouterr().out
-    assert 'outcome clear\ntimes 2.0 2.0\n' in out
+    assert 'outcome clear in pieces\ntimes 2.0 2.0\n' in out
     assert 'pieces 80, each straight from pose to pose' in out
     rows = list(csv.DictReader(table.open()))
     assert len(rows) == 80
@@ -84,6 +84,13 @@ def test_a_motion_file_is_checked_piece_by_piece(folder, capsys):
     assert 'outcome contact' in out
     begin, end = map(float, out.splitlines()[1].split()[1:])
     assert 0.0 <= begin < end <= begin + 1e-6 < 2.0
+
+
+def test_a_motion_that_is_its_pieces_is_clear(folder, capsys):
+    assert run_motion(folder, math.pi, end=math.pi) == 0
+    out = capsys.readouterr().out
+    assert 'outcome clear\ntimes 2.0 2.0\n' in out
+    assert 'up to 0 m and 0 rad beside them' in out
 
 
 def test_what_goes_with_a_path_alone_is_refused_for_a_motion(folder, capsys):

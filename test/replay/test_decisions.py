@@ -129,6 +129,20 @@ def test_the_program_prints_each_event_and_the_counts(recording, capsys):
     assert 'UNFOUNDED: lower bound' in capsys.readouterr().out
 
 
+def test_events_that_are_missing_are_told(recording, capsys):
+    whole = (recording / 'events.yaml').read_text().split('---\n')
+    lost = recording / 'lost.yaml'
+    numbers = [e.sequence for e in read_events(recording / 'events.yaml')]
+    kept = [text for text in whole if '\n- 3\n' not in text.partition('rule:')[0]]
+    assert 0 < len(kept) < len(whole)
+    lost.write_text('---\n'.join(kept))
+    gone = len(numbers) - len(read_events(lost))
+    assert main(['replay', str(lost), '--scene', str(recording / 'scene.yaml')]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith('MISSING: events ') for line in lines)
+    assert lines[-1].endswith(f', {gone} MISSING')
+
+
 @pytest.mark.parametrize(
     ('text', 'told'),
     [

@@ -123,8 +123,13 @@ def test_messages_hold_every_frame_of_one_moment(player, client, motion, way):
         names = [f'{s}::{n}' for s, frames in motion.frame_names.items() for n in frames]
         assert list(message.frame_names) == names
         flat = np.concatenate([expected[source] for source in motion.frame_names])
+        rows = np.array(message.poses).reshape(-1, 7)
+        # q and -q are one rotation.
+        rows[:, 3:] *= np.where(np.sum(rows[:, 3:] * flat[:, 3:], axis=1) < 0.0, -1.0, 1.0)[
+            :, None
+        ]
         # Half a step of the phase's grid, 0.5 ms, at less than 2 m/s.
-        np.testing.assert_allclose(np.reshape(message.poses, (-1, 7)), flat, atol=1.1e-3)
+        np.testing.assert_allclose(rows, flat, atol=1.1e-3)
 
 
 def test_the_motion_goes_with_the_stamps(player, client, way):

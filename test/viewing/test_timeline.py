@@ -7,7 +7,7 @@ import pytest
 from viewing.scenes import local_scene
 
 from drake_geom_ros.geometry import FramePoseVector, QueryObject
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.viewing.timeline import (
@@ -113,6 +113,20 @@ def test_how_far_a_motion_is_from_its_pieces(tmp_path):
     # A smooth curve leaves its chords by the square of their length.
     assert 0.0 < far[1] < 0.35 * far[0]
     assert max(turned) < 1e-6  # it turns at one rate
+
+
+def test_a_motion_that_crosses_its_pieces_halfway_leaves_them(shown):
+    frame = shown.frames['scene', 'a']
+
+    def poses(t):
+        pose = RigidTransform(
+            RotationMatrix.MakeZRotation(0.3 * t), [t * (t - 0.5) * (t - 1), 0, 0]
+        )
+        return FramePoseVector({frame: pose})
+
+    far, turned = leaves_pieces_by(Timeline(np.array([0.0, 1.0]), poses, is_continuous=True))
+    assert far == pytest.approx(0.25 * 0.25 * 0.75)
+    assert turned < 1e-15
 
 
 def test_moments_that_hold_have_nothing_between_them(shown):

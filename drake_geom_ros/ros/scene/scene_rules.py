@@ -182,7 +182,14 @@ class SceneRules:
 
     def troubles(self, *, watches_motion: bool) -> list[str]:
         """Return which rules can never be entered, or not for all that they say, in words."""
-        told = [state.trouble for state in self.states() if state.trouble]
+        states = self.states()
+        told = [state.trouble for state in states if state.trouble]
+        told += [
+            f'proximity rule {state.rule.name!r} goes on without {some_of(state.lacking)}: '
+            'of what it names, this stands for no geometry any more'
+            for state in states
+            if state.lacking
+        ]
         blind = [rule.name for rule in self.rules if rule.min_time_to_contact]
         if blind and not watches_motion:
             told.append(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, MotionCheck
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 from drake_geom_ros.ros.conversions.fields import seconds_of
@@ -35,19 +36,11 @@ class TimedPath(NamedTuple):
     rows: Floats
     times: Floats
 
-    def time_of(self, place: float, rounding: float = 0.0) -> float:
-        """Return the time [s] of a place by rows; rounded down or up where that is -inf or inf."""
+    def time_of(self, place: float, towards: float | None = None) -> float:
+        """Return the time [s] of a place by rows, rounded as by ``time_between``."""
         edge = min(int(place), len(self.times) - 2)
-        begin, end = self.times[edge], self.times[edge + 1]
-        part = place - edge
-        if part in (0.0, 1.0):  # no number in between was rounded
-            return float(end if part else begin)
-        time = float(begin + part * (end - begin))
-        if not rounding:
-            return time
-        for _ in range(3):  # of a difference, a product and a sum
-            time = math.nextafter(time, rounding)
-        return float(np.clip(time, begin, end))
+        begin, end = self.times[edge : edge + 2].tolist()
+        return time_between(begin, end, place - edge, towards)
 
 
 def check_motion(live: LiveScene, request: Any, response: Any) -> None:

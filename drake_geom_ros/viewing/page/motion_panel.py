@@ -59,6 +59,7 @@ class MotionPanel:
             end = max(timeline.end, timeline.start + step)
             self._least = np.full(len(timeline.times), np.nan)
             self._proved: list[str] = []
+            self._unproved = ''  # why nothing is proved
             self._plot = gui.add_html(self._plotted())
             # Right after the plot, which is drawn on its track.
             self.time = gui.add_slider('time [s]', timeline.start, end, step, timeline.start)
@@ -72,7 +73,8 @@ class MotionPanel:
         """Return the plot of the least distances as far as they are known."""
         assert self._timeline is not None
         line = self._timeline
-        return plot(line.times, self._least, line.start, line.end, self._proved)
+        ends = line.start, line.end
+        return plot(line.times, self._least, *ends, self._proved, self._unproved)
 
     def _measure(self) -> None:
         """Compute the least distances of the motion, then prove it, in a thread of its own."""
@@ -86,8 +88,9 @@ class MotionPanel:
                 for check in checks_between(self._timeline, self._scene.snapshot()):
                     self._proved.append(check.outcome)
                     self._plot_now_and_then()
-            except GeometryError:  # what has no pose, or never meets: nothing is proved of it
+            except GeometryError as error:  # what has no pose, or never meets
                 self._proved.clear()
+                self._unproved = str(error)
         self._plot.content = self._plotted()
 
     def _plot_now_and_then(self) -> None:

@@ -8,6 +8,7 @@ the line of the moment. It is a matter of looks only: what moves and tells is vi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from urllib.parse import quote
 
 import numpy as np
@@ -39,13 +40,19 @@ _MARGIN = 0.12  # of the height, above and below the line: there the texts are
 
 
 def plot(
-    times: Floats, least: Floats, start: float, end: float, outcomes: Sequence[str] = ()
+    times: Floats,
+    least: Floats,
+    start: float,
+    end: float,
+    outcomes: Sequence[str] = (),
+    unproved: str = '',
 ) -> str:
     """Return the HTML that makes a plot of the slider after it, from ``start`` to ``end`` [s].
 
     ``least`` (n,) [m] are the least distances at ``times`` (n,) [s], NaN where none is known.
     ``outcomes`` (k,) are what is proved of the first pieces between these times, as of
-    ``CheckMotion``: a strip at the bottom, in the colours of the words above it.
+    ``CheckMotion``: a strip at the bottom, in the colours of the words above it. ``unproved`` is
+    why nothing is proved.
     """
     known, least = np.isfinite(least), np.round(least, _DIGITS)
     picture = ''
@@ -64,7 +71,9 @@ def plot(
     said = 'least distance over time: click in it, or drag'
     if outcomes:
         words = (f'<b style="color:{colour}">{word}</b>' for word, colour in _COLOURS.items())
-        said += f'<br>for all times of a piece: {", ".join(words)}'
+        said += f'<br>for all times of a piece, straight from pose to pose: {", ".join(words)}'
+    if unproved:
+        said += f'<br><b>nothing is proved between the moments: {escape(unproved)}</b>'
     return f'<div class="least-distances" style="padding:0 1em">{said}</div><style>{rules}</style>'
 
 

@@ -54,7 +54,7 @@ def test_no_number_comes_again_after_a_restart(tmp_path, lone_client):
     busy = lone_client
 
     def filter_of(client, owner):
-        fields = {'declaration': exclude(*PAIR.values()), 'owner': owner, 'lease': 5.0}
+        fields = {'declaration': exclude(*PAIR.values()), 'owner': owner, 'lease': 60.0}
         answer = client.call(srv.ApplyTransientFilter, 'apply_transient_filter', **fields)
         return accepted(answer).filter_id
 
@@ -78,6 +78,8 @@ def test_no_number_comes_again_after_a_restart(tmp_path, lone_client):
         gone = busy.call(srv.RemoveFilter, 'remove_filter', filter_id=old)
         assert not accepted(gone).removed
         assert reasons(client, PAIR) == [f"transient declaration {new} (owner 'other')"]
+        short = {'filter_id': new, 'owner': 'other', 'lease': 0.1}
+        assert accepted(client.call(srv.RenewFilter, 'renew_filter', **short)).active
         client.wait_for(lambda: not reasons(client, PAIR), 'the lease of the other to end')
         # What a client knows of the old scene says nothing of the new one.
         assert after.scene_version > before.scene_version + 1000

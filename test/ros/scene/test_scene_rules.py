@@ -135,6 +135,20 @@ def test_an_event_bears_where_its_pair_was(ruled):
     assert event.distance[0] == np.inf
 
 
+def test_a_rule_that_goes_on_without_a_name_is_told_of():
+    text = TEXT.replace('set_a: arm, set_b: post, level: warn', 'set_a: [arm, box], level: warn')
+    ruled = Ruled(text)
+    ruled.move(1.0)
+    ruled.wait()
+    with ruled.live.editing() as scene:
+        assert not scene.rules.troubles(watches_motion=True)
+        scene.remove_source(scene.names.source('cell'))
+    ruled.wait()
+    with ruled.live.reading() as scene:
+        (told,) = scene.rules.troubles(watches_motion=True)
+    assert "'hand' goes on without box" in told
+
+
 def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):
     with ruled.live.editing() as scene:
         scene.rules.remove('hand')

@@ -5,9 +5,9 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-from ros.inputs.test_joint_input import ARM, AT, JOINTS_OF_ARM, state
+from ros.inputs.test_joint_input import JOINTS_OF_ARM, state
 from ros.live_scenes import Clock, live_scene
-from ros.services.test_states import NO_POSES, OBSTACLES
+from ros.services.test_states import NO_POSES, cell_in
 
 from drake_geom_ros.batch import Joints, PathChecker
 from drake_geom_ros.geometry import (
@@ -31,9 +31,7 @@ FIRST_TOUCH = (2.0 - 0.1 - 0.1) / 4.0  # the ball of 0.1 meets the post of 0.2 b
 
 @pytest.fixture
 def text(tmp_path):
-    (tmp_path / 'arm.urdf').write_text(ARM)
-    robots = f'- {{urdf: {tmp_path}/arm.urdf, name: arm, {AT}, adjacent_links: filtered}}'
-    return f'robots:\n{robots}\n{OBSTACLES}'
+    return cell_in(tmp_path, 'adjacent_links: filtered')
 
 
 @pytest.fixture

@@ -30,11 +30,19 @@ NO_POSES = Plain(
 BOUNDS = [-1.0, -3.0, 0.0], [2.0, 3.0, 0.1]
 
 
+def cell_in(folder, *more):
+    """Return the text of a scene of the arm, whose file is written to a folder, and obstacles.
+
+    ``more`` are further keys of the robot.
+    """
+    (folder / 'arm.urdf').write_text(ARM)
+    keys = ', '.join((f'urdf: {folder}/arm.urdf', 'name: arm', AT, *more))
+    return f'robots:\n- {{{keys}}}\n{OBSTACLES}'
+
+
 @pytest.fixture
 def text(tmp_path):
-    (tmp_path / 'arm.urdf').write_text(ARM)
-    robots = f'- {{urdf: {tmp_path}/arm.urdf, name: arm, {AT}, adjacent_links: filtered}}'
-    return f'robots:\n{robots}\n{OBSTACLES}'
+    return cell_in(tmp_path, 'adjacent_links: filtered')
 
 
 @pytest.fixture

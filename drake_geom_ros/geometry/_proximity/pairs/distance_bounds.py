@@ -140,8 +140,12 @@ def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> i
     """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
     world, found = world_of(world), 0
     bodies = BoundedBodies(
-        *(world.types, world.R_WGs, world.p_WGs, world.roundings),
-        *(world.half_extents, world.outer),
+        world.types,
+        world.R_WGs,
+        world.p_WGs,
+        world.roundings,
+        world.half_extents,
+        world.outer,
     )
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]

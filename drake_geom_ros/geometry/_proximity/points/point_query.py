@@ -104,8 +104,12 @@ def _run_points(
     moments[FILTERING], counts[:] = 0.0, 0
     found[:] = False
     tables = (
-        *(hands.kernels, hands.pair_kernels, hands.pair_rows),
-        *(hands.types, hands.starts, hands.pool),
+        hands.kernels,
+        hands.pair_kernels,
+        hands.pair_rows,
+        hands.types,
+        hands.starts,
+        hands.pool,
     )
     filled = (rows, found, points, ids, part(counts, BY_METHOD, counts.size))
     count = point_phase(tables, hands.world, p_WQs, threshold, filled)
@@ -156,8 +160,7 @@ class PointDistanceQueries:
         revision = world.revision + stale
         X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
         answers = rows, found, points, ids
-        state = self._hands, stale, revision, X_PFs
-        count = _run_points(*state, p_WQs, threshold, answers)
+        count = _run_points(self._hands, stale, revision, X_PFs, p_WQs, threshold, answers)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         return count, PointBatch(ids, points, rows)
 

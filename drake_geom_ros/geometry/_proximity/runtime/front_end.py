@@ -18,7 +18,6 @@ from typing import Any
 
 from numba import types
 from numba.core import (
-    cgutils,
     compiler,
     errors,
     event,
@@ -71,12 +70,9 @@ class _Typing:
 
     def resolve_function_type(self, function: Any, args: Any, kws: Any) -> Any:
         """Return the signature of a function for some types of arguments."""
-        # What gets an element is asked for as the operator itself, all else as its type.
-        operation = getattr(function, 'typing_key', function)
-        typed = operation is function and function is operator.getitem
-        if (typed or isinstance(function, types.Function)) and not kws and args:
+        if isinstance(function, types.Function) and not kws and args:
             first, *others = args
-            of_array = operation in _OF_ARRAYS and isinstance(first, types.Array)
+            of_array = function.typing_key in _OF_ARRAYS and isinstance(first, types.Array)
             if all(map(_is_plain, others if of_array else args)):
                 return self._recalled(function, tuple(args))
         return self._context.resolve_function_type(function, args, kws)
@@ -122,22 +118,7 @@ class _TypeInference(typed_passes.NopythonTypeInference):  # type: ignore[misc]
 
 
 class Lower(lowering.Lower):  # type: ignore[misc]
-    """Lowers operations by the signatures that were inferred, which need not be found again.
-
-    Nothing is noted for debuggers, for which the size of each variable would be looked up.
-    """
-
-    def alloca_lltype(self, name: str, lltype: Any, datamodel: Any = None) -> Any:
-        """Make room for a variable."""
-        return cgutils.alloca_once(self.builder, lltype, name=name)
-
-    def storevar(self, value: Any, name: str, argidx: Any = None) -> None:
-        """Store the value of a variable, or of an argument."""
-        if argidx is None or name in self._singly_assigned_vars:
-            super().storevar(value, name, argidx)
-        else:
-            self._alloca_var(name, self.typeof(name))
-            self.builder.store(value, self.getvar(name))
+    """Lowers operations by the signatures that were inferred, which need not be found again."""
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
         """Lower an operation of two operands."""

@@ -108,9 +108,9 @@ class StateLoops:
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             ids, rows = room
-            states = self._scene, self._room, poses, first
+            asked = level_gap, cutoff, False
             return pairs_within_cutoff(
-                *states, (level_gap, cutoff, False), stop, offsets, (ids, rows)
+                self._scene, self._room, poses, first, asked, stop, offsets, (ids, rows)
             )
 
         columns = [((2,), np.int64), ((BATCH_WIDTH,), np.float64)]
@@ -139,9 +139,9 @@ class StateLoops:
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             points, ids, rows = room
-            states = tables, (self._rows, self._world.handle), poses, first
+            world, asked = (self._rows, self._world.handle), (p_WQs, threshold)
             return points_within_threshold(
-                *states, (p_WQs, threshold), stop, offsets, (points, ids, rows)
+                tables, world, poses, first, asked, stop, offsets, (points, ids, rows)
             )
 
         columns = [((), np.uint32), ((), np.int64), ((POINT_WIDTH,), np.float64)]
