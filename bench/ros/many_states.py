@@ -1,19 +1,18 @@
 """Many states by the service ``evaluate_states``, beside single calls and the batch alone.
 
 The demo's two arms. The service is asked from another process than the node's; the batch answers
-in a third one: all in turns within one run. Then poses are streamed to the node while nobody asks
-and while a million states are evaluated, in turns: how late are the results?
+in a third one: all in turns within one run. Then poses are streamed to the node: how late are the
+results while nobody asks, while a process of its own evaluates states on all cores, which is what
+cores that are busy cost, and while the node is asked to?
 
-    ./run exec python -m bench.ros.many_states [--states 10000] [--million 1000000]
+    ./run exec python -m bench.ros.many_states [--states 10000] [--at-once 100000]
 """
 
 from __future__ import annotations
 
 import argparse
-import threading
 import time
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +30,9 @@ from drake_geom_ros.scene_files import load_scene
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 TURNS = 5
+TURNS_OF_DELAYS = 3
+PLANNER = 'bench.ros.planner'
+STARTING = 8.0  # [s] until a planner asks
 SINGLE = 300  # what-if calls of one state, of which the time is scaled
 RATE = 100.0  # [Hz] of poses
 
@@ -88,40 +90,37 @@ def _free(found: Any, want: str) -> Any:
     return found.distance - found.error_bound > 0.0
 
 
-def delays(client: SceneGraphClient, played: Played, count: int, seconds: float) -> None:
-    """Print how late results are while nobody asks, and while many states are evaluated."""
+def compare_delays(processes: Processes, played: Played, count: int, seconds: float) -> None:
+    """Print how late results are: alone, beside a batch in another process, and while asked."""
     rclpy.init()
     node = rclpy.create_node('driver')
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    joints = [joint.full_name for joint in client.scene().joints]
-    limits = np.array([joint.limits for joint in client.scene().joints]).T
-    states = np.random.default_rng(1).uniform(*limits, (count, len(joints)))
-    names = 'nobody asks', 'meanwhile states'
-    routes = {name: Route(node, 'scene_graph') for name in names}
-    while not routes['nobody asks'].publisher.get_subscription_count():
+    beside = {'nobody asks': '', 'a batch elsewhere': 'batch', 'evaluate_states': 'service'}
+    route = Route(node, 'scene_graph')
+    found: dict[str, list[float]] = {name: [] for name in beside}
+    lost, rates = dict.fromkeys(beside, 0), {name: [] for name in beside}
+    while not route.publisher.get_subscription_count():
         executor.spin_once(timeout_sec=0.1)
-    asked: list[float] = []
-    for _ in range(2):
-        stream(executor, routes['nobody asks'], played, RATE, seconds)
-        ending = threading.Event()
-
-        def ask(ending: threading.Event = ending) -> None:
-            some = states[: max(1, count // 10)]
-            while not ending.is_set():
-                seconds = timed(partial(client.evaluate_states, joints, some))
-                asked.append(len(some) / seconds)
-
-        thread = threading.Thread(target=ask)
-        thread.start()
-        stream(executor, routes['meanwhile states'], played, RATE, seconds)
-        ending.set()
-        thread.join()
-    for name, route in routes.items():
-        found, lost = route.result()
-        p50, p99 = np.percentile(found, (50, 99)) * 1e3
-        print(f'  {name:28}p50 {p50:8.2f} ms, p99 {p99:8.2f} ms, lost {lost} of {len(found)}')
-    print(f'  meanwhile {np.mean(asked):.0f} states a second')
+    for _ in range(TURNS_OF_DELAYS):
+        for name, way in beside.items():
+            if way:
+                planner = processes.start(PLANNER, way, str(played.scene_file), str(count))
+                time.sleep(STARTING)
+            before, lost_before = route.result()
+            stream(executor, route, played, RATE, seconds / TURNS_OF_DELAYS)
+            delays, all_lost = route.result()
+            found[name] += delays[len(before) :]
+            lost[name] += all_lost - lost_before
+            if way:
+                planner.terminate()
+                rates[name].append(float(planner.stdout.read().split()[-1]))
+                processes.forget(planner)
+    for name, each in found.items():
+        told = (np.mean(each), *np.percentile(each, (50, 99)))
+        cells = ''.join(f'{value * 1e3:9.2f}' for value in told)
+        rate = f', {np.mean(rates[name]):.0f} states a second' if rates[name] else ''
+        print(f'  {name:20}{cells}{lost[name]:6} of {len(each) + lost[name]}{rate}')
     node.destroy_node()
     rclpy.shutdown()
 
@@ -130,16 +129,18 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--states', type=int, default=10_000)
-    parser.add_argument('--million', type=int, default=1_000_000)
-    parser.add_argument('--seconds', type=float, default=10.0)
+    parser.add_argument('--at-once', type=int, default=100_000, help='states of a call meanwhile')
+    parser.add_argument('--seconds', type=float, default=30.0, help='of poses, each way')
     options = parser.parse_args()
     played = two_arms()
     with Processes() as processes:
         processes.start(NODE, scene_file=played.scene_file, max_distance=0.1)
         with SceneGraphClient(patience=600.0) as client:
             compare(client, played, options.states)
-            print(f'poses at {RATE:g} Hz')
-            delays(client, played, options.million, options.seconds)
+        print(
+            f'poses at {RATE:g} Hz: mean, p50 and p99 delay of results [ms], and how many are lost'
+        )
+        compare_delays(processes, played, options.at_once, options.seconds)
 
 
 if __name__ == '__main__':
