@@ -47,7 +47,7 @@ class Scene:
 
     def check(self, starts: Floats, ends: Floats, asked: MotionQuestion, kind: str) -> Any:
         """Return what is found of the motion between poses (n, 7)."""
-        return self.motions.move(asked, _rows(starts), _rows(ends), kind)
+        return self.motions.move(asked, pose_rows(starts), pose_rows(ends), kind)
 
     def upper_ends(self, poses: Floats) -> Floats:
         """Return the upper ends (N,) of the least distances of states (N, n, 7) [m]."""
@@ -58,7 +58,8 @@ class Scene:
         return upper
 
 
-def _rows(poses: Floats) -> Floats:
+def pose_rows(poses: Floats) -> Floats:
+    """Return poses (n, 7) as rows (n, 12) of R and p, which a check takes."""
     R, p = matrices_from_poses(poses)
     return np.hstack((R.reshape(-1, 9), p))
 
