@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.motion.arms import edges_of
-from bench.ros.many_states import NODE
+from bench.ros.many_states import NODE, timed
 from bench.ros.meanwhile import RATE, delays
 from bench.ros.processes import Processes
 from bench.ros.scenes import Played, two_arms
@@ -51,6 +51,9 @@ def edges(client: SceneGraphClient, played: Played) -> None:
         'PathChecker': checker.check,
         'check_motion of the node': lambda path: ask(path=path),
     }
+    client.ask('get_pose_ages')
+    ages = [timed(partial(client.ask, 'get_pose_ages')) for _ in paths]
+    print(f'  {"get_pose_ages, to compare":28}mean {np.mean(ages) * 1e3:.2f} ms')
     found = {}
     for name, check in ways.items():
         check(paths[0])  # what is prepared or compiled once
