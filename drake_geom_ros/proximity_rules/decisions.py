@@ -32,6 +32,8 @@ class Measured(NamedTuple):
     p_WCa: Floats  # (k, 3) [m]
     p_WCb: Floats
     closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: nobody watches
+    # (n,), in the order of ``WatchedPairs.ids``: nobody knows how it moves now; None: no such one.
+    unpredicted: Flags | None = None
 
 
 class Poses(NamedTuple):
@@ -48,6 +50,7 @@ class Reasons(NamedTuple):
     soonest: Floats  # [s] the least time to contact; inf: nothing that closes
     stale: Flags  # it needs a pose that is stale
     absent: Flags  # or that never came
+    unpredicted: Flags  # times count for it, and nobody knows how all that it needs moves
 
 
 class Limits:
@@ -76,10 +79,11 @@ class Limits:
     def may_leave(self, reasons: Reasons) -> Flags:
         """Return which rules nothing keeps entered, but for ``hold``.
 
-        A pose that is stale or absent keeps a rule entered whatever ``when_stale`` says.
+        A pose that is stale or absent keeps a rule entered whatever ``when_stale`` says, and so
+        does a motion that is not known where times to contact count.
         """
         far = (reasons.lowest >= self.leave) & (reasons.soonest >= self.least_time)
-        return far & ~reasons.stale & ~reasons.absent
+        return far & ~reasons.stale & ~reasons.absent & ~reasons.unpredicted
 
 
 class Lowest(NamedTuple):
