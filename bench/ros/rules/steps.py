@@ -51,6 +51,7 @@ class Steps(Talk):
     def step(self, *sources: str) -> None:
         """Move robots, and wait for the cycle of that."""
         self.send_clock()
+        sent = time.time()  # before the stamp, by which ages are told, too
         self._stamp = int(1e9 * self.now())
         for name in NAMES:
             if name.partition('::')[0] in sources:
@@ -60,7 +61,6 @@ class Steps(Talk):
         poses = [self._places[name] for name in message.frame_names]
         message.poses = np.ravel([X.ToArray() for X in poses]).tolist()
         facts = self.facts._replace(unposed=self.facts.unposed - set(sources))
-        sent = time.time()
         self._order[-1].until = sent
         self._placed |= set(sources)
         now = Step(self._stamp, sent, math.inf, self._stand(), {}, facts)

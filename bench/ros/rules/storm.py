@@ -30,7 +30,7 @@ from bench.ros.rules.steps import Steps
 from drake_geom_ros.client import exclude_between
 
 MOST_RULES = 20
-EVERY = 12  # steps between two things that happen
+EVERY = 8  # steps between two things that happen
 
 
 class Storm(Steps):
@@ -170,7 +170,7 @@ class Storm(Steps):
     def run(self, seconds: float) -> None:
         """Let everything happen for so long, then look at the rest."""
         happenings = (
-            *[self.add_rule] * 4, self.remove_rule, *[self.filter_pair] * 3, self.free_pair,
+            *[self.add_rule] * 8, self.remove_rule, *[self.filter_pair] * 3, self.free_pair,
             self.set_level, self.stop_a_robot, self.pause, self.jump, self.deactivate,
         )  # fmt: skip
         start = restarted = time.time()
@@ -180,7 +180,7 @@ class Storm(Steps):
             if self._leases:
                 self.know_filters()
             happening = self.random.choice(happenings)
-            if time.time() - restarted > max(8.0, seconds / 20.0):
+            if time.time() - restarted > max(10.0, seconds / 10.0):
                 happening = self.restart
             self.counts[happening.__name__] += 1
             happening()
