@@ -63,7 +63,13 @@ class Limits:
         self.enter, self.leave = each('enter'), each('leave')
         self.hold, self.enter_after = each('hold'), each('enter_after')
         self.least_time = each('min_time_to_contact')
+        self._farthest = each('farthest')
         self.enters_when_stale = each('enters_when_stale').astype(np.bool_)
+
+    def farthest(self, fastest: float) -> float:
+        """Return how far [m] a pair counts, where pairs close at most this fast [m/s]."""
+        each = np.maximum(self._farthest, self.least_time * fastest)
+        return float(each.max(initial=-math.inf))
 
     def near(self, reasons: Reasons) -> Whys:
         """Return why each rule would be entered after ``enter_after``, as a ``Why``; 0: not."""

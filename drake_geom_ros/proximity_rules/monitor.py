@@ -168,8 +168,7 @@ class RuleMonitor:
 
     def farthest(self, fastest: float = 0.0) -> float:
         """Return how far [m] a cycle has to look, where pairs close at most this fast [m/s]."""
-        each = (max(r.farthest, r.min_time_to_contact * fastest) for r in self.rules)
-        return max(each, default=-math.inf)
+        return self._limits.farthest(fastest)
 
     def decide(self, now: float, poses: Poses, measured: Measured | None = None) -> list[Event]:
         """Decide by what a cycle measured; None: nothing moved, and only time went on.

@@ -146,7 +146,7 @@ class SceneRules:
             )
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
-        measured = _measured(results, speeds)
+        measured = _measured(results, speeds, farthest)
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
             measured = measured._replace(unpredicted=lost)
@@ -250,16 +250,19 @@ class SceneRules:
 
 
 def _measured(
-    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None
+    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None, farthest: float
 ) -> Measured:
+    """Return the pairs that may be within ``farthest`` [m], whoever asked for others, too."""
+    distance, error_bound = results.distance, results.error_bound
+    near = np.flatnonzero(~(distance - error_bound > farthest))  # what is not a number is near
     return Measured(
-        results.id_A,
-        results.id_B,
-        results.distance,
-        results.error_bound,
-        results.p_WCa,
-        results.p_WCb,
-        closing_speed,
+        results.id_A[near],
+        results.id_B[near],
+        distance[near],
+        error_bound[near],
+        results.p_WCa[near],
+        results.p_WCb[near],
+        None if closing_speed is None else closing_speed[near],
     )
 
 
