@@ -72,7 +72,8 @@ class WatchedPairs:
         # the other, and where those of each geometry begin.
         rows, self._filled = np.nonzero(bits_a)
         self._of_a = bits_a[rows, self._filled]
-        self._begins = np.searchsorted(rows, np.arange(len(scene.ids) + 1))
+        self._counts = np.bincount(rows, minlength=len(scene.ids))
+        self._begins = np.cumsum(self._counts) - self._counts
 
     def _count(self, reported: Flags) -> None:
         """Count pairs {i, j} with i in A and j in B: ordered ones, less those that count twice."""
@@ -95,21 +96,17 @@ class WatchedPairs:
 
     def incidences(self, id_A: Ids, id_B: Ids) -> Incidences:
         """Return which of the pairs (k,) concern which rules."""
-        a, b = np.searchsorted(self.ids, id_A), np.searchsorted(self.ids, id_B)
-        one, other = self._crossed(a, b), self._crossed(b, a)
-        return Incidences(*(np.concatenate(each) for each in zip(one, other, strict=True)))
-
-    def _crossed(self, a: Ids, b: Ids) -> Incidences:
-        """Return the incidences by rules of whose sets the first has ``a``, the second ``b``."""
-        begin = self._begins[a]
-        counts = self._begins[a + 1] - begin
-        pairs = np.repeat(np.arange(len(a)), counts)
-        nth = np.arange(len(pairs)) - np.repeat(np.cumsum(counts) - counts, counts)
-        filled = np.repeat(begin, counts) + nth
+        # Each pair both ways round: which is of the first set, and which of the second.
+        first = np.searchsorted(self.ids, np.concatenate((id_A, id_B)))
+        second = np.roll(first, len(id_A))
+        begin, counts = self._begins[first], self._counts[first]
+        ways = np.repeat(np.arange(len(first)), counts)
+        # The words of one after those of the other: begin, begin + 1, ...
+        filled = np.arange(len(ways)) + np.repeat(begin - (np.cumsum(counts) - counts), counts)
         words = self._filled[filled]
-        bits = self._of_a[filled] & self._bits_b[b[pairs], words]
+        bits = self._of_a[filled] & self._bits_b[second[ways], words]
         some = np.flatnonzero(bits)
-        return _one_by_one(pairs[some], words[some] * _WORD, bits[some])
+        return _one_by_one(ways[some] % len(id_A), words[some] * _WORD, bits[some])
 
     def watched(self) -> Flags:
         """Return which pairs (n, n) concern any rule; symmetric."""
