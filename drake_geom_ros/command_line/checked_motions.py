@@ -17,6 +17,7 @@ from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
+from drake_geom_ros.math.tolerances import ALMOST_ROTATION
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.viewing.timeline import (
@@ -26,8 +27,8 @@ from drake_geom_ros.viewing.timeline import (
     leaves_pieces_by,
 )
 
-# [m] and [rad] that a motion may be beside its pieces and be them, all the same.
-_STRAIGHT = 1e-9
+# [m] and [rad] that a motion may be beside its pieces and be them: rounding of matrices.
+_STRAIGHT = ALMOST_ROTATION
 CLEAR_IN_PIECES = 'clear in pieces'  # of a motion that is not straight between its moments
 _OF_PATHS = ('names', 'ignore_start_contacts', 'ignore_limits', 'max_evaluations')
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import (
@@ -18,6 +17,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.trajectories.motion import Motion
+from drake_geom_ros.trajectories.timed_poses import slerp
 
 Floats = NDArray[np.float64]
 _MOST_LOOKS = 400  # moments of a motion at which the least distance is computed
@@ -149,21 +149,25 @@ def leaves_pieces_by(timeline: Timeline) -> tuple[float, float]:
     straight.
     """
     times, far, turned = timeline.times, 0.0, 0.0
-    p_begins, R_begins = _frames_at(timeline, times[:-1])
-    p_ends, R_ends = _frames_at(timeline, times[1:])
-    ways = (R_begins.inv() * R_ends).as_rotvec()
+    begins, ends = _rows_at(timeline, times[:-1]), _rows_at(timeline, times[1:])
+    q_ends = _nearest_signs(ends[:, 3:], begins[:, 3:])  # by the shorter way
     for share in _LOOKS_BETWEEN:
-        ps, Rs = _frames_at(timeline, times[:-1] + share * np.diff(times))
-        aside = np.linalg.norm(ps - p_begins - share * (p_ends - p_begins), axis=1)
-        far = max(far, float(aside.max(initial=0.0)))
-        straight = R_begins * Rotation.from_rotvec(share * ways)
-        turned = max(turned, float((straight.inv() * Rs).magnitude().max(initial=0.0)))
+        found = _rows_at(timeline, times[:-1] + share * np.diff(times))
+        aside = found[:, :3] - begins[:, :3] - share * (ends - begins)[:, :3]
+        far = max(far, float(np.linalg.norm(aside, axis=1).max(initial=0.0)))
+        straight = slerp(begins[:, 3:], q_ends, share)
+        chords = np.linalg.norm(_nearest_signs(found[:, 3:], straight) - straight, axis=1)
+        turned = max(turned, float(4.0 * np.arcsin(0.5 * chords).max(initial=0.0)))
     return far, turned
 
 
-def _frames_at(timeline: Timeline, times: Floats) -> tuple[Floats, Rotation]:
-    """Return positions (n f, 3) [m] and rotations of f frames at times (n,), in one order."""
+def _nearest_signs(qs: Floats, others: Floats) -> Floats:
+    """Return the same rotations by the quaternions (n, 4) that are on the side of others."""
+    return np.where(np.sum(qs * others, axis=1, keepdims=True) < 0.0, -qs, qs)
+
+
+def _rows_at(timeline: Timeline, times: Floats) -> Floats:
+    """Return poses (n f, 7), x y z [m] qx qy qz qw, of f frames at times (n,), in one order."""
     moments = [timeline.poses(time) for time in times.tolist()]
     poses = [poses.value(frame).ToArray() for poses in moments for frame in poses.ids()]
-    rows = np.array(poses).reshape(-1, 7)
-    return rows[:, :3], Rotation.from_quat(rows[:, 3:])
+    return np.array(poses).reshape(-1, 7)
