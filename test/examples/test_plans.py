@@ -3,24 +3,27 @@
 import re
 
 import pytest
+from ros.harness import run_python, start_node
 
 from examples.test_examples import EXAMPLES, output
-from ros.harness import run_python, start_node
 
 pytest.importorskip('ompl', reason='the extra `examples` of the package is not installed')
 
 
-def test_a_node_tells_which_edges_are_free(tmp_path):
-    node = start_node(tmp_path / 'log', scene_file='scenes/two_pandas.yaml')
+@pytest.mark.parametrize('edges', ['proofs', 'samples'])
+def test_a_node_tells_which_edges_are_free(tmp_path, edges):
+    node = start_node(tmp_path / 'log', scene_file='examples/wires.yaml')
     try:
-        done = run_python('examples/plan_an_arm.py', '--seconds', '60')
+        done = run_python('examples/plan_an_arm.py', '--edges', edges)
     finally:
         assert node.end() == 0, node.output()
     assert done.returncode == 0, done.stderr + done.stdout + node.output()
-    counts = re.search(r'(\d+) calls about (\d+) states', done.stdout).groups()
-    assert 0 < int(counts[0]) < int(counts[1])
-    waypoints = re.search(r'(\d+) waypoints, free at a tenth of the step', done.stdout)
-    assert int(waypoints.group(1)) >= 2
+    waypoints = re.search(r'(\d+) waypoints, (NOT )?free at a tenth of the step', done.stdout)
+    touching, count = re.search(r'(\d+) of (\d+) edges are in contact', done.stdout).groups()
+    assert int(waypoints.group(1)) - 1 == int(count) >= 1
+    if edges == 'proofs':
+        assert not waypoints.group(2)
+        assert touching == '0'
 
 
 def test_ways_that_are_proved_touch_nothing():
