@@ -19,41 +19,39 @@ from ompl import base, geometric, util
 
 from drake_geom_ros.client import SceneGraphClient
 
-ARM, FINGERS = [f'panda_joint{k}' for k in range(1, 8)], 'panda_finger_joint1'
-NAMES = [f'arm::{name}' for name in (*ARM, FINGERS)]
-START = (-0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # [rad]
-GOAL = (0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # on the other side of the wires
+ROBOT, JOINTS = 'arm', [f'panda_joint{k}' for k in range(1, 8)]
+NAMES = [f'{ROBOT}::{name}' for name in JOINTS]
+GOAL = (0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # [rad] on the other side of the wires
 STEP = 0.05  # [rad] between two states of an edge
-OPEN = 0.02  # [m] of a finger
 CLEARANCE = 0.005  # [m] that every pair is certified to be farther apart
 
 
 class Node:
-    """What a planner asks a node, and how often."""
+    """What a planner asks a node about joint values (7,) [rad], and how often."""
 
     def __init__(self, client):
         self._client, self.calls = client, 0
 
     def are_free(self, rows):
-        """Return whether all states (n, 8) are certified to be free."""
+        """Return whether all states (n, 7) are certified to be free."""
         self.calls += 1
         asked = {'clearance': CLEARANCE, 'stop_at_first': True}
         return self._client.evaluate_states(NAMES, rows, **asked).first_not_free < 0
 
     def is_sampled(self, start, end, step=STEP):
-        """Return whether states on the straight way from (8,) to (8,) are free, the ends too."""
+        """Return whether states on the straight way between two are free, the ends too."""
         count = 1 + math.ceil(np.abs(end - start).max() / step)
         return self.are_free(np.linspace(start, end, max(2, count)))
 
     def is_proved(self, start, end):
-        """Return whether the straight way from (8,) to (8,) is clear, for all times."""
-        return self.motion([start, end], CLEARANCE, tolerance=1.0).outcome == 'clear'
+        """Return whether the straight way between two states is clear, for all times."""
+        asked = {'min_distance': CLEARANCE, 'time_tolerance': 1.0}  # any contact ends a check
+        return self.outcome([start, end], **asked) == 'clear'
 
-    def motion(self, path, clearance=0.0, tolerance=1e-6):
-        """Return what is true of a whole path (k, 8)."""
+    def outcome(self, path, **asked):
+        """Return what is true of a path (k, 7) for all times."""
         self.calls += 1
-        asked = {'min_distance': clearance, 'time_tolerance': tolerance}
-        return self._client.check_motion(joint_names=NAMES, path=path, **asked)
+        return self._client.check_motion(joint_names=NAMES, path=path, **asked).outcome
 
 
 class Edges(base.MotionValidator):
@@ -69,25 +67,26 @@ class Edges(base.MotionValidator):
 
 
 def values_of(state):
-    """Return the joint values (8,) of a state of OMPL."""
-    return np.array([*(state[k] for k in range(len(ARM))), OPEN])
+    """Return the joint values (7,) [rad] of a state of OMPL."""
+    return np.array([state[k] for k in range(len(JOINTS))])
 
 
 def plan(client, node, is_clear, seconds):
-    """Return a path (n, 8); None: none was found."""
-    limits = {joint.name: joint.limits for joint in client.scene().joints}
-    space, bounds = base.RealVectorStateSpace(len(ARM)), base.RealVectorBounds(len(ARM))
+    """Return a path (n, 7) from where the arm is; None: none was found."""
+    joints = {each.name: each for each in client.scene().joints if each.robot == ROBOT}
+    space, bounds = base.RealVectorStateSpace(len(JOINTS)), base.RealVectorBounds(len(JOINTS))
     start, end = space.allocState(), space.allocState()
-    for k, name in enumerate(ARM):
-        bounds.setLow(k, limits[name][0])
-        bounds.setHigh(k, limits[name][1])
-        start[k], end[k] = START[k], GOAL[k]
+    for k, name in enumerate(JOINTS):
+        lower, upper = joints[name].limits
+        bounds.setLow(k, lower)
+        bounds.setHigh(k, upper)
+        start[k], end[k] = joints[name].state.position, GOAL[k]
     space.setBounds(bounds)
     setup = geometric.SimpleSetup(space)
     information = setup.getSpaceInformation()
     setup.setStateValidityChecker(lambda state: node.are_free([values_of(state)]))
-    validator = Edges(information, is_clear)  # OMPL keeps no reference
-    information.setMotionValidator(validator)
+    edges = Edges(information, is_clear)  # of which OMPL keeps no reference
+    information.setMotionValidator(edges)
     setup.setStartAndGoalStates(start, end)
     setup.setPlanner(geometric.RRTConnect(information))
     if not setup.solve(seconds) or not setup.haveExactSolutionPath():
@@ -96,7 +95,7 @@ def plan(client, node, is_clear, seconds):
 
 
 def main():
-    """Plan, prove each edge of the way, and print it."""
+    """Plan, look at the path again, prove each of its edges, and print it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--edges', choices=('proofs', 'samples'), default='proofs')
     parser.add_argument('--seed', type=int, default=1)
@@ -105,10 +104,7 @@ def main():
     util.setLogLevel(util.LogLevel.LOG_WARN)
     with SceneGraphClient() as client:
         node = Node(client)
-        if (
-            node.motion([[*START, OPEN]] * 2, CLEARANCE).outcome != 'clear'
-        ):  # loads what is compiled
-            raise SystemExit('the start is not clear')
+        node.outcome([GOAL, GOAL])  # compiles what checks run
         began = time.perf_counter()
         is_clear = node.is_proved if options.edges == 'proofs' else node.is_sampled
         path = plan(client, node, is_clear, seconds=20.0)
@@ -117,7 +113,7 @@ def main():
             raise SystemExit('no path was found')
         free = all(node.is_sampled(*edge, step=STEP / 10.0) for edge in pairwise(path))
         print(f'{len(path)} waypoints, {"free" if free else "NOT free"} at a tenth of the step')
-        outcomes = [node.motion(edge).outcome for edge in pairwise(path)]
+        outcomes = [node.outcome(edge) for edge in pairwise(path)]
         print(f'{outcomes.count("contact")} of {len(outcomes)} edges are in contact')
         print(np.array2string(path, precision=3, suppress_small=True))
 
