@@ -10,19 +10,17 @@ and while a million states are evaluated, in turns: how late are the results?
 from __future__ import annotations
 
 import argparse
-import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
 import numpy as np
-import rclpy
 from numpy.typing import NDArray
-from rclpy.executors import SingleThreadedExecutor
 
+from bench.ros.meanwhile import RATE, delays, thread
 from bench.ros.processes import Processes
-from bench.ros.routes import Route, stream
 from bench.ros.scenes import Played, two_arms
 from drake_geom_ros.batch import Joints, evaluate
 from drake_geom_ros.client import SceneGraphClient
@@ -32,7 +30,6 @@ from drake_geom_ros.scene_files import load_scene
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 TURNS = 5
 SINGLE = 300  # what-if calls of one state, of which the time is scaled
-RATE = 100.0  # [Hz] of poses
 
 Floats = NDArray[np.float64]
 
@@ -88,42 +85,21 @@ def _free(found: Any, want: str) -> Any:
     return found.distance - found.error_bound > 0.0
 
 
-def delays(client: SceneGraphClient, played: Played, count: int, seconds: float) -> None:
+def delayed(client: SceneGraphClient, played: Played, count: int, seconds: float) -> None:
     """Print how late results are while nobody asks, and while many states are evaluated."""
-    rclpy.init()
-    node = rclpy.create_node('driver')
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
-    joints = [joint.full_name for joint in client.scene().joints]
-    limits = np.array([joint.limits for joint in client.scene().joints]).T
-    states = np.random.default_rng(1).uniform(*limits, (count, len(joints)))
-    names = 'nobody asks', 'meanwhile states'
-    routes = {name: Route(node, 'scene_graph') for name in names}
-    while not routes['nobody asks'].publisher.get_subscription_count():
-        executor.spin_once(timeout_sec=0.1)
-    asked: list[float] = []
-    for _ in range(2):
-        stream(executor, routes['nobody asks'], played, RATE, seconds)
-        ending = threading.Event()
+    joints = client.scene().joints
+    names, limits = [joint.full_name for joint in joints], np.array([j.limits for j in joints]).T
+    states = np.random.default_rng(1).uniform(*limits, (max(1, count // 10), len(names)))
+    taken: list[list[float]] = []
 
-        def ask(ending: threading.Event = ending) -> None:
-            some = states[: max(1, count // 10)]
-            while not ending.is_set():
-                seconds = timed(partial(client.evaluate_states, joints, some))
-                asked.append(len(some) / seconds)
+    @contextmanager
+    def asking() -> Iterator[None]:
+        with thread(partial(client.evaluate_states, names, states)) as seconds:
+            yield
+        taken.append(seconds)
 
-        thread = threading.Thread(target=ask)
-        thread.start()
-        stream(executor, routes['meanwhile states'], played, RATE, seconds)
-        ending.set()
-        thread.join()
-    for name, route in routes.items():
-        found, lost = route.result()
-        p50, p99 = np.percentile(found, (50, 99)) * 1e3
-        print(f'  {name:28}p50 {p50:8.2f} ms, p99 {p99:8.2f} ms, lost {lost} of {len(found)}')
-    print(f'  meanwhile {np.mean(asked):.0f} states a second')
-    node.destroy_node()
-    rclpy.shutdown()
+    delays(played, 'meanwhile states', asking, seconds)
+    print(f'  meanwhile {np.mean(len(states) / np.concatenate(taken)):.0f} states a second')
 
 
 def main() -> None:
@@ -139,7 +115,7 @@ def main() -> None:
         with SceneGraphClient(patience=600.0) as client:
             compare(client, played, options.states)
             print(f'poses at {RATE:g} Hz')
-            delays(client, played, options.million, options.seconds)
+            delayed(client, played, options.million, options.seconds)
 
 
 if __name__ == '__main__':
