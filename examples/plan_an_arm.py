@@ -17,65 +17,51 @@ from ompl import base, geometric, util
 
 from drake_geom_ros.client import SceneGraphClient
 
-ARM, FINGERS = [f'panda_joint{k}' for k in range(1, 8)], 'panda_finger_joint1'
-NAMES = [f'arm::{name}' for name in (*ARM, FINGERS)]
-START = (-0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # [rad]
-GOAL = (0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # on the other side of the wires
-OPEN = 0.02  # [m] of a finger
+ROBOT, JOINTS = 'arm', [f'panda_joint{k}' for k in range(1, 8)]
+NAMES = [f'{ROBOT}::{name}' for name in JOINTS]
+GOAL = (0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # [rad] on the other side of the wires
 CLEARANCE = 0.005  # [m] that every pair is certified to be farther apart
-
-
-class Node:
-    """What a planner asks a node, and how often."""
-
-    def __init__(self, client):
-        self._client, self.calls = client, 0
-
-    def is_free(self, state):
-        """Return whether a state of OMPL is free."""
-        self.calls += 1
-        return self._client.evaluate_states(NAMES, [values_of(state)], clearance=CLEARANCE).free[0]
-
-    def motion(self, path, clearance=0.0, tolerance=1e-6):
-        """Return what is true of a whole path (k, 8)."""
-        self.calls += 1
-        asked = {'min_distance': clearance, 'time_tolerance': tolerance}
-        return self._client.check_motion(joint_names=NAMES, path=path, **asked)
 
 
 class Proofs(base.MotionValidator):
     """Whether straight ways between configurations are clear, for all times."""
 
-    def __init__(self, information, node):
+    def __init__(self, information, client):
         super().__init__(information)
-        self._node = node
+        self._client = client
 
     def checkMotion(self, start, end):
         """Return whether the way from one state of OMPL to another is certified to be clear."""
+        asked = {'min_distance': CLEARANCE, 'time_tolerance': 1.0}  # any contact ends a check
         path = values_of(start), values_of(end)
-        return self._node.motion(path, CLEARANCE, tolerance=1.0).outcome == 'clear'
+        return self._client.check_motion(joint_names=NAMES, path=path, **asked).outcome == 'clear'
 
 
 def values_of(state):
-    """Return the joint values (8,) of a state of OMPL."""
-    return np.array([*(state[k] for k in range(len(ARM))), OPEN])
+    """Return the joint values (7,) [rad] of a state of OMPL."""
+    return np.array([state[k] for k in range(len(JOINTS))])
 
 
-def plan(client, node, proves, seconds):
-    """Return a path (n, 8); None: none was found."""
-    limits = {joint.name: joint.limits for joint in client.scene().joints}
-    space, bounds = base.RealVectorStateSpace(len(ARM)), base.RealVectorBounds(len(ARM))
+def plan(client, proves, seconds):
+    """Return a path (n, 7) from where the arm is; None: none was found."""
+    joints = {each.name: each for each in client.scene().joints if each.robot == ROBOT}
+    space, bounds = base.RealVectorStateSpace(len(JOINTS)), base.RealVectorBounds(len(JOINTS))
     start, end = space.allocState(), space.allocState()
-    for k, name in enumerate(ARM):
-        bounds.setLow(k, limits[name][0])
-        bounds.setHigh(k, limits[name][1])
-        start[k], end[k] = START[k], GOAL[k]
+    for k, name in enumerate(JOINTS):
+        lower, upper = joints[name].limits
+        bounds.setLow(k, lower)
+        bounds.setHigh(k, upper)
+        start[k], end[k] = joints[name].state.position, GOAL[k]
     space.setBounds(bounds)
     setup = geometric.SimpleSetup(space)
     information = setup.getSpaceInformation()
-    setup.setStateValidityChecker(lambda state: bool(node.is_free(state)))
+
+    def is_free(state):
+        return bool(client.evaluate_states(NAMES, [values_of(state)], clearance=CLEARANCE).free[0])
+
+    setup.setStateValidityChecker(is_free)
     if proves:
-        validator = Proofs(information, node)
+        validator = Proofs(information, client)
         information.setMotionValidator(validator)
     setup.setStartAndGoalStates(start, end)
     setup.setPlanner(geometric.RRTConnect(information))
@@ -93,16 +79,15 @@ def main():
     util.RNG.setSeed(options.seed)
     util.setLogLevel(util.LogLevel.LOG_WARN)
     with SceneGraphClient() as client:
-        node = Node(client)
-        if node.motion([[*START, OPEN]], CLEARANCE).outcome != 'clear':  # loads what is compiled
-            raise SystemExit('the start is not clear')
+        client.check_motion(joint_names=NAMES, path=[GOAL, GOAL])  # compiles what checks run
         began = time.perf_counter()
-        path = plan(client, node, options.edges == 'proofs', seconds=20.0)
-        print(f'{time.perf_counter() - began:.2f} s, {node.calls} calls')
+        path = plan(client, options.edges == 'proofs', seconds=20.0)
+        print(f'{time.perf_counter() - began:.2f} s')
         if path is None:
             raise SystemExit('no path was found')
-        outcomes = [node.motion(edge).outcome for edge in pairwise(path)]
-        print(f'{outcomes.count("contact")} of {len(outcomes)} edges are in contact')
+        edges = [client.check_motion(joint_names=NAMES, path=edge) for edge in pairwise(path)]
+        touching = sum(edge.outcome == 'contact' for edge in edges)
+        print(f'{touching} of {len(edges)} edges are in contact')
         print(np.array2string(path, precision=3, suppress_small=True))
 
 

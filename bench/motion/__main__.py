@@ -7,6 +7,7 @@
     python -m bench.motion pairs --motions 2000    # two bodies, beside python-fcl and tesseract
     python -m bench.motion costs --edges 500       # tolerances, levels, clearance: docs/accuracy
 
+Tesseract is ``pip install tesseract-robotics==0.5.1``, which nothing else here needs.
 Times are of the processor, one thread, in turns in one process: compare them, do not quote them.
 """
 
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 import argparse
 
-from bench.motion import arms, costs, hunt, pairs
+from bench.motion import arms, costs, hunt
 
 
 def main() -> None:
@@ -37,6 +38,8 @@ def main() -> None:
     if options.command == 'costs':
         costs.run(options.edges)
     elif options.command == 'pairs':
+        from bench.motion import pairs  # needs python-fcl and tesseract-robotics
+
         pairs.run(options.motions)
     else:
         arms.run(options.edges, options.step)

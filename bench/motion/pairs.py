@@ -131,7 +131,10 @@ def _beside(name: str, some: list[Motions]) -> None:
             continue
         free = np.array([verdict for found, _ in parts for verdict in found], dtype=bool)
         missed, refused = free & touch, ~free & clear
-        deep, far = -1e3 * depths[missed].min(initial=0.0), 1e3 * bounds[refused].max(initial=0.0)
+        deep, far = (
+            1e3 * (-depths[missed]).max(initial=0.0),
+            1e3 * bounds[refused].max(initial=0.0),
+        )
         print(
             f'    {missed.sum()} called free that touch, as deep as {deep:.1f} mm; '
             f'{refused.sum()} called touching that stay apart, by as much as {far:.1f} mm'

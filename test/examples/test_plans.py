@@ -1,8 +1,9 @@
-"""The example of OMPL: proofs find ways without a contact, and samples find ways."""
+"""The examples of OMPL: proofs find ways without a contact, and samples find ways."""
 
 import re
 
 import pytest
+from ros.harness import environment, start_node
 
 from examples.test_examples import EXAMPLES, output
 
@@ -19,3 +20,14 @@ def test_ways_that_are_proved_touch_nothing():
         assert int(found) > 0
         assert int(edges) > 0
     assert counts[1][2] == counts[1][4] == '0'
+
+
+def test_a_node_proves_a_way_past_wires(tmp_path, monkeypatch):
+    for name, value in environment().items():  # of the node's domain, and its messages
+        monkeypatch.setenv(name, value)
+    node = start_node(tmp_path / 'log', scene_file=EXAMPLES / 'wires.yaml')
+    said = output(EXAMPLES / 'plan_an_arm.py', '--edges', 'proofs', '--seed', '2')
+    touching, edges = re.search(r'(\d+) of (\d+) edges are in contact', said).groups()
+    assert touching == '0'
+    assert int(edges) > 0
+    assert node.end() == 0, node.output()
