@@ -22,12 +22,18 @@ def test_ways_that_are_proved_touch_nothing():
     assert counts[1][2] == counts[1][4] == '0'
 
 
-def test_a_node_proves_a_way_past_wires(tmp_path, monkeypatch):
+@pytest.fixture
+def node(tmp_path):
+    node = start_node(tmp_path / 'log', scene_file=EXAMPLES / 'wires.yaml')
+    yield node
+    assert node.end() == 0, node.output()
+
+
+@pytest.mark.usefixtures('node')
+def test_a_node_proves_a_way_past_wires(monkeypatch):
     for name, value in environment().items():  # of the node's domain, and its messages
         monkeypatch.setenv(name, value)
-    node = start_node(tmp_path / 'log', scene_file=EXAMPLES / 'wires.yaml')
     said = output(EXAMPLES / 'plan_an_arm.py', '--edges', 'proofs', '--seed', '2')
     touching, edges = re.search(r'(\d+) of (\d+) edges are in contact', said).groups()
     assert touching == '0'
     assert int(edges) > 0
-    assert node.end() == 0, node.output()
