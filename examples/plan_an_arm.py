@@ -3,12 +3,14 @@
     ./run node --ros-args -p scene_file:=examples/wires.yaml
     ./run exec python examples/plan_an_arm.py
 
-An edge is asked about as one motion, certified for all times. With ``--edges samples`` OMPL's own
-validator tests states instead, a hundredth of the space's extent from one to the next. In the end
-each edge of the path that is found is proved: between thin things, those of samples may touch.
+An edge is asked about in one call: as a motion, certified for all times, or with ``--edges
+samples`` at states so close that no joint turns by more than STEP from one to the next. In the end
+the path is looked at with a tenth of that step, and each of its edges is proved: between thin
+things, those of samples may touch.
 """
 
 import argparse
+import math
 import time
 from itertools import pairwise
 
@@ -20,21 +22,48 @@ from drake_geom_ros.client import SceneGraphClient
 ROBOT, JOINTS = 'arm', [f'panda_joint{k}' for k in range(1, 8)]
 NAMES = [f'{ROBOT}::{name}' for name in JOINTS]
 GOAL = (0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # [rad] on the other side of the wires
+STEP = 0.05  # [rad] between two states of an edge
 CLEARANCE = 0.005  # [m] that every pair is certified to be farther apart
 
 
-class Proofs(base.MotionValidator):
-    """Whether straight ways between configurations are clear, for all times."""
+class Node:
+    """What a planner asks a node about joint values (7,) [rad], and how often."""
 
-    def __init__(self, information, client):
+    def __init__(self, client):
+        self._client, self.calls = client, 0
+
+    def are_free(self, rows):
+        """Return whether all states (n, 7) are certified to be free."""
+        self.calls += 1
+        asked = {'clearance': CLEARANCE, 'stop_at_first': True}
+        return self._client.evaluate_states(NAMES, rows, **asked).first_not_free < 0
+
+    def is_sampled(self, start, end, step=STEP):
+        """Return whether states on the straight way between two are free, the ends too."""
+        count = 1 + math.ceil(np.abs(end - start).max() / step)
+        return self.are_free(np.linspace(start, end, max(2, count)))
+
+    def is_proved(self, start, end):
+        """Return whether the straight way between two states is clear, for all times."""
+        asked = {'min_distance': CLEARANCE, 'time_tolerance': 1.0}  # any contact ends a check
+        return self.outcome([start, end], **asked) == 'clear'
+
+    def outcome(self, path, **asked):
+        """Return what is true of a path (k, 7) for all times."""
+        self.calls += 1
+        return self._client.check_motion(joint_names=NAMES, path=path, **asked).outcome
+
+
+class Edges(base.MotionValidator):
+    """Whether straight ways between states of OMPL are clear, as something tells of values."""
+
+    def __init__(self, information, is_clear):
         super().__init__(information)
-        self._client = client
+        self._is_clear = is_clear
 
     def checkMotion(self, start, end):
-        """Return whether the way from one state of OMPL to another is certified to be clear."""
-        asked = {'min_distance': CLEARANCE, 'time_tolerance': 1.0}  # any contact ends a check
-        path = values_of(start), values_of(end)
-        return self._client.check_motion(joint_names=NAMES, path=path, **asked).outcome == 'clear'
+        """Return whether the way from one state to another is clear."""
+        return self._is_clear(values_of(start), values_of(end))
 
 
 def values_of(state):
@@ -42,7 +71,7 @@ def values_of(state):
     return np.array([state[k] for k in range(len(JOINTS))])
 
 
-def plan(client, proves, seconds):
+def plan(client, node, is_clear, seconds):
     """Return a path (n, 7) from where the arm is; None: none was found."""
     joints = {each.name: each for each in client.scene().joints if each.robot == ROBOT}
     space, bounds = base.RealVectorStateSpace(len(JOINTS)), base.RealVectorBounds(len(JOINTS))
@@ -55,14 +84,9 @@ def plan(client, proves, seconds):
     space.setBounds(bounds)
     setup = geometric.SimpleSetup(space)
     information = setup.getSpaceInformation()
-
-    def is_free(state):
-        return bool(client.evaluate_states(NAMES, [values_of(state)], clearance=CLEARANCE).free[0])
-
-    setup.setStateValidityChecker(is_free)
-    if proves:
-        validator = Proofs(information, client)
-        information.setMotionValidator(validator)
+    setup.setStateValidityChecker(lambda state: node.are_free([values_of(state)]))
+    edges = Edges(information, is_clear)  # of which OMPL keeps no reference
+    information.setMotionValidator(edges)
     setup.setStartAndGoalStates(start, end)
     setup.setPlanner(geometric.RRTConnect(information))
     if not setup.solve(seconds) or not setup.haveExactSolutionPath():
@@ -71,7 +95,7 @@ def plan(client, proves, seconds):
 
 
 def main():
-    """Plan, prove each edge of the way, and print it."""
+    """Plan, look at the path again, prove each of its edges, and print it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--edges', choices=('proofs', 'samples'), default='proofs')
     parser.add_argument('--seed', type=int, default=1)
@@ -79,15 +103,18 @@ def main():
     util.RNG.setSeed(options.seed)
     util.setLogLevel(util.LogLevel.LOG_WARN)
     with SceneGraphClient() as client:
-        client.check_motion(joint_names=NAMES, path=[GOAL, GOAL])  # compiles what checks run
+        node = Node(client)
+        node.outcome([GOAL, GOAL])  # compiles what checks run
         began = time.perf_counter()
-        path = plan(client, options.edges == 'proofs', seconds=20.0)
-        print(f'{time.perf_counter() - began:.2f} s')
+        is_clear = node.is_proved if options.edges == 'proofs' else node.is_sampled
+        path = plan(client, node, is_clear, seconds=20.0)
+        print(f'{time.perf_counter() - began:.2f} s, {node.calls} calls')
         if path is None:
             raise SystemExit('no path was found')
-        edges = [client.check_motion(joint_names=NAMES, path=edge) for edge in pairwise(path)]
-        touching = sum(edge.outcome == 'contact' for edge in edges)
-        print(f'{touching} of {len(edges)} edges are in contact')
+        free = all(node.is_sampled(*edge, step=STEP / 10.0) for edge in pairwise(path))
+        print(f'{len(path)} waypoints, {"free" if free else "NOT free"} at a tenth of the step')
+        outcomes = [node.outcome(edge) for edge in pairwise(path)]
+        print(f'{outcomes.count("contact")} of {len(outcomes)} edges are in contact')
         print(np.array2string(path, precision=3, suppress_small=True))
 
 

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 from drake_geom_ros.geometry._proximity.kernels.pair_table import PAIR_TABLE
 
@@ -11,20 +12,23 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / 'README.md').read_text()
 
 
-def block(language):
-    """Return the README's only code block in a language."""
-    (found,) = re.findall(rf'^```{language}\n(.*?)^```$', README, re.S | re.M)
-    return found
+def blocks(language):
+    """Return the README's code blocks in a language."""
+    return re.findall(rf'^```{language}\n(.*?)^```$', README, re.S | re.M)
 
 
-def test_the_scene_file_is_the_one_that_ships():
-    assert block('yaml') == (ROOT / 'scenes/minimal.yaml').read_text()
+def test_the_scene_files_are_those_that_ship():
+    robot, minimal = blocks('yaml')
+    scene = yaml.safe_load((ROOT / 'scenes/two_pandas.yaml').read_text())
+    assert yaml.safe_load(robot)['robots'] == scene['robots'][:1]
+    assert minimal == (ROOT / 'scenes/minimal.yaml').read_text()
 
 
 def test_the_core_example_prints_what_its_last_line_says(capsys):
-    exec(compile(block('python'), 'README.md', 'exec'), {})
+    (script,) = blocks('python')
+    exec(compile(script, 'README.md', 'exec'), {})
     printed = capsys.readouterr().out.strip()
-    assert block('python').rstrip().endswith(f'# {printed}')
+    assert script.rstrip().endswith(f'# {printed}')
 
 
 def test_the_worst_errors_are_those_of_the_pair_table():

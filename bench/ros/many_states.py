@@ -1,25 +1,26 @@
 """Many states by the service ``evaluate_states``, beside single calls and the batch alone.
 
 The demo's two arms. The service is asked from another process than the node's; the batch answers
-in a third one: all in turns within one run. Then poses are streamed to the node while nobody asks
-and while a million states are evaluated, in turns: how late are the results?
+in a third one: all in turns within one run. Then poses are streamed to the node: how late are the
+results while nobody asks, while another process evaluates states on all cores, which is what busy
+cores cost, and while the node evaluates them?
 
-    ./run exec python -m bench.ros.many_states [--states 10000] [--million 1000000]
+    ./run exec python -m bench.ros.many_states [--states 10000] [--at-once 100000]
 """
 
 from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.ros.meanwhile import RATE, delays, thread
+from bench.ros.meanwhile import beside, delays
 from bench.ros.processes import Processes
 from bench.ros.scenes import Played, two_arms
 from drake_geom_ros.batch import Joints, evaluate
@@ -29,6 +30,7 @@ from drake_geom_ros.scene_files import load_scene
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 TURNS = 5
+BATCH, SERVICE = 'a batch elsewhere', 'evaluate_states'
 SINGLE = 300  # what-if calls of one state, of which the time is scaled
 
 Floats = NDArray[np.float64]
@@ -85,37 +87,46 @@ def _free(found: Any, want: str) -> Any:
     return found.distance - found.error_bound > 0.0
 
 
-def delayed(client: SceneGraphClient, played: Played, count: int, seconds: float) -> None:
-    """Print how late results are while nobody asks, and while many states are evaluated."""
-    joints = client.scene().joints
-    names, limits = [joint.full_name for joint in joints], np.array([j.limits for j in joints]).T
-    states = np.random.default_rng(1).uniform(*limits, (max(1, count // 10), len(names)))
-    taken: list[list[float]] = []
+def ask_on(way: str, scene_file: Path, count: int, ready: Any, ending: Any) -> None:
+    """Evaluate states, so many at once, until it shall end; print how many a second.
 
-    @contextmanager
-    def asking() -> Iterator[None]:
-        with thread(partial(client.evaluate_states, names, states)) as seconds:
-            yield
-        taken.append(seconds)
-
-    delays(played, 'meanwhile states', asking, seconds)
-    print(f'  meanwhile {np.mean(len(states) / np.concatenate(taken)):.0f} states a second')
+    By a node, or by a batch of this process, which takes as much of the cores and nothing else.
+    """
+    scene_graph = SceneGraph()
+    joints = Joints.of(load_scene(scene_file, scene_graph))
+    context = scene_graph.CreateDefaultContext()
+    generator = np.random.default_rng(1)
+    states = generator.uniform(joints.lower, joints.upper, (count, joints.count))
+    taken = []
+    with SceneGraphClient(patience=600.0) as client:
+        ask = {
+            BATCH: partial(evaluate, context, states=states, joints=joints, want='collision'),
+            SERVICE: partial(client.evaluate_states, joints.names, states),
+        }[way]
+        ask()
+        ready.set()
+        while not ending.is_set():
+            taken.append(timed(ask))
+    print(f'  {way}: {count / np.mean(taken):.0f} states a second')
 
 
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--states', type=int, default=10_000)
-    parser.add_argument('--million', type=int, default=1_000_000)
-    parser.add_argument('--seconds', type=float, default=10.0)
+    parser.add_argument('--at-once', type=int, default=100_000, help='states, while poses stream')
+    parser.add_argument('--seconds', type=float, default=10.0, help='of poses, in a turn')
     options = parser.parse_args()
     played = two_arms()
     with Processes() as processes:
         processes.start(NODE, scene_file=played.scene_file, max_distance=0.1)
         with SceneGraphClient(patience=600.0) as client:
             compare(client, played, options.states)
-            print(f'poses at {RATE:g} Hz')
-            delayed(client, played, options.million, options.seconds)
+        ways = {
+            way: partial(beside, ask_on, way, played.scene_file, options.at_once)
+            for way in (BATCH, SERVICE)
+        }
+        delays(played, ways, options.seconds)
 
 
 if __name__ == '__main__':

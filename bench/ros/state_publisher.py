@@ -9,11 +9,11 @@ import numpy as np
 import rclpy
 from geometry_msgs.msg import TransformStamped
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
+from bench.ros.routes import POSES
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 from drake_geom_ros.ros.surface import transforms
 from drake_geom_ros.scene_files import read_scene
@@ -30,9 +30,7 @@ class StatePublisher(Node):
         self._robots = [(r, Kinematics(r.tree)) for r in scene.robots if r.tree is not None]
         self._tf = self.create_publisher(TFMessage, '/tf', transforms(static=False))
         self._static = self.create_publisher(TFMessage, '/tf_static', transforms(static=True))
-        self.create_subscription(
-            JointState, '/to_state_publisher', self._take, QoSProfile(depth=5)
-        )
+        self.create_subscription(JointState, '/to_state_publisher', self._take, POSES)
         bases = [
             _transform('world', f'{robot.name}/{arm.link_names[0]}', robot.X_WB.ToArray(), None)
             for robot, arm in self._robots

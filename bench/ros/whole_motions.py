@@ -9,11 +9,8 @@ then poses are streamed to the node while nobody asks and while long paths are c
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import time
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -22,7 +19,7 @@ from numpy.typing import NDArray
 
 from bench.motion.arms import edges_of
 from bench.ros.many_states import NODE, timed
-from bench.ros.meanwhile import RATE, delays
+from bench.ros.meanwhile import beside, delays
 from bench.ros.processes import Processes
 from bench.ros.scenes import Played, two_arms
 from drake_geom_ros.batch import Checker, Joints, PathChecker
@@ -97,21 +94,6 @@ def ask_on(rows: int, ready: Any, ending: Any) -> None:
     print(f'  {len(taken)} paths of {rows} rows, {outcome}, {np.mean(taken):.3f} s each')
 
 
-@contextmanager
-def asking(rows: int) -> Iterator[None]:
-    """Let another process ask meanwhile."""
-    spawn = multiprocessing.get_context('spawn')
-    ready, ending = spawn.Event(), spawn.Event()
-    other = spawn.Process(target=ask_on, args=(rows, ready, ending))
-    other.start()
-    ready.wait()
-    try:
-        yield
-    finally:
-        ending.set()
-        other.join()
-
-
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
@@ -123,8 +105,8 @@ def main() -> None:
         processes.start(NODE, scene_file=played.scene_file, max_distance=0.1)
         with SceneGraphClient(patience=600.0) as client:
             edges(client, played)
-        print(f'poses at {RATE:g} Hz')
-        delays(played, 'meanwhile paths', partial(asking, options.rows), options.seconds)
+        ways = {'check_motion': partial(beside, ask_on, options.rows)}
+        delays(played, ways, options.seconds)
 
 
 if __name__ == '__main__':

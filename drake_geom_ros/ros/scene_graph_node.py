@@ -59,7 +59,8 @@ class SceneGraphNode(LifecycleNode):
             *(MutuallyExclusiveCallbackGroup() for _ in CallbackGroups._fields)
         )
         groups = self.threaded_groups
-        self.patient_groups = (groups.loading, groups.images, groups.planning, groups.motions)
+        self.background_groups = (groups.planning, groups.motions)
+        self.patient_groups = (groups.loading, groups.images, *self.background_groups)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
         values = self._settings.values

@@ -1,4 +1,4 @@
-"""The examples of OMPL: proofs find ways without a contact, and samples find ways."""
+"""The examples of OMPL: ways that are proved touch nothing, and samples find ways."""
 
 import re
 
@@ -22,18 +22,17 @@ def test_ways_that_are_proved_touch_nothing():
     assert counts[1][2] == counts[1][4] == '0'
 
 
-@pytest.fixture
-def node(tmp_path):
-    node = start_node(tmp_path / 'log', scene_file=EXAMPLES / 'wires.yaml')
-    yield node
-    assert node.end() == 0, node.output()
-
-
-@pytest.mark.usefixtures('node')
-def test_a_node_proves_a_way_past_wires(monkeypatch):
+def test_a_node_proves_a_way_past_wires(tmp_path, monkeypatch):
     for name, value in environment().items():  # of the node's domain, and its messages
         monkeypatch.setenv(name, value)
-    said = output(EXAMPLES / 'plan_an_arm.py', '--edges', 'proofs', '--seed', '2')
-    touching, edges = re.search(r'(\d+) of (\d+) edges are in contact', said).groups()
-    assert touching == '0'
-    assert int(edges) > 0
+    node = start_node(tmp_path / 'log', scene_file=EXAMPLES / 'wires.yaml')
+    try:
+        for edges in ('proofs', 'samples'):
+            said = output(EXAMPLES / 'plan_an_arm.py', '--edges', edges, '--seed', '2')
+            waypoints, kind = re.search(r'(\d+) waypoints, (.*) at a tenth', said).groups()
+            touching, count = re.search(r'(\d+) of (\d+) edges are in contact', said).groups()
+            assert int(waypoints) == int(count) + 1 > 1
+            if edges == 'proofs':
+                assert (kind, touching) == ('free', '0')
+    finally:
+        assert node.end() == 0, node.output()

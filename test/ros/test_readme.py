@@ -14,10 +14,17 @@ README = (ROOT / 'README.md').read_text()
 SERVICES_PAGE = (ROOT / 'docs/services.md').read_text()
 
 
-def test_the_client_prints_what_the_readme_says(tmp_path):
-    node = start_node(tmp_path / 'log', scene_file='scenes/minimal.yaml', max_distance=1.0)
+@pytest.mark.parametrize(
+    ('example', 'asked'),
+    [
+        ('move_an_arm.py', {'scene_file': 'scenes/two_pandas.yaml', 'use_joint_states': True}),
+        ('ask_the_node.py', {'scene_file': 'scenes/minimal.yaml', 'max_distance': 1.0}),
+    ],
+)
+def test_an_example_prints_what_the_readme_says(tmp_path, example, asked):
+    node = start_node(tmp_path / 'log', **{'max_distance': 0.3, **asked})
     try:
-        done = run_python('examples/ask_the_node.py')
+        done = run_python(f'examples/{example}')
     finally:
         node.end()
     assert done.returncode == 0, done.stderr + node.output()

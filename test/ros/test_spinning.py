@@ -1,5 +1,6 @@
 """Callback groups in threads of their own: none waits for another, and none fails unseen."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -57,6 +58,21 @@ def test_a_group_has_a_thread_of_its_own_and_blocks_nobody(node):
     assert released.is_set()
     assert threads['main'] is threading.main_thread()
     assert len(set(threads.values())) == 3
+
+
+def test_threads_in_the_background_give_way(node):
+    stream, states = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+    done, found = rclpy.Future(), {}
+
+    def called(name):
+        found[name] = os.getpriority(os.PRIO_PROCESS, 0)  # of this thread
+        if len(found) == 3:
+            done.set_result(None)
+
+    for name, group in (('states', states), ('stream', stream), ('main', None)):
+        node.create_timer(0.01, lambda name=name: called(name), callback_group=group)
+    spin_until_stopped(node, StopSignals(), done, (stream, states), background=(states,))
+    assert found['stream'] == found['main'] < found['states'] or found['main'] == 19
 
 
 def test_what_fails_in_a_thread_is_raised(node):

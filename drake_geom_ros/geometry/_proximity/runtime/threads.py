@@ -23,8 +23,9 @@ LONG = 0.002  # [s] work of one thread that is worth it
 
 
 @functools.cache
-def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(THREADS, thread_name_prefix='pairs')
+def _pool(niceness: int) -> ThreadPoolExecutor:
+    """Return the threads for callers of a niceness: on Linux a thread has that of its starter."""
+    return ThreadPoolExecutor(THREADS, thread_name_prefix=f'pairs, nice {niceness}')
 
 
 # The threads of a process are not there in one that is forked from it.
@@ -37,7 +38,8 @@ def share(count: int, work: Callable[[int, int], Result]) -> list[Result]:
     All of it is done when this returns, or raises what ``work`` raised.
     """
     ends = [count * k // THREADS for k in range(THREADS + 1)]
-    others = [_pool().submit(work, *ends[k : k + 2]) for k in range(1, THREADS)]
+    pool = _pool(os.getpriority(os.PRIO_PROCESS, 0))  # of this thread, on Linux
+    others = [pool.submit(work, *ends[k : k + 2]) for k in range(1, THREADS)]
     try:
         return [work(*ends[:2]), *(other.result() for other in others)]
     finally:

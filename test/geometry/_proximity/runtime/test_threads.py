@@ -1,6 +1,7 @@
 """Work that is shared out to threads: all of it is done, and the answer is that of one thread."""
 
 import os
+import sys
 import threading
 import time
 
@@ -51,6 +52,27 @@ def test_what_goes_wrong_is_told_when_all_are_done(threads):
     with pytest.raises(ValueError, match='the first part'):
         sharing.share(9, work)
     assert done.is_set()
+
+
+@pytest.mark.skipif(sys.platform != 'linux', reason='there niceness is of a whole process')
+def test_no_thread_works_for_who_is_more_urgent(threads):
+    """Threads that a nice one started are as nice, and do nothing for others."""
+    threads(3)
+
+    def niceness(first, last):
+        time.sleep(0.05)  # so that no thread does two parts
+        return os.getpriority(os.PRIO_PROCESS, 0)
+
+    def nicely():
+        os.nice(3)
+        found.append(sharing.share(3, niceness))
+
+    found, thread = [], threading.Thread(target=nicely)
+    thread.start()
+    thread.join()
+    own = os.getpriority(os.PRIO_PROCESS, 0)
+    assert found == [[min(own + 3, 19)] * 3]
+    assert sharing.share(3, niceness) == [own] * 3
 
 
 @pytest.mark.parametrize('accuracy', ['exact', 'bound'])
