@@ -43,6 +43,12 @@ class PoseQueries:
         world.update()
         return _transform(world.R_WFs[row], world.p_WFs[row])
 
+    def X_WFs(
+        self, ids: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Return what ``SceneGraphContext.X_WFs`` does: poses of many frames, as arrays."""
+        return self._state.X_WFs(ids)
+
     def X_PF(self, id: FrameId) -> RigidTransform:
         """Return the pose of a frame in its parent; raises for an id that is not here."""
         world, row = self._state.placed_frame(id, in_world=False)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.scene_files import WORLD, RobotDescription
 from drake_geom_ros.trajectories.kinematics import Kinematics
@@ -133,11 +133,11 @@ class DrivenRobot:
             rows[tuple(np.flatnonzero(self._needs[row]).tolist())].add(row)
         return {columns: frozenset(found) for columns, found in rows.items()}
 
-    def pose_of_base(self, X_PB: RigidTransform) -> Floats:
+    def pose_of_base(self, R_PB: Floats, p_PB: Floats) -> Floats:
         """Return the pose of the root link as an array (7,), the same one while it rests."""
-        place = X_PB.GetAsMatrix34().tobytes()
+        place = R_PB.tobytes() + p_PB.tobytes()
         if place != self._place:
-            self._place, self._X_PB = place, X_PB.ToArray()
+            self._place, self._X_PB = place, RigidTransform(RotationMatrix(R_PB), p_PB).ToArray()
         return self._X_PB
 
     def positions(self) -> Floats:

@@ -76,15 +76,20 @@ class RobotJoints:
         inspector = query.inspector()
         home, parent = inspector.GetHomeFrame(robot.root), inspector.GetParentFrame(robot.root)
         try:
-            if home == inspector.world_frame_id():
-                X_PB = query.X_WF(robot.root)
-            elif home == parent:
-                X_PB = query.X_PF(robot.root)
-            else:  # it is attached elsewhere
-                X_PB = query.X_WF(home).InvertAndCompose(query.X_WF(robot.root))
+            if home == inspector.world_frame_id():  # as arrays: it is asked for with each message
+                (R_PB,), (p_PB,), (is_placed,) = query.X_WFs([robot.root.get_value()])
+                if not is_placed:
+                    return None
+            else:
+                X_PB = (
+                    query.X_PF(robot.root)
+                    if home == parent
+                    else query.X_WF(home).InvertAndCompose(query.X_WF(robot.root))  # attached
+                )
+                R_PB, p_PB = X_PB.rotation().matrix(), X_PB.translation()
         except PoseError:
             return None
-        return Base(robot.pose_of_base(X_PB), since or UNKNOWN)
+        return Base(robot.pose_of_base(R_PB, p_PB), since or UNKNOWN)
 
     def places(self, names: Sequence[str]) -> list[JointPlace]:
         """Return which joints names mean; raises ArgumentError for one that means none."""
