@@ -12,7 +12,7 @@ import pytest
 from conventions.source_tree import PACKAGE, ROOT, SOURCES, imports_of, name_of
 from conventions.test_packages import LIBRARIES, pins
 from packaging.requirements import Requirement
-from test_readme import block
+from test_readme import blocks
 
 # What a build or a set-up leaves in the tree, or is large: no part of what is built from.
 LEFT_OUT = shutil.ignore_patterns('.*', 'build', 'install', 'log', 'out', '__pycache__', 'docs')
@@ -128,8 +128,9 @@ def test_nothing_else_is_there(prefix, tmp_path, library):
 
 
 def test_the_core_example_prints_what_the_readme_says(prefix, tmp_path):
-    printed = run(prefix / 'bin/python', '-c', block('python'), cwd=tmp_path)
-    assert block('python').rstrip().endswith(f'# {printed.strip()}')
+    (script,) = blocks('python')
+    printed = run(prefix / 'bin/python', '-c', script, cwd=tmp_path)
+    assert script.rstrip().endswith(f'# {printed.strip()}')
 
 
 def test_check_runs_as_a_script_and_as_a_module(prefix, tmp_path):
