@@ -248,7 +248,17 @@ def least_of_state(handle: Handle, states: Floats) -> tuple[int, float, float, i
     if limits_verdict(q, checks.lower, checks.upper) == NO_STATE:
         return NO_STATE, 0.0, 0.0, 0, 0
     _put_links(checks, q)
-    scene = (checks.kernels, checks.rows, checks.world, checks.pairs, _groups_of(checks)[:])
+    groups = (
+        checks.firsts,
+        checks.members,
+        checks.group_pairs,
+        checks.starts,
+        checks.numbers,
+        checks.centres,
+        checks.halves,
+        checks.separations,
+    )
+    scene = (checks.kernels, checks.rows, checks.world, checks.pairs, groups)
     query, answers = (checks.asked[GAP], math.inf, False), (checks.found, checks.ids, checks.out)
     done = nearest_pairs(scene, checks.poses, query, checks.never, answers)
     if done == 0:
