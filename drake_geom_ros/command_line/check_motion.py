@@ -25,7 +25,7 @@ def add_to(commands: Any) -> None:
         description='Checks a path of joint values, straight in joint space from row to row, or '
         'the poses of a motion, straight from moment to moment: clear for all times, the first '
         'contact, or from when on nothing is proved. Exit code 0 where it is clear, 1 where it is '
-        'not, and 3 where a motion is clear in pieces: of its curves between the moments nothing '
+        'not, and 3 where a motion is clear in pieces: of its curve between the moments nothing '
         'is proved. Times are rows of the path, or seconds of the motion.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')

@@ -77,8 +77,8 @@ def _judge(file: str, scene: Path) -> int:
         ):
             if now is not None:
                 print(f'    {title} [m]: recorded {then!r}, now {now!r}')
-    print(', '.join(f'{found[finding]} {finding.value}' for finding in Finding), end='')
-    print(f', {missing} MISSING' * bool(missing))
+    counts = [f'{found[finding]} {finding.value}' for finding in Finding]
+    print(', '.join([*counts, f'{missing} MISSING'] if missing else counts))
     return STILL_BROKEN if found[Finding.UNFOUNDED] or missing else 0
 
 

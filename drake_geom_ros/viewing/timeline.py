@@ -144,9 +144,9 @@ def checks_between(
 def leaves_pieces_by(timeline: Timeline) -> tuple[float, float]:
     """Return how far [m] and by which angle [rad] frames are from the straight pieces.
 
-    The most of what is seen a quarter, half and three quarters of the time of each: nearly the
-    most of a smooth motion, in the frames that these hang on, and 0 of a cubic only where it is
-    straight.
+    The most of what is seen a quarter, half and three quarters of the time of each, in the frames
+    that these hang on: nearly the most of a smooth motion, and no proof. What turns around once
+    between two looks is seen to rest.
     """
     times, far, turned = timeline.times, 0.0, 0.0
     begins, ends = _rows_at(timeline, times[:-1]), _rows_at(timeline, times[1:])

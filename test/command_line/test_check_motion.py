@@ -86,11 +86,13 @@ def test_a_motion_file_is_checked_piece_by_piece(folder, capsys):
     assert 0.0 <= begin < end <= begin + 1e-6 < 2.0
 
 
-def test_a_motion_that_is_its_pieces_is_clear(folder, capsys):
-    assert run_motion(folder, math.pi, end=math.pi) == 0
+@pytest.mark.parametrize('turns', [0, 4])
+def test_no_motion_is_called_clear_by_what_is_seen_of_it(folder, capsys, turns):
+    """Whole turns between two looks are seen as rest, and these hit the post."""
+    end = math.pi + turns * 2.0 * math.pi
+    assert run_motion(folder, math.pi, '--pieces', 1, end=end) == 3
     out = capsys.readouterr().out
-    assert 'outcome clear\ntimes 2.0 2.0\n' in out
-    assert 'up to 0 m and 0 rad beside them' in out
+    assert 'outcome clear in pieces\ntimes 2.0 2.0\n' in out
 
 
 def test_what_goes_with_a_path_alone_is_refused_for_a_motion(folder, capsys):

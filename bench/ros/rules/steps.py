@@ -29,7 +29,7 @@ class Steps(Talk):
         self._folder = folder
         self.random, self._numbers = random.Random(seed), np.random.default_rng(seed)
         self.referee = Referee()
-        self.problems = self.problems
+        self.problems = self.referee.problems  # one list of all that is wrong
         self.on_event = self._keep_event
         self._stamp = 0  # [ns] of the last step
         self.facts = Facts({PULSE.name: PULSE}, unposed=frozenset(SHAPES))

@@ -73,8 +73,7 @@ class MotionPanel:
         """Return the plot of the least distances as far as they are known."""
         assert self._timeline is not None
         line = self._timeline
-        ends = line.start, line.end
-        return plot(line.times, self._least, *ends, self._proved, self._unproved)
+        return plot(line.times, self._least, line.start, line.end, self._proved, self._unproved)
 
     def _measure(self) -> None:
         """Compute the least distances of the motion, then prove it, in a thread of its own."""

@@ -5,10 +5,13 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+import rclpy
 
+from bench.ros.processes import Processes
 from bench.ros.rules.cell import NAMES, Rule
 from bench.ros.rules.records import Facts, Heard, Posed, Step, Twist
 from bench.ros.rules.referee import Referee
+from bench.ros.rules.steps import Steps
 from drake_geom_ros.math import RigidTransform
 
 RULE = Rule('r', ('left::f0', 'right'), 3, 0.1, 0.2)
@@ -130,3 +133,14 @@ def test_a_node_that_began_anew_is_taken_as_it_stands():
     assert not referee.problems
     referee.look(step(0.3, event(7, False, 0.3), at=10.1), [])
     assert not referee.problems
+
+
+def test_what_else_goes_wrong_is_told_with_the_decisions(tmp_path):
+    """Waits in vain, events of no step, and rules that a node forgot end a soak in failure."""
+    rclpy.init()
+    try:
+        steps = Steps(Processes(), tmp_path, 0)
+        steps.problems.append('waited 60 s for nothing')
+        assert steps.referee.problems == ['waited 60 s for nothing']
+    finally:
+        rclpy.shutdown()
