@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -80,15 +81,18 @@ def draw_profile(
             label='proved for all times of a piece',
         )
     axes.axhline(min_distance, color='black', linewidth=0.8, linestyle=':')
-    for outcome, colour in (('contact', '#d62728'), ('unknown', '#ff7f0e')):
-        some = [k for k, told in enumerate(profile.outcomes) if told == outcome]
-        for number, k in enumerate(some):
-            span = profile.times[k], profile.times[min(k + 1, len(profile.times) - 1)]
-            axes.axvspan(*span, color=colour, alpha=0.25, label=outcome if number == 0 else None)
+    shades = {'contact': '#d62728', 'unknown': '#ff7f0e'}
+    for outcome, pieces in groupby(range(len(profile.outcomes)), profile.outcomes.__getitem__):
+        first, *others = pieces  # neighbours are one span: there would be seams between them
+        end = min(first + len(others) + 1, len(profile.times) - 1)
+        if outcome in shades:
+            span = profile.times[first], profile.times[end]
+            axes.axvspan(*span, color=shades[outcome], alpha=0.25, linewidth=0, label=outcome)
     if check.outcome != 'clear':
         axes.axvline(
             check.times[1], color='#d62728', linewidth=1.2, label=f'first: {check.outcome}'
         )
     axes.set(title=title, xlabel=f'time [{unit}]', ylabel='distance [m]')
-    axes.legend(loc='best', fontsize='small')
+    named = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))  # each once
+    figure.legend(named.values(), named, loc='outside lower center', ncols=5, fontsize='small')
     figure.savefig(file, dpi=120)
