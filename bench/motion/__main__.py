@@ -3,8 +3,11 @@
 ::
 
     python -m bench.motion hunt --motions 100000   # random motions against scans and closed forms
-    python -m bench.motion arms --edges 2000       # two arms, beside sampling and other libraries
+    python -m bench.motion arms --edges 2000       # arms, beside sampling, pydrake and tesseract
+    python -m bench.motion pairs --motions 2000    # two bodies, beside python-fcl and tesseract
+    python -m bench.motion costs --edges 500       # tolerances, levels, clearance: docs/accuracy
 
+Tesseract is ``pip install tesseract-robotics==0.5.1``, which nothing else here needs.
 Times are of the processor, one thread, in turns in one process: compare them, do not quote them.
 """
 
@@ -12,7 +15,7 @@ from __future__ import annotations
 
 import argparse
 
-from bench.motion import arms, hunt
+from bench.motion import arms, costs, hunt
 
 
 def main() -> None:
@@ -25,10 +28,21 @@ def main() -> None:
     racing = commands.add_parser('arms', help='time and verdicts beside sampling')
     racing.add_argument('--edges', type=int, default=2000)
     racing.add_argument('--step', type=float, default=0.5, help='length of an edge [rad]')
+    pairing = commands.add_parser('pairs', help='time and verdicts of two bodies')
+    pairing.add_argument('--motions', type=int, default=2000)
+    costing = commands.add_parser('costs', help='what proofs cost, into docs/accuracy')
+    costing.add_argument('--edges', type=int, default=500)
     options = parser.parse_args()
     if options.command == 'hunt':
         raise SystemExit(hunt.run(options.motions, options.seed))
-    arms.run(options.edges, options.step)
+    if options.command == 'costs':
+        costs.run(options.edges)
+    elif options.command == 'pairs':
+        from bench.motion import pairs  # needs python-fcl and tesseract-robotics
+
+        pairs.run(options.motions)
+    else:
+        arms.run(options.edges, options.step)
 
 
 if __name__ == '__main__':

@@ -24,11 +24,15 @@ class Route:
     def __init__(self, node: Node, server: str) -> None:
         self.server = server
         self.publisher = node.create_publisher(FramePoses, f'/{server}/frame_poses', POSES)
-        topic = f'/{server}/signed_distances'
-        node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=10))
+        self.listen(node)
         self.latest = SignedDistancePairs()
         self.sent: dict[int, float] = {}  # by number
         self.delays: dict[int, float] = {}
+
+    def listen(self, node: Node) -> None:
+        """Listen to its answers."""
+        topic = f'/{self.server}/signed_distances'
+        node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=10))
 
     def _receive(self, message: SignedDistancePairs) -> None:
         number = message.header.stamp.sec

@@ -12,8 +12,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.batch import prepared_paths
 from drake_geom_ros.batch.evaluation import context_of
-from drake_geom_ros.batch.joints import Joints, chain_of_arms, still_poses
+from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.questions import Question
 from drake_geom_ros.batch.running import cores
 from drake_geom_ros.geometry import (
@@ -29,7 +30,7 @@ from drake_geom_ros.geometry.queries.motion_queries import (
     MotionQuestion,
 )
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]
@@ -101,7 +102,7 @@ def check_paths(
     """
     if threads < 0:
         raise ArgumentError(f'threads={threads} must be >= 0')
-    checker = PathChecker(
+    with PathChecker(
         scene_graph,
         joints,
         min_distance,
@@ -111,8 +112,8 @@ def check_paths(
         ignore_start_contacts=ignore_start_contacts,
         ignore_limits=ignore_limits,
         bound_tolerance=bound_tolerance,
-    )
-    return checker.check_each(paths, threads)
+    ) as checker:
+        return checker.check_each(paths, threads)
 
 
 def _path_of(path: ArrayLike, number: int, joints: Joints, ignore_limits: bool) -> Floats:
@@ -149,6 +150,9 @@ class PathChecker:
     Arguments and answers are those of ``check_path``. The scene is that of now: once it changes,
     its filters or the poses of frames that the joints do not move, a checker refuses to answer.
     Any number of threads may use one at once; a context must not change meanwhile.
+
+    A checker of a context that is used by ``with`` leaves what it prepared to the next one of the
+    same joints, scene and resting frames, and answers no more.
     """
 
     def __init__(
@@ -180,18 +184,26 @@ class PathChecker:
         self._mark = SceneMark(scene_graph, joints.id_values)
         context = context_of(scene_graph)
         self._level = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy
-        still = still_poses(joints.arms, joints.id_values)
-        self._scene, self._ids = PackedScene.of(
-            context, joints.id_values, still, about_points=False
-        )
-        if not self._scene.has_moving_pairs():
+        self._context = context
+        self._kind, self._prepared = prepared_paths.take(context, joints, self._level)
+        if not self._prepared.scene.has_moving_pairs():
             raise ArgumentError(
                 'these joints move no geometry that could collide with any other: each path would '
                 'be clear of what nobody looks at. The robot has no collision geometry in this '
                 'scene, or filters leave all of it out'
             )
-        self._chain = chain_of_arms(joints.arms)
-        self._own, self._stop = threading.local(), np.zeros(1, dtype=np.int64)
+        self._own, self._stop = threading.local(), self._prepared.stop
+        self._spare, self._ended = [self._prepared.queries], False
+
+    def __enter__(self) -> PathChecker:
+        """Return itself."""
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        """Leave what was prepared to the next checker; this one answers no more."""
+        if not self._ended:
+            self._ended = True
+            prepared_paths.give_back(self._context, self._kind, self._prepared)
 
     def check(self, path: ArrayLike) -> MotionCheck:
         """Return what is true of a path (k, q), by this thread.
@@ -234,9 +246,11 @@ class PathChecker:
         skipped = queries.skipped()
         for k in range(1, len(rows) - 1):
             found.append(queries.follow(asked, rows, (k, k + 1), skipped))
-        return [MotionCheck.of(each, self._ids) for each in found]
+        return [MotionCheck.of(each, self._prepared.ids) for each in found]
 
     def _refuse_another_scene(self) -> None:
+        if self._ended:
+            raise GeometryError('this checker was used by `with`, and has ended: make a new one')
         if not self._mark.is_of_now():
             raise GeometryError(
                 'the scene was changed since this checker was prepared: what is in it, its '
@@ -246,9 +260,13 @@ class PathChecker:
     def _queries(self) -> MotionQueries:
         """Return this thread's queries."""
         if not hasattr(self._own, 'queries'):
-            self._own.queries = MotionQueries(
-                self._scene, self._level, self._stop, self._chain, self.joints.count
-            )
+            try:
+                self._own.queries = self._spare.pop()  # the first thread's
+            except IndexError:
+                prepared = self._prepared
+                self._own.queries = MotionQueries(
+                    prepared.scene, self._level, self._stop, prepared.chain, self.joints.count
+                )
         queries: MotionQueries = self._own.queries
         return queries
 
@@ -264,7 +282,7 @@ class PathChecker:
             else:
                 later = partial(self._part, asked, path, skipped)
                 found = _joined(found, pool.map(later, parts))
-        return MotionCheck.of(found, self._ids)
+        return MotionCheck.of(found, self._prepared.ids)
 
     def _part(
         self, asked: MotionQuestion, path: Floats, skipped: Booleans, part: tuple[int, int]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -115,6 +115,7 @@ class ProximityMonitor:
         self._standing: dict[str, RuleStanding] | None = None
         self._next = 0  # the number of the next event; 0: none is known
         self._stated = 0  # the same, as the states said last
+        self._version = 0  # of the scene, as the events said last
         self._told: str | None = None
         self.missed = 0  # events that were lost on their way
         for kind, topic, hear, profile in (
@@ -164,6 +165,9 @@ class ProximityMonitor:
 
     def _hear_states(self, message: Any) -> None:
         self._heard = time.monotonic()
+        is_older = self._stated <= message.next_sequence < self._next
+        if is_older and message.scene_version <= self._version:  # of a new node it is greater
+            return  # events that came already say more, and states follow them
         self._standing = {
             rule.name: RuleStanding(
                 rule.name,
@@ -184,15 +188,30 @@ class ProximityMonitor:
         self._look()
 
     def _hear_events(self, message: Any) -> None:
-        self._heard = time.monotonic()
+        self._heard, self._version = time.monotonic(), message.scene_version
         for k, sequence in enumerate(message.sequence):
             if 0 < self._next < sequence:
                 self.missed += sequence - self._next
             elif sequence < self._next:  # a server that began anew, and its states are under way
                 self._stated = 0
             self._next = sequence + 1
-            self._on_event(_event(message, k))
+            event = _event(message, k)
+            self._follow(event)
+            self._on_event(event)
         self._look()
+
+    def _follow(self, event: ProximityEvent) -> None:
+        """Know what an event says of its rule before the states say it."""
+        if self._standing is None:
+            return
+        if event.why == 'gone':
+            self._standing.pop(event.rule, None)
+            return
+        new = RuleStanding(event.rule, event.level, False, '', 0.0, 0, 0, '')
+        why = event.why if event.entered else ''
+        known = self._standing.get(event.rule, new)
+        now = replace(known, entered=event.entered, why=why, since=event.stamp)
+        self._standing[event.rule] = now
 
     def _look(self) -> None:
         reason = self.why_stop()

@@ -32,6 +32,8 @@ class Measured(NamedTuple):
     p_WCa: Floats  # (k, 3) [m]
     p_WCb: Floats
     closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: nobody watches
+    # (n,), in the order of ``WatchedPairs.ids``: nobody knows how it moves now; None: no such one.
+    unpredicted: Flags | None = None
 
 
 class Poses(NamedTuple):
@@ -48,6 +50,7 @@ class Reasons(NamedTuple):
     soonest: Floats  # [s] the least time to contact; inf: nothing that closes
     stale: Flags  # it needs a pose that is stale
     absent: Flags  # or that never came
+    unpredicted: Flags  # times count for it, and nobody knows how all that it needs moves
 
 
 class Limits:
@@ -60,7 +63,16 @@ class Limits:
         self.enter, self.leave = each('enter'), each('leave')
         self.hold, self.enter_after = each('hold'), each('enter_after')
         self.least_time = each('min_time_to_contact')
+        self._farthest = each('farthest')
+        self._farthest_at_rest = float(self._farthest.max(initial=-math.inf))
         self.enters_when_stale = each('enters_when_stale').astype(np.bool_)
+
+    def farthest(self, fastest: float) -> float:
+        """Return how far [m] a pair counts, where pairs close at most this fast [m/s]."""
+        if not fastest:
+            return self._farthest_at_rest
+        each = np.maximum(self._farthest, self.least_time * fastest)
+        return float(each.max(initial=-math.inf))
 
     def near(self, reasons: Reasons) -> Whys:
         """Return why each rule would be entered after ``enter_after``, as a ``Why``; 0: not."""
@@ -76,17 +88,18 @@ class Limits:
     def may_leave(self, reasons: Reasons) -> Flags:
         """Return which rules nothing keeps entered, but for ``hold``.
 
-        A pose that is stale or absent keeps a rule entered whatever ``when_stale`` says.
+        A pose that is stale or absent keeps a rule entered whatever ``when_stale`` says, and so
+        does a motion that is not known where times to contact count.
         """
         far = (reasons.lowest >= self.leave) & (reasons.soonest >= self.least_time)
-        return far & ~reasons.stale & ~reasons.absent
+        return far & ~reasons.stale & ~reasons.absent & ~reasons.unpredicted
 
 
 class Lowest(NamedTuple):
     """Lower bounds [m] and times to contact [s] of pairs, and the rules that these concern."""
 
     lower: Floats  # (k,) of pairs
-    times: Floats
+    times: Floats | None  # None: nobody watches how bodies move
     concerned: Incidences
 
     def pair_of(self, rule: int, *, soonest: bool) -> int:
@@ -94,14 +107,16 @@ class Lowest(NamedTuple):
         pairs = self.concerned.pairs[self.concerned.rules == rule]
         if not len(pairs):
             return -1
-        return int(pairs[np.argmin((self.times if soonest else self.lower)[pairs])])
+        values = self.times if soonest and self.times is not None else self.lower
+        return int(pairs[values[pairs].argmin()])
 
     def of_rules(self, count: int) -> tuple[Floats, Floats]:
         """Return the least bound [m] and time [s] of each of so many rules; inf: of no pair."""
         lowest, soonest = np.full(count, math.inf), np.full(count, math.inf)
         pairs, rules = self.concerned
         np.minimum.at(lowest, rules, self.lower[pairs])
-        np.minimum.at(soonest, rules, self.times[pairs])
+        if self.times is not None:
+            np.minimum.at(soonest, rules, self.times[pairs])
         return lowest, soonest
 
 
@@ -110,8 +125,9 @@ def look(watched: WatchedPairs, measured: Measured) -> Lowest:
     lower = measured.distance - measured.error_bound
     # What is not a number is a doubt, and no rule may take it for free.
     lower[np.isnan(lower)] = -math.inf
-    times = np.full(len(lower), math.inf)
+    times = None
     if measured.closing_speed is not None:
+        times = np.full(len(lower), math.inf)
         closes = measured.closing_speed > 0.0
         times[closes] = np.maximum(lower[closes], 0.0) / measured.closing_speed[closes]
     return Lowest(lower, times, watched.incidences(measured.id_A, measured.id_B))

@@ -65,6 +65,7 @@ class RuleState(NamedTuple):
     left_out: int  # of its two sets, that are never reported
     trouble: str  # why it can never be entered as the scene is; empty where it can
     lacking: tuple[str, ...]  # names that it goes on without, for they stand for nothing any more
+    unpredicted: bool  # times count for it, and nobody knows how all that it needs moves
 
 
 class _Seen(NamedTuple):
@@ -149,7 +150,7 @@ class RuleMonitor:
         self._met = frozenset(name for name, lacks in lacking if not lacks or name in self._met)
         self._speed = SpeedScale(rules, self._watched)
         far, no = np.full(len(rules), math.inf), np.zeros(len(rules), dtype=np.bool_)
-        self._reasons = Reasons(far, far, no, no)
+        self._reasons = Reasons(far, far, no, no, no)
         self._seen: _Seen | None = None
         self.is_measured = False  # whether the distances of these pairs were looked at
 
@@ -167,8 +168,7 @@ class RuleMonitor:
 
     def farthest(self, fastest: float = 0.0) -> float:
         """Return how far [m] a cycle has to look, where pairs close at most this fast [m/s]."""
-        each = (max(r.farthest, r.min_time_to_contact * fastest) for r in self.rules)
-        return max(each, default=-math.inf)
+        return self._limits.farthest(fastest)
 
     def decide(self, now: float, poses: Poses, measured: Measured | None = None) -> list[Event]:
         """Decide by what a cycle measured; None: nothing moved, and only time went on.
@@ -179,7 +179,9 @@ class RuleMonitor:
         if measured is not None:
             lowest = look(self._watched, measured)
             least, soonest = lowest.of_rules(len(self.rules))
-            self._reasons = self._reasons._replace(lowest=least, soonest=soonest)
+            self._reasons = self._reasons._replace(
+                lowest=least, soonest=soonest, unpredicted=self._unpredicted(measured)
+            )
             self._seen, self.is_measured = _Seen(measured, lowest), True
         self._reasons = self._reasons._replace(
             stale=self._watched.needs(poses.stale),
@@ -190,6 +192,13 @@ class RuleMonitor:
         near, blind = limits.near(reasons), limits.blind(reasons)
         changed = self._entered.step(now, near, blind, may_leave, limits)
         return [self._changed(number, poses) for number in changed.tolist()]
+
+    def _unpredicted(self, measured: Measured) -> NDArray[np.bool_]:
+        """Return the rules (r,) that need to know a motion which nobody knows."""
+        timed = self._limits.least_time > 0.0
+        if measured.unpredicted is None or not timed.any():
+            return np.zeros(len(self.rules), dtype=np.bool_)
+        return timed & self._watched.needs(measured.unpredicted)
 
     def speed_scale(self) -> float | None:
         """Return how fast to go, 0 to 1; None: no rule says. 0 before anything was measured."""
@@ -213,6 +222,7 @@ class RuleMonitor:
                 int(watched.left_out[n]),
                 watched.unknown[n] or watched.unwatched[n],
                 watched.lacking[n],
+                bool(self._reasons.unpredicted[n]),
             )
             for n, rule in enumerate(self.rules)
         ]

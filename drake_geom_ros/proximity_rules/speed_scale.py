@@ -21,8 +21,8 @@ class SpeedScale:
     scale ascends in a straight line from 0 at the greatest ``enter`` of the stop rules that share
     a pair with it (0 m where none does) to 1 at its ``leave``, or as its own ``scale`` says; and
     while a pair would touch sooner than ``min_time_to_contact``, it is at most the part of that
-    time that is left. While a slow rule is entered for want of a pose, or one that it needs never
-    came, it is the scale's least.
+    time that is left. While a slow rule is entered and lacks a pose, or the motion that times are
+    told by, or a pose that it needs never came, it is the scale's least.
     """
 
     def __init__(self, rules: Sequence[ProximityRule], watched: WatchedPairs) -> None:
@@ -47,7 +47,7 @@ class SpeedScale:
         if (self._stops & (entered | blind)).any():
             return 0.0
         scale = 1.0
-        unseen = (entered & blind) | reasons.absent
+        unseen = (entered & (blind | reasons.unpredicted)) | reasons.absent
         lacking = unseen[self._slow]
         near = reasons.lowest[self._slow] < self._ends
         soon = (reasons.soonest < limits.least_time)[self._slow]

@@ -1,7 +1,7 @@
 """Which pairs of a scene each rule is about: made when the scene changes, asked each cycle.
 
 Rules are bits. Of each geometry there is a row of bits for the rules in whose ``set_a`` it is, and
-one for ``set_b``; those of a pair are ``A[a] & B[b] | B[a] & A[b]``, for all pairs at once.
+one for ``set_b``; those of a pair are ``A[a] & B[b]`` and ``A[b] & B[a]``, for all pairs at once.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class ScenePairs(NamedTuple):
 
 
 class Incidences(NamedTuple):
-    """Which pair concerns which rule: ``rules[k]`` is a number of a rule, of ``pairs[k]``."""
+    """Which pair concerns which rule, some twice: ``rules[k]`` is a rule of ``pairs[k]``."""
 
     pairs: Ids
     rules: Ids
@@ -67,7 +67,13 @@ class WatchedPairs:
                 rules, sets, self.pairs, self.left_out, strict=True
             )
         ]
-        self._bits_a, self._bits_b = _words(self._in_a.T), _words(self._in_b.T)
+        bits_a, self._bits_b = _words(self._in_a.T), _words(self._in_b.T)
+        # Of the first set most geometries have few words with any bit: those alone, one after
+        # the other, and where those of each geometry begin.
+        rows, self._filled = np.nonzero(bits_a)
+        self._of_a = bits_a[rows, self._filled]
+        self._counts = np.bincount(rows, minlength=len(scene.ids))
+        self._begins = np.cumsum(self._counts) - self._counts
 
     def _count(self, reported: Flags) -> None:
         """Count pairs {i, j} with i in A and j in B: ordered ones, less those that count twice."""
@@ -90,12 +96,17 @@ class WatchedPairs:
 
     def incidences(self, id_A: Ids, id_B: Ids) -> Incidences:
         """Return which of the pairs (k,) concern which rules."""
-        a, b = np.searchsorted(self.ids, id_A), np.searchsorted(self.ids, id_B)
-        bits = (self._bits_a[a] & self._bits_b[b]) | (self._bits_b[a] & self._bits_a[b])
-        pairs, words = np.nonzero(bits)
-        eights = bits[pairs, words].view(np.uint8).reshape(-1, _WORD // 8)
-        places, offsets = np.nonzero(np.unpackbits(eights, axis=1, bitorder='little'))
-        return Incidences(pairs[places], words[places] * _WORD + offsets)
+        # Each pair both ways round: which is of the first set, and which of the second.
+        first = np.searchsorted(self.ids, np.concatenate((id_A, id_B)))
+        second = np.roll(first, len(id_A))
+        begin, counts = self._begins[first], self._counts[first]
+        ways = np.repeat(np.arange(len(first)), counts)
+        # The words of one after those of the other: begin, begin + 1, ...
+        filled = np.arange(len(ways)) + np.repeat(begin - (np.cumsum(counts) - counts), counts)
+        words = self._filled[filled]
+        bits = self._of_a[filled] & self._bits_b[second[ways], words]
+        some = np.flatnonzero(bits)
+        return _one_by_one(ways[some] % len(id_A), words[some] * _WORD, bits[some])
 
     def watched(self) -> Flags:
         """Return which pairs (n, n) concern any rule; symmetric."""
@@ -108,6 +119,25 @@ class WatchedPairs:
         straight = a.all(axis=0).any() and b.all(axis=0).any()
         crossed = (a[0] & b[1]).any() and (b[0] & a[1]).any()
         return bool(straight or crossed)
+
+
+def _one_by_one(pairs: Ids, firsts: Ids, words: NDArray[np.uint64]) -> Incidences:
+    """Return an incidence for each bit of words, whose bits begin at rules ``firsts``.
+
+    The lowest bit of each word in turn: most pairs concern few rules.
+    """
+    found: list[Incidences] = []
+    while len(words):
+        lowest = words & (~words + np.uint64(1))
+        # A power of two is a float without error, and its exponent is the number of the bit.
+        bit = np.frexp(lowest.astype(np.float64))[1] - 1
+        found.append(Incidences(pairs, firsts + bit))
+        words = words ^ lowest
+        left = words != 0
+        pairs, firsts, words = pairs[left], firsts[left], words[left]
+    if not found:
+        return Incidences(pairs, firsts)
+    return Incidences(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
 
 def _words(flags: Flags) -> NDArray[np.uint64]:

@@ -1,6 +1,7 @@
 """What a ProximityMonitor makes of what comes, in whatever order; without a node."""
 
 import pytest
+from builtin_interfaces.msg import Time
 from drake_geom_msgs import msg
 
 from drake_geom_ros.client import ProximityMonitor
@@ -19,10 +20,11 @@ class Node:
         pass
 
 
-def events(*sequence):
+def events(*sequence, entered=True, version=0):
     n = len(sequence)
     message = msg.ProximityEvents(sequence=sequence, rule=['stop'] * n, level=[3] * n)
-    message.entered, message.why = [True] * n, [1] * n
+    message.entered, message.why = [entered] * n, [1] * n
+    message.scene_version = version
     message.geometry_a = message.geometry_b = [''] * n
     message.id_a = message.id_b = [0] * n
     numbers = ('distance', 'error_bound', 'closing_speed', 'limit_distance', 'limit_time')
@@ -33,8 +35,16 @@ def events(*sequence):
     return message
 
 
-def states(next_sequence):
-    return msg.ProximityStates(next_sequence=next_sequence)
+def states(next_sequence, *entered, version=0):
+    """Return the states of so many rules, the first of them called as that of the events."""
+    n, message = len(entered), msg.ProximityStates(next_sequence=next_sequence)
+    names = ['stop', 'other', 'third'][:n]
+    message.rules = [msg.ProximityRule(name=name, level=3) for name in names]
+    message.entered, message.why = list(entered), [int(each) for each in entered]
+    message.since = [Time()] * n
+    message.pairs = message.left_out_pairs = [1] * n
+    message.trouble, message.scene_version = [''] * n, version
+    return message
 
 
 @pytest.mark.parametrize(
@@ -61,3 +71,27 @@ def test_what_was_missed_is_counted(heard, missed):
         node.hears['proximity_states' if is_states else 'proximity_events'](message)
     assert monitor.missed == missed
     assert got == [n for m in heard if isinstance(m, msg.ProximityEvents) for n in m.sequence]
+
+
+@pytest.mark.parametrize(
+    ('heard', 'entered'),
+    [
+        ([states(1, False), events(1)], {'stop': True}),
+        ([states(1, False), events(1), states(2, True)], {'stop': True}),
+        ([states(1, False, True), events(1), states(1, False)], {'stop': True, 'other': True}),
+        ([states(1, True), events(1, entered=False)], {'stop': False}),
+        ([states(1), events(1)], {'stop': True}),  # one that the states do not know yet
+        ([events(1), states(1, False)], {}),  # states follow events that they do not know
+        ([states(3, True), events(3, 4, entered=False), states(4, True)], {'stop': False}),
+        # A node that began anew, whose number is among those of the dead one, has a later scene.
+        ([states(3, False), events(3, 4), states(4, False, version=1)], {'stop': False}),
+    ],
+)
+def test_events_are_known_before_states_say_so(heard, entered):
+    node = Node()
+    monitor = ProximityMonitor(node)
+    for message in heard:
+        is_states = isinstance(message, msg.ProximityStates)
+        node.hears['proximity_states' if is_states else 'proximity_events'](message)
+    assert {name: rule.entered for name, rule in monitor.rules.items()} == entered
+    assert ('stop: near' in monitor.why_stop()) == entered.get('stop', False)

@@ -73,7 +73,8 @@ EXPECTED = {
 
 def output(script, *arguments):
     """Return what a script prints; it must end well."""
-    environment = {**os.environ, 'PYTHONPATH': str(ROOT)}
+    paths = [str(ROOT), *filter(None, [os.environ.get('PYTHONPATH')])]
+    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(paths)}
     command = [sys.executable, str(script), *arguments]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -22,7 +22,7 @@ class Referee:
     def concerns(self, a, b):
         return (a in self.set_a and b in self.set_b) or (b in self.set_a and a in self.set_b)
 
-    def look(self, now, pairs, reported, stale, absent):
+    def look(self, now, pairs, reported, stale, absent, unpredicted=frozenset()):
         """Return whether the rule changed; ``pairs``: (a, b, lower bound, closing speed)."""
         rule = self.rule
         mine = [pair for pair in pairs if self.concerns(*pair[:2])]
@@ -41,6 +41,7 @@ class Referee:
             changes = long_near or (blind and rule.enters_when_stale)
         else:
             clear = lowest >= rule.leave and soonest >= rule.min_time_to_contact and not blind
+            clear &= not (rule.min_time_to_contact and needed & unpredicted)
             changes = clear and now - self.changed_at >= rule.hold
         if changes:
             self.is_entered, self.changed_at = not self.is_entered, now

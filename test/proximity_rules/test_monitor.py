@@ -115,6 +115,19 @@ def test_what_closes_fast_is_soon_though_it_is_far():
     assert (event.why, event.id_A) == (Why.SOON, 11)
 
 
+def test_what_closed_fast_is_not_free_where_nobody_knows_any_more_how_it_moves():
+    watch = monitor(rule('timed', min_time_to_contact=2.0), rule('other', enter=5.0, leave=5.5))
+    pairs = measured((0, 4, 4.0, 0.0), speeds=[4.0])
+    assert [e.why for e in watch.decide(0.0, FRESH, pairs)] == [Why.SOON, Why.NEAR]
+    lost = np.array([1, 0, 0, 0, 0, 0], bool)
+    (left,) = watch.decide(1.0, FRESH, NOTHING._replace(unpredicted=lost))
+    assert left.rule == 'other'
+    assert watch.decide(2.0, FRESH) == []
+    elsewhere = np.array([0, 0, 0, 1, 0, 0], bool)
+    (left,) = watch.decide(3.0, FRESH, NOTHING._replace(unpredicted=elsewhere))
+    assert left.rule == 'timed'
+
+
 def test_a_stale_pose_enters_a_stop_and_keeps_what_is_entered():
     stop, warn = rule('stop'), rule('warn', level=Level.WARN)
     watch = monitor(stop, warn)
@@ -336,6 +349,7 @@ cycles = st.tuples(
     st.lists(pair, max_size=6),
     st.sets(st.integers(0, 3), max_size=2),
     st.sets(st.integers(0, 3), max_size=1),
+    st.sets(st.integers(0, 3), max_size=1),
 )
 
 
@@ -360,12 +374,13 @@ def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
             with pytest.raises(RuleError):
                 watch.add([made])
     now, sequence = 0.0, 1
-    for seconds, pairs, stale, absent in story:
+    for seconds, pairs, stale, absent, lost in story:
         now += seconds
         seen = [p for p in pairs if where.reported[p[0]]]
         args = [(*p[0], p[1], p[2]) for p in seen]
         speeds = [p[3] for p in seen]
         saw = measured(*args, speeds=speeds) if seen else NOTHING
+        saw = saw._replace(unpredicted=np.isin(np.arange(6), list(lost)))
         flags = np.isin(np.arange(6), list(stale)), np.isin(np.arange(6), list(absent))
         events = watch.decide(now, Poses(*flags), saw)
         of_referee = [
@@ -373,7 +388,7 @@ def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
             for r in referees
             if r.look(
                 now, [(a, b, d - e, s) for (a, b, d, e), s in zip(args, speeds, strict=True)],
-                reported, stale, absent,
+                reported, stale, absent, lost,
             )
         ]  # fmt: skip
         assert [e.rule for e in events] == of_referee

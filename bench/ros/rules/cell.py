@@ -49,6 +49,7 @@ class Rule(NamedTuple):
     hold: float = 0.0  # [s]
     enter_after: float = 0.0  # [s]
     when_stale: str = ''
+    min_time_to_contact: float = 0.0  # [s]
 
     @property
     def enters_when_stale(self) -> bool:
@@ -68,9 +69,14 @@ class Rule(NamedTuple):
         return {
             **{name: getattr(self, name) for name in ('name', 'level', 'enter', 'leave')},
             **{name: getattr(self, name) for name in ('hold', 'enter_after', 'when_stale')},
+            'min_time_to_contact': self.min_time_to_contact,
             'set_a': [self.sets[0]],
             'set_b': b,
         }
+
+
+# Says how fast to go, at the end of each decision: so it is known when these were made.
+PULSE = Rule('pulse', ('left', 'right'), 2, 0.05, 0.1)
 
 
 def drawn_rule(number: int, rng: random.Random) -> Rule:
@@ -82,6 +88,7 @@ def drawn_rule(number: int, rng: random.Random) -> Rule:
         rule = Rule(
             *(f'rule {number}', (a, b), rng.choice([1, 2, 3]), enter),
             *(enter + rng.uniform(0.01, 0.1), *times, rng.choice(['', '', 'enter', 'keep'])),
+            rng.choice([0.0, 0.0, 0.0, 0.05, 0.2]),
         )
         if rule.pairs():
             return rule
@@ -99,6 +106,12 @@ def scene_text() -> str:
             for k, shape in enumerate(shapes)
         ]
     lines += [f'- {{name: {name}, shape: {shape}}}' for name, shape in STANDING.items()]
+    a, b = PULSE.sets
+    lines.append('proximity_rules:')
+    lines.append(
+        f'- {{name: {PULSE.name}, set_a: {a}, set_b: {b}, level: slow, enter: {PULSE.enter}, '
+        f'leave: {PULSE.leave}}}'
+    )
     return '\n'.join(lines) + '\n'
 
 

@@ -17,7 +17,8 @@ from drake_geom_ros.ros.conversions.proximity_rules import fill_events, fill_wha
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.rule_states import fill_rule_states
 
-# [s] at most between two decisions, and two values of the scale: poses may stop to come.
+# [s] at most between two decisions, and two values of the scale: poses may stop to come. At least
+# between two messages of states.
 PERIOD = 0.05
 
 
@@ -54,6 +55,7 @@ class RuleEvents:
         self._settings, self._did = settings, did
         self._decided = -math.inf  # [s] of steady time
         self._told = -1  # the revision of the states that were published last
+        self._stated = -math.inf  # [s] of steady time, when that was
 
     def look_at(
         self, scene: HeldScene, distances: SignedDistanceResults | None, reach: float
@@ -90,10 +92,10 @@ class RuleEvents:
 
     def forget(self) -> None:
         """Publish the states anew, to those who were told nothing meanwhile."""
-        self._told = -1
+        self._told, self._stated = -1, -math.inf
 
     def _tell(self, scene: HeldScene, events: list[Event]) -> None:
-        """Publish events, states where they changed, and the scale of speed."""
+        """Publish events, states where they changed (soon), and the scale of speed."""
         if events:
             message = self._types.ProximityEvents(accuracy=scene.accuracy)
             moment = scene.moment()
@@ -104,8 +106,10 @@ class RuleEvents:
             message.oldest_pose_age = [moment.oldest.age] * len(events)
             message.oldest_frame = [moment.oldest.frame] * len(events)
             self._topics.events.publish(message)
-        if scene.rules.revision != self._told:
-            self._told = scene.rules.revision
+        # All rules each time: many a second would cost more than what they decide.
+        now = scene.clocks.steady()
+        if scene.rules.revision != self._told and now - self._stated >= PERIOD:
+            self._told, self._stated = scene.rules.revision, now
             states = self._types.ProximityStates()
             fill_rule_states(states, scene, self._types)
             self._topics.states.publish(states)

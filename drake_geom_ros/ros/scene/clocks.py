@@ -17,6 +17,9 @@ from typing import NamedTuple
 # [s] a stamp that is earlier than the node's time by more is of another clock, and tells no age:
 # no message is on its way that long.
 _MOST_BEHIND = 60.0
+# [s] a stamp that is later than the node's time by less is of the same clock: simulated time comes
+# in messages of its own, which may be heard after the poses of that time, all at once then.
+_MOST_AHEAD = 2.0
 # [s] a step of the time of day that no correction of its rate can be, between two looks.
 _LEAST_STEP = 0.5
 # [s] Simulated time may run fast, and it comes in steps: one of a minute is no simulation's. What it
@@ -58,11 +61,11 @@ class Arrival(NamedTuple):
     def since(self, stamp: float) -> Since:
         """Return since when a pose of the message holds that bears a stamp [s].
 
-        Where there is no stamp (0), and where it is of another clock or of the future, the pose
-        holds since its message came.
+        Where there is no stamp (0), and where it is of another clock, the pose holds since its
+        message came.
         """
         behind = self.now - stamp
-        if not stamp or not 0.0 <= behind <= _MOST_BEHIND:
+        if not stamp or not -_MOST_AHEAD <= behind <= _MOST_BEHIND:
             behind = self.waited
         return Since(self.epoch, self.heard, self.now - behind)
 

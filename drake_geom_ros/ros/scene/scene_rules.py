@@ -52,6 +52,7 @@ class SceneRules:
         self._monitor = RuleMonitor(_NO_PAIRS)
         self._version, self._frames_version = GeometryVersion(), -1
         self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
+        self._frames: list[FrameId] = []  # of each geometry
         self._extents: dict[FrameId, float] = {}  # [m] how far geometries reach from its origin
         self._narrowed: QueryObject | None = None
         self._happened: list[Event] = []  # that nobody was told of yet
@@ -117,6 +118,7 @@ class SceneRules:
         names = [geometry_names(inspector, geometry) for geometry in geometries]
         self._happened += self._monitor.bind(ScenePairs(ids, names, reported))
         self._hanging = hanging(inspector, geometries)
+        self._frames = [inspector.GetFrameId(geometry) for geometry in geometries]
         self._extents = _extents(inspector, geometries)
 
     def decide(
@@ -144,7 +146,11 @@ class SceneRules:
             )
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
-        self._decide(now, blind, _measured(results, speeds))
+        measured = _measured(results, speeds, farthest)
+        if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
+            lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
+            measured = measured._replace(unpredicted=lost)
+        self._decide(now, blind, measured)
         return computed
 
     def wait(self, now: float, blind: Blind) -> None:
@@ -190,6 +196,13 @@ class SceneRules:
             for state in states
             if state.lacking
         ]
+        lost = [state.rule.name for state in states if state.unpredicted]
+        if lost:
+            told.append(
+                'nobody knows how all bodies move whose times to contact count for proximity '
+                f'rules {some_of(lost)}: until that is known they are entered by distance alone, '
+                'and not left; poses need stamps, or twists'
+            )
         blind = [rule.name for rule in self.rules if rule.min_time_to_contact]
         if blind and not watches_motion:
             told.append(
@@ -237,16 +250,19 @@ class SceneRules:
 
 
 def _measured(
-    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None
+    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None, farthest: float
 ) -> Measured:
+    """Return the pairs that may be within ``farthest`` [m], whoever asked for others, too."""
+    distance, error_bound = results.distance, results.error_bound
+    near = np.flatnonzero(~(distance - error_bound > farthest))  # what is not a number is near
     return Measured(
-        results.id_A,
-        results.id_B,
-        results.distance,
-        results.error_bound,
-        results.p_WCa,
-        results.p_WCb,
-        closing_speed,
+        results.id_A[near],
+        results.id_B[near],
+        distance[near],
+        error_bound[near],
+        results.p_WCa[near],
+        results.p_WCb[near],
+        None if closing_speed is None else closing_speed[near],
     )
 
 

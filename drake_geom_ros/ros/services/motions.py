@@ -111,14 +111,14 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
         )
     # Within the tolerance in seconds on each edge.
     longest = float(np.diff(path.times).max(initial=0.0)) or 1.0
-    checker = PathChecker(
+    with PathChecker(
         view.context,
         joints,
         time_tolerance=(request.time_tolerance or TIME_TOLERANCE) / longest,
         ignore_limits=request.ignore_limits,
         **_asked(request),
-    )
-    return view, checker.check(path.rows), path
+    ) as checker:
+        return view, checker.check(path.rows), path
 
 
 def timed_path(trajectory: Any, joints: Joints, start: Floats) -> TimedPath:

@@ -51,6 +51,19 @@ def test_without_a_stamp_of_ours_it_counts_from_when_the_message_came(clocks, st
     assert clocks.age(since) == 1.5
 
 
+def test_a_pose_that_is_heard_before_its_time_is_not_old_when_the_clock_catches_up(
+    clocks, node, steady
+):
+    since = clocks.arrival().since(1001.5)
+    steady.now += 0.1
+    node.now = 1001.6
+    assert clocks.age(since) == pytest.approx(0.1)
+    steady.now += 3.0
+    assert clocks.age(since) == pytest.approx(3.1)
+    node.now = 1010.0
+    assert clocks.age(since) == pytest.approx(8.5)
+
+
 def test_silence_counts_while_the_nodes_time_rests_and_its_time_while_it_runs_fast(
     clocks, node, steady
 ):

@@ -137,6 +137,10 @@ def test_an_event_bears_where_its_pair_was(ruled):
 
 def test_a_rule_that_goes_on_without_a_name_is_told_of():
     text = TEXT.replace('set_a: arm, set_b: post, level: warn', 'set_a: [arm, box], level: warn')
+    wall = '- {name: wall, source: other, shape: {type: sphere, radius: 0.01}}'
+    text = text.replace('[arm]', '[arm, other]').replace(
+        'proximity_rules', f'{wall}\nproximity_rules'
+    )
     ruled = Ruled(text)
     ruled.move(1.0)
     ruled.wait()
@@ -147,6 +151,31 @@ def test_a_rule_that_goes_on_without_a_name_is_told_of():
     with ruled.live.reading() as scene:
         (told,) = scene.rules.troubles(watches_motion=True)
     assert "'hand' goes on without box" in told
+
+
+def test_a_rule_by_time_to_contact_is_not_left_where_nobody_knows_how_its_body_moves():
+    text = TEXT.replace('level: warn', 'level: warn, min_time_to_contact: 3.0')
+    ruled = Ruled(text, stale_after=10.0)
+    with ruled.live.editing() as scene:
+        scene.watch_motion(10.0)
+
+    def move(x, stamp):
+        with ruled.live.editing() as scene:
+            message = poses(['hand'], [(x, 0, 0)], source='arm', stamp=stamp)
+            scene.take_poses(message)
+            ruled.events.look_at(scene, None, 0.0)
+        told = ruled.topics.events.published
+        return [(n, e, w) for m in told for n, e, w in zip(m.rule, m.entered, m.why, strict=True)]
+
+    assert move(4.0, 1) == []
+    assert move(3.0, 2)[-1] == ('hand', True, Why.SOON)
+    known = len(move(3.0, 0))  # without a stamp
+    with ruled.live.reading() as scene:
+        (told,) = scene.rules.troubles(watches_motion=True)
+    assert told.startswith('nobody knows how all bodies move')
+    assert 'rules hand:' in told
+    assert len(move(3.0, 3)) == known  # the first stamp tells no motion yet
+    assert move(3.0, 4)[-1] == ('hand', False, Why.SOON)
 
 
 def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):

@@ -1,0 +1,61 @@
+"""What checks of paths prepare, kept by a context for those of the same scene that follow."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.batch.joints import Joints, chain_of_arms, still_poses
+from drake_geom_ros.geometry import SceneGraphContext
+from drake_geom_ros.geometry.queries.context import state_of
+from drake_geom_ros.geometry.queries.joint_trees import JointChain
+from drake_geom_ros.geometry.queries.motion_queries import MotionQueries
+from drake_geom_ros.geometry.queries.state_queries import PackedScene
+
+Indices = NDArray[np.int64]
+
+
+class PreparedPaths(NamedTuple):
+    """A scene and joints as checks take them; who has it has it alone."""
+
+    scene: PackedScene
+    ids: Indices  # (n,) of its geometries, by their place
+    chain: JointChain
+    queries: MotionQueries  # of one thread
+    stop: Indices  # (1,) what ends these queries, and those that other threads add
+
+
+def take(context: SceneGraphContext, joints: Joints, level: str) -> tuple[Hashable, PreparedPaths]:
+    """Return what is prepared for paths of joints in a context's scene of now, and its kind.
+
+    It is what was given back of the same kind, if anything: of the same content and filters, the
+    same joints, and the same poses of all frames that they do not move. Raises PoseError for
+    frames that have no pose.
+    """
+    state, chain = state_of(context), chain_of_arms(joints.arms)
+    world = state.up_to_date_world()
+    others = ~np.isin(world.frames.ids, joints.id_values)
+    kind = (
+        *('paths', level, joints.count, state.model.versions.any, state.filters.version),
+        *(frozenset(state.filters.welded), joints.id_values.tobytes()),
+        *(array.tobytes() for array in chain),
+        *(world.R_PFs[others].tobytes(), world.p_PFs[others].tobytes()),
+    )
+    prepared = None
+    if np.isin(world.unposed_frames(), joints.id_values).all():
+        prepared = state.prepared_motions.take(kind)
+    if prepared is None:
+        still = still_poses(joints.arms, joints.id_values)
+        scene, ids = PackedScene.of(context, joints.id_values, still, about_points=False)
+        stop = np.zeros(1, dtype=np.int64)
+        queries = MotionQueries(scene, level, stop, chain, joints.count)
+        prepared = PreparedPaths(scene, ids, chain, queries, stop)
+    return kind, prepared
+
+
+def give_back(context: SceneGraphContext, kind: Hashable, prepared: PreparedPaths) -> None:
+    """Keep what was taken for the next one that asks about the same."""
+    state_of(context).prepared_motions.keep(kind, prepared)

@@ -1,0 +1,23 @@
+"""Proximity rules while everything happens, and a referee: a short round of `./run soak --rules`.
+
+That a referee notices what is wrong is tested in ``test/bench/ros/test_rule_storm.py``.
+"""
+
+import re
+
+from ros.harness import Process
+
+SECONDS, PATIENCE = 24.0, 240.0
+
+
+def test_no_decision_is_missing_late_or_unfounded(tmp_path):
+    options = ('--rules', '--minutes', str(SECONDS / 60.0), '--seed', '5')
+    storm = Process(tmp_path / 'storm', 'bench.ros.soak', *options)
+    assert storm.popen.wait(PATIENCE) == 0, storm.output()
+    told = storm.output()
+    cycles, decisions = map(int, re.search(r'(\d+) cycles, (\d+) decisions', told).groups())
+    silences, undecided = map(int, re.search(r'(\d+) times.*\n?.*?(\d+) of them', told).groups())
+    assert cycles > 50, told
+    assert decisions > 5, told
+    assert undecided < silences / 2, told
+    assert '\n0 decisions missing' in told
