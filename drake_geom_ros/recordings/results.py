@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
 from drake_geom_ros.recordings.playback import Trouble
 from drake_geom_ros.recordings.storages import Damage
@@ -147,7 +148,7 @@ class Clearances:
         told = [f'{each.file}: {each.reason}' for each in self.damage]
         if self.gaps:
             lost = sum(gap.end - gap.begin for gap in self.gaps)
-            told.append(f'{len(self.gaps)} gaps without data, {lost:.3f} s in all')
+            told.append(f'{counted(len(self.gaps), "gap")} without data, {lost:.3f} s in all')
         for each in self.sets.values():
             if stale := int(each.is_stale.sum()):
                 told.append(f'{each.name}: {stale} of {len(self.times)} states are stale')

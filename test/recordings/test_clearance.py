@@ -150,7 +150,7 @@ def test_what_is_stale_and_what_is_silent_is_never_free(tmp_path, balls):
     assert each.is_stale.tolist() == [*(found.times[:-2] > 1.0), True, False]
     assert np.isnan(each.distance[each.is_stale]).all()
     assert [(gap.begin, gap.end) for gap in found.gaps] == [pytest.approx((2.0, 6.0))]
-    with pytest.raises(IncompleteRecordingError, match='gaps'):
+    with pytest.raises(IncompleteRecordingError, match='1 gap without data'):
         found.least()
 
 
