@@ -145,7 +145,7 @@ class Clearances:
 
     def reservations(self) -> list[str]:
         """Return in words what is not known; empty where everything is."""
-        told = [f'{each.file}: {each.reason}' for each in self.damage]
+        told = [f'{each.file}: {each.reason}; {self._until(each)}' for each in self.damage]
         if self.gaps:
             lost = sum(gap.end - gap.begin for gap in self.gaps)
             told.append(f'{counted(len(self.gaps), "gap")} without data, {lost:.3f} s in all')
@@ -160,6 +160,11 @@ class Clearances:
                     f'until then: {names}'
                 )
         return told
+
+    def _until(self, damage: Damage) -> str:
+        if damage.until < self.begin:
+            return 'it told nothing that was used'
+        return f'it told something until {(damage.until - self.begin) / NANOSECONDS:.3f} s'
 
     def least(self, name: str = '', *, allow_incomplete: bool = False) -> Moment:
         """Return the state and pair of the least lower bound, of one set or of all.

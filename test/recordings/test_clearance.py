@@ -238,3 +238,18 @@ def test_nothing_depends_on_where_a_block_ends(tmp_path, balls, monkeypatch):
     small = clearance(run, balls, threads=1)['all']
     np.testing.assert_array_equal(found.distance, small.distance)
     np.testing.assert_array_equal(found.distance[1::2], directly(balls, 'ab', rows).distance)
+
+
+def test_a_robot_that_stands_as_the_scene_file_says_is_of_unknown_age(tmp_path):
+    values = 'configuration: {turn: 0.1, bend: 0.2, roll: 0, slide: 0}'
+    scene = tmp_path / 'cell.yaml'
+    scene.write_text(CELL.read_text().replace('urdf: arm.urdf', f'urdf: arm.urdf, {values}'))
+    (tmp_path / 'arm.urdf').write_text(URDF)
+    messages = poses(0.1 * np.arange(5), ['things::tray'], [(0.6, 0.1, 0.4, 0, 0, 0, 1)] * 5)
+    found = clearance(recorder.record(tmp_path / 'run', messages), scene)
+    assert np.isinf(found['all'].age).all()
+    assert np.isnan(found['all'].distance).all()
+    assert np.isfinite(found['all'].known_distance).all()
+    assert any('turn' in trouble.words for trouble in found.troubles)
+    with pytest.raises(IncompleteRecordingError, match='stale'):
+        found.least()

@@ -164,3 +164,20 @@ def test_closest_moments_are_those_that_things_come_near_in(tmp_path, balls):  #
     )
     states = highlights.closest(found, found['a:b'], 5)
     assert sorted(found.times[states].tolist()) == pytest.approx([2.5, 7.5])
+
+
+def test_what_a_truncated_file_does_not_tell_is_said_in_the_report(tmp_path, balls, capsys):  # noqa: F811
+    times = 0.05 * np.arange(2000)
+    rows = [[HERE, (1.0, 0, 0, 0, 0, 0, 1)]] * len(times)
+    run = recorder.record(tmp_path / 'run', poses(times, 'ab', rows), sqlite=True)
+    file = recorder.file_of(run)
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    out = tmp_path / 'out'
+    options = ['--scene', str(balls), '--between', 'a:b', '--out', str(out)]
+    assert main(['report', str(run), *options]) == 1
+    found = clearance(run, balls, between=['a:b'])
+    assert 200 < len(found.times) < 1500
+    told = f'it told something until {found.times[-1]:.3f} s'
+    assert told in capsys.readouterr().out
+    assert told in (out / 'report.html').read_text()
+    np.testing.assert_allclose(found['a:b'].distance, 0.8, atol=1e-12)
