@@ -18,7 +18,6 @@ _THRESHOLDS = (0.0, 0.01, 0.05)  # [m]
 
 def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
-    names = ', '.join(field.name for field in fields(Topics))
     parser = commands.add_parser(
         'report',
         help='how near things came in a recording of ROS (MCAP or sqlite3)',
@@ -58,6 +57,13 @@ def add_to(commands: Any) -> None:
         metavar='D',
         help=f'[m]; may be repeated (default: {", ".join(f"{d:g}" for d in _THRESHOLDS)})',
     )
+    _add_options_of_a_node(parser)
+    parser.set_defaults(run=run)
+
+
+def _add_options_of_a_node(parser: argparse.ArgumentParser) -> None:
+    """Add what a node has as parameters and remapped topics."""
+    names = ', '.join(field.name for field in fields(Topics))
     parser.add_argument(
         '--stale-after', type=float, default=STALE_AFTER, metavar='S', help='[s] (default: 1)'
     )
@@ -78,7 +84,6 @@ def add_to(commands: Any) -> None:
         metavar='FOLDER',
         help='where package:// looks first; may be repeated',
     )
-    parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
