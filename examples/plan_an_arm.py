@@ -4,9 +4,10 @@
     ./run exec python examples/plan_an_arm.py
 
 An edge is asked about in one call: as a motion, certified for all times, or with ``--edges
-samples`` at states so close that no joint turns by more than STEP from one to the next. In the end
-the path is looked at with a tenth of that step, and each of its edges is proved: between thin
-things, those of samples may touch.
+samples`` at states so close that no joint turns by more than STEP from one to the next. With
+``--edges discrete`` OMPL's own validator asks, a call for each of its states. In the end the path
+is looked at with a tenth of STEP, and each of its edges is proved: between thin things, those of
+states may touch.
 """
 
 import argparse
@@ -22,6 +23,7 @@ from drake_geom_ros.client import SceneGraphClient
 ROBOT, JOINTS = 'arm', [f'panda_joint{k}' for k in range(1, 8)]
 NAMES = [f'{ROBOT}::{name}' for name in JOINTS]
 GOAL = (0.8, -0.3, 0.0, -2.2, 0.0, 2.0, 0.785)  # [rad] on the other side of the wires
+WAYS = 'proofs', 'samples', 'discrete'
 STEP = 0.05  # [rad] between two states of an edge
 CLEARANCE = 0.005  # [m] that every pair is certified to be farther apart
 
@@ -72,7 +74,10 @@ def values_of(state):
 
 
 def plan(client, node, is_clear, seconds):
-    """Return a path (n, 7) from where the arm is; None: none was found."""
+    """Return a path (n, 7) from where the arm is; None: none was found.
+
+    ``is_clear`` tells of the way between two states; None: OMPL's own validator does.
+    """
     joints = {each.name: each for each in client.scene().joints if each.robot == ROBOT}
     space, bounds = base.RealVectorStateSpace(len(JOINTS)), base.RealVectorBounds(len(JOINTS))
     start, end = space.allocState(), space.allocState()
@@ -85,8 +90,9 @@ def plan(client, node, is_clear, seconds):
     setup = geometric.SimpleSetup(space)
     information = setup.getSpaceInformation()
     setup.setStateValidityChecker(lambda state: node.are_free([values_of(state)]))
-    edges = Edges(information, is_clear)  # of which OMPL keeps no reference
-    information.setMotionValidator(edges)
+    if is_clear is not None:
+        edges = Edges(information, is_clear)  # of which OMPL keeps no reference
+        information.setMotionValidator(edges)
     setup.setStartAndGoalStates(start, end)
     setup.setPlanner(geometric.RRTConnect(information))
     if not setup.solve(seconds) or not setup.haveExactSolutionPath():
@@ -97,7 +103,7 @@ def plan(client, node, is_clear, seconds):
 def main():
     """Plan, look at the path again, prove each of its edges, and print it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('--edges', choices=('proofs', 'samples'), default='proofs')
+    parser.add_argument('--edges', choices=WAYS, default='proofs')
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
     util.RNG.setSeed(options.seed)
@@ -106,8 +112,8 @@ def main():
         node = Node(client)
         node.outcome([GOAL, GOAL])  # compiles what checks run
         began = time.perf_counter()
-        is_clear = node.is_proved if options.edges == 'proofs' else node.is_sampled
-        path = plan(client, node, is_clear, seconds=20.0)
+        ways = dict(zip(WAYS, (node.is_proved, node.is_sampled, None), strict=True))
+        path = plan(client, node, ways[options.edges], seconds=20.0)
         print(f'{time.perf_counter() - began:.2f} s, {node.calls} calls')
         if path is None:
             raise SystemExit('no path was found')

@@ -96,32 +96,33 @@ class Limits:
 
 
 class Lowest(NamedTuple):
-    """Lower bounds [m] and times to contact [s] of pairs, and the rules that these concern."""
+    """Lower bounds [m] and times to contact [s] of pairs, and the groups that these concern."""
 
     lower: Floats  # (k,) of pairs
     times: Floats | None  # None: nobody watches how bodies move
     concerned: Incidences
 
-    def pair_of(self, rule: int, *, soonest: bool) -> int:
-        """Return which pair of a rule is the nearest, or would touch first; -1: there is none."""
-        pairs = self.concerned.pairs[self.concerned.rules == rule]
+    def pair_of(self, group: int, *, soonest: bool) -> int:
+        """Return which pair of a group is the nearest, or would touch first; -1: there is none."""
+        pairs = self.concerned.pairs[self.concerned.groups == group]
         if not len(pairs):
             return -1
         values = self.times if soonest and self.times is not None else self.lower
-        return int(pairs[values[pairs].argmin()])
+        of_rule = values[pairs]
+        return int(pairs[of_rule == of_rule.min()].min())  # the first of several: in no order here
 
-    def of_rules(self, count: int) -> tuple[Floats, Floats]:
-        """Return the least bound [m] and time [s] of each of so many rules; inf: of no pair."""
+    def of_groups(self, count: int) -> tuple[Floats, Floats]:
+        """Return the least bound [m] and time [s] of each of so many groups; inf: of no pair."""
         lowest, soonest = np.full(count, math.inf), np.full(count, math.inf)
-        pairs, rules = self.concerned
-        np.minimum.at(lowest, rules, self.lower[pairs])
+        pairs, groups = self.concerned
+        np.minimum.at(lowest, groups, self.lower[pairs])
         if self.times is not None:
-            np.minimum.at(soonest, rules, self.times[pairs])
+            np.minimum.at(soonest, groups, self.times[pairs])
         return lowest, soonest
 
 
-def look(watched: WatchedPairs, measured: Measured) -> Lowest:
-    """Return the bounds of what was measured, and which rules it concerns."""
+def look(watched: WatchedPairs, measured: Measured, farthest: float = math.inf) -> Lowest:
+    """Return the bounds of what was measured, and which rules that concerns that may be near."""
     lower = measured.distance - measured.error_bound
     # What is not a number is a doubt, and no rule may take it for free.
     lower[np.isnan(lower)] = -math.inf
@@ -130,4 +131,6 @@ def look(watched: WatchedPairs, measured: Measured) -> Lowest:
         times = np.full(len(lower), math.inf)
         closes = measured.closing_speed > 0.0
         times[closes] = np.maximum(lower[closes], 0.0) / measured.closing_speed[closes]
-    return Lowest(lower, times, watched.incidences(measured.id_A, measured.id_B))
+    near = np.flatnonzero(lower <= farthest)
+    pairs, groups = watched.incidences(measured.id_A[near], measured.id_B[near])
+    return Lowest(lower, times, Incidences(near[pairs], groups))

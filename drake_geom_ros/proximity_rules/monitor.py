@@ -170,17 +170,26 @@ class RuleMonitor:
         """Return how far [m] a cycle has to look, where pairs close at most this fast [m/s]."""
         return self._limits.farthest(fastest)
 
-    def decide(self, now: float, poses: Poses, measured: Measured | None = None) -> list[Event]:
+    def decide(
+        self,
+        now: float,
+        poses: Poses,
+        measured: Measured | None = None,
+        farthest: float = math.inf,
+    ) -> list[Event]:
         """Decide by what a cycle measured; None: nothing moved, and only time went on.
+
+        Pairs that are surely beyond ``farthest`` [m] are left out, whoever measured these, too.
 
         Returns the changes, in the order of the rules. Before anything was measured, rules are
         entered for want of poses only, and none is left.
         """
         if measured is not None:
-            lowest = look(self._watched, measured)
-            least, soonest = lowest.of_rules(len(self.rules))
+            lowest = look(self._watched, measured, farthest)
+            least, soonest = lowest.of_groups(self._watched.group_count)
+            of = self._watched.group_of
             self._reasons = self._reasons._replace(
-                lowest=least, soonest=soonest, unpredicted=self._unpredicted(measured)
+                lowest=least[of], soonest=soonest[of], unpredicted=self._unpredicted(measured)
             )
             self._seen, self.is_measured = _Seen(measured, lowest), True
         self._reasons = self._reasons._replace(
@@ -251,7 +260,7 @@ class RuleMonitor:
         if self._seen is None:
             return {}
         measured, lowest = self._seen
-        k = lowest.pair_of(number, soonest=soonest)
+        k = lowest.pair_of(int(self._watched.group_of[number]), soonest=soonest)
         if k < 0:
             return {}
         speeds = measured.closing_speed

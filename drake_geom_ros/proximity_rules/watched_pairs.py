@@ -1,6 +1,7 @@
 """Which pairs of a scene each rule is about: made when the scene changes, asked each cycle.
 
-Rules are bits. Of each geometry there is a row of bits for the rules in whose ``set_a`` it is, and
+Rules that name the same sets, such as a stop and a warning, are a group, and groups are bits. Of
+each geometry there is a row of bits for the groups in whose ``set_a`` it is, and
 one for ``set_b``; those of a pair are ``A[a] & B[b]`` and ``A[b] & B[a]``, for all pairs at once.
 """
 
@@ -21,6 +22,7 @@ from drake_geom_ros.proximity_rules.rule import ProximityRule
 Ids = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
+_MOST_ROOM = 16  # numbers in a table for each id of it
 _WORD = 64  # bits; a pair's rules are looked for a word at a time
 
 
@@ -33,10 +35,13 @@ class ScenePairs(NamedTuple):
 
 
 class Incidences(NamedTuple):
-    """Which pair concerns which rule, some twice: ``rules[k]`` is a rule of ``pairs[k]``."""
+    """Which pair concerns which group of rules: ``groups[k]`` is one of ``pairs[k]``.
+
+    In no order, and some twice.
+    """
 
     pairs: Ids
-    rules: Ids
+    groups: Ids
 
 
 class WatchedPairs:
@@ -67,7 +72,16 @@ class WatchedPairs:
                 rules, sets, self.pairs, self.left_out, strict=True
             )
         ]
-        bits_a, self._bits_b = _words(self._in_a.T), _words(self._in_b.T)
+        # Of rules that found all once, some may lack a name now that others wait for.
+        sets_of = [(rule.set_a, rule.set_b, rule.name in met) for rule in rules]
+        firsts: dict[tuple[object, ...], int] = {}
+        for number, each in enumerate(sets_of):
+            firsts.setdefault(each, number)
+        groups = {each: number for number, each in enumerate(firsts)}
+        self.group_of: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
+        self.group_count, of_groups = len(groups), list(firsts.values())
+        bits_a, self._bits_b = _words(self._in_a[of_groups].T), _words(self._in_b[of_groups].T)
+        self._table = _table(self.ids)
         # Of the first set most geometries have few words with any bit: those alone, one after
         # the other, and where those of each geometry begin.
         rows, self._filled = np.nonzero(bits_a)
@@ -95,9 +109,9 @@ class WatchedPairs:
         return np.asarray(self.needed[:, flags].any(axis=1))
 
     def incidences(self, id_A: Ids, id_B: Ids) -> Incidences:
-        """Return which of the pairs (k,) concern which rules."""
+        """Return which of the pairs (k,) concern which groups of rules."""
         # Each pair both ways round: which is of the first set, and which of the second.
-        first = np.searchsorted(self.ids, np.concatenate((id_A, id_B)))
+        first = self._rows_of(np.concatenate((id_A, id_B)))
         second = np.roll(first, len(id_A))
         begin, counts = self._begins[first], self._counts[first]
         ways = np.repeat(np.arange(len(first)), counts)
@@ -107,6 +121,12 @@ class WatchedPairs:
         bits = self._of_a[filled] & self._bits_b[second[ways], words]
         some = np.flatnonzero(bits)
         return _one_by_one(ways[some] % len(id_A), words[some] * _WORD, bits[some])
+
+    def _rows_of(self, ids: Ids) -> Ids:
+        """Return where in ``self.ids`` ids (k,) are."""
+        if self._table is None:
+            return np.searchsorted(self.ids, ids)
+        return np.asarray(self._table[ids - self.ids[0]])
 
     def watched(self) -> Flags:
         """Return which pairs (n, n) concern any rule; symmetric."""
@@ -121,10 +141,23 @@ class WatchedPairs:
         return bool(straight or crossed)
 
 
-def _one_by_one(pairs: Ids, firsts: Ids, words: NDArray[np.uint64]) -> Incidences:
-    """Return an incidence for each bit of words, whose bits begin at rules ``firsts``.
+def _table(ids: Ids) -> Ids | None:
+    """Return the rows of ids (n,) by id, from the first one on; None where ids are too far apart.
 
-    The lowest bit of each word in turn: most pairs concern few rules.
+    A look into it is several times as fast as a search.
+    """
+    span = int(ids[-1] - ids[0]) + 1 if len(ids) else 0
+    if not 0 < span <= _MOST_ROOM * len(ids):
+        return None
+    rows = np.zeros(span, dtype=np.int64)
+    rows[ids - ids[0]] = np.arange(len(ids))
+    return rows
+
+
+def _one_by_one(pairs: Ids, firsts: Ids, words: NDArray[np.uint64]) -> Incidences:
+    """Return an incidence for each bit of words, whose bits begin at groups ``firsts``.
+
+    The lowest bit of each word in turn: most pairs concern few groups.
     """
     found: list[Incidences] = []
     while len(words):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance
 
 Floats = NDArray[np.float64]
-_APART = 0.02  # of the duration: closest moments are no nearer to each other
+_APART = 0.02  # of the duration: in a span of that there is one closest moment at most
 
 
 class Contact(NamedTuple):
@@ -67,20 +67,20 @@ def below(found: Clearances, pairs: SetClearance, threshold: float) -> Below:
 def closest(found: Clearances, pairs: SetClearance, count: int) -> list[int]:
     """Return the states in which the lower bound is least for a while, the least of all first.
 
-    Each is apart from the others. Of states that do not tell all what is known counts, too.
+    Of states that do not tell all what is known counts, too.
     """
     lower = pairs.known_distance - pairs.known_error_bound
-    beside = np.concatenate(([np.inf], np.where(np.isnan(lower), np.inf, lower), [np.inf]))
-    is_least = (lower <= beside[:-2]) & (lower <= beside[2:]) & np.isfinite(lower)
-    order = np.argsort(lower, kind='stable')
-    order = order[is_least[order]]
-    apart = _APART * found.duration
-    chosen: list[int] = []
-    while len(order) and len(chosen) < count:
-        first = int(order[0])
-        chosen.append(first)
-        order = order[np.abs(pairs.times[order] - pairs.times[first]) > apart]
-    return chosen
+    states = np.flatnonzero(np.isfinite(lower))
+    apart = _APART * found.duration or 1.0
+    spans = (pairs.times[states] / apart).astype(np.int64)
+    order = np.lexsort((lower[states], spans))
+    firsts = order[np.flatnonzero(np.diff(spans[order], prepend=-1))]  # the least of each span
+    least = np.full(spans.max(initial=0) + 3, np.inf)
+    least[spans[firsts] + 1] = lower[states[firsts]]
+    here = least[spans[firsts] + 1]
+    beside = least[spans[firsts]], least[spans[firsts] + 2]
+    chosen = states[firsts[(here <= beside[0]) & (here < beside[1])]]
+    return [int(state) for state in chosen[np.argsort(lower[chosen], kind='stable')][:count]]
 
 
 def contacts(pairs: SetClearance) -> list[Contact]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from drake_geom_ros.proximity_rules import Level, WatchedPairs
 from drake_geom_ros.viewing.pairs import Pairs
 
@@ -30,12 +32,13 @@ class ShownRule:
 
 def nearest_by_rule(watched: WatchedPairs, pairs: Pairs) -> dict[int, tuple[int, int]]:
     """Return by the number of a rule its first pair (id values) of those that are shown."""
-    found: dict[int, tuple[int, int]] = {}
+    nearest: dict[int, tuple[int, int]] = {}
     concerned = watched.incidences(pairs.ids[:, 0], pairs.ids[:, 1])
-    for row, rule in zip(concerned.pairs.tolist(), concerned.rules.tolist(), strict=True):
+    for row, group in sorted(zip(*map(np.ndarray.tolist, concerned), strict=True)):
         a, b = pairs.ids[row].tolist()
-        found.setdefault(rule, (a, b))
-    return found
+        nearest.setdefault(group, (a, b))
+    of_rules = enumerate(watched.group_of.tolist())
+    return {rule: nearest[group] for rule, group in of_rules if group in nearest}
 
 
 def rows_of_level(rules: Sequence[ShownRule], pairs: Pairs, level: Level) -> list[int]:

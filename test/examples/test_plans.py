@@ -27,7 +27,7 @@ def test_a_node_proves_a_way_past_wires(tmp_path, monkeypatch):
         monkeypatch.setenv(name, value)
     node = start_node(tmp_path / 'log', scene_file=EXAMPLES / 'wires.yaml')
     try:
-        for edges in ('proofs', 'samples'):
+        for edges in ('proofs', 'samples', 'discrete'):
             said = output(EXAMPLES / 'plan_an_arm.py', '--edges', edges, '--seed', '2')
             waypoints, kind = re.search(r'(\d+) waypoints, (.*) at a tenth', said).groups()
             touching, count = re.search(r'(\d+) of (\d+) edges are in contact', said).groups()

@@ -30,6 +30,10 @@ triangles (BVHModel), which have no inside, and python-fcl gives an unsigned dis
 where they are crossed); pydrake and MuJoCo are given its hull. All are compared with the signed
 distance nevertheless.
 
+Where rounding of a pose hides whether two solids that fit each other exactly touch or interlock,
+this project tells a way out, with a bound that holds the truth and the method `OPEN`. That counts
+as wrong here.
+
 Every library is asked in a process that may be lost: `crash` is a process that ended, `hang` one
 that took more than 3 s of processor time. The totals leave out the family `extremes`."""
 # What a family is, in the order of the alphabet.

@@ -27,6 +27,7 @@ from drake_geom_ros.client import ProximityMonitor
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 SERVER = '/scene_graph'
 PATIENCE = 60.0  # [s] for an answer
+COMPILING = 600.0  # [s] for a first answer: without a cache the node compiles its kernels
 ONE_CALL = 2.0  # [s] after which a call is made again that may be made twice
 CLOCK = 0.01  # [s] between two messages of /clock
 
@@ -157,7 +158,7 @@ class Talk:
         name = 'get_filters'
         client = self.node.create_client(srv.GetFilters, f'{SERVER}/{name}')
         self._clients[name] = client
-        end = time.time() + PATIENCE
+        end = time.time() + COMPILING
         while time.time() < end:
             future = client.call_async(srv.GetFilters.Request())
             again = time.time() + ONE_CALL

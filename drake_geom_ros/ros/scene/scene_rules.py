@@ -146,11 +146,11 @@ class SceneRules:
             )
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
-        measured = _measured(results, speeds, farthest)
+        measured = _measured(results, speeds)
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
             measured = measured._replace(unpredicted=lost)
-        self._decide(now, blind, measured)
+        self._decide(now, blind, measured, farthest)
         return computed
 
     def wait(self, now: float, blind: Blind) -> None:
@@ -162,9 +162,10 @@ class SceneRules:
         now: float,
         blind: Blind,
         measured: Measured | None,
+        farthest: float = math.inf,
     ) -> None:
         poses = Poses(self._rows(blind.stale), self._rows(blind.absent))
-        events = self._monitor.decide(now, poses, measured)
+        events = self._monitor.decide(now, poses, measured, farthest)
         self._happened += events
         self.revision += len(events)
 
@@ -250,19 +251,16 @@ class SceneRules:
 
 
 def _measured(
-    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None, farthest: float
+    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None
 ) -> Measured:
-    """Return the pairs that may be within ``farthest`` [m], whoever asked for others, too."""
-    distance, error_bound = results.distance, results.error_bound
-    near = np.flatnonzero(~(distance - error_bound > farthest))  # what is not a number is near
     return Measured(
-        results.id_A[near],
-        results.id_B[near],
-        distance[near],
-        error_bound[near],
-        results.p_WCa[near],
-        results.p_WCb[near],
-        None if closing_speed is None else closing_speed[near],
+        results.id_A,
+        results.id_B,
+        results.distance,
+        results.error_bound,
+        results.p_WCa,
+        results.p_WCb,
+        closing_speed,
     )
 
 

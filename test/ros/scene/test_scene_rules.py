@@ -1,5 +1,6 @@
 """Proximity rules of a live scene: the next decision knows what changed. Without a node."""
 
+from collections import Counter
 from types import SimpleNamespace as Plain
 
 import numpy as np
@@ -9,6 +10,7 @@ from ros.live_scenes import Clock, Topic, live_scene
 from ros.scene_calls import poses
 from std_msgs.msg import Float64
 
+from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import Why
 from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
@@ -38,12 +40,12 @@ TYPES = Plain(
 class Ruled:
     """A live scene with rules, looked at again and again as a node does."""
 
-    def __init__(self, text=TEXT, stale_after=1.0):
+    def __init__(self, text=TEXT, stale_after=1.0, time_budget=0.0):
         self.clock = Clock()
         self.live = live_scene(text, self.clock)
         self.topics = RuleTopics(Topic(), Topic(), Topic())
         self.computed = []
-        settings = RuleSettings(stale_after)
+        settings = RuleSettings(stale_after, time_budget)
         did = lambda pairs, _: self.computed.append(pairs)  # noqa: E731
         self.events = RuleEvents(self.topics, TYPES, lambda: settings, did)
 
@@ -119,6 +121,28 @@ def test_rules_are_decided_at_the_level_of_now(ruled):
     assert ruled.wait() == []
     ruled.move(0.55)
     assert not ruled.topics.events.published[-1].entered[0]
+
+
+@pytest.mark.parametrize('level', ACCURACY_LEVELS)
+@pytest.mark.parametrize('time_budget', [0.0, 1e-9])
+def test_no_rule_is_entered_later_than_at_the_exact_distance(level, time_budget):
+    """At no level, and where the time is up before any pair was looked at."""
+    exact, other = Ruled(stale_after=1e6), Ruled(stale_after=1e6, time_budget=time_budget)
+    with other.live.editing() as scene:
+        scene.set_accuracy(level)
+    rng, entered = np.random.default_rng(1), Counter()
+    for _ in range(150):
+        place = rng.uniform((-0.6, -0.6, 0.0), (0.6, 0.6, 0.9))
+        for each in (exact, other):
+            each.move(*place)
+            each.wait()
+        with exact.live.reading() as a, other.live.reading() as b:
+            for one, two in zip(a.rules.states(), b.rules.states(), strict=True):
+                assert two.is_entered or not one.is_entered
+                assert two.lowest <= one.lowest + 1e-9
+                entered[one.is_entered, two.is_entered] += 1
+    assert entered[True, True] > 5
+    assert entered[False, True] > 0 or level != 'bound'  # early is allowed
 
 
 def test_an_event_bears_where_its_pair_was(ruled):
