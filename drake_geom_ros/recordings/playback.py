@@ -148,7 +148,8 @@ class Playback:
                 if refusal.transforms:
                     self._refuse(recorded, refusal.reason)
                 return self.inputs.pose_by_transforms(scene) > 0
-            return self.inputs.follow(scene) > 0
+            self.inputs.follow(scene)
+            return False  # a node has no cycle for it, either
 
     def _tick(self, now: float, time: int) -> None:
         """Let simulated time be ``now`` [s]; ages begin anew where it jumps, as a node's do."""

@@ -253,3 +253,25 @@ def test_a_robot_that_stands_as_the_scene_file_says_is_of_unknown_age(tmp_path):
     assert any('turn' in trouble.words for trouble in found.troubles)
     with pytest.raises(IncompleteRecordingError, match='stale'):
         found.least()
+
+
+def test_another_description_replaces_the_robot_while_it_is_played(tmp_path):
+    joints, base = ('turn', 'bend', 'roll', 'slide'), ('world', 'base', HERE)
+    larger = URDF.replace('radius="0.0', 'radius="0.1').replace('0.1 0.12 0.4', '0.2 0.2 0.4')
+    messages = [
+        (0.0, '/robot_description', recorder.text(URDF)),
+        (0.0, '/tf_static', recorder.transforms(0.0, base)),
+    ]
+    for k in range(10):
+        t = 0.1 + 0.1 * k
+        messages.append((t, '/joint_states', recorder.joint_state(t, joints, [0.1 * k] * 4)))
+    other = [(0.0, '/robot_description', recorder.text(larger)), *messages[1:]]
+    changed = [*messages[:7], (0.55, '/robot_description', recorder.text(larger)), *messages[7:]]
+    first, second, both = (
+        clearance(recorder.record(tmp_path / name, each))['all']
+        for name, each in (('a', messages), ('b', other), ('c', changed))
+    )
+    assert len(both.times) == len(first.times)
+    assert both.distance[1:6].tolist() == first.distance[1:6].tolist()
+    assert both.distance[6:].tolist() == second.distance[6:].tolist()
+    assert (first.distance[6:] != second.distance[6:]).any()
