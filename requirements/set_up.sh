@@ -64,7 +64,7 @@ compute_keys() {
      These are on PyPI; of another, source its setup.bash first, or unset ROS_DISTRO."
   python=$(find_python)
   venv_key=$(printf '%s\n' "$venv" "$(describe_python "$python")" "$underlay" | hash)
-  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt
+  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt:recordings.txt
     { echo "$venv_key"; cat -- *.txt "$wheels"/*.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"

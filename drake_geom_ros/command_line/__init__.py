@@ -3,5 +3,5 @@
 In: arguments of the shell and files.
 Out: text, tables and files, and exit codes.
 May import: ``math``, ``common``, ``sensors``, ``geometry``, ``scene_files``, ``trajectories``,
-    ``replay``, ``batch``, ``cross_check``, ``viewing``; numpy, PIL, matplotlib.
+    ``replay``, ``batch``, ``cross_check``, ``viewing``, ``recordings``; numpy, PIL, matplotlib.
 """

@@ -14,6 +14,7 @@ from drake_geom_ros.command_line import (
     query,
     render,
     replay,
+    report,
     suggest_filters,
     view,
 )
@@ -29,8 +30,8 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
     ``prog`` is how it was started, as its help shows it.
 
     0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
-    still broken or the disagreement still there; 2: what was asked cannot be, said in one line
-    on standard error.
+    still broken or the disagreement still there, ``report`` that not all is known; 2: what was
+    asked cannot be, said in one line on standard error.
     """
     parser = argparse.ArgumentParser(
         prog=prog,
@@ -48,6 +49,7 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         render,
         view,
         replay,
+        report,
         compile,
     ):
         module.add_to(commands)

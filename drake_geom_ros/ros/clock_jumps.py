@@ -11,12 +11,10 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.scene.clocks import Clocks
+from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 
-# Simulated time may run fast, and it comes in steps: one of a minute is no simulation's. What it
-# goes back by less is told by nobody's age, for steady time counts too.
 THRESHOLD = JumpThreshold(
-    min_forward=Duration(seconds=60), min_backward=Duration(nanoseconds=-100_000_000)
+    min_forward=Duration(seconds=JUMP_FORWARD), min_backward=Duration(seconds=-JUMP_BACKWARD)
 )
 _CHANGES = {
     ClockChange.ROS_TIME_ACTIVATED: 'is simulated time from now on',

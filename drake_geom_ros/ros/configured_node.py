@@ -129,7 +129,7 @@ class ConfiguredNode:
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values)
         if settings.values.use_tf:
-            self._stream.tf = listen_to_tf(
+            self._stream.inputs.tf = listen_to_tf(
                 surface, self._stream, guard, groups.stream, live.clocks
             )
         self._joints = JointListening(

@@ -37,7 +37,7 @@ class JointListening:
         self._surface, self._stream, self._guard, self._group = surface, stream, guard, group
         by_default = values.use_joint_states
         self._input = JointInput(clocks, values.stale_after, by_default=by_default)
-        stream.joints = self._input
+        stream.inputs.joints = self._input
         self._open: dict[str, Subscription[Any]] = {}
         if by_default:
             self._listen('', DEFAULT_TOPIC)
@@ -52,7 +52,7 @@ class JointListening:
 
     def _listen(self, robots: str, topic: str) -> Subscription[Any]:
         def take(message: Any, info: MessageInfo) -> None:
-            hear = partial(self._stream.take_joint_states, self._input, robots)
+            hear = partial(self._stream.take_joint_states, robots)
             self._guard.take(topic, hear, message, waited(info))
 
         return self._surface.subscription(JointState, topic, take, sensor_data(), self._group)

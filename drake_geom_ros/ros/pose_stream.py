@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from drake_geom_ros.ros.inputs.joint_input import JointInput
+from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.tf_edges import Refusal
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs.cycle import Cycle
@@ -27,9 +27,7 @@ class PoseStream:
         cycle: Cycle,
     ) -> None:
         self.active = False
-        # What may hang on frames that others pose.
-        self.tf: TfInput | None = None
-        self.joints: JointInput | None = None
+        self.inputs = PoseInputs()
         self._live = live
         self._settings = settings
         self._diagnostics = diagnostics
@@ -45,27 +43,23 @@ class PoseStream:
         """Take a FramePoses that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         start = time.perf_counter()
         with self._live.editing() as scene:
-            frames = scene.take_poses(message, waited)
-            self._posed(scene, frames + self.follow(scene), start)
+            self._posed(scene, self.inputs.take_poses(scene, message, waited), start)
         self._diagnostics.take(time.perf_counter() - start)
 
-    def take_joint_states(
-        self, joints: JointInput, topic: str, message: Any, waited: float
-    ) -> None:
+    def take_joint_states(self, topic: str, message: Any, waited: float) -> None:
         """Take a JointState that came ``waited`` [s] ago; raises RuntimeError to refuse it.
 
         ``topic`` is that of the robots that name it, empty for all others.
         """
         start = time.perf_counter()
         with self._live.editing() as scene:
-            if frames := joints.take(scene, message, waited, topic):
-                self._posed(scene, frames + self.follow(scene), start)
+            if frames := self.inputs.take_joint_states(scene, message, waited, topic):
+                self._posed(scene, frames, start)
         self._diagnostics.take(time.perf_counter() - start)
 
     def follow(self, scene: EditableScene) -> int:
         """Pose what hangs on frames that moved, or is new; return how many frames."""
-        frames = 0 if self.tf is None else self.tf.follow(scene)
-        return frames + (0 if self.joints is None else self.joints.follow(scene))
+        return self.inputs.follow(scene)
 
     def take_twists(self, message: Any, waited: float) -> None:
         """Take a FrameTwists that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
@@ -77,22 +71,18 @@ class PoseStream:
         with self._live.editing():
             return tf.hear(message, static=static, waited=waited)
 
-    def pose_by_transforms(self, tf: TfInput, messages: int, passed_over: int) -> None:
+    def pose_by_transforms(self, messages: int, passed_over: int) -> None:
         """Pose by what some messages brought, at once: a cycle for each would fall behind."""
         start = time.perf_counter()
         with self._live.editing() as scene:
-            if frames := tf.pose(scene):
-                frames += 0 if self.joints is None else self.joints.follow(scene)
+            if frames := self.inputs.pose_by_transforms(scene):
                 self._posed(scene, frames, start)
         if frames:
             self._diagnostics.take(time.perf_counter() - start, messages, passed_over)
 
     def troubles(self, scene: HeldScene) -> list[str]:
         """Return what is wrong with transforms and joint values, in words."""
-        told = [] if self.tf is None else self.tf.troubles(scene)
-        if self.joints is not None:
-            told += self.joints.troubles(scene, self._settings.values.stale_after)
-        return told
+        return self.inputs.troubles(scene, self._settings.values.stale_after)
 
     def cycle_is_due(self) -> None:
         """Run a cycle because it is time to."""

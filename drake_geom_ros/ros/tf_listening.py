@@ -35,7 +35,7 @@ def listen_to_tf(
 
         together = Together(
             partial(guard.take, topic, hear),
-            partial(guard.take, topic, stream.pose_by_transforms, tf),
+            partial(guard.take, topic, stream.pose_by_transforms),
             may_pass_over=not static,
         )
         together.subscription = surface.subscription(

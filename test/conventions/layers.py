@@ -166,11 +166,18 @@ LAYERS = {
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
         ('numpy', 'viser', 'imageio', 'websockets'),
     ),
+    'recordings': (
+        (
+            *_HELD,
+            *('ros/inputs', 'batch', 'recordings'),
+        ),
+        ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib'),
+    ),
     'command_line': (
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
-            *('viewing', 'viewing/page'),
+            *('viewing', 'viewing/page', 'recordings'),
         ),
         ('numpy', 'PIL', 'matplotlib'),
     ),

@@ -70,7 +70,7 @@ LIBRARIES = {
 # Used where it is there.
 OPTIONAL = {
     *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'pinocchio', 'mpmath', 'distributed', 'pyarrow'),
-    *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules', 'xacro'),
+    *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules', 'xacro', 'rosbags', 'mcap'),
 }
 
 

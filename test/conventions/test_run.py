@@ -104,6 +104,7 @@ def test_an_unknown_command_is_named():
         ('requirements/cluster.txt', [False, False, False, False]),
         ('requirements/view.txt', [False, False, False, False]),
         ('requirements/vtk.txt', [False, False, False, False]),
+        ('requirements/recordings.txt', [False, False, False, False]),
         ('requirements/kilted/ros.txt', [False, True, True, True]),
         ('requirements/kilted/lock.txt', [False, True, True, True]),
         ('requirements/jazzy/ros.txt', [False, False, False, False]),

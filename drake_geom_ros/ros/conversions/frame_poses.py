@@ -20,6 +20,7 @@ class ReadPoses(NamedTuple):
 
     poses: FramePoseVector
     frames: frozenset[int]  # by the values of their ids; the same object for the same list
+    rows: NDArray[np.float64]  # (n, 7) what the poses were read from
 
 
 class _Listed(NamedTuple):
@@ -48,7 +49,8 @@ class FramePosesReader:
                 f'poses holds {poses.size} numbers for {counted(len(frames), "frame")}; it must '
                 f'hold {_POSE_WIDTH} for each frame: x y z qx qy qz qw'
             )
-        return ReadPoses(FramePoseVector.FromArrays(ids, poses.reshape(-1, _POSE_WIDTH)), frames)
+        rows = poses.reshape(-1, _POSE_WIDTH)
+        return ReadPoses(FramePoseVector.FromArrays(ids, rows), frames, rows)
 
     def read_twists(self, message: Any) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the ids (n,) of frames and V_WF (n, 6) of a FrameTwists; raises RuntimeError."""

@@ -211,7 +211,7 @@ class JointInput:
     def _pose(self, scene: EditableScene, move: _Move, stamp: Any) -> int:
         """Pose links; return how many."""
         move.robot.base = move.base
-        scene.pose(move.poses, move.posed, stamp, JOINTS)
+        scene.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows)
         if scene.watches_motion and stamp_of(stamp):
             _tell_twists(scene, move, stamp_of(stamp))
         return len(move.poses)

@@ -192,7 +192,7 @@ class TfInput:
             for frame in to_pose:
                 since.setdefault(found[frame].since, []).append(frame.get_value())
             posed = {frozenset(frames): moment for moment, frames in since.items()}
-            scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp, TF)
+            scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp, TF, rows)
         return len(to_pose)
 
     def _ends(self, scene: HeldScene) -> dict[str, _Placed]:

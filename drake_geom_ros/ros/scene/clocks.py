@@ -22,6 +22,9 @@ _MOST_BEHIND = 60.0
 _MOST_AHEAD = 2.0
 # [s] a step of the time of day that no correction of its rate can be, between two looks.
 _LEAST_STEP = 0.5
+# [s] Simulated time may run fast, and it comes in steps: one of a minute is no simulation's. What
+# it goes back by less than the other is told by nobody's age, for steady time counts too.
+JUMP_FORWARD, JUMP_BACKWARD = 60.0, 0.1
 _LONGEST_LOOK = 0.05  # [s] if reading both clocks takes longer, their difference says nothing
 
 

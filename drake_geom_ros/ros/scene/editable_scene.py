@@ -180,14 +180,26 @@ class EditableScene(ChangingScene):
 
     def take_poses(self, message: Any, waited: float = 0.0) -> int:
         """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
-        poses, frames = self.read_poses(message)
+        poses, frames, rows = self.read_poses(message)
         since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
         posed = self._ages.posed_by(frames, since, message.header.stamp)
-        self.pose(poses, posed, message.header.stamp, MESSAGES)
+        self.pose(poses, posed, message.header.stamp, MESSAGES, rows)
         return len(poses)
 
-    def pose(self, poses: FramePoseVector, posed: PosedFrames, stamp: Any, feeder: str) -> None:
-        """Pose frames; ``posed`` says since when these hold."""
+    def pose(
+        self,
+        poses: FramePoseVector,
+        posed: PosedFrames,
+        stamp: Any,
+        feeder: str,
+        rows: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Pose frames; ``posed`` says since when these hold.
+
+        ``rows`` (n, 7) are what the poses were read from, for who keeps them.
+        """
+        if self.keep_rows is not None and rows is not None:
+            self.keep_rows(poses.id_values(), rows)
         manager = self._scene_graph.collision_filter_manager()
         welded = manager.welded_frames()
         if self.attached:

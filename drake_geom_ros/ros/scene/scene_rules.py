@@ -115,9 +115,9 @@ class SceneRules:
         self._changed()
         ids, reported = inspector.candidate_matrix()
         geometries = [GeometryId(value) for value in ids.tolist()]
-        names = [_names(inspector, geometry) for geometry in geometries]
+        names = [geometry_names(inspector, geometry) for geometry in geometries]
         self._happened += self._monitor.bind(ScenePairs(ids, names, reported))
-        self._hanging = _hanging(inspector, geometries)
+        self._hanging = hanging(inspector, geometries)
         self._frames = [inspector.GetFrameId(geometry) for geometry in geometries]
         self._extents = _extents(inspector, geometries)
 
@@ -264,7 +264,8 @@ def _measured(
     )
 
 
-def _names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
+def geometry_names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
+    """Return what a geometry is called."""
     frame = inspector.GetFrameId(geometry)
     return GeometryNames(
         inspector.GetOwningSourceName(geometry),
@@ -274,7 +275,7 @@ def _names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryName
     )
 
 
-def _hanging(
+def hanging(
     inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
 ) -> dict[int, list[int]]:
     """Return by frame the rows of the geometries on it, and on what hangs on it."""

@@ -1,0 +1,28 @@
+"""What ROS recorded, judged without ROS: how near things came, when, and what is not known.
+
+``clearance`` is all that most callers need::
+
+    found = clearance('run.mcap', 'cell.yaml', between=['left:right'])
+    assert found.least().distance > 0.05
+
+In: recordings (MCAP, sqlite3), and a scene file or the robot's description in them.
+Out: least distances over time, what was left out, stale or damaged; tables, plots, a report.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
+    ``ros``, of which only rooms without ROS, ``batch``; numpy, yaml, rosbags, mcap, matplotlib.
+"""
+
+from drake_geom_ros.recordings.clearance import clearance
+from drake_geom_ros.recordings.errors import IncompleteRecordingError, RecordingError
+from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance, Span
+from drake_geom_ros.recordings.topics import Topics
+
+__all__ = [
+    'clearance',
+    'Clearances',
+    'IncompleteRecordingError',
+    'Moment',
+    'RecordingError',
+    'SetClearance',
+    'Span',
+    'Topics',
+]

@@ -1,0 +1,270 @@
+"""``clearance``: a recording, one call."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.batch import LeastDistances, evaluate
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.pair_sets import AskedPairs, Between, PairSet, pair_sets
+from drake_geom_ros.recordings.playback import Playback
+from drake_geom_ros.recordings.recording import Recording
+from drake_geom_ros.recordings.results import NANOSECONDS, Clearances, SetClearance, Span
+from drake_geom_ros.recordings.states import Block, StateBlocks
+from drake_geom_ros.recordings.topics import Topics, roles_of, told_nothing
+from drake_geom_ros.scene_files import SceneDescription, read_scene
+
+STALE_AFTER = 1.0  # [s] the node's default
+_ROBOT = 'robot_description'
+
+
+def clearance(
+    path: str | Path | Sequence[str | Path],
+    scene: str | Path | SceneDescription | None = None,
+    *,
+    between: Sequence[Between] = (),
+    max_distance: float = math.inf,
+    rate: float = 0.0,
+    topics: Topics | None = None,
+    stale_after: float = STALE_AFTER,
+    accuracy: str = 'exact',
+    world_frame: str = 'world',
+    package_roots: Sequence[str | Path] = (),
+    threads: int = 0,
+) -> Clearances:
+    """Return the least distances over the time of a recording.
+
+    ``path`` is a file (MCAP or sqlite3), a folder that rosbag2 wrote, or several of these;
+    ``scene`` a scene file, or None for the robot whose description was recorded. ``between`` are
+    sets of pairs such as ``'left:right'``, by names or patterns of sources, frames or geometries;
+    without any, all pairs are the set ``'all'``. A state is taken with each message that poses
+    something, or ``rate`` times a second [Hz]. ``topics`` says what was recorded where.
+    ``stale_after`` [s], ``accuracy``, ``world_frame`` and ``package_roots`` are what a node has as
+    parameters, ``threads`` and ``max_distance`` [m] what ``batch.evaluate`` has.
+
+    Poses come to be as in a node that took the same messages at the times of recording. Poses do
+    not stay in memory; an answer takes 110 bytes a state and set.
+
+    Raises RecordingError for what cannot be read or used, SceneFileError for a scene file,
+    ArgumentError for other arguments.
+
+        found = clearance('run.mcap', 'cell.yaml', between=['left:right'])
+        assert found.least().distance > 0.05
+    """
+    if not (math.isfinite(rate) and rate >= 0.0):
+        raise ArgumentError(f'rate={rate} must be finite and >= 0 [Hz]; 0: with each message')
+    if not stale_after > 0.0 or math.isnan(max_distance):
+        raise ArgumentError(
+            f'stale_after={stale_after} must be > 0 [s], max_distance={max_distance} no nan [m]'
+        )
+    run = _Run(Recording(path), scene, topics or Topics(), pair_sets(between), stale_after)
+    run.open(world_frame, package_roots, accuracy)
+    answers = [_Answers(pairs) for pairs in run.pairs]
+    start, computing = time.perf_counter(), 0.0
+    for block in run.blocks(rate):
+        began = time.perf_counter()
+        for k, each in enumerate(answers):
+            each.add(block, k, _least(block, block.asked[k], max_distance, accuracy, threads))
+        computing += time.perf_counter() - began
+    reading = time.perf_counter() - start - computing
+    return run.result(answers, max_distance, (reading, computing))
+
+
+def _least(
+    block: Block, pairs: AskedPairs, max_distance: float, accuracy: str, threads: int
+) -> LeastDistances | None:
+    """Return the least distances of a block; None where no pair is known."""
+    if not pairs.considered.any():
+        return None
+    found = evaluate(
+        *(block.narrowed(pairs), block.frames, block.poses),
+        max_distance=max_distance,
+        accuracy=accuracy,
+        threads=threads,
+    )
+    assert isinstance(found, LeastDistances)
+    return found
+
+
+class _Run:
+    """One pass through a recording."""
+
+    def __init__(
+        self,
+        recording: Recording,
+        scene: str | Path | SceneDescription | None,
+        topics: Topics,
+        pairs: tuple[PairSet, ...],
+        stale_after: float,
+    ) -> None:
+        self.recording, self.pairs, self.stale_after = recording, pairs, stale_after
+        self._topics = topics
+        self._scene = scene
+        self._begin = self._end = 0
+
+    def open(self, world_frame: str, package_roots: Sequence[str | Path], accuracy: str) -> None:
+        """Make the scene ready, with the robot whose description was recorded if need be."""
+        scene, recorded = self._scene, self.recording.topics
+        if isinstance(scene, (str, Path)):
+            scene = read_scene(str(scene), package_roots=[str(root) for root in package_roots])
+        alone = scene is None
+        roles = roles_of(recorded, self._topics, with_robots=alone)
+        self.playback = Playback(
+            *(scene, self.stale_after),
+            simulated='clock' in roles.values(),
+            world_frame=world_frame,
+            package_roots=package_roots,
+            accuracy=accuracy,
+        )
+        robots = [topic for topic, role in roles.items() if role.startswith(_ROBOT)]
+        if alone and _ROBOT not in roles.values():
+            raise RecordingError(
+                'no scene was given, and no robot_description was recorded: give a scene file, or '
+                f'say which topic it is by {_ROBOT}=TOPIC'
+            )
+        self._take_robots(robots, roles)
+        self.roles = roles_of(
+            recorded, self._topics, self.playback.robots_topics(), with_robots=alone
+        )
+
+    def _take_robots(self, topics: Sequence[str], roles: dict[str, str]) -> None:
+        """Take the first descriptions at once: they are latched, so a node has them at first."""
+        missing = set(topics)
+        if not missing:
+            return
+        for recorded in self.recording.messages(topics):
+            if recorded.topic.name in missing and recorded.message is not None:
+                missing.discard(recorded.topic.name)
+                is_semantic = roles[recorded.topic.name] != _ROBOT
+                self.playback.take_robot(recorded.message.data, is_semantic=is_semantic)
+            if not missing:
+                return
+
+    def blocks(self, rate: float) -> Iterator[Block]:
+        """Yield the states in blocks; raises RecordingError where there are none."""
+        states, count = StateBlocks(self.playback, self.pairs), 0
+        for moment in self._moments(rate):
+            count += 1
+            yield from states.take(moment)
+        yield from states.rest()
+        self.playback.look(self._end)
+        if not count:
+            troubles = [trouble.words for trouble in self.playback.troubles][:5]
+            raise RecordingError(
+                'nothing that was recorded poses anything of the scene; '
+                + '; '.join([told_nothing(self.recording.topics, self.roles), *troubles])
+            )
+
+    def _moments(self, rate: float) -> Iterator[int]:
+        """Play the recording, and yield the times [ns] at which a state is to be taken."""
+        first, taken = -1, 0  # the time of the first pose, and how many states were taken since
+
+        def due() -> int:
+            return first + round(taken * NANOSECONDS / rate)
+
+        for recorded in self.recording.messages(list(self.roles)):
+            self._begin = self._begin or recorded.time
+            self._end = max(self._end, recorded.time)
+            while rate and first >= 0 and due() < recorded.time:
+                self.playback.wait_until(due())
+                yield due()
+                taken += 1
+            if not self.playback.take(recorded, self.roles[recorded.topic.name]):
+                continue
+            if not rate:
+                yield recorded.time
+            elif first < 0:
+                first = recorded.time
+        if rate and first >= 0 and due() <= self._end:
+            yield due()
+
+    def result(
+        self, answers: Sequence[_Answers], max_distance: float, seconds: tuple[float, float]
+    ) -> Clearances:
+        """Return what was found."""
+        stamps = answers[0].joined('stamps')
+        times = (stamps - self._begin) / NANOSECONDS
+        return Clearances(
+            times=times,
+            stamps=stamps,
+            sets={each.pairs.name: each.result(times, self.stale_after) for each in answers},
+            begin=self._begin,
+            end=self._end,
+            gaps=_gaps(times, (self._end - self._begin) / NANOSECONDS, self.stale_after),
+            damage=tuple(self.recording.damage),
+            troubles=tuple(self.playback.troubles),
+            stale_after=self.stale_after,
+            max_distance=max_distance,
+            seconds_reading=seconds[0],
+            seconds_computing=seconds[1],
+        )
+
+
+def _gaps(times: NDArray[np.float64], duration: float, longest: float) -> tuple[Span, ...]:
+    """Return where no state is for longer than that, from the beginning to the end."""
+    ends = np.concatenate(([0.0], times, [duration]))
+    places = np.flatnonzero(np.diff(ends) > longest)
+    return tuple(Span(float(ends[k]), float(ends[k + 1])) for k in places)
+
+
+class _Answers:
+    """What was found about a set of pairs, block by block."""
+
+    def __init__(self, pairs: PairSet) -> None:
+        self.pairs = pairs
+        self._columns: dict[str, list[NDArray[Any]]] = {}
+        self._names: dict[str, int] = {}
+        self._waiting: dict[str, None] = {}
+
+    def add(self, block: Block, number: int, found: LeastDistances | None) -> None:
+        """Take the answers about a block, None where no pair is known."""
+        count, asked = len(block.times), block.asked[number]
+        nothing, nowhere = np.full(count, np.nan), np.full((count, 3), np.nan)
+        columns: dict[str, NDArray[Any]] = {
+            'stamps': block.times,
+            'known_distance': nothing if found is None else found.distance,
+            'known_error_bound': nothing if found is None else found.error_bound,
+            'p_WCa': nowhere if found is None else found.p_WCa,
+            'p_WCb': nowhere if found is None else found.p_WCb,
+            'age': block.ages[:, number],
+            'left_out': np.full(count, asked.left_out, dtype=np.int64),
+        }
+        for side in ('A', 'B'):
+            columns[f'geometry_{side}'] = self._places(found, side, count)
+        for name, values in columns.items():
+            self._columns.setdefault(name, []).append(values)
+        inspector = block.context_query().inspector()
+        self._waiting.update((inspector.full_name(frame), None) for frame in asked.waiting)
+
+    def _places(self, found: LeastDistances | None, side: str, count: int) -> NDArray[np.int32]:
+        """Return the places of geometries among the names, -1 for none."""
+        if found is None:
+            return np.full(count, -1, dtype=np.int32)
+        values, each = np.unique(getattr(found, f'id_{side}'), return_inverse=True)
+        names = found.names_of(values).tolist()
+        places = [self._names.setdefault(n, len(self._names)) if n else -1 for n in names]
+        return np.array(places, dtype=np.int32)[each]
+
+    def joined(self, name: str) -> NDArray[Any]:
+        """Return a column of all blocks."""
+        return np.concatenate(self._columns[name])
+
+    def result(self, times: NDArray[np.float64], stale_after: float) -> SetClearance:
+        """Return all of it."""
+        columns = {name: self.joined(name) for name in self._columns if name != 'stamps'}
+        return SetClearance(
+            name=self.pairs.name,
+            times=times,
+            names=tuple(self._names),
+            waiting_frames=tuple(self._waiting),
+            is_stale=columns['age'] > stale_after,
+            **columns,
+        )

@@ -1,0 +1,80 @@
+"""Which files and folders a recording consists of."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import yaml
+
+from drake_geom_ros.recordings.errors import RecordingError
+
+SUFFIXES = ('.mcap', '.db3')
+METADATA = 'metadata.yaml'
+_COMPRESSED = '.zstd'  # a whole file that rosbag2 compressed
+
+
+def places_of(paths: str | Path | Sequence[str | Path]) -> list[Path]:
+    """Return the storage files of a recording in the order of their names.
+
+    ``paths`` is a file, a folder that rosbag2 wrote, whose metadata may be lost, or several of
+    these. A folder stands for itself where rosbag2 compressed whole files or each message. Raises
+    RecordingError for one that holds no recording, or several runs.
+    """
+    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    places = [place for path in given for place in _places(Path(path))]
+    if not places:
+        raise RecordingError('no recording was given')
+    return list(dict.fromkeys(places))
+
+
+def _places(path: Path) -> list[Path]:
+    if not path.exists():
+        raise RecordingError(f'{path}: there is no such file or folder')
+    if path.is_dir():
+        return _of_folder(path)
+    if path.name == METADATA:
+        return _of_folder(path.parent)
+    if path.suffix == _COMPRESSED:
+        raise RecordingError(f'{path} is compressed as a whole: give the folder that it is in')
+    if path.suffix not in SUFFIXES:
+        raise RecordingError(f'{path}: a recording is one of {", ".join(SUFFIXES)}, or a folder')
+    return [path]
+
+
+def _of_folder(folder: Path) -> list[Path]:
+    inside = sorted(folder.iterdir(), key=_by_numbers)
+    if any(each.suffix == _COMPRESSED for each in inside) or _compresses_messages(folder):
+        return [folder]
+    if files := [each for each in inside if each.suffix in SUFFIXES and each.is_file()]:
+        return files
+    runs = [each.name for each in inside if each.is_dir() and _holds(each.iterdir())]
+    if runs:
+        raise RecordingError(
+            f'{folder} holds {len(runs)} runs, and one is asked for: {", ".join(runs[:10])}'
+        )
+    raise RecordingError(f'{folder} holds no recording: no file {" or ".join(SUFFIXES)}')
+
+
+def _compresses_messages(folder: Path) -> bool:
+    """Return whether the metadata say so, without which such messages cannot be read."""
+    try:
+        text = (folder / METADATA).read_text(encoding='utf-8')
+        told = yaml.safe_load(text)['rosbag2_bagfile_information']['compression_mode']
+        return str(told).lower() == 'message'
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
+        return False  # they may be lost, or be those of ROS 2 Dashing
+
+
+def _holds(paths: Iterable[Path]) -> bool:
+    return any(path.suffix in (*SUFFIXES, _COMPRESSED) for path in paths)
+
+
+def _by_numbers(path: Path) -> list[tuple[int, str]]:
+    """Return what sorts run_10 behind run_9."""
+    return [(int(part), '') if part.isdigit() else (-1, part) for part in _parts(path.name)]
+
+
+def _parts(name: str) -> list[str]:
+    return [part for part in re.split(r'(\d+)', name) if part]

@@ -1,0 +1,51 @@
+"""Messages from their bytes: by the definitions that a recording bears, or by those of ROS."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from drake_geom_ros.recordings.storages import Topic
+
+TF = 'tf2_msgs/msg/TFMessage'
+JOINTS = 'sensor_msgs/msg/JointState'
+POSES = 'drake_geom_msgs/msg/FramePoses'
+TEXT = 'std_msgs/msg/String'
+CLOCK = 'rosgraph_msgs/msg/Clock'
+
+_BETWEEN = f'{"=" * 80}\n'  # definitions in the text of one
+
+# As msg_defs has it, which no wheel holds: recordings before ROS 2 Iron bear no definitions.
+FRAME_POSES = """
+std_msgs/Header header
+string source
+string[] frame_names
+uint64[] frame_ids
+float64[] poses
+"""
+
+
+@lru_cache(maxsize=64)
+def store_of(topic: Topic) -> Any:
+    """Return the rosbags store of types that knows the type of a topic."""
+    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+
+    if topic.encoding == 'ros2msg':
+        store = get_typestore(Stores.EMPTY)
+        store.register(get_types_from_msg(topic.definition, topic.type))
+        return store
+    if topic.encoding == 'ros2idl':
+        store = get_typestore(Stores.EMPTY)
+        for text in topic.definition.split(_BETWEEN):
+            # Of several each stands below a line with its name.
+            named = text.startswith('IDL: ')
+            store.register(get_types_from_idl(text.partition('\n')[2] if named else text))
+        return store
+    store = get_typestore(Stores.LATEST)
+    store.register(get_types_from_msg(FRAME_POSES, POSES))
+    return store
+
+
+def message_of(topic: Topic, data: bytes) -> Any:
+    """Return the message of some bytes; what is none raises an exception of any kind."""
+    return store_of(topic).deserialize_cdr(data, topic.type)

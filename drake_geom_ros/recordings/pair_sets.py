@@ -1,0 +1,104 @@
+"""Which pairs are asked about: those of two sets of names, or all of the scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.common.geometry_names import GeometryNames, matches
+from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
+from drake_geom_ros.ros.scene.scene_rules import geometry_names, hanging
+
+Flags = NDArray[np.bool_]
+ALL = 'all'
+_BETWEEN = re.compile('(?<!:):(?!:)')  # a colon that is not one of `source::frame`
+
+Between = str | tuple[str, str]
+
+
+class PairSet(NamedTuple):
+    """The name of a set of pairs, and the patterns of its two sides; empty: all pairs."""
+
+    name: str
+    side_a: str = ''
+    side_b: str = ''
+
+
+def pair_sets(between: Sequence[Between]) -> tuple[PairSet, ...]:
+    """Return the sets that ``'left:right'`` or ``('left', 'right')`` say; without any, all pairs.
+
+    Raises ArgumentError for other texts, and for one that is there twice.
+    """
+    found = []
+    for text in between:
+        sides = _BETWEEN.split(text) if isinstance(text, str) else list(text)
+        if len(sides) != 2 or not all(sides):
+            raise ArgumentError(
+                f'between={text!r} must be two names or patterns, as left:right; names of '
+                'sources, frames (source::frame) or geometries'
+            )
+        found.append(PairSet(':'.join(sides), *sides))
+    if len(set(found)) < len(found):
+        raise ArgumentError(f'between={list(between)} names a set of pairs twice')
+    return tuple(found) or (PairSet(ALL),)
+
+
+class AskedPairs(NamedTuple):
+    """The pairs of a set in one version of a scene."""
+
+    considered: Flags  # (n, n) symmetric: pairs that are placed, no filter leaving them out
+    left_out: int  # pairs that would be considered, and wait for a pose
+    needed: tuple[FrameId, ...]  # frames whose poses matter to pairs that are considered
+    waiting: tuple[FrameId, ...]  # frames for whose poses pairs wait
+
+
+def asked_pairs(query: QueryObject, pairs: PairSet) -> AskedPairs:
+    """Return which pairs of a scene are meant; raises ArgumentError where there are none."""
+    inspector = query.inspector()
+    ids, reported = inspector.candidate_matrix()
+    geometries = [GeometryId(value) for value in ids.tolist()]
+    asked = reported & _between(pairs, [geometry_names(inspector, g) for g in geometries])
+    if not asked.any():
+        raise ArgumentError(
+            f'between {pairs.name}: the scene has no pair that queries report: all are filtered, '
+            'of one frame, or of two anchored geometries'
+        )
+    placed = np.array([query.is_placed(geometry) for geometry in geometries], dtype=np.bool_)
+    both = placed[:, None] & placed[None, :]
+    considered, waiting = asked & both, np.asarray((asked & ~both).any(axis=1))
+    on = hanging(inspector, geometries)
+    rows = np.asarray(considered.any(axis=1))
+    return AskedPairs(
+        considered=considered,
+        left_out=int(np.count_nonzero(asked & ~both)) // 2,
+        needed=tuple(FrameId(frame) for frame, some in on.items() if rows[some].any()),
+        waiting=tuple(
+            f for f in query.waiting_frames() if waiting[on.get(f.get_value(), [])].any()
+        ),
+    )
+
+
+def _between(pairs: PairSet, names: Sequence[GeometryNames]) -> Flags:
+    """Return which pairs (n, n) have a geometry of each side."""
+    if not pairs.side_a:
+        return np.ones((len(names), len(names)), dtype=np.bool_)
+    in_a, in_b = (_members(pattern, names, pairs.name) for pattern in pairs[1:])
+    one_way = in_a[:, None] & in_b[None, :]
+    return np.asarray(one_way | one_way.T)
+
+
+def _members(pattern: str, names: Sequence[GeometryNames], of: str) -> Flags:
+    """Return which geometries a pattern stands for; raises ArgumentError for none."""
+    members = np.array([matches(each.found_by, pattern) for each in names], dtype=np.bool_)
+    if not members.any():
+        known = dict.fromkeys(name for each in names for name in each.found_by)
+        raise ArgumentError(
+            f'between {of}: {pattern!r} stands for no geometry with the proximity role'
+            f'{nearest(pattern, known)}; there are {", ".join(list(known)[:10]) or "none"}'
+        )
+    return members

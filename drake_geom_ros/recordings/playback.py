@@ -1,0 +1,173 @@
+"""A live scene that takes the messages of a recording as a node would have taken them.
+
+The same classes take them; in the place of steady time stands the time of recording, and in that
+of the node's time the recorded ``/clock``, where there is one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from drake_geom_ros.recordings.recording import Recorded
+from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.ros.inputs.joint_input import JointInput
+from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
+from drake_geom_ros.ros.inputs.robot_description import RobotInput
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files import SceneDescription
+
+_SECOND = 10**9  # [ns]
+_LOOKS = 4 * _SECOND  # [ns] between two looks at what is wrong, which is told for 5 s
+_MOST_TOLD = 200
+_BY_IDS = (
+    'frame_ids are numbers of the node that ran, which a recording does not explain: have the '
+    'sender give frame_names'
+)
+
+
+class Trouble(NamedTuple):
+    """What was wrong, from when to when [ns], and how often it was seen or refused."""
+
+    words: str
+    first: int
+    last: int
+    seen: int
+
+
+class _Times:
+    """The times [s] that stand for those of a node."""
+
+    def __init__(self, *, simulated: bool) -> None:
+        self.recorded = 0.0
+        self.simulated = 0.0 if simulated else None
+
+    def steady(self) -> float:
+        return self.recorded
+
+    def node(self) -> float:
+        return self.recorded if self.simulated is None else self.simulated
+
+
+class Playback:
+    """The scene of a recording at the time up to which it was played."""
+
+    def __init__(
+        self,
+        description: SceneDescription | None,
+        stale_after: float,
+        *,
+        simulated: bool,
+        world_frame: str = 'world',
+        package_roots: Sequence[str | Path] = (),
+        accuracy: str = 'exact',
+    ) -> None:
+        """``stale_after`` [s] as the node's; ``simulated``: its time is that of ``/clock``."""
+        self._times = _Times(simulated=simulated)
+        self.clocks = Clocks(self._times.node, self._times.steady)
+        self.live = LiveScene(accuracy, self.clocks, world_frame)
+        self.live.files = FileAccess([ALL_PACKAGES], package_roots=[str(p) for p in package_roots])
+        self.stale_after = stale_after
+        self.inputs = PoseInputs(
+            TfInput(self.clocks), JointInput(self.clocks, stale_after, by_default=True)
+        )
+        self._robot = RobotInput(self.live)
+        self._told: dict[str, Trouble] = {}
+        self._looked = -math.inf
+        if description is not None:
+            with self.live.editing() as scene:
+                scene.add(description)
+
+    def robots_topics(self) -> set[str]:
+        """Return the topics of joint values that robots of the scene name."""
+        assert self.inputs.joints is not None
+        with self.live.reading() as scene:
+            return self.inputs.joints.topics(scene)
+
+    def take_robot(self, text: str, *, is_semantic: bool = False) -> None:
+        """Take a robot's description; raises RuntimeError for none."""
+        (self._robot.take_semantics if is_semantic else self._robot.take)(text)
+
+    def take(self, recorded: Recorded, role: str) -> bool:
+        """Take a message; return whether it posed anything."""
+        self._times.recorded = max(self._times.recorded, recorded.time / _SECOND)
+        if recorded.time - self._looked >= _LOOKS:
+            if self._looked > 0:
+                self.look(recorded.time)
+            self._looked = recorded.time
+        if recorded.message is None:
+            self._refuse(recorded, recorded.reason)
+            return False
+        try:
+            return self._take(recorded, role)
+        except RuntimeError as error:
+            self._refuse(recorded, str(error))
+            return False
+
+    def wait_until(self, time: int) -> None:
+        """Let time go on to a moment [ns] before the next message."""
+        self._times.recorded = max(self._times.recorded, time / _SECOND)
+
+    def look(self, time: int) -> None:
+        """Note what is wrong now [ns]."""
+        with self.live.editing() as scene:
+            troubles = [*scene.troubles(), *self.inputs.troubles(scene, self.stale_after)]
+            troubles += filter(None, [scene.waiting().in_words(), *scene.warned])
+            scene.warned = []
+        for words in troubles:
+            self._note(words, time)
+
+    @property
+    def troubles(self) -> list[Trouble]:
+        """What was wrong, in the order in which it was seen first."""
+        return sorted(self._told.values(), key=lambda trouble: trouble.first)
+
+    def _take(self, recorded: Recorded, role: str) -> bool:
+        message = recorded.message
+        role, _, topic = role.partition(':')
+        if role == 'clock':
+            self._tick(message.clock.sec + message.clock.nanosec / _SECOND, recorded.time)
+            return False
+        if role.startswith('robot'):
+            self.take_robot(message.data, is_semantic=role.endswith('semantic'))
+            role = ''
+        with self.live.editing() as scene:
+            if role == 'frame_poses':
+                if len(message.frame_ids):
+                    raise RuntimeError(_BY_IDS)
+                return self.inputs.take_poses(scene, message) > 0
+            if role == 'joint_states':
+                return self.inputs.take_joint_states(scene, message, topic=topic) > 0
+            if role in ('tf', 'tf_static'):
+                assert self.inputs.tf is not None
+                refusal = self.inputs.tf.hear(message, static=role == 'tf_static')
+                if refusal.transforms:
+                    self._refuse(recorded, refusal.reason)
+                return self.inputs.pose_by_transforms(scene) > 0
+            self.inputs.follow(scene)
+            return False  # a node has no cycle for it, either
+
+    def _tick(self, now: float, time: int) -> None:
+        """Let simulated time be ``now`` [s]; ages begin anew where it jumps, as a node's do."""
+        before, self._times.simulated = self._times.simulated, now
+        step = now - (before or 0.0)
+        if before == 0.0:
+            self.clocks.begin_anew()
+        elif before is not None and not -JUMP_BACKWARD < step < JUMP_FORWARD:
+            self.clocks.begin_anew()
+            self._note('the recorded clock jumped: ages were unknown until new poses came', time)
+
+    def _refuse(self, recorded: Recorded, reason: str) -> None:
+        self._note(f'a message of {recorded.topic.name} was refused: {reason}', recorded.time)
+
+    def _note(self, words: str, time: int) -> None:
+        known = self._told.get(words)
+        if known is None and len(self._told) >= _MOST_TOLD:
+            words = 'more was wrong than is told here'
+            known = self._told.get(words)
+        first, seen = (time, 0) if known is None else (known.first, known.seen)
+        self._told[words] = Trouble(words, first, time, seen + 1)

@@ -1,0 +1,175 @@
+"""The time line of a report as a picture: what is not known is grey, and never a line."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.highlights import closest
+from drake_geom_ros.recordings.results import Clearances, SetClearance
+
+MOMENTS = 5  # that are marked in each set of pairs
+_BINS = 3000  # of time: of those with several states the nearest one is drawn
+_COLOURED = 8  # pairs with a colour of their own
+_DOTS = 110  # an inch
+_GREY, _OTHERS, _KNOWN = '0.85', '0.35', '0.55'
+_LABEL = 40  # points from the label of one threshold to that of the next
+_ROOM = 0.05  # above and below what is drawn, of its height
+
+
+def draw(found: Clearances, thresholds: Sequence[float], title: str) -> bytes:
+    """Return a PNG with an axis for each set of pairs; raises RecordingError: no matplotlib."""
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise RecordingError(
+            f"the plot takes matplotlib: pip install matplotlib, or the extra 'pictures' ({error})"
+        ) from None
+    rows = len(found.sets)
+    figure = Figure(figsize=(12.0, 1.0 + 3.4 * rows), dpi=_DOTS, layout='constrained')
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
+    for place, pairs in zip(axes, found.sets.values(), strict=True):
+        _draw_set(place, found, pairs, thresholds)
+    axes[-1].set_xlabel('time since the recording began [s]')
+    axes[-1].set_xlim(0.0, max(found.duration, found.stale_after / 2))
+    figure.suptitle(title)
+    picture = BytesIO()
+    figure.savefig(picture, format='png')
+    return picture.getvalue()
+
+
+def _draw_set(
+    axes: Any, found: Clearances, pairs: SetClearance, thresholds: Sequence[float]
+) -> None:
+    shown = _shown(pairs, found.duration)
+    _shade_thresholds(axes, thresholds)
+    _shade_what_is_not_known(axes, found, pairs)
+    whole = pairs.is_whole[shown]
+    times, distances = pairs.times[shown], pairs.known_distance[shown]
+    far = np.isinf(distances)
+    top = _limits(axes, distances, thresholds, found.max_distance)
+    line = np.where(whole & ~far, distances, np.nan)
+    # No line leads over a gap.
+    breaks = np.flatnonzero(np.diff(times) > found.stale_after) + 1
+    axes.plot(
+        np.insert(times, breaks, np.nan), np.insert(line, breaks, np.nan), color='0.6', lw=0.8
+    )
+    if far.any():
+        label = f'all farther than {found.max_distance:g} m'
+        axes.plot(
+            times[far & whole],
+            np.full((far & whole).sum(), top),
+            '|',
+            color='tab:green',
+            label=label,
+            ms=5,
+        )
+    some = ~whole & np.isfinite(distances)
+    axes.plot(
+        times[some],
+        distances[some],
+        '.',
+        color=_KNOWN,
+        ms=3,
+        alpha=0.7,
+        label='what is known, where not all is' if some.any() else None,
+    )
+    _colour_pairs(axes, pairs, shown[whole & ~far])
+    for number, state in enumerate(closest(found, pairs, MOMENTS)):
+        at = float(pairs.times[state]), float(pairs.known_distance[state])
+        axes.plot(*at, 'v', color='black', ms=7, zorder=5)
+        axes.annotate(f'{number + 1}', at, (0, 9), textcoords='offset points', ha='center')
+    axes.set_ylabel('least distance [m]')
+    axes.set_title(pairs.name, loc='left', fontsize='medium')
+    axes.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0), frameon=False)
+
+
+def _shown(pairs: SetClearance, duration: float) -> NDArray[np.int64]:
+    """Return the states that are drawn, in their order: of each bin the nearest one."""
+    count = len(pairs.times)
+    if count <= _BINS:
+        return np.arange(count)
+    bins = np.minimum((pairs.times / duration * _BINS).astype(np.int64), _BINS - 1)
+    lower = pairs.known_distance - pairs.known_error_bound
+    order = np.lexsort((np.where(np.isnan(lower), np.inf, lower), bins))
+    firsts = np.flatnonzero(np.diff(bins[order], prepend=-1))
+    return np.sort(order[firsts])
+
+
+def _limits(
+    axes: Any, distances: NDArray[np.float64], thresholds: Sequence[float], farthest: float
+) -> float:
+    """Set the limits of the distances; return where what is farther than asked is drawn."""
+    there = distances[np.isfinite(distances)]
+    top = farthest if np.isfinite(farthest) else float(there.max(initial=0.0))
+    ends = [*there.tolist(), *thresholds, top]
+    low, high = min(ends), max(ends)
+    room = _ROOM * (high - low) or _ROOM
+    axes.set_ylim(low - room, high + 2 * room)
+    return top
+
+
+def _shade_thresholds(axes: Any, thresholds: Sequence[float]) -> None:
+    for k, threshold in enumerate(sorted(thresholds, reverse=True)):
+        colour = ('tab:orange', 'tab:red')[min(k, 1)] if threshold > 0.0 else 'darkred'
+        axes.axhspan(-1e9, threshold, color=colour, alpha=0.12, lw=0)
+        axes.axhline(threshold, color=colour, lw=0.8, ls='--')
+        axes.annotate(
+            f'{threshold:g} m',
+            (1.0, threshold),
+            (-3 - _LABEL * k, 2),
+            ha='right',
+            va='bottom',
+            xycoords=('axes fraction', 'data'),
+            textcoords='offset points',
+            fontsize='x-small',
+            color=colour,
+        )
+
+
+def _shade_what_is_not_known(axes: Any, found: Clearances, pairs: SetClearance) -> None:
+    """Grey the gaps, and the times whose states do not tell of all pairs."""
+    spans = [(gap.begin, gap.end) for gap in found.gaps]
+    lost = np.concatenate(([False], ~pairs.is_whole, [False]))
+    begins, ends = (np.flatnonzero(np.diff(lost.astype(np.int8)) == sign) for sign in (1, -1))
+    until = np.append(pairs.times[1:], found.duration)
+    spans += [
+        (float(pairs.times[begin]), float(until[end - 1]))
+        for begin, end in zip(begins, ends, strict=True)
+    ]
+    for k, (begin, end) in enumerate(spans):
+        label = None if k else 'not, or not all, known'
+        axes.axvspan(begin, max(end, begin), color=_GREY, lw=0.5, zorder=0.5, label=label)
+
+
+def _colour_pairs(axes: Any, pairs: SetClearance, states: NDArray[np.int64]) -> None:
+    """Draw states in the colours of their pairs, as far as there are colours."""
+    a, b = pairs.geometry_A[states].tolist(), pairs.geometry_B[states].tolist()
+    nearest = Counter(zip(a, b, strict=True)).most_common(_COLOURED)
+    left = np.ones(len(states), dtype=np.bool_)
+    for k, ((first, second), _) in enumerate(nearest):
+        own = (pairs.geometry_A[states] == first) & (pairs.geometry_B[states] == second)
+        left &= ~own
+        label = f'{pairs.names[first]} and {pairs.names[second]}' if first >= 0 else 'no pair'
+        at = states[own]
+        axes.plot(
+            pairs.times[at], pairs.known_distance[at], '.', ms=3.5, color=f'C{k}', label=label
+        )
+    if left.any():
+        at = states[left]
+        axes.plot(
+            pairs.times[at],
+            pairs.known_distance[at],
+            '.',
+            ms=3.5,
+            color=_OTHERS,
+            label='other pairs',
+        )

@@ -1,0 +1,55 @@
+"""A recording as a stream of messages in the order in which they were recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from heapq import merge
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from drake_geom_ros.recordings.files import places_of
+from drake_geom_ros.recordings.message_types import message_of
+from drake_geom_ros.recordings.storages import Damage, Storage, Topic
+
+
+class Recorded(NamedTuple):
+    """A message as it was recorded."""
+
+    time: int  # [ns] when it was recorded
+    topic: Topic
+    message: Any  # None: its bytes are no message of its type
+    reason: str = ''  # why it is none
+
+
+class Recording:
+    """The files of one recording, MCAP or sqlite3, whole or damaged.
+
+    ``topics`` are those of all files, ``damage`` is what could not be read so far. Raises
+    RecordingError where nothing can be read.
+    """
+
+    def __init__(self, paths: str | Path | Sequence[str | Path]) -> None:
+        """``paths``: a file, a folder that rosbag2 wrote, or several of these."""
+        self._storages = [Storage(place) for place in places_of(paths)]
+        found = (topic for storage in self._storages for topic in storage.topics)
+        self.topics: list[Topic] = list(dict.fromkeys(found))
+
+    @property
+    def files(self) -> list[Path]:
+        """The files and folders that are read."""
+        return [storage.path for storage in self._storages]
+
+    @property
+    def damage(self) -> list[Damage]:
+        """What could not be read, as far as messages were asked for."""
+        return list(dict.fromkeys(each for s in self._storages for each in s.damage))
+
+    def messages(self, names: Collection[str]) -> Iterator[Recorded]:
+        """Yield the messages of some topics in the order of their times, file by file merged."""
+        streams = [storage.messages(names) for storage in self._storages]
+        for raw in merge(*streams, key=lambda raw: raw.time):
+            try:
+                message, reason = message_of(raw.topic, raw.data), ''
+            except Exception as error:  # whatever the bytes make of a reader that is generated
+                message, reason = None, f'{raw.topic.type} cannot be read of its bytes: {error}'
+            yield Recorded(raw.time, raw.topic, message, reason)

@@ -1,0 +1,38 @@
+"""The folder of a report: tables, plot and page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from drake_geom_ros.common.whole_files import check_outputs, whole_file
+from drake_geom_ros.recordings.page import page
+from drake_geom_ros.recordings.plot import draw
+from drake_geom_ros.recordings.results import Clearances
+from drake_geom_ros.recordings.tables import write_csv, write_npz
+
+CSV, NPZ, PLOT, PAGE = 'clearance.csv', 'clearance.npz', 'clearance.png', 'report.html'
+
+
+def check_folder(folder: Path, inputs: Iterable[str | Path | None]) -> None:
+    """Make the folder; raises FileExistsError where a file of it would replace an input."""
+    folder.mkdir(parents=True, exist_ok=True)
+    check_outputs({name: folder / name for name in (CSV, NPZ, PLOT, PAGE)}, inputs)
+
+
+def write_report(
+    found: Clearances,
+    folder: Path,
+    title: str,
+    files: Sequence[str],
+    thresholds: Sequence[float],
+) -> list[Path]:
+    """Write the files of a report about recorded ``files``; return them."""
+    write_csv(found, folder / CSV)
+    write_npz(found, folder / NPZ)
+    plot = draw(found, thresholds, title)
+    with whole_file(folder / PLOT, 'wb') as picture:
+        picture.write(plot)
+    with whole_file(folder / PAGE) as text:
+        text.write(page(found, thresholds, title, files, plot))
+    return [folder / name for name in (CSV, NPZ, PLOT, PAGE)]

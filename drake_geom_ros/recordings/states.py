@@ -1,0 +1,157 @@
+"""The states of a played scene in blocks: poses of the frames that move, above one still scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import FramePoseVector, QueryObject, SceneGraphContext
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.recordings.pair_sets import AskedPairs, PairSet, asked_pairs
+from drake_geom_ros.recordings.playback import Playback
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+_NUMBERS = 2**20  # of a block's poses: 8 MB
+_MOST_STATES = 16384
+
+
+@dataclass(frozen=True)
+class Block:
+    """Some states (N) of one scene."""
+
+    context: SceneGraphContext  # all that does not move, and what waits at any place
+    asked: tuple[AskedPairs, ...]  # of each set of pairs
+    frames: Indices  # (n,) id values of the frames that move
+    times: Indices  # (N,) [ns]
+    poses: Floats  # (N, n, 7) X_PF, as they came
+    ages: Floats  # (N, sets) [s] of the oldest pose that matters; inf: of unknown age
+
+    def context_query(self) -> QueryObject:
+        """Return a query object of the still scene."""
+        return QueryObject(self.context)
+
+    def narrowed(self, pairs: AskedPairs) -> SceneGraphContext:
+        """Return the still scene with some pairs alone."""
+        return self.context.narrowed(pairs.considered)
+
+
+class _Latest:
+    """The poses that came last, as they came, by frame."""
+
+    def __init__(self) -> None:
+        self.generation = 0  # grows when other frames came, or one that is no part of states
+        self.columns: dict[int, int] = {}
+        self.rows: Floats = np.zeros((0, 7))
+        self.still: set[int] = set()  # that came, and are no part of states
+        self._known: dict[bytes, tuple[Indices, Indices]] = {}
+
+    def forget(self) -> None:
+        """Know of no frame: those of before are gone."""
+        self.__init__()  # type: ignore[misc]
+
+    def keep(self, ids: Indices, rows: Floats) -> None:
+        """Take the poses (n, 7) of frames."""
+        key = ids.tobytes()
+        if key not in self._known:
+            self._learn(key, ids)
+        columns, still = self._known[key]
+        if still.size and (rows[still] != self.rows[columns[still]]).any():
+            self.generation += 1
+        self.rows[columns] = rows
+
+    def set_still(self, frames: set[int]) -> None:
+        """Say which frames are no part of states."""
+        if frames != self.still:
+            self.still = frames
+            self._known.clear()
+
+    def _learn(self, key: bytes, ids: Indices) -> None:
+        new = [frame for frame in ids.tolist() if frame not in self.columns]
+        if new:
+            self.generation += 1
+            self.columns.update(
+                zip(new, range(len(self.rows), len(self.rows) + len(new)), strict=True)
+            )
+            self.rows = np.vstack((self.rows, np.zeros((len(new), 7))))
+        if len(self._known) >= 1000:  # a sender whose lists never repeat
+            self._known.clear()
+        columns = np.array([self.columns[frame] for frame in ids.tolist()], dtype=np.int64)
+        still = np.flatnonzero([frame in self.still for frame in ids.tolist()])
+        self._known[key] = columns, still
+
+
+class StateBlocks:
+    """Collects the states of a scene that is played; a block is full, or its scene changes."""
+
+    def __init__(self, playback: Playback, pairs: Sequence[PairSet]) -> None:
+        self._playback = playback
+        self._pairs = pairs
+        self._latest = _Latest()
+        self._version, self._generation = -1, -1
+        self._times: list[int] = []
+        with playback.live.editing() as scene:
+            self._watch(scene)
+
+    def take(self, time: int) -> Iterator[Block]:
+        """Take the state of now [ns]; yield the block before it where it is done."""
+        with self._playback.live.editing() as scene:
+            if scene.version != self._version or self._generation != self._latest.generation:
+                yield from self.rest()
+                self._begin(scene)
+            k = len(self._times)
+            self._poses[k] = self._latest.rows[self._moving]
+            age = self._playback.clocks.ages()
+            for s, pairs in enumerate(self._asked):
+                since = {scene.posed_since(frame) for frame in pairs.needed}
+                told = (math.inf if each is None else age(each) for each in since)
+                self._ages[k, s] = max(told, default=0.0)
+            self._times.append(time)
+        if len(self._times) == len(self._poses):
+            yield from self.rest()
+
+    def rest(self) -> Iterator[Block]:
+        """Yield the states that were taken and not yielded yet."""
+        if count := len(self._times):
+            times, self._times = np.array(self._times, dtype=np.int64), []
+            yield Block(
+                *(self._context, self._asked, self._frames, times),
+                *(self._poses[:count].copy(), self._ages[:count].copy()),
+            )
+
+    def _watch(self, scene: EditableScene) -> None:
+        scene.keep_rows = self._keep
+        self._watched = scene.version
+
+    def _keep(self, ids: Indices, rows: Floats) -> None:
+        with self._playback.live.reading() as scene:
+            if scene.version != self._watched:  # another scene: its frames are others
+                self._latest.forget()
+                self._watched = scene.version
+        self._latest.keep(ids, rows)
+
+    def _begin(self, scene: EditableScene) -> None:
+        """Begin a block with the scene of now."""
+        if scene.version != self._watched:
+            self._latest.forget()
+            self._watched = scene.version
+        manager = scene.scene_graph.collision_filter_manager()
+        welded = {frame.get_value() for frame in manager.welded_frames()}
+        self._latest.set_still((welded | scene.attached) & self._latest.columns.keys())
+        moving = [f for f in self._latest.columns if f not in self._latest.still]
+        self._frames = np.array(moving, dtype=np.int64)
+        self._moving = np.array([self._latest.columns[f] for f in moving], dtype=np.int64)
+        self._context = scene.view().context
+        self._asked = tuple(asked_pairs(QueryObject(self._context), p) for p in self._pairs)
+        # What waits is in no pair that is considered; any pose lets the others be asked about.
+        anywhere = {f: RigidTransform() for f in QueryObject(self._context).waiting_frames()}
+        self._context.UpdateFramePoses(FramePoseVector(anywhere))
+        most = max(1, min(_MOST_STATES, _NUMBERS // max(1, 7 * len(moving))))
+        self._poses = np.zeros((most, len(moving), 7))
+        self._ages = np.zeros((most, len(self._pairs)))
+        self._version, self._generation = scene.version, self._latest.generation

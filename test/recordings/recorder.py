@@ -1,0 +1,95 @@
+"""Recordings made by rosbags' own writer."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+MSGS = Path(__file__).parents[2] / 'msg_defs' / 'msg'
+BEGIN = 1_700_000_000 * 10**9  # [ns]
+
+
+@cache
+def store():
+    found = get_typestore(Stores.ROS2_JAZZY)
+    text = (MSGS / 'FramePoses.msg').read_text()
+    found.register(get_types_from_msg(text, 'drake_geom_msgs/msg/FramePoses'))
+    return found
+
+
+def _type(name):
+    return store().types[name]
+
+
+def stamp(seconds):
+    nanoseconds = BEGIN + round(seconds * 1e9)
+    return _type('builtin_interfaces/msg/Time')(*divmod(nanoseconds, 10**9))
+
+
+def header(seconds, frame=''):
+    return _type('std_msgs/msg/Header')(stamp(seconds), frame)
+
+
+def joint_state(seconds, names, positions):
+    none = np.zeros(0)
+    return _type('sensor_msgs/msg/JointState')(
+        header(seconds), list(names), np.array(positions, dtype=float), none, none
+    )
+
+
+def frame_poses(seconds, names, rows, source='', ids=()):
+    return _type('drake_geom_msgs/msg/FramePoses')(
+        *(header(seconds), source, list(names), np.array(ids, dtype=np.uint64)),
+        np.array(rows, dtype=float).ravel(),
+    )
+
+
+def transforms(seconds, *edges):
+    """Return a TFMessage of (parent, child, row of 7)."""
+    entries = []
+    for parent, child, row in edges:
+        p = _type('geometry_msgs/msg/Vector3')(*map(float, row[:3]))
+        q = _type('geometry_msgs/msg/Quaternion')(*map(float, row[3:]))
+        X = _type('geometry_msgs/msg/Transform')(p, q)
+        entries.append(
+            _type('geometry_msgs/msg/TransformStamped')(header(seconds, parent), child, X)
+        )
+    return _type('tf2_msgs/msg/TFMessage')(entries)
+
+
+def text(data):
+    return _type('std_msgs/msg/String')(data)
+
+
+def clock(seconds):
+    sec, nanosec = divmod(round(seconds * 1e9), 10**9)
+    return _type('rosgraph_msgs/msg/Clock')(_type('builtin_interfaces/msg/Time')(sec, nanosec))
+
+
+def record(folder, messages, *, sqlite=False, compressed=''):
+    """Write (seconds, topic, message) in a folder; return the folder.
+
+    ``compressed`` is how, as rosbag2 has it: 'file', 'message' or, of MCAP, 'storage'.
+    """
+    plugin = StoragePlugin.SQLITE3 if sqlite else StoragePlugin.MCAP
+    writer = Writer(folder, version=9, storage_plugin=plugin)
+    if compressed:
+        mode = CompressionMode[compressed.upper()]
+        writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer:
+        connections = {}
+        for seconds, topic, message in messages:
+            kind = message.__msgtype__
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, kind, typestore=store())
+            raw = store().serialize_cdr(message, kind)
+            writer.write(connections[topic], BEGIN + round(seconds * 1e9), raw)
+    return folder
+
+
+def file_of(folder):
+    """Return the only storage file of a recording."""
+    (file,) = (each for each in folder.iterdir() if each.suffix in ('.mcap', '.db3'))
+    return file

@@ -1,0 +1,164 @@
+"""Files of a recording, whole and damaged: what can be read of them is, and until when is said."""
+
+import re
+import sqlite3
+from io import BytesIO
+
+import numpy as np
+import pytest
+from mcap.records import Chunk
+from mcap.stream_reader import StreamReader
+from recordings import recorder
+from recordings.recorder import BEGIN
+
+from drake_geom_ros.recordings import RecordingError, message_types
+from drake_geom_ros.recordings.recording import Recording
+
+COUNT = 400
+
+
+def messages(count=COUNT, begin=0.0, size=10_000):
+    """Return messages of 10 kB, so that chunks of a megabyte hold a hundred."""
+    return [
+        (begin + 0.1 * k, '/text', recorder.text(f'{k:06}' + 'x' * (size - 6)))
+        for k in range(count)
+    ]
+
+
+def numbers(recording):
+    return [int(each.message.data[:6]) for each in recording.messages(['/text'])]
+
+
+@pytest.fixture(params=[False, True], ids=['mcap', 'sqlite'])
+def run(tmp_path, request):
+    return recorder.record(tmp_path / 'run', messages(), sqlite=request.param)
+
+
+def test_files_and_folders_are_read_with_and_without_their_metadata(run):
+    expected = list(range(COUNT))
+    assert numbers(Recording(run)) == expected
+    assert numbers(Recording(recorder.file_of(run))) == expected
+    (run / 'metadata.yaml').unlink()
+    recording = Recording(run)
+    assert numbers(recording) == expected
+    assert recording.damage == []
+
+
+@pytest.mark.parametrize('how', ['file', 'message', 'storage'])
+def test_what_is_compressed_is_read(tmp_path, how):
+    run = recorder.record(tmp_path / 'run', messages(), compressed=how)
+    assert numbers(Recording(run)) == list(range(COUNT))
+
+
+def test_several_files_are_one_recording_in_the_order_of_time(tmp_path):
+    late = recorder.record(tmp_path / 'a', messages(5, begin=10.0))
+    early = recorder.record(tmp_path / 'b', messages(5, begin=0.05), sqlite=True)
+    between = recorder.record(tmp_path / 'c', messages(5))
+    recording = Recording([late, early, between])
+    times = [(each.time - BEGIN) / 1e9 for each in recording.messages(['/text'])]
+    expected = np.sort([x + 0.1 * k for k in range(5) for x in (0.0, 0.05, 10.0)])
+    np.testing.assert_allclose(times, expected)
+    with pytest.raises(RecordingError, match=r'3 runs.*a, b, c'):
+        Recording(tmp_path)
+
+
+def test_a_truncated_recording_gives_what_is_left(run):
+    file = recorder.file_of(run)
+    whole = file.read_bytes()
+    file.write_bytes(whole[: len(whole) * 6 // 10])
+    recording = Recording(file)
+    found = numbers(recording)
+    assert found == list(range(len(found)))
+    assert COUNT * 0.3 < len(found) < COUNT * 0.65
+    damage = recording.damage[-1]
+    assert damage.file == str(file)
+    assert damage.until == BEGIN + round(0.1 * found[-1] * 1e9)
+
+
+def chunks_of(data):
+    with BytesIO(data) as stream:
+        records = list(StreamReader(stream, emit_chunks=True).records)
+    return [record.data for record in records if isinstance(record, Chunk)]
+
+
+def test_a_damaged_chunk_is_left_out_and_told(tmp_path):
+    file = recorder.file_of(recorder.record(tmp_path / 'run', messages(), compressed='storage'))
+    data = bytearray(file.read_bytes())
+    chunk = chunks_of(data)[1]
+    place = data.index(chunk)
+    data[place + 10 : place + len(chunk)] = b'\xff' * (len(chunk) - 10)
+    file.write_bytes(data)
+    recording = Recording(file)
+    found = numbers(recording)
+    lost = sorted(set(range(COUNT)) - set(found))
+    assert lost == list(range(lost[0], lost[-1] + 1))
+    assert 80 < lost[0] < 120
+    assert 80 < len(lost) < 120
+    assert found == sorted(found)
+    (told,) = (each.reason for each in recording.damage if 'a chunk is damaged' in each.reason)
+    first, last = (int(number) for number in re.findall(r'\d{10,}', told)[:2])
+    assert (first - BEGIN, last - BEGIN) == (lost[0] * 10**8, lost[-1] * 10**8)
+
+
+def test_a_damaged_page_ends_a_database(tmp_path):
+    file = recorder.file_of(recorder.record(tmp_path / 'run', messages(), sqlite=True))
+    data = bytearray(file.read_bytes())
+    middle = len(data) // 2 // 4096 * 4096
+    data[middle : middle + 200_000] = b'\xff' * 200_000
+    file.write_bytes(data)
+    recording = Recording(file)
+    found = numbers(recording)
+    assert found == list(range(len(found)))
+    assert COUNT * 0.3 < len(found) < COUNT * 0.7
+    assert recording.damage
+
+
+def test_messages_that_wait_in_a_log_are_told_of(tmp_path):
+    file = recorder.file_of(recorder.record(tmp_path / 'run', messages(3), sqlite=True))
+    database = sqlite3.connect(file)
+    database.execute('PRAGMA journal_mode=WAL')
+    database.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (1, 1, x'00')")
+    database.commit()
+    recording = Recording(file)
+    assert numbers(recording) == [0, 1, 2]
+    assert 'wal_checkpoint' in recording.damage[0].reason
+    database.close()
+
+
+@pytest.mark.parametrize('content', [b'', b'nothing of the kind' * 100])
+def test_what_is_no_recording_is_refused(tmp_path, content):
+    for suffix in ('.mcap', '.db3'):
+        file = tmp_path / f'run{suffix}'
+        file.write_bytes(content)
+        with pytest.raises(RecordingError, match='nothing can be read'):
+            Recording(file)
+    with pytest.raises(RecordingError, match='no such file'):
+        Recording(tmp_path / 'there.mcap')
+    (tmp_path / 'run.bag').touch()
+    with pytest.raises(RecordingError, match='a recording is one of'):
+        Recording(tmp_path / 'run.bag')
+
+
+def test_a_message_that_is_none_does_not_end_the_others(tmp_path):
+    run = recorder.record(tmp_path / 'run', messages(3), sqlite=True)
+    with sqlite3.connect(recorder.file_of(run)) as database:
+        database.execute("UPDATE messages SET data = x'00010000ffffffff' WHERE id = 2")
+    found = list(Recording(run).messages(['/text']))
+    assert [each.message is None for each in found] == [False, True, False]
+    assert 'std_msgs/msg/String cannot be read' in found[1].reason
+
+
+def test_recordings_without_definitions_are_read_by_those_of_ours(tmp_path):
+    poses = recorder.frame_poses(0.0, ('a',), (1, 2, 3, 0, 0, 0, 1))
+    run = recorder.record(tmp_path / 'run', [(0.0, '/p', poses)], sqlite=True)
+    with sqlite3.connect(recorder.file_of(run)) as database:  # as ROS 2 Humble has it
+        database.execute('DROP TABLE message_definitions')
+        database.execute('UPDATE schema SET schema_version = 3')
+    (found,) = Recording(run).messages(['/p'])
+    assert found.topic.encoding == ''
+    assert found.message.poses.tolist() == [1, 2, 3, 0, 0, 0, 1]
+    lines = (recorder.MSGS / 'FramePoses.msg').read_text().splitlines()
+    bare = [line.partition('#')[0].split() for line in lines]
+    assert [line for line in bare if line] == [
+        line.split() for line in message_types.FRAME_POSES.split('\n') if line
+    ]
