@@ -118,7 +118,10 @@ LAYERS = {
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),
     'sensors': (('math', 'sensors'), ('numpy',)),
-    'proximity_rules': (('math', 'common', 'proximity_rules'), ('numpy',)),
+    'proximity_rules': (
+        ('math', 'common', 'geometry/_proximity/runtime', 'proximity_rules'),
+        ('numpy',),
+    ),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'scene_files': (
