@@ -2,7 +2,7 @@
 
 In: rules, names and filters of a scene, what a cycle measured.
 Out: events, the state of each rule, the scale of speed.
-May import: ``math``, ``common``, ``_proximity/runtime``; numpy.
+May import: ``math``, ``common``, ``geometry``; numpy.
 """
 
 from drake_geom_ros.proximity_rules.decisions import Poses

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
+from drake_geom_ros.geometry.compiling import compiled
 from drake_geom_ros.proximity_rules.measured import Measured
 
 Floats = NDArray[np.float64]
