@@ -86,7 +86,10 @@ GEOMETRY_ROOMS = {
 }
 
 # What the rooms of the node may import of ours beside one another, and of others beside NumPy.
-_CORE = ('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'scene_files')
+_CORE = (
+    *('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'sensed_maps'),
+    'scene_files',
+)
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
@@ -121,10 +124,11 @@ LAYERS = {
     'proximity_rules': (('math', 'common', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
+    'sensed_maps': (('math', 'common', 'geometry', 'geometry/meshes', 'sensed_maps'), ('numpy',)),
     'scene_files': (
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/queries'),
-            *('proximity_rules', 'scene_files'),
+            *('proximity_rules', 'sensed_maps', 'scene_files'),
         ),
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
@@ -177,7 +181,7 @@ LAYERS = {
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
-            *('viewing', 'viewing/page', 'recordings'),
+            *('viewing', 'viewing/page', 'recordings', 'sensed_maps'),
         ),
         ('numpy', 'PIL', 'matplotlib'),
     ),
