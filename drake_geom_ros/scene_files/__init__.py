@@ -11,8 +11,8 @@ their first poses), ``register`` registers one, ``save_scene`` writes a scene gr
 
 In: YAML, URDF and SRDF.
 Out: registrations, and a scene back to YAML; errors name file and line.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``; numpy, yaml,
-    lxml, jsonschema, xacro.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``;
+    numpy, yaml, lxml, jsonschema, xacro.
 """
 
 from drake_geom_ros.scene_files.cameras import add_renderers, camera_of, check_camera
@@ -41,6 +41,7 @@ from drake_geom_ros.scene_files.description import (
     hulls_in_words,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
+from drake_geom_ros.scene_files.leaving_out import without_source
 from drake_geom_ros.scene_files.registration import (
     LoadedScene,
     RegisteredCopy,
@@ -71,6 +72,7 @@ __all__ = [
     'describe',
     'describe_moment',
     'poses_in_parents',
+    'without_source',
     'to_yaml',
     'scene_schema',
     'robot_name',
