@@ -38,6 +38,7 @@ from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 from drake_geom_ros.geometry.model.geometry_version import fresh_number
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign, frozen
+from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform
 
@@ -56,6 +57,7 @@ class Model:
         self.geometries: dict[GeometryId, GeometryRecord] = {}
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.renderers: dict[str, Renderer] = {}
+        self.config = SceneGraphConfig()  # a new one where it changes
         self.versions = Versions()
         self.source_names = {INTERNAL_SOURCE_NAME}
         self.frame_names = {(internal, WORLD_NAME)}
@@ -74,7 +76,7 @@ class Model:
         }
         other.geometries = dict(self.geometries)
         other.first_X_PFs = dict(self.first_X_PFs)
-        other.renderers = dict(self.renderers)
+        other.renderers, other.config = dict(self.renderers), self.config
         other.versions = self.versions.copy()
         other.source_names = set(self.source_names)
         other.frame_names = set(self.frame_names)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry.checks import checked_type
-from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.errors import GeometryError, PoseError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID, GeometryRecord
@@ -23,6 +23,11 @@ from drake_geom_ros.geometry.model.properties import (
     RoleAssign,
 )
 from drake_geom_ros.geometry.model.scene_content import SceneContent, content_of
+from drake_geom_ros.geometry.model.scene_graph_config import (
+    SceneGraphConfig,
+    checked_config,
+    with_defaults,
+)
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.context_state import checked_accuracy
@@ -64,9 +69,13 @@ class SceneGraph(Attaching):
 
     _context_type = SceneGraphContext
 
-    def __init__(self, *, accuracy: str = 'exact') -> None:
-        """``accuracy`` is that of queries which name none: bound, fast, balanced or exact."""
+    def __init__(self, config: SceneGraphConfig | None = None, *, accuracy: str = 'exact') -> None:
+        """``accuracy`` is that of queries which name none: bound, fast, balanced or exact.
+
+        ``config`` is that of ``set_config``.
+        """
         self._state = SceneContent(Model(), FilterState())
+        self.set_config(SceneGraphConfig() if config is None else config)
         self.set_default_accuracy(accuracy)
 
     if not TYPE_CHECKING:  # mypy would take any method for one that is there
@@ -313,13 +322,30 @@ class SceneGraph(Attaching):
         # A new one: whoever noted the old one sees that it is another, see ``SceneMark``.
         on.model.first_X_PFs = on.model.first_X_PFs | first
 
+    def get_config(self, context: SceneGraphContext | None = None) -> SceneGraphConfig:
+        """Return a copy of the settings, of a context those that it was made with."""
+        if context is not None:
+            checked_type(context, SceneGraphContext, 'get_config: context')
+        return checked_config(content_of(context or self).model.config)
+
+    def set_config(self, config: SceneGraphConfig) -> None:
+        """Set what geometries without properties of contact get in contexts made from now on.
+
+        Nothing, where the compliance type of the defaults is 'undefined'. Raises RuntimeError for
+        a value that a property cannot have.
+        """
+        self._state.model.config = checked_config(config)
+
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters.
+
+        Geometries get what the defaults of the config say and their properties do not.
 
         Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
         queries raise PoseError, which names the frames, until each frame was given one.
         """
         own = self._state.copy()
+        with_defaults(own.model)
         return self._context_type(own.model, own.filters, self._default_accuracy)
 
     def TakeOver(self, context: SceneGraphContext) -> bool:
@@ -352,7 +378,15 @@ class SceneGraph(Attaching):
         For a program whose one scene lives and changes, as a ROS node: nothing is copied. With
         ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
         on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
+        Raises GeometryError for a config with a compliance type: nothing is added to what is
+        shared.
         """
+        defaults = self._state.model.config.default_proximity_properties
+        if defaults.compliance_type != 'undefined':
+            raise GeometryError(
+                'CreateSharedContext: the config has a default compliance type, which would '
+                'change the shared geometries; give them hydroelastic properties of their own'
+            )
         return self._context_type(
             self._state.model, self._state.filters, self._default_accuracy, partial
         )
