@@ -4,25 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING
 
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticType
-from drake_geom_ros.geometry.model.contact_material import MATERIAL
 from drake_geom_ros.geometry.model.hydroelastic_properties import (
-    COMPLIANCE,
-    GROUP,
     HINT,
-    MARGIN,
     MODULUS,
     SLAB,
 )
-from drake_geom_ros.geometry.model.properties import ProximityProperties, Role, frozen
 
-if TYPE_CHECKING:
-    from drake_geom_ros.geometry.model._model import Model
-
-_TYPES = {
+COMPLIANCE_TYPES = {
     'undefined': HydroelasticType.kUndefined,
     'rigid': HydroelasticType.kRigid,
     'compliant': HydroelasticType.kCompliant,
@@ -69,10 +60,10 @@ def checked_config(config: SceneGraphConfig) -> SceneGraphConfig:
     if not isinstance(config, SceneGraphConfig):
         raise ArgumentError(f'SceneGraph: config = {config!r} is no SceneGraphConfig')
     defaults = config.default_proximity_properties
-    if defaults.compliance_type not in _TYPES:
+    if defaults.compliance_type not in COMPLIANCE_TYPES:
         raise ArgumentError(
             f"SceneGraphConfig: 'compliance_type' is {defaults.compliance_type!r}; it must be one "
-            f'of {", ".join(_TYPES)}'
+            f'of {", ".join(COMPLIANCE_TYPES)}'
         )
     for each in fields(defaults):
         value = getattr(defaults, each.name)
@@ -85,35 +76,3 @@ def checked_config(config: SceneGraphConfig) -> SceneGraphConfig:
                 f'{">= 0" if may_be_zero else "> 0"} and finite'
             )
     return replace(config, default_proximity_properties=replace(defaults))
-
-
-def with_defaults(model: Model) -> None:
-    """Give all geometries of a model what its config has and their proximity properties lack.
-
-    Nothing where the compliance type is 'undefined'. Raises GeometryError where a geometry cannot
-    be what the defaults say.
-    """
-    defaults = model.config.default_proximity_properties
-    if defaults.compliance_type == 'undefined':
-        return
-    values = {
-        (GROUP, COMPLIANCE): _TYPES[defaults.compliance_type],
-        (GROUP, MODULUS): defaults.hydroelastic_modulus,
-        (GROUP, HINT): defaults.resolution_hint,
-        (GROUP, SLAB): defaults.slab_thickness,
-        (GROUP, MARGIN): defaults.margin,
-        (MATERIAL, 'hunt_crossley_dissipation'): defaults.hunt_crossley_dissipation,
-        (MATERIAL, 'relaxation_time'): defaults.relaxation_time,
-        (MATERIAL, 'point_contact_stiffness'): defaults.point_stiffness,
-    }
-    for id, record in list(model.geometries.items()):
-        if record.proximity is None:
-            continue
-        properties = ProximityProperties(record.proximity)
-        for (group, name), value in values.items():
-            if value is not None and not properties.HasProperty(group, name):
-                properties.AddProperty(group, name, value)
-        changed = record.changed(proximity=frozen(properties))
-        _ = changed.hydroelastic_body
-        model.geometries[id] = changed
-    model.changed(roles=[Role.kProximity], names=False)

@@ -26,7 +26,6 @@ from drake_geom_ros.geometry.model.scene_content import SceneContent, content_of
 from drake_geom_ros.geometry.model.scene_graph_config import (
     SceneGraphConfig,
     checked_config,
-    with_defaults,
 )
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
@@ -34,6 +33,7 @@ from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.geometry.scene._attaching import Attaching
+from drake_geom_ros.geometry.scene._contact_defaults import with_defaults
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry.shapes.primitives import Shape
