@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.hydroelastic._cells import CutBody, Loop, body_of_cells, oriented
+from drake_geom_ros.geometry.hydroelastic.tolerances import SAME_HALF
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 MOST_LEVELS = 8  # 8 4^8 = 524 288 tetrahedra of a ball
 MOST_AROUND = 4096  # vertices around a cylinder or a capsule
-SAME_HALF = 1e-9  # of the least half size: what half sizes may differ by, and cells must not
 _OCTAHEDRON = np.vstack((np.eye(3), -np.eye(3)))
 _EIGHTHS = [(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]
 

@@ -10,6 +10,7 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.meshes._facet_mesh import Floats, Indices
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.geometry.meshes.tolerances import FLAT_TETRAHEDRON
 from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES, VolumeMesh, signed_volumes
 
 
@@ -84,7 +85,7 @@ def check_elements(mesh: VolumeMesh, what: str) -> None:
     corners = p_MVs[elements]
     longest = np.ptp(corners, axis=1).max(axis=1)
     volumes = signed_volumes(elements, p_MVs)
-    bad = volumes <= 1e-9 * longest**3 / 6.0
+    bad = volumes <= FLAT_TETRAHEDRON * longest**3 / 6.0
     if bad.any():
         e = int(np.argmax(bad))
         kind = 'is inside out' if volumes[e] < 0.0 else 'has no volume'
