@@ -48,12 +48,11 @@ class Model:
 
     def __init__(self) -> None:
         internal = SourceId.get_new_id()
-        world = FrameRecord(
-            WORLD_FRAME_ID, WORLD_NAME, internal, WORLD_FRAME_ID, WORLD_FRAME_GROUP
-        )
+        id, group = WORLD_FRAME_ID, WORLD_FRAME_GROUP
+        world = FrameRecord(id, WORLD_NAME, internal, id, group)
         self.world_frame_id = WORLD_FRAME_ID
-        self.sources: dict[SourceId, str] = {internal: INTERNAL_SOURCE_NAME}
-        self.frames: dict[FrameId, FrameRecord] = {WORLD_FRAME_ID: world}
+        self.sources = {internal: INTERNAL_SOURCE_NAME}
+        self.frames = {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.renderers: dict[str, Renderer] = {}
@@ -75,8 +74,8 @@ class Model:
             for id, frame in self.frames.items()
         }
         other.geometries = dict(self.geometries)
-        other.first_X_PFs = dict(self.first_X_PFs)
-        other.renderers, other.config = dict(self.renderers), self.config
+        other.first_X_PFs, other.config = dict(self.first_X_PFs), self.config
+        other.renderers = dict(self.renderers)
         other.versions = self.versions.copy()
         other.source_names = set(self.source_names)
         other.frame_names = set(self.frame_names)
@@ -286,9 +285,9 @@ class Model:
                 self.owned_frame(source_id, of)
             records = [r for r in self.geometries_on(of) if r.source_id == source_id]
         losing = [record for record in records if record.properties(role) is not None]
+        changed: dict[str, None] = {ROLE_FIELDS[role]: None}
         for record in losing:
             del self.geometry_names[record.frame_id, role, record.name]
-            changed: dict[str, None] = {ROLE_FIELDS[role]: None}
             self.geometries[record.id] = record.changed(**changed)
         if losing:
             self.changed(roles=[role])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.contact_material import MATERIAL
 from drake_geom_ros.geometry.model.hydroelastic_properties import (
@@ -46,3 +47,12 @@ def with_defaults(model: Model) -> None:
         _ = changed.hydroelastic_body
         model.geometries[id] = changed
     model.changed(roles=[Role.kProximity], names=False)
+
+
+def refuse_defaults(model: Model) -> None:
+    """Raise GeometryError where a config would change geometries that others share."""
+    if model.config.default_proximity_properties.compliance_type != 'undefined':
+        raise GeometryError(
+            'CreateSharedContext: the config has a default compliance type, which would change '
+            'the shared geometries; give them hydroelastic properties of their own'
+        )

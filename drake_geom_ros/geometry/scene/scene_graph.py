@@ -7,14 +7,12 @@ from typing import TYPE_CHECKING, Any
 from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry.checks import checked_type
-from drake_geom_ros.geometry.errors import GeometryError, PoseError
+from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID, GeometryRecord
-from drake_geom_ros.geometry.model.collision_filter_declaration import CollisionFilterDeclaration
 from drake_geom_ros.geometry.model.collision_filter_manager import CollisionFilterManager
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
-from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
@@ -23,17 +21,16 @@ from drake_geom_ros.geometry.model.properties import (
     RoleAssign,
 )
 from drake_geom_ros.geometry.model.scene_content import SceneContent, content_of
-from drake_geom_ros.geometry.model.scene_graph_config import (
-    SceneGraphConfig,
-    checked_config,
-)
+from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.geometry.scene._attaching import Attaching
-from drake_geom_ros.geometry.scene._contact_defaults import with_defaults
+from drake_geom_ros.geometry.scene._configured import Configured
+from drake_geom_ros.geometry.scene._contact_defaults import refuse_defaults, with_defaults
+from drake_geom_ros.geometry.scene._older_names import OlderNames
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry.shapes.primitives import Shape
@@ -41,7 +38,7 @@ from drake_geom_ros.math import RigidTransform, ScalarTemplate
 from drake_geom_ros.math.missing import refuse_missing_member
 
 
-class SceneGraph(Attaching):
+class SceneGraph(Attaching, Configured, OlderNames):
     """The scene: geometry sources, their frames, the geometries on them, and collision filters.
 
     A source registers frames, which move, and geometries on them, or on the world, where they are
@@ -229,20 +226,6 @@ class SceneGraph(Attaching):
         on = content_of(context or self)
         return CollisionFilterManager(on.model, on.filters)
 
-    @or_on_context
-    def ExcludeCollisionsWithin(self, on: SceneContent, set: GeometrySet) -> None:
-        """Exclude all pairs within a set; the older form of a persistent declaration."""
-        declaration = CollisionFilterDeclaration().ExcludeWithin(set)
-        CollisionFilterManager(on.model, on.filters).Apply(declaration)
-
-    @or_on_context
-    def ExcludeCollisionsBetween(
-        self, on: SceneContent, setA: GeometrySet, setB: GeometrySet
-    ) -> None:
-        """Exclude all pairs between two sets; the older form of a persistent declaration."""
-        declaration = CollisionFilterDeclaration().ExcludeBetween(setA, setB)
-        CollisionFilterManager(on.model, on.filters).Apply(declaration)
-
     # Renderers.
 
     @or_on_context
@@ -322,20 +305,6 @@ class SceneGraph(Attaching):
         # A new one: whoever noted the old one sees that it is another, see ``SceneMark``.
         on.model.first_X_PFs = on.model.first_X_PFs | first
 
-    def get_config(self, context: SceneGraphContext | None = None) -> SceneGraphConfig:
-        """Return a copy of the settings, of a context those that it was made with."""
-        if context is not None:
-            checked_type(context, SceneGraphContext, 'get_config: context')
-        return checked_config(content_of(context or self).model.config)
-
-    def set_config(self, config: SceneGraphConfig) -> None:
-        """Set what geometries without properties of contact get in contexts made from now on.
-
-        Nothing, where the compliance type of the defaults is 'undefined'. Raises RuntimeError for
-        a value that a property cannot have.
-        """
-        self._state.model.config = checked_config(config)
-
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters.
 
@@ -378,15 +347,9 @@ class SceneGraph(Attaching):
         For a program whose one scene lives and changes, as a ROS node: nothing is copied. With
         ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
         on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
-        Raises GeometryError for a config with a compliance type: nothing is added to what is
-        shared.
+        Raises GeometryError for a config with a compliance type.
         """
-        defaults = self._state.model.config.default_proximity_properties
-        if defaults.compliance_type != 'undefined':
-            raise GeometryError(
-                'CreateSharedContext: the config has a default compliance type, which would '
-                'change the shared geometries; give them hydroelastic properties of their own'
-            )
+        refuse_defaults(self._state.model)
         return self._context_type(
             self._state.model, self._state.filters, self._default_accuracy, partial
         )
