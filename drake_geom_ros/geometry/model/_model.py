@@ -51,8 +51,7 @@ class Model:
         id, group = WORLD_FRAME_ID, WORLD_FRAME_GROUP
         world = FrameRecord(id, WORLD_NAME, internal, id, group)
         self.world_frame_id = WORLD_FRAME_ID
-        self.sources = {internal: INTERNAL_SOURCE_NAME}
-        self.frames = {WORLD_FRAME_ID: world}
+        self.sources, self.frames = {internal: INTERNAL_SOURCE_NAME}, {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.renderers: dict[str, Renderer] = {}
