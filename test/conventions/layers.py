@@ -169,7 +169,7 @@ LAYERS = {
     'recordings': (
         (
             *_HELD,
-            *('ros/inputs', 'batch', 'recordings'),
+            *('ros/inputs', 'batch', 'replay', 'recordings'),
         ),
         ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib'),
     ),
