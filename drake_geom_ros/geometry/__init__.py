@@ -125,6 +125,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, PointCloud
 from drake_geom_ros.geometry.visualizer.drake_visualizer import (
     ConnectDrakeVisualizer,
     DispatchLoadMessage,
@@ -239,6 +240,8 @@ __all__ = [
     'ACCURACY_GAPS',
     'METHODS',
     'ShapeKind',
+    'OccupiedCells',
+    'PointCloud',
     'FilterGroup',
     'FilterStatement',
     # the renderer that is exact, and the one by VTK,

@@ -28,6 +28,7 @@ PROXIMITY_ROOMS = {
         (*_CORES, f'{_K}/trees', f'{_K}/solids'),
         ('numpy', 'numba', 'llvmlite'),
     ),
+    f'{_K}/sensed': ((*_CALLING, f'{_K}/trees', f'{_K}/sensed'), ('numpy', 'numba')),
     f'{_K}/convex': ((*_CORES, f'{_K}/revolution', f'{_K}/convex'), ('numpy',)),
     'geometry/_proximity/world': (_WORLD, ('numpy', 'numba')),
     'geometry/_proximity/near': ((*_NEAR, f'{_K}/calling'), ('numpy', 'numba', 'llvmlite')),
@@ -64,7 +65,10 @@ GEOMETRY_ROOMS = {
         (*_MESHES, *_SHAPES, f'{_K}/trees', f'{_K}/solids'),
         ('numpy',),
     ),
-    'geometry/shapes': ((*_PUBLIC_SHAPES, *_SHAPES), ('numpy',)),
+    'geometry/shapes': (
+        (*_PUBLIC_SHAPES, *_SHAPES, f'{_K}/trees', f'{_K}/sensed'),
+        ('numpy',),
+    ),
     'geometry/model': ((*_MODEL, *_WORLD, 'geometry/_proximity/filters'), ('numpy',)),
     'geometry/render': ((*_RENDER, *_WORLD, 'geometry/_rendering'), ('numpy',)),
     'geometry/render/vtk': (
