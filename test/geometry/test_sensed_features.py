@@ -1,4 +1,4 @@
-"""All that geometries are asked, of sensed maps: an answer that is right, or an error that says why.
+"""All that geometries are asked, of sensed maps: the right answer, or an error that says why.
 
 None may look like "free": a ball of 5 cm stands 10 cm in front of the nearest cell, or in it.
 """

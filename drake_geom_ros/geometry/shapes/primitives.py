@@ -297,7 +297,7 @@ class MeshcatCone(Shape):
         """Return the semi-axis [m] of the base along y."""
         return float(self._measures[2])
 
-    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+    def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
         raise GeometryError('MeshcatCone: it is for pictures, and cannot have the proximity role')
 
 

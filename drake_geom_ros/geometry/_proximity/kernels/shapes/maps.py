@@ -29,7 +29,7 @@ class MapTree(NamedTuple):
     """Where the tree of a map is in its parameters."""
 
     size: float  # [m] half the edge of a cell, or its radius
-    count: int
+    cells: int
     leaves: int  # 0: no map, and so one leaf of its own
     nodes: int
     centres: int
@@ -66,7 +66,7 @@ def first_in(tree: MapTree, node: int) -> int:
     """Return the first cell of a leaf, by its node; that of the next node ends it."""
     if tree.leaves == 0:
         return node
-    return (node - (tree.leaves - 1)) * tree.count // tree.leaves
+    return (node - (tree.leaves - 1)) * tree.cells // tree.leaves
 
 
 @inlined
