@@ -1,4 +1,4 @@
-"""``convert``: a URDF to a scene file, a pose file to the other format."""
+"""``convert``: a URDF to a scene file, a pose file or a sensed map to another format."""
 
 import argparse
 from pathlib import Path
@@ -8,9 +8,11 @@ from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
 from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
+from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, save_scene
+from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 
 _SCENE_SUFFIXES = ('.yaml', '.yml')
 
@@ -19,11 +21,20 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'convert',
-        help='convert a URDF to a scene file, or a pose file to the other format',
-        description='A URDF, whatever it is called, or .yaml to .yaml; .csv to .json and back.',
+        help='convert a URDF to a scene file, a pose file or a sensed map to another format',
+        description=(
+            'A URDF, whatever it is called, or .yaml to .yaml; .csv to .json and back; '
+            'cells (.bt, .ot) and points (.pcd, .ply, .xyz, .npy) to each other.'
+        ),
     )
     parser.add_argument('input', metavar='IN')
     parser.add_argument('output', metavar='OUT')
+    parser.add_argument(
+        '--resolution',
+        type=float,
+        metavar='R',
+        help='edge length [m] of the cells that a map becomes; of points, they are thinned by it',
+    )
     add_scene_options(parser)
     parser.set_defaults(run=run)
 
@@ -32,7 +43,11 @@ def run(options: argparse.Namespace) -> int:
     """Convert and return the exit code; raises SceneFileError or OSError for bad input."""
     source, target = Path(options.input), Path(options.output)
     check_outputs({'OUT': target}, [source, options.srdf])
-    if source.suffix not in POSE_SUFFIXES and target.suffix in _SCENE_SUFFIXES:
+    if source.suffix.lower() in MAP_SUFFIXES:
+        _convert_map(source, target, options.resolution)
+    elif options.resolution is not None:
+        raise SceneFileError('is no map, and --resolution is for these alone', str(source))
+    elif source.suffix not in POSE_SUFFIXES and target.suffix in _SCENE_SUFFIXES:
         scene_graph = SceneGraph()
         loaded = load_and_tell(str(source), scene_graph, options.srdf, options.package_root)
         check_outputs({'OUT': target}, files_of(scene_graph, loaded.robots.values()))
@@ -46,7 +61,16 @@ def run(options: argparse.Namespace) -> int:
     else:
         raise SceneFileError(
             f'cannot be converted to {str(target)!r}: a URDF and .yaml become .yaml, '
-            '.csv and .json become each other',
+            f'.csv and .json become each other, and so do maps ({", ".join(MAP_SUFFIXES)})',
             str(source),
         )
     return 0
+
+
+def _convert_map(source: Path, target: Path, resolution: float | None) -> None:
+    read = read_map(source)
+    data = map_bytes(read, target.suffix.lower(), resolution)
+    with whole_file(target, 'wb') as file:
+        file.write(data)
+    if n := read.left_out:
+        print(f'left out {counted(n, "point")} that {are(n)} not finite')

@@ -1,11 +1,13 @@
 """`convert`: a URDF becomes the scene that it is; pose files become each other."""
 
+import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 
 from drake_geom_ros.command_line.pose_file import read_poses
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.sensed_maps import read_map
 
 URDF = """<robot name="cart">
   <link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
@@ -69,3 +71,48 @@ def test_a_urdf_is_converted_whatever_it_is_called(tmp_path, name):
     )
     assert main(['convert', str(tmp_path / name), str(tmp_path / 'r.yaml')]) == 0
     assert 'radius: 1' in (tmp_path / 'r.yaml').read_text()
+
+
+CORNERS = '0.01 0.02 0.03\n0.04 0.01 0.02\n1.01 -2.02 3.03\n'
+
+
+def test_points_become_cells_and_cells_points(tmp_path):
+    (tmp_path / 'a.xyz').write_text(CORNERS)
+    path = str(tmp_path / 'a.xyz')
+    assert main(['convert', path, str(tmp_path / 'a.bt'), '--resolution', '0.05']) == 0
+    for suffix in ('.pcd', '.ply', '.npy', '.xyz'):
+        target = tmp_path / f'b{suffix}'
+        assert main(['convert', str(tmp_path / 'a.bt'), str(target)]) == 0
+        centres = read_map(target).points
+        expected = [[0.025, 0.025, 0.025], [1.025, -2.025, 3.025]]
+        assert centres == pytest.approx(np.array(expected), abs=1e-12)
+    coarse = tmp_path / 'c.bt'
+    assert main(['convert', str(tmp_path / 'a.bt'), str(coarse), '--resolution', '10']) == 0
+    assert read_map(coarse).cells.keys().tolist() == [[0, -1, 0], [0, 0, 0]]
+    assert main(['convert', path, str(tmp_path / 'thin.xyz'), '--resolution', '0.05']) == 0
+    assert len(read_map(tmp_path / 'thin.xyz').points) == 2
+
+
+@pytest.mark.parametrize(
+    ('target', 'more', 'reason'),
+    [
+        ('b.bt', [], 'was not given'),
+        ('b.bt', ['--resolution', '0'], 'must lie in'),
+        ('b.ot', ['--resolution', '1'], 'not written'),
+        ('b.yaml', [], 'not written'),
+        ('a.xyz', [], 'written over'),
+    ],
+)
+def test_a_map_that_cannot_be_converted_is_refused(capsys, tmp_path, target, more, reason):
+    (tmp_path / 'a.xyz').write_text(CORNERS)
+    assert main(['convert', str(tmp_path / 'a.xyz'), str(tmp_path / target), *more]) == 2
+    assert reason in capsys.readouterr().err
+    assert (tmp_path / 'a.xyz').read_text() == CORNERS
+    assert [each.name for each in tmp_path.iterdir()] == ['a.xyz']
+
+
+def test_points_that_are_not_finite_are_told_of(capsys, tmp_path):
+    np.save(tmp_path / 'a.npy', [[np.nan, 0.0, 0.0], [1.0, 2.0, 3.0]])
+    assert main(['convert', str(tmp_path / 'a.npy'), str(tmp_path / 'a.xyz')]) == 0
+    assert 'left out 1 point that is not finite' in capsys.readouterr().out
+    assert (tmp_path / 'a.xyz').read_text() == '1.0 2.0 3.0\n'

@@ -54,7 +54,8 @@ PROXIMITY_ROOMS = {
 _ANSWERING = tuple(room for room in PROXIMITY_ROOMS if room != 'geometry/_rendering')
 _MESHES = ('math', 'common', 'geometry', 'geometry/meshes')
 _PUBLIC_SHAPES = (*_MESHES, 'geometry/shapes')
-_MODEL = (*_PUBLIC_SHAPES, 'geometry/model')
+_HYDROELASTIC = (*_PUBLIC_SHAPES, 'geometry/hydroelastic')
+_MODEL = (*_HYDROELASTIC, 'geometry/model')
 _RENDER = (*_MODEL, 'sensors', 'geometry/render')
 _QUERIES = (*_RENDER, 'geometry/queries')
 _SCENE = (*_QUERIES, 'autodiffutils', 'geometry/scene')
@@ -69,6 +70,7 @@ GEOMETRY_ROOMS = {
         (*_PUBLIC_SHAPES, *_SHAPES, f'{_K}/trees', f'{_K}/sensed'),
         ('numpy',),
     ),
+    'geometry/hydroelastic': (_HYDROELASTIC, ('numpy',)),
     'geometry/model': ((*_MODEL, *_WORLD, 'geometry/_proximity/filters'), ('numpy',)),
     'geometry/render': ((*_RENDER, *_WORLD, 'geometry/_rendering'), ('numpy',)),
     'geometry/render/vtk': (
@@ -90,7 +92,10 @@ GEOMETRY_ROOMS = {
 }
 
 # What the rooms of the node may import of ours beside one another, and of others beside NumPy.
-_CORE = ('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'scene_files')
+_CORE = (
+    *('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'sensed_maps'),
+    'scene_files',
+)
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
@@ -125,10 +130,11 @@ LAYERS = {
     'proximity_rules': (('math', 'common', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
+    'sensed_maps': (('math', 'common', 'geometry', 'geometry/meshes', 'sensed_maps'), ('numpy',)),
     'scene_files': (
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/queries'),
-            *('proximity_rules', 'scene_files'),
+            *('proximity_rules', 'sensed_maps', 'scene_files'),
         ),
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
@@ -181,7 +187,7 @@ LAYERS = {
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
-            *('viewing', 'viewing/page', 'recordings'),
+            *('viewing', 'viewing/page', 'recordings', 'sensed_maps'),
         ),
         ('numpy', 'PIL', 'matplotlib'),
     ),

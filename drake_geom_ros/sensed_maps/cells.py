@@ -1,0 +1,109 @@
+"""The occupied cells of a grid, by whole numbers: exact, and in one order whoever made them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry import ArgumentError
+
+# A key has this many bits along each axis, so that all three are one whole number of 64 bits.
+_BITS = 21
+MOST_STEPS = 1 << (_BITS - 1)  # cells from the origin along an axis
+MOST_CELLS = 5_000_000  # of a map: 120 MB as centres
+LEAST_RESOLUTION, LARGEST_RESOLUTION = 1.0 / 8192.0, 1024.0  # [m]
+
+Floats = NDArray[np.float64]
+Keys = NDArray[np.int64]
+
+
+class MapError(ArgumentError):
+    """A map, or a file of one, that cannot be."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cubes of a grid: that of key (i, j, k) has its centre at ((i, j, k) + 0.5) * resolution.
+
+    ``resolution`` is the edge length [m]; ``packed`` (n,) are the keys, each once and ascending
+    (see ``of_keys``). The grid is OctoMap's.
+
+    >>> Cells.of_points([[0.01, 0.02, -0.01], [0.04, 0.0, -0.04]], 0.05).centres().tolist()
+    [[0.025, 0.025, -0.025]]
+    """
+
+    resolution: float
+    packed: Keys
+
+    @classmethod
+    def of_points(cls, points: ArrayLike, resolution: float, least_points: int = 1) -> Cells:
+        """Return the cells that hold at least so many of points (n, 3) [m], in whatever order.
+
+        Raises MapError for a point that is not finite or too far away, and for a resolution that
+        is none.
+        """
+        check_resolution(resolution)
+        rows = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        with np.errstate(invalid='ignore', over='ignore'):
+            steps = np.floor(rows / resolution)
+        within = (np.abs(steps) < MOST_STEPS).all(axis=1)
+        if not within.all():
+            worst = int(np.flatnonzero(~within)[0])
+            raise MapError(
+                f'point {worst} is {rows[worst].tolist()} m; with cells of {resolution:g} m it '
+                f'must be finite and within {MOST_STEPS * resolution:g} m of the origin'
+            )
+        found, counts = np.unique(_packed(steps.astype(np.int64)), return_counts=True)
+        return cls(float(resolution), found[counts >= least_points])
+
+    @classmethod
+    def of_keys(cls, keys: Keys, resolution: float) -> Cells:
+        """Return the cells of keys (n, 3), each once; raises MapError as ``of_points`` does."""
+        check_resolution(resolution)
+        if keys.size and not -MOST_STEPS < keys.min() <= keys.max() < MOST_STEPS:
+            raise MapError(f'a key must lie within {MOST_STEPS} cells of the origin')
+        return cls(float(resolution), np.unique(_packed(keys)))
+
+    def __len__(self) -> int:
+        return len(self.packed)
+
+    def keys(self) -> Keys:
+        """Return the keys (n, 3)."""
+        mask = (1 << _BITS) - 1
+        columns = [(self.packed >> shift) & mask for shift in (2 * _BITS, _BITS, 0)]
+        return np.stack(columns, axis=1) - MOST_STEPS
+
+    def centres(self) -> Floats:
+        """Return the centres (n, 3) [m]."""
+        return np.asarray((self.keys() + 0.5) * self.resolution, dtype=np.float64)
+
+    def coarser(self, resolution: float) -> Cells:
+        """Return the cells of another grid that hold a centre of these.
+
+        Where the new edge is a multiple of the old one these cover all of the old cells. Raises
+        MapError for a finer grid, whose cells would not.
+        """
+        check_resolution(resolution)
+        if resolution < self.resolution:
+            raise MapError(
+                f'resolution {resolution:g} m is finer than the map, whose cells are '
+                f'{self.resolution:g} m; it must be at least that'
+            )
+        return Cells.of_points(self.centres(), resolution)
+
+
+def check_resolution(resolution: float) -> None:
+    """Raise MapError for an edge length [m] that is none."""
+    if not LEAST_RESOLUTION <= resolution <= LARGEST_RESOLUTION:
+        raise MapError(
+            f'resolution is {resolution!r} m; it must lie in '
+            f'[{LEAST_RESOLUTION:g}, {LARGEST_RESOLUTION:g}]'
+        )
+
+
+def _packed(keys: Keys) -> Keys:
+    i, j, k = (keys[:, axis] + MOST_STEPS for axis in range(3))
+    packed: Keys = (i << 2 * _BITS) | (j << _BITS) | k
+    return packed

@@ -1,0 +1,179 @@
+"""OctoMap's trees as bytes: the occupied leaves as cells, and cells as a binary tree.
+
+A tree has 16 levels of cubes, each of which may have eight children; child c is the upper one
+along x, y and z where bits 0, 1 and 2 of c are set. Cells of the finest level have keys from
+-32768 to 32767. Nodes come depth first. In a binary tree an inner node is two bytes, two bits for
+each child: nothing (0), free (1), occupied (2), inner (3). In a full tree a node is its log-odds
+(float32), of a coloured one three bytes more, and a byte with a bit for each child that there is.
+
+Source: Hornung et al., OctoMap: An efficient probabilistic 3D mapping framework based on octrees,
+Autonomous Robots 34 (2013), and the formats as octomap 1.10 reads and writes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError
+
+LEVELS = 16
+HALF = 1 << (LEVELS - 1)  # cells from the origin along an axis
+_OCCUPIED, _INNER = 2, 3
+# By the name of a tree's kind: the bytes of a node in a full tree before that of its children.
+_PAYLOADS = {'OcTree': 4, 'ColorOcTree': 7}
+KINDS = tuple(_PAYLOADS)
+
+
+def check_kind(kind: str) -> None:
+    """Raise MapError for a kind of tree that is not read."""
+    if kind not in _PAYLOADS:
+        raise MapError(f'the tree is a {kind[:80]!r}; {" and ".join(KINDS)} are read')
+
+
+def cells_of_binary(data: bytes | memoryview, resolution: float) -> Cells:
+    """Return the occupied cells of a binary tree; raises MapError for bytes that are none.
+
+    >>> len(cells_of_binary(binary_of_cells(Cells.of_points([[1, 2, 3]], 0.1)).data, 0.1))
+    1
+    """
+    if len(data) % 2:
+        raise MapError(f'the tree has {len(data)} bytes; of a binary one they are two a node')
+    words = np.frombuffer(data, dtype='<u2')
+    paths = _paths(words.tolist(), _inner_children, LEVELS - 1)
+    kinds = (words[:, np.newaxis] >> np.arange(0, 16, 2)) & 3
+    # Such a node would be a leaf of which nobody says whether anything is there.
+    if len(words) and not (kinds != 0).any(axis=1).all():
+        raise MapError('an inner node of the tree has no children')
+    node, child = np.nonzero(kinds == _OCCUPIED)
+    return _cells_of_leaves(paths[node] << 3 | child, resolution)
+
+
+def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTree') -> Cells:
+    """Return the occupied cells of a full tree: leaves that are so as likely as not, or more.
+
+    Raises MapError for bytes that are no tree, and for log-odds that are not finite.
+    """
+    check_kind(kind)
+    payload = _PAYLOADS[kind]
+    step = payload + 1
+    if len(data) % step:
+        raise MapError(f'the tree has {len(data)} bytes; of a {kind} they are {step} a node')
+    rows = np.frombuffer(data, dtype=np.uint8).reshape(-1, step)
+    log_odds = np.ascontiguousarray(rows[:, :4]).view('<f4')[:, 0]
+    if not np.isfinite(log_odds).all():
+        raise MapError('a node of the tree has log-odds that are not finite')
+    children = rows[:, payload]
+    paths = _paths(children.tolist(), _set_bits, LEVELS)
+    is_leaf = children == 0
+    return _cells_of_leaves(paths[is_leaf & (log_odds >= 0.0)], resolution)
+
+
+class BinaryTree(NamedTuple):
+    """A binary tree, and how many nodes it has, leaves included."""
+
+    data: bytes
+    nodes: int
+
+
+def binary_of_cells(cells: Cells) -> BinaryTree:
+    """Return the binary tree of cells; raises MapError for one that is too far for 16 levels."""
+    keys = cells.keys() + HALF
+    if keys.size and not 0 <= keys.min() <= keys.max() < 2 * HALF:
+        raise MapError(
+            f'a cell of {cells.resolution:g} m is more than {HALF} cells from the origin, the '
+            'most that an OctoMap holds; make the cells larger'
+        )
+    if not len(cells):
+        return BinaryTree(b'', 0)
+    below = np.unique(_interleaved(keys))
+    kind, count = _OCCUPIED, len(below)
+    words, orders = list[NDArray[np.int64]](), list[NDArray[np.int64]]()
+    for depth in range(LEVELS - 1, -1, -1):
+        parents, first = np.unique(below >> 3, return_index=True)
+        told = np.add.reduceat(kind << 2 * (below & 7), first)
+        words.append(told)
+        # Depth first: by where the cube begins, and of those the larger one first.
+        orders.append((parents << 3 * (LEVELS - depth)) * (LEVELS + 1) + depth)
+        below, kind, count = parents, _INNER, count + len(parents)
+    order = np.argsort(np.concatenate(orders), kind='stable')
+    data = np.concatenate(words)[order].astype('<u2').tobytes()
+    return BinaryTree(data, count)
+
+
+@lru_cache(maxsize=1 << 16)
+def _inner_children(word: int) -> tuple[int, ...]:
+    """Return the children of a node of a binary tree that are nodes of it, the last one first."""
+    return tuple(c for c in range(7, -1, -1) if word >> 2 * c & 3 == _INNER)
+
+
+@lru_cache(maxsize=1 << 8)
+def _set_bits(bits: int) -> tuple[int, ...]:
+    return tuple(c for c in range(7, -1, -1) if bits >> c & 1)
+
+
+def _paths(
+    told: list[int], children_of: Callable[[int], Sequence[int]], most_levels: int
+) -> NDArray[np.int64]:
+    """Return the path (n,) of each node: a one, and then three bits for each child on its way."""
+    paths = list[int]()
+    stack = [1] if told else []
+    too_deep = 1 << 3 * (most_levels + 1)
+    for number in told:
+        if not stack:
+            raise MapError(
+                f'the tree ends after {len(paths)} nodes, and {len(told) - len(paths)} more follow'
+            )
+        path = stack.pop()
+        if path >= too_deep:
+            raise MapError(f'the tree has more than {LEVELS} levels')
+        paths.append(path)
+        for child in children_of(number):
+            stack.append(path << 3 | child)
+    if stack:
+        raise MapError(f'the tree is truncated: {len(stack)} of its branches are missing')
+    return np.array(paths, dtype=np.int64)
+
+
+def _cells_of_leaves(paths: NDArray[np.int64], resolution: float) -> Cells:
+    """Return the cells that leaves cover, those above the finest level included."""
+    depths = np.zeros(len(paths), dtype=np.int64)
+    for level in range(1, LEVELS + 1):
+        depths += paths >= 1 << 3 * level
+    if (paths >= 1 << 3 * (LEVELS + 1)).any():
+        raise MapError(f'the tree has more than {LEVELS} levels')
+    # Before a few bytes of coarse leaves become billions of cells.
+    count = float((8.0 ** (LEVELS - depths)).sum())
+    if count > MOST_CELLS:
+        raise MapError(
+            f'the tree holds {count:.3g} cells of {resolution:g} m; at most {MOST_CELLS} are read'
+        )
+    found = [np.zeros((0, 3), dtype=np.int64)]
+    for depth in np.unique(depths).tolist():
+        own = paths[depths == depth] - (1 << 3 * depth)
+        edge = 1 << (LEVELS - depth)
+        within = np.indices((edge, edge, edge)).reshape(3, -1).T
+        corners = _deinterleaved(own, depth) * edge
+        found.append((corners[:, np.newaxis] + within).reshape(-1, 3))
+    return Cells.of_keys(np.concatenate(found) - HALF, resolution)
+
+
+def _interleaved(keys: Keys) -> NDArray[np.int64]:
+    """Return the path (n,) of cells (n, 3) of the finest level, without its leading one."""
+    path = np.zeros(len(keys), dtype=np.int64)
+    for bit in range(LEVELS):
+        for axis in range(3):
+            path |= (keys[:, axis] >> bit & 1) << (3 * bit + axis)
+    return path
+
+
+def _deinterleaved(path: NDArray[np.int64], depth: int) -> Keys:
+    keys = np.zeros((len(path), 3), dtype=np.int64)
+    for bit in range(depth):
+        for axis in range(3):
+            keys[:, axis] |= (path >> (3 * bit + axis) & 1) << bit
+    return keys

@@ -1,0 +1,71 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from drake_geom_ros.sensed_maps.cells import MOST_STEPS, Cells, MapError
+
+points = arrays(np.float64, st.tuples(st.integers(0, 40), st.just(3)), elements=st.floats(-50, 50))
+resolutions = st.sampled_from([0.01, 0.05, 0.1, 0.3, 1.0, 7.5])
+
+
+@given(points, resolutions, st.randoms(use_true_random=False))
+def test_cells_do_not_depend_on_the_order_of_points(cloud, resolution, random):
+    order = list(range(len(cloud)))
+    random.shuffle(order)
+    a, b = Cells.of_points(cloud, resolution), Cells.of_points(cloud[order], resolution)
+    assert a.packed.tobytes() == b.packed.tobytes()
+
+
+@given(points, resolutions)
+def test_every_point_lies_in_a_cell_and_every_cell_holds_a_point(cloud, resolution):
+    centres = Cells.of_points(cloud, resolution).centres()
+    if not len(cloud):
+        assert not len(centres)
+        return
+    reach = np.abs(cloud[:, np.newaxis] - centres).max(axis=2)
+    half = resolution / 2 * (1 + 1e-12) + 1e-12
+    assert (reach.min(axis=1) <= half).all()
+    assert (reach.min(axis=0) <= half).all()
+
+
+@given(points, resolutions)
+def test_thinning_twice_is_thinning_once(cloud, resolution):
+    once = Cells.of_points(cloud, resolution)
+    twice = Cells.of_points(once.centres(), resolution)
+    assert once.packed.tobytes() == twice.packed.tobytes()
+    assert Cells.of_keys(once.keys(), resolution).packed.tobytes() == once.packed.tobytes()
+
+
+@given(points, st.integers(2, 5))
+@settings(max_examples=50)
+def test_coarser_cells_cover_the_finer_ones(cloud, times):
+    fine = Cells.of_points(cloud, 0.125)
+    coarse = fine.coarser(0.125 * times)
+    if len(fine):
+        reach = np.abs(fine.centres()[:, np.newaxis] - coarse.centres()).max(axis=2).min(axis=1)
+        assert (reach <= 0.125 * (times - 1) / 2 + 1e-12).all()
+
+
+def test_cells_of_few_points_are_left_out():
+    cloud = [[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [3.1, 0.0, 0.0]]
+    assert len(Cells.of_points(cloud, 1.0)) == 2
+    assert Cells.of_points(cloud, 1.0, least_points=2).keys().tolist() == [[0, 0, 0]]
+
+
+@pytest.mark.parametrize('bad', [np.nan, np.inf, -np.inf, 1e300, 0.1 * MOST_STEPS])
+def test_a_point_that_is_nowhere_is_refused_by_its_number(bad):
+    with pytest.raises(MapError, match='point 1 is'):
+        Cells.of_points([[0.0, 0.0, 0.0], [0.0, bad, 0.0]], 0.1)
+
+
+@pytest.mark.parametrize('resolution', [0.0, -1.0, np.nan, np.inf, 1e-9, 1e9])
+def test_a_resolution_that_is_none_is_refused(resolution):
+    with pytest.raises(MapError, match='must lie in'):
+        Cells.of_points([[0.0, 0.0, 0.0]], resolution)
+
+
+def test_a_finer_grid_is_refused():
+    with pytest.raises(MapError, match='finer than the map'):
+        Cells.of_points([[0.0, 0.0, 0.0]], 0.1).coarser(0.05)
