@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import OCCUPIED_CELLS, POINT_CLOUD
+from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_CELL
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
 from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
 from drake_geom_ros.geometry.shapes.sensed_surfaces import surface_of_balls, surface_of_cells
@@ -13,7 +14,7 @@ from drake_geom_ros.geometry.shapes.sensed_surfaces import surface_of_balls, sur
 Floats = NDArray[np.float64]
 
 MOST_CELLS = 2**23  # 8 388 608: 0.5 GB with their tree
-SMALLEST_CELL, FARTHEST_CELL = 1e-9, 1e9  # [m]
+FARTHEST_CELL = 1e9  # [m] the largest cell, and how far one may be
 
 
 class SensedMap(Shape):

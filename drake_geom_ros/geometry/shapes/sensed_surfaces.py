@@ -7,10 +7,11 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.tolerances import ON_GRID
+
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-ON_GRID = 1e-6  # of a cell [-] that centres may be beside the grid of the first one
 _FEW = 10_000  # balls that are drawn with 32 triangles each; of more with 8
 _SIDES = [np.array(s) * np.eye(3, dtype=np.int64)[k] for k in range(3) for s in (1, -1)]
 
