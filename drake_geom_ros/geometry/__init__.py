@@ -2,7 +2,7 @@
 
 In: registrations, poses and questions, by public names.
 Out: the public names of all rooms below.
-May import: ``math``, ``_proximity``; numpy.
+May import: ``math``; numpy.
 """
 
 from typing import TYPE_CHECKING
@@ -150,6 +150,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, PointCloud
 from drake_geom_ros.geometry.visualizer.drake_visualizer import (
     ConnectDrakeVisualizer,
     DispatchLoadMessage,
@@ -279,6 +280,8 @@ __all__ = [
     'ACCURACY_GAPS',
     'METHODS',
     'ShapeKind',
+    'OccupiedCells',
+    'PointCloud',
     'HydroelasticType',
     'FilterGroup',
     'FilterStatement',

@@ -28,6 +28,7 @@ PROXIMITY_ROOMS = {
         (*_CORES, f'{_K}/trees', f'{_K}/solids'),
         ('numpy', 'numba', 'llvmlite'),
     ),
+    f'{_K}/sensed': ((*_CALLING, f'{_K}/trees', f'{_K}/sensed'), ('numpy', 'numba')),
     f'{_K}/convex': ((*_CORES, f'{_K}/revolution', f'{_K}/convex'), ('numpy',)),
     'geometry/_proximity/world': (_WORLD, ('numpy', 'numba')),
     'geometry/_proximity/near': ((*_NEAR, f'{_K}/calling'), ('numpy', 'numba', 'llvmlite')),
@@ -65,12 +66,15 @@ _QUERIES = (*_RENDER, 'geometry/queries')
 _SCENE = (*_QUERIES, 'autodiffutils', 'geometry/scene')
 
 GEOMETRY_ROOMS = {
-    'geometry': (('math', 'geometry', 'geometry/_proximity/runtime'), ('numpy',)),
+    'geometry': (('math', 'geometry'), ('numpy',)),
     'geometry/meshes': (
         (*_MESHES, *_SHAPES, f'{_K}/trees', f'{_K}/solids'),
         ('numpy',),
     ),
-    'geometry/shapes': ((*_PUBLIC_SHAPES, *_SHAPES), ('numpy',)),
+    'geometry/shapes': (
+        (*_PUBLIC_SHAPES, *_SHAPES, f'{_K}/trees', f'{_K}/sensed'),
+        ('numpy',),
+    ),
     'geometry/hydroelastic': (_HYDROELASTIC, ('numpy',)),
     'geometry/model': ((*_MODEL, *_WORLD, 'geometry/_proximity/filters'), ('numpy',)),
     'geometry/render': ((*_RENDER, *_WORLD, 'geometry/_rendering'), ('numpy',)),
@@ -128,7 +132,7 @@ LAYERS = {
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),
     'sensors': (('math', 'sensors'), ('numpy',)),
-    'proximity_rules': (('math', 'common', 'geometry', 'proximity_rules'), ('numpy',)),
+    'proximity_rules': (('math', 'common', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'sensed_maps': (('math', 'common', 'geometry', 'geometry/meshes', 'sensed_maps'), ('numpy',)),
@@ -180,7 +184,7 @@ LAYERS = {
     'recordings': (
         (
             *_HELD,
-            *('ros/inputs', 'batch', 'recordings'),
+            *('ros/inputs', 'batch', 'replay', 'recordings'),
         ),
         ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib'),
     ),
