@@ -111,7 +111,7 @@ class RuleEvents:
         if scene.rules.revision != self._told and now - self._stated >= PERIOD:
             self._told, self._stated = scene.rules.revision, now
             states = self._types.ProximityStates()
-            fill_rule_states(states, scene, self._types)
+            fill_rule_states(states, scene)
             self._topics.states.publish(states)
         scale = scene.rules.speed_scale()
         if scale is not None and self._topics.speed_scale.get_subscription_count():
