@@ -174,7 +174,7 @@ class ProximityMonitor:
                 LEVELS[message.rules.level[k]],
                 message.entered[k],
                 WHY.get(message.why[k], ''),
-                _seconds(message.since[k]),
+                message.since[k],
                 message.pairs[k],
                 message.left_out_pairs[k],
                 message.trouble[k],

@@ -184,18 +184,16 @@ class RuleMonitor:
     def states(self) -> list[RuleState]:
         """Return the states of all rules, in the order in which they came."""
         entered, watched = self._entered, self._watched
-        return [
-            RuleState(
-                rule,
-                bool(entered.is_entered[n]),
-                Why(int(entered.why[n])) if entered.is_entered[n] else None,
-                float(entered.since[n]),
-                float(self._reasons.lowest[n]),
-                int(watched.pairs[n]),
-                int(watched.left_out[n]),
-                watched.unknown[n] or watched.unwatched[n],
-                watched.lacking[n],
-                bool(self._reasons.unpredicted[n]),
-            )
-            for n, rule in enumerate(self.rules)
-        ]
+        is_entered, why = entered.is_entered.tolist(), entered.why.tolist()
+        columns = (
+            is_entered,
+            [Why(w) if e else None for e, w in zip(is_entered, why, strict=True)],
+            entered.since.tolist(),
+            self._reasons.lowest.tolist(),
+            watched.pairs.tolist(),
+            watched.left_out.tolist(),
+            [a or b for a, b in zip(watched.unknown, watched.unwatched, strict=True)],
+            watched.lacking,
+            self._reasons.unpredicted.tolist(),
+        )
+        return list(map(RuleState, self.rules, *columns))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.geometry_names import GeometryNames, matches
+from drake_geom_ros.common.geometry_names import GeometryNames, is_plain, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.proximity_rules.measured import NOTHING, Measured
 from drake_geom_ros.proximity_rules.nearest_pairs import (
@@ -151,7 +151,11 @@ class _Finder:
     """Finds the geometries that patterns stand for; rules ask for the same again and again."""
 
     def __init__(self, scene: ScenePairs) -> None:
-        self._called = [names.found_by for names in scene.names]
+        self._count = len(scene.names)
+        self._rows: dict[str, list[int]] = {}  # by name; of most a geometry or a few
+        for row, names in enumerate(scene.names):
+            for name in dict.fromkeys(names.found_by):
+                self._rows.setdefault(name, []).append(row)
         self._found: dict[str, Flags] = {}
 
     def sets_of(self, rule: ProximityRule, *, may_lack: bool) -> _Sets:
@@ -169,20 +173,29 @@ class _Finder:
         return _Sets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
 
     def _members(self, patterns: Sequence[str]) -> Flags:
-        members = np.zeros(len(self._called), dtype=np.bool_)
+        members = np.zeros(self._count, dtype=np.bool_)
         for pattern in patterns:
             if pattern not in self._found:
-                each = [matches(names, pattern) for names in self._called]
-                self._found[pattern] = np.array(each, dtype=np.bool_)
+                self._found[pattern] = self._members_of(pattern)
             members |= self._found[pattern]
         return members
 
+    def _members_of(self, pattern: str) -> Flags:
+        """Return the geometries that ``matches`` finds by a pattern."""
+        members = np.zeros(self._count, dtype=np.bool_)
+        if is_plain(pattern):
+            members[self._rows.get(pattern, [])] = True
+            return members
+        for name, rows in self._rows.items():
+            if matches([name], pattern):
+                members[rows] = True
+        return members
+
     def _unknown(self, rule: ProximityRule, pattern: str) -> str:
-        known = dict.fromkeys(name for names in self._called for name in names)
-        like = nearest(pattern, islice(known, _MOST_LOOKED_AT))
+        like = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
         return (
             f'proximity rule {rule.name[:80]!r}: {pattern[:80]!r} stands for no geometry that '
-            f'queries report{like}. The scene has {counted(len(self._called), "geometry")} with '
+            f'queries report{like}. The scene has {counted(self._count, "geometry")} with '
             'the proximity role; see ~/scene'
         )
 

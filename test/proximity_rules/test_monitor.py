@@ -18,6 +18,7 @@ from drake_geom_ros.proximity_rules import (
     RuleError,
     RuleMonitor,
     ScenePairs,
+    WatchedPairs,
     Why,
     nearest_pairs,
 )
@@ -323,6 +324,16 @@ def test_one_compiled_version_serves_all_rules():
         for saw in (NOTHING, measured((0, 4, 0.15, 0.0)), measured((0, 4, 1, 0), (1, 4, 1, 0))):
             watch.decide(0.0, FRESH, saw)
     assert len(getattr(nearest_pairs._find, 'signatures', [0])) == 1  # no cycle waits for another
+
+
+@given(st.text('hand*?l/:[]', min_size=1, max_size=6) | st.sampled_from(PATTERNS))
+def test_a_set_is_all_that_its_pattern_matches(pattern):
+    where = scene()._replace(reported=np.ones((6, 6), bool))
+    watched = WatchedPairs([rule(set_a=(pattern,), set_b=('*',))], where)
+    found = [matches(names.found_by, pattern) for names in NAMES]
+    assert bool(watched.unknown[0]) == (not any(found))
+    if any(found):
+        assert (watched.watched() == np.logical_or.outer(found, found)).all()
 
 
 def test_bits_of_many_rules_are_told_apart():

@@ -130,10 +130,9 @@ def fill_what_decided(
 
 
 def fill_states(message: Any, states: Sequence[RuleState]) -> None:
-    """Fill the arrays of a ProximityStates message, but for ``since``, which is of a clock."""
-    fill_rules(message.rules, [state.rule for state in states])
+    """Fill the arrays of a ProximityStates message, but for the rules and ``since``."""
     message.entered = [state.is_entered for state in states]
-    message.why = uint8s(np.array([int(state.why or 0) for state in states]))
+    message.why = uint8s(np.array([state.why or 0 for state in states]))
     message.pairs = unsigned(np.array([state.pairs for state in states]))
     message.left_out_pairs = unsigned(np.array([state.left_out for state in states]))
     message.trouble = [state.trouble for state in states]

@@ -31,6 +31,7 @@ proximity_rules:
 """
 TYPES = Plain(
     ProximityEvents=msg.ProximityEvents,
+    ProximityRules=msg.ProximityRules,
     ProximityStates=msg.ProximityStates,
     Float64=Float64,
 )
