@@ -25,6 +25,7 @@ from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.joint_listening import JointListening
 from drake_geom_ros.ros.namesakes import Namesakes
+from drake_geom_ros.ros.obstacle_listening import ObstacleListening
 from drake_geom_ros.ros.outputs import cameras, level_costs, replays, rule_events
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.ros.outputs.cycle import Cycle
@@ -33,6 +34,7 @@ from drake_geom_ros.ros.outputs.diagnostics import (
     SceneState,
     add_counts,
     add_trouble,
+    add_values,
 )
 from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
@@ -134,6 +136,10 @@ class ConfiguredNode:
             )
         self._joints = JointListening(
             surface, self._stream, guard, groups.stream, live.clocks, settings.values
+        )
+        wake = surface.wake(partial(guard.attempt, self._stream.map_has_changed), groups.stream)
+        self._obstacles = ObstacleListening(
+            surface, live, self._stream, guard, groups.obstacles, settings, wake
         )
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
@@ -339,6 +345,7 @@ class ConfiguredNode:
         self._jumps.look()
         with self.live.editing() as scene:
             scene.expire_filters()
+            self._obstacles.follow(scene)
             self._guard.take('poses that hang on others', self._stream.follow, scene)
             self._guard.take('joint_states', self._joints.follow, scene)
         self._log_what_is_told()
@@ -357,6 +364,7 @@ class ConfiguredNode:
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
             troubles = [*scene.troubles(), *self._stream.troubles(scene)]
+            troubles += self._obstacles.troubles()
             state = SceneState(
                 scene.version,
                 scene.pose_ages(),
@@ -371,6 +379,7 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
+        add_values(message.status[0], self._obstacles.values())
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)
