@@ -77,7 +77,8 @@ class Cells:
 
     def centres(self) -> Floats:
         """Return the centres (n, 3) [m]."""
-        return (self.keys() + 0.5) * self.resolution
+        centres: Floats = (self.keys() + 0.5) * self.resolution
+        return centres
 
     def coarser(self, resolution: float) -> Cells:
         """Return the cells of another grid that hold a centre of these.

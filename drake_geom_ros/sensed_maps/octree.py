@@ -120,7 +120,7 @@ def _paths(
     told: list[int], children_of: Callable[[int], Sequence[int]], most_levels: int
 ) -> NDArray[np.int64]:
     """Return the path (n,) of each node: a one, and then three bits for each child on its way."""
-    paths = []
+    paths = list[int]()
     stack = [1] if told else []
     too_deep = 1 << 3 * (most_levels + 1)
     for number in told:

@@ -43,8 +43,8 @@ def parse_pcd(data: bytes) -> Floats:
         return np.stack([column.astype(np.float64) for column in columns], axis=1)
     if len(body) < row.itemsize * count:
         raise _truncated(len(body), row.itemsize * count)
-    table = np.frombuffer(body, row, count)
-    return np.stack([table[axis].astype(np.float64) for axis in 'xyz'], axis=1)
+    rows = np.frombuffer(body, row, count)
+    return np.stack([rows[axis].astype(np.float64) for axis in 'xyz'], axis=1)
 
 
 def pcd_file(points: Floats) -> bytes:
