@@ -16,9 +16,11 @@ from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.pair_sets import AskedPairs, Between, PairSet, pair_sets
 from drake_geom_ros.recordings.playback import Playback
+from drake_geom_ros.recordings.player import Player
 from drake_geom_ros.recordings.recording import Recording
-from drake_geom_ros.recordings.results import NANOSECONDS, Clearances, SetClearance, Span
+from drake_geom_ros.recordings.results import Clearances, SetClearance, Span
 from drake_geom_ros.recordings.states import Block, StateBlocks
+from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.recordings.topics import Topics, roles_of, told_nothing
 from drake_geom_ros.scene_files import SceneDescription, read_scene
 
@@ -108,7 +110,6 @@ class _Run:
         self.recording, self.pairs, self.stale_after = recording, pairs, stale_after
         self._topics = topics
         self._scene = scene
-        self._begin = self._end = 0
 
     def open(self, world_frame: str, package_roots: Sequence[str | Path], accuracy: str) -> None:
         """Make the scene ready, with the robot whose description was recorded if need be."""
@@ -150,55 +151,30 @@ class _Run:
 
     def blocks(self, rate: float) -> Iterator[Block]:
         """Yield the states in blocks; raises RecordingError where there are none."""
-        states, count = StateBlocks(self.playback, self.pairs), 0
-        for moment in self._moments(rate):
-            count += 1
-            yield from states.take(moment)
-        yield from states.rest()
-        self.playback.look(self._end)
-        if not count:
+        states = StateBlocks(self.playback, self.pairs)
+        self.player = Player(self.playback, states, self.roles, rate)
+        yield from self.player.blocks(self.recording.batches(list(self.roles)))
+        if not self.player.count:
             troubles = [trouble.words for trouble in self.playback.troubles][:5]
             raise RecordingError(
                 'nothing that was recorded poses anything of the scene; '
                 + '; '.join([told_nothing(self.recording.topics, self.roles), *troubles])
             )
 
-    def _moments(self, rate: float) -> Iterator[int]:
-        """Play the recording, and yield the times [ns] at which a state is to be taken."""
-        first, taken = -1, 0  # the time of the first pose, and how many states were taken since
-
-        def due() -> int:
-            return first + round(taken * NANOSECONDS / rate)
-
-        for recorded in self.recording.messages(list(self.roles)):
-            self._begin = self._begin or recorded.time
-            self._end = max(self._end, recorded.time)
-            while rate and first >= 0 and due() < recorded.time:
-                self.playback.wait_until(due())
-                yield due()
-                taken += 1
-            if not self.playback.take(recorded, self.roles[recorded.topic.name]):
-                continue
-            if not rate:
-                yield recorded.time
-            elif first < 0:
-                first = recorded.time
-        if rate and first >= 0 and due() <= self._end:
-            yield due()
-
     def result(
         self, answers: Sequence[_Answers], max_distance: float, seconds: tuple[float, float]
     ) -> Clearances:
         """Return what was found."""
         stamps = answers[0].joined('stamps')
-        times = (stamps - self._begin) / NANOSECONDS
+        begin, end = self.player.begin, self.player.end
+        times = (stamps - begin) / NANOSECONDS
         return Clearances(
             times=times,
             stamps=stamps,
             sets={each.pairs.name: each.result(times, self.stale_after) for each in answers},
-            begin=self._begin,
-            end=self._end,
-            gaps=_gaps(times, (self._end - self._begin) / NANOSECONDS, self.stale_after),
+            begin=begin,
+            end=end,
+            gaps=_gaps(times, (end - begin) / NANOSECONDS, self.stale_after),
             damage=tuple(self.recording.damage),
             troubles=tuple(self.playback.troubles),
             stale_after=self.stale_after,

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.recordings.highlights import below, closest, contacts, held
-from drake_geom_ros.recordings.results import NANOSECONDS, Clearances, Moment, SetClearance
+from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance
+from drake_geom_ros.recordings.storages import NANOSECONDS
 
 MOMENTS = 10  # in the table of each set of pairs
 _MOST_CONTACTS = 100

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drake_geom_ros.recordings.recording import Recorded
+from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.inputs.joint_input import JointInput
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
@@ -21,8 +22,7 @@ from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import SceneDescription
 
-_SECOND = 10**9  # [ns]
-_LOOKS = 4 * _SECOND  # [ns] between two looks at what is wrong, which is told for 5 s
+LOOKS = 4 * NANOSECONDS  # [ns] between two looks at what is wrong, which is told for 5 s
 _MOST_TOLD = 200
 _BY_IDS = (
     'frame_ids are numbers of the node that ran, which a recording does not explain: have the '
@@ -39,6 +39,13 @@ class Trouble(NamedTuple):
     seen: int
 
 
+class Moment(NamedTuple):
+    """What the clocks say [s]; simulated None: there is no such clock."""
+
+    recorded: float
+    simulated: float | None
+
+
 class _Times:
     """The times [s] that stand for those of a node."""
 
@@ -51,6 +58,12 @@ class _Times:
 
     def node(self) -> float:
         return self.recorded if self.simulated is None else self.simulated
+
+
+def is_jump(before: Any, now: Any) -> Any:
+    """Return whether simulated time [s] jumps, or begins; of arrays for each."""
+    step = now - before
+    return (before == 0.0) | (step <= -JUMP_BACKWARD) | (step >= JUMP_FORWARD)
 
 
 class Playback:
@@ -94,8 +107,8 @@ class Playback:
 
     def take(self, recorded: Recorded, role: str) -> bool:
         """Take a message; return whether it posed anything."""
-        self._times.recorded = max(self._times.recorded, recorded.time / _SECOND)
-        if recorded.time - self._looked >= _LOOKS:
+        self._times.recorded = max(self._times.recorded, recorded.time / NANOSECONDS)
+        if recorded.time >= self.next_look:
             if self._looked > 0:
                 self.look(recorded.time)
             self._looked = recorded.time
@@ -108,9 +121,27 @@ class Playback:
             self._refuse(recorded, str(error))
             return False
 
+    @property
+    def next_look(self) -> float:
+        """The time [ns] from which on the next message has it looked what is wrong."""
+        return self._looked + LOOKS
+
+    @property
+    def moment(self) -> Moment:
+        """The times of now."""
+        return Moment(self._times.recorded, self._times.simulated)
+
+    @moment.setter
+    def moment(self, moment: Moment) -> None:
+        self._times.recorded, self._times.simulated = moment
+
+    def tick(self, now: float) -> None:
+        """Let simulated time be ``now`` [s], which is no jump."""
+        self._times.simulated = now
+
     def wait_until(self, time: int) -> None:
         """Let time go on to a moment [ns] before the next message."""
-        self._times.recorded = max(self._times.recorded, time / _SECOND)
+        self._times.recorded = max(self._times.recorded, time / NANOSECONDS)
 
     def look(self, time: int) -> None:
         """Note what is wrong now [ns]."""
@@ -130,7 +161,7 @@ class Playback:
         message = recorded.message
         role, _, topic = role.partition(':')
         if role == 'clock':
-            self._tick(message.clock.sec + message.clock.nanosec / _SECOND, recorded.time)
+            self._tick(message.clock.sec + message.clock.nanosec / NANOSECONDS, recorded.time)
             return False
         if role.startswith('robot'):
             self.take_robot(message.data, is_semantic=role.endswith('semantic'))
@@ -153,12 +184,12 @@ class Playback:
 
     def _tick(self, now: float, time: int) -> None:
         """Let simulated time be ``now`` [s]; ages begin anew where it jumps, as a node's do."""
-        before, self._times.simulated = self._times.simulated, now
-        step = now - (before or 0.0)
-        if before == 0.0:
-            self.clocks.begin_anew()
-        elif before is not None and not -JUMP_BACKWARD < step < JUMP_FORWARD:
-            self.clocks.begin_anew()
+        before = self._times.simulated
+        self.tick(now)
+        if before is None or not is_jump(before, now):
+            return
+        self.clocks.begin_anew()
+        if before:
             self._note('the recorded clock jumped: ages were unknown until new poses came', time)
 
     def _refuse(self, recorded: Recorded, reason: str) -> None:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from heapq import merge
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.recordings.files import places_of
 from drake_geom_ros.recordings.message_types import message_of
-from drake_geom_ros.recordings.storages import Damage, Storage, Topic
+from drake_geom_ros.recordings.storages import Damage, Raw, Storage, Topic
+
+_MOST_MESSAGES, _MOST_BYTES = 4096, 1 << 23  # of a batch
 
 
 class Recorded(NamedTuple):
@@ -46,10 +49,29 @@ class Recording:
 
     def messages(self, names: Collection[str]) -> Iterator[Recorded]:
         """Yield the messages of some topics in the order of their times, file by file merged."""
+        return map(recorded, self._raw(names))
+
+    def batches(self, names: Collection[str]) -> Iterator[list[Raw]]:
+        """Yield the messages of some topics as bytes, many at once."""
+        batch, size = [], 0
+        for raw in self._raw(names):
+            batch.append(raw)
+            size += len(raw.data)
+            if len(batch) >= _MOST_MESSAGES or size >= _MOST_BYTES:
+                yield batch
+                batch, size = [], 0
+        if batch:
+            yield batch
+
+    def _raw(self, names: Collection[str]) -> Iterator[Raw]:
         streams = [storage.messages(names) for storage in self._storages]
-        for raw in merge(*streams, key=lambda raw: raw.time):
-            try:
-                message, reason = message_of(raw.topic, raw.data), ''
-            except Exception as error:  # whatever the bytes make of a reader that is generated
-                message, reason = None, f'{raw.topic.type} cannot be read of its bytes: {error}'
-            yield Recorded(raw.time, raw.topic, message, reason)
+        return merge(*streams, key=attrgetter('time'))
+
+
+def recorded(raw: Raw) -> Recorded:
+    """Return a message of its bytes."""
+    try:
+        message, reason = message_of(raw.topic, raw.data), ''
+    except Exception as error:  # whatever the bytes make of a reader that is generated
+        message, reason = None, f'{raw.topic.type} cannot be read of its bytes: {error}'
+    return Recorded(raw.time, raw.topic, message, reason)

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
 from drake_geom_ros.recordings.playback import Trouble
-from drake_geom_ros.recordings.storages import Damage
+from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-NANOSECONDS = 10**9  # in a second
 _MOST_NAMES = 8
 
 

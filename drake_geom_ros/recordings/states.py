@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry import FramePoseVector, QueryObject, SceneGraphContext
+from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.recordings.pair_sets import AskedPairs, PairSet, asked_pairs
 from drake_geom_ros.recordings.playback import Playback
+from drake_geom_ros.ros.inputs.pose_runs import PoseRun
+from drake_geom_ros.ros.scene.clocks import Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 
 Floats = NDArray[np.float64]
@@ -86,6 +89,32 @@ class _Latest:
         self._known[key] = columns, still
 
 
+class RunStates(NamedTuple):
+    """The states of a run."""
+
+    times: list[int]  # (n,) [ns]
+    messages: list[int]  # (n,) how many messages of the run were taken before
+    ages: list[list[float]]  # (n, sets) [s] of the oldest pose that matters
+
+
+class PoseSince:
+    """Since when the poses that matter to a set of pairs hold; those of a run by its senders."""
+
+    def __init__(
+        self, scene: EditableScene, needed: Collection[FrameId], run: PoseRun | None = None
+    ) -> None:
+        frames = {frame.get_value() for frame in needed}
+        still = frames if run is None else frames.difference(run.ids.tolist())
+        self._still = {scene.posed_since(FrameId(value)) for value in still}
+        groups = () if run is None else run.groups
+        self._groups = [group for group in groups if not frames.isdisjoint(group.frames)]
+
+    def oldest(self, age: Callable[[Since], float], heard: Sequence[Since] = ()) -> float:
+        """Return the age [s] of the oldest, by what was heard last of each sender."""
+        since = {*self._still, *(group.since(heard) for group in self._groups)}
+        return max((math.inf if each is None else age(each) for each in since), default=0.0)
+
+
 class StateBlocks:
     """Collects the states of a scene that is played; a block is full, or its scene changes."""
 
@@ -95,25 +124,56 @@ class StateBlocks:
         self._latest = _Latest()
         self._version, self._generation = -1, -1
         self._times: list[int] = []
+        self._run_ages: list[PoseSince] = []
         with playback.live.editing() as scene:
             self._watch(scene)
 
     def take(self, time: int) -> Iterator[Block]:
         """Take the state of now [ns]; yield the block before it where it is done."""
         with self._playback.live.editing() as scene:
-            if scene.version != self._version or self._generation != self._latest.generation:
-                yield from self.rest()
-                self._begin(scene)
+            yield from self._ready(scene)
             k = len(self._times)
             self._poses[k] = self._latest.rows[self._moving]
             age = self._playback.clocks.ages()
             for s, pairs in enumerate(self._asked):
-                since = {scene.posed_since(frame) for frame in pairs.needed}
-                told = (math.inf if each is None else age(each) for each in since)
-                self._ages[k, s] = max(told, default=0.0)
+                self._ages[k, s] = PoseSince(scene, pairs.needed).oldest(age)
             self._times.append(time)
         if len(self._times) == len(self._poses):
             yield from self.rest()
+
+    def begin_run(self, run: PoseRun) -> Iterator[Block]:
+        """Make ready for the states of a run; yield the block before it where it is done."""
+        with self._playback.live.editing() as scene:
+            yield from self._ready(scene)
+            self._run_ages = [PoseSince(scene, each.needed, run) for each in self._asked]
+
+    def ages_of_run(self, heard: Sequence[Since]) -> list[float]:
+        """Return the age [s] of now of the oldest pose that matters to each set of pairs."""
+        age = self._playback.clocks.ages()
+        return [each.oldest(age, heard) for each in self._run_ages]
+
+    def take_run(self, run: PoseRun, states: RunStates) -> Iterator[Block]:
+        """Take the states of a run; yield the blocks that are full."""
+        moving = {frame: k for k, frame in enumerate(self._frames.tolist())}
+        columns = np.array([moving[frame] for frame in run.ids.tolist()], dtype=np.int64)
+        latest = self._latest.rows[self._moving]
+        done, count = 0, len(states.times)
+        while done < count:
+            k = len(self._times)
+            more = min(count - done, len(self._poses) - k)
+            part, here = slice(done, done + more), slice(k, k + more)
+            self._poses[here] = latest
+            self._poses[here, columns] = run.rows[states.messages[part]]
+            self._ages[here] = states.ages[part]
+            self._times += states.times[part]
+            done += more
+            if len(self._times) == len(self._poses):
+                yield from self.rest()
+
+    def _ready(self, scene: EditableScene) -> Iterator[Block]:
+        if scene.version != self._version or self._generation != self._latest.generation:
+            yield from self.rest()
+            self._begin(scene)
 
     def rest(self) -> Iterator[Block]:
         """Yield the states that were taken and not yielded yet."""

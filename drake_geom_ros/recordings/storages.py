@@ -18,6 +18,7 @@ _LIBRARIES = (
     'recordings are read by rosbags and mcap: pip install rosbags mcap, or this package with its '
     "extra 'recordings'"
 )
+NANOSECONDS = 10**9  # in a second
 
 
 class Topic(NamedTuple):

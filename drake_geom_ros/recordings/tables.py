@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterable, Iterator
+from io import StringIO
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.recordings.results import Clearances, SetClearance
@@ -16,6 +20,7 @@ COLUMNS = (
     *('geometry_a', 'geometry_b', 'ax_m', 'ay_m', 'az_m', 'bx_m', 'by_m', 'bz_m'),
     *('oldest_pose_s', 'pairs_left_out'),
 )
+_ROWS = 10_000  # that are written at once: memory stays flat
 
 
 def write_csv(found: Clearances, path: Path) -> None:
@@ -24,23 +29,43 @@ def write_csv(found: Clearances, path: Path) -> None:
     ``state`` is ``whole``, ``stale``, ``waiting`` or ``waiting, stale``.
     """
     with whole_file(path, newline='') as file:
-        rows = csv.writer(file, lineterminator='\n')
-        rows.writerow(COLUMNS)
+        csv.writer(file, lineterminator='\n').writerow(COLUMNS)
         for pairs in found.sets.values():
-            for k, words in enumerate(states_in_words(pairs)):
-                at, whole = pairs.at(k), words == 'whole'
-                known = (at.distance, at.error_bound)
-                numbers = (*(known if whole else (np.nan, np.nan)), at.distance)
-                points = (*at.p_WCa.tolist(), *at.p_WCb.tolist())
-                rows.writerow(
-                    (
-                        *(repr(at.time), int(found.stamps[k]), pairs.name, words),
-                        *(repr(float(number)) for number in numbers),
-                        *(at.name_A, at.name_B),
-                        *(repr(number) for number in points),
-                        *(repr(float(pairs.age[k])), int(pairs.left_out[k])),
-                    )
-                )
+            for first in range(0, len(found.times), _ROWS):
+                part = slice(first, first + _ROWS)
+                rows = zip(*_columns(found, pairs, part), strict=True)
+                file.writelines(','.join(row) + '\n' for row in rows)
+
+
+def _columns(found: Clearances, pairs: SetClearance, part: slice) -> Iterator[Iterable[str]]:
+    """Yield the columns of some rows as texts."""
+    words = [_cell(text) for text in states_in_words(pairs)[part]]
+    names = [*(_cell(name) for name in pairs.names), '']  # -1, the last one, for none
+    yield _numbers(found.times[part])
+    yield _numbers(found.stamps[part])
+    yield repeat(_cell(pairs.name), len(words))
+    yield words
+    yield _numbers(pairs.distance[part])
+    yield _numbers(pairs.error_bound[part])
+    yield _numbers(pairs.known_distance[part])
+    for places in (pairs.geometry_A, pairs.geometry_B):
+        yield [names[place] for place in places[part].tolist()]
+    for points in (pairs.p_WCa, pairs.p_WCb):
+        for axis in range(3):
+            yield _numbers(points[part, axis])
+    yield _numbers(pairs.age[part].astype(np.float64))
+    yield _numbers(pairs.left_out[part])
+
+
+def _numbers(values: NDArray[Any]) -> Iterator[str]:
+    return map(repr, values.tolist())
+
+
+def _cell(text: str) -> str:
+    """Return a text as a cell of CSV."""
+    cell = StringIO()
+    csv.writer(cell, lineterminator='').writerow([text])
+    return cell.getvalue()
 
 
 def states_in_words(pairs: SetClearance) -> list[str]:

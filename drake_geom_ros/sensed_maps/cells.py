@@ -77,8 +77,7 @@ class Cells:
 
     def centres(self) -> Floats:
         """Return the centres (n, 3) [m]."""
-        centres: Floats = (self.keys() + 0.5) * self.resolution
-        return centres
+        return np.asarray((self.keys() + 0.5) * self.resolution, dtype=np.float64)
 
     def coarser(self, resolution: float) -> Cells:
         """Return the cells of another grid that hold a centre of these.

@@ -23,7 +23,7 @@ class ReadPoses(NamedTuple):
     rows: NDArray[np.float64]  # (n, 7) what the poses were read from
 
 
-class _Listed(NamedTuple):
+class ListedFrames(NamedTuple):
     """The frames that a message lists."""
 
     ids: NDArray[np.int64]  # (n,) in its order
@@ -38,11 +38,11 @@ class FramePosesReader:
 
     def __init__(self, names: NameTable) -> None:
         self._names = names
-        self._known: dict[tuple[str, tuple[str, ...], tuple[int, ...]], _Listed] = {}
+        self._known: dict[tuple[str, tuple[str, ...], tuple[int, ...]], ListedFrames] = {}
 
     def read(self, message: Any) -> ReadPoses:
         """Return the poses of a message; raises RuntimeError, and nothing is half read."""
-        ids, frames = self._frames(message)
+        ids, frames = self.listed_in(message)
         poses = np.asarray(message.poses, dtype=np.float64)
         if poses.size != _POSE_WIDTH * len(frames):
             raise ArgumentError(
@@ -54,7 +54,7 @@ class FramePosesReader:
 
     def read_twists(self, message: Any) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the ids (n,) of frames and V_WF (n, 6) of a FrameTwists; raises RuntimeError."""
-        ids = self._frames(message).ids
+        ids = self.listed_in(message).ids
         twists = np.asarray(message.twists, dtype=np.float64)
         if twists.size != _TWIST_WIDTH * len(ids) or not np.isfinite(twists).all():
             raise ArgumentError(
@@ -63,8 +63,8 @@ class FramePosesReader:
             )
         return ids, twists.reshape(-1, _TWIST_WIDTH)
 
-    def _frames(self, message: Any) -> _Listed:
-        """Return the frames that a message names."""
+    def listed_in(self, message: Any) -> ListedFrames:
+        """Return the frames that a message names; raises RuntimeError for names that are none."""
         world_frame, frame_id = self._names.frame_names[self._names.world], message.header.frame_id
         if frame_id not in ('', world_frame):
             raise ArgumentError(
@@ -78,7 +78,7 @@ class FramePosesReader:
         listed = self._known.get(key)
         if listed is None:
             ids = [frame.get_value() for frame in self._look_up(message)]
-            listed = _Listed(np.array(ids, dtype=np.int64), frozenset(ids))
+            listed = ListedFrames(np.array(ids, dtype=np.int64), frozenset(ids))
             # One list for each sender; a sender whose lists never repeat must not fill the memory.
             if len(self._known) >= 64:
                 self._known.clear()

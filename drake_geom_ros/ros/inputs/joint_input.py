@@ -67,7 +67,7 @@ class JointInput:
         ``topic`` is that of robots that name it; empty: the one for all others. Raises
         ArgumentError for what is wrong, and for a message without a joint of ours.
         """
-        places = self._places(scene, topic, tuple(message.name))
+        places = self.places(scene, topic, tuple(message.name))
         positions, speeds = _numbers(message, places)
         stamp = stamp_of(message.header.stamp)
         since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
@@ -97,9 +97,13 @@ class JointInput:
         moves = [
             self._move(scene, robot, None)
             for robot in self._driven(scene)
-            if is_new or _bytes(_base(scene, robot)) != _bytes(robot.base)
+            if is_new or _bytes(base_of(scene, robot)) != _bytes(robot.base)
         ]
         return sum(self._pose(scene, move, stamp) for move in moves if move)
+
+    def has_followed(self, scene: HeldScene) -> bool:
+        """Return whether ``follow`` has seen this version of the scene."""
+        return self._version == scene.version
 
     def troubles(self, scene: HeldScene, stale_after: float) -> list[str]:
         """Return what is wrong with the joints, in words."""
@@ -142,7 +146,7 @@ class JointInput:
         robots = scene.joints.robots.values()
         return [robot for robot in robots if robot.topic or self._by_default]
 
-    def _places(
+    def places(
         self, scene: HeldScene, topic: str, names: tuple[str, ...]
     ) -> list[JointPlace | None]:
         """Return where the numbers of a message go; raises ArgumentError where none goes."""
@@ -184,7 +188,7 @@ class JointInput:
         Links that no joint moves move only where they wait, or with the base. None: no link of
         the robot can be posed.
         """
-        base = _base(scene, robot)
+        base = base_of(scene, robot)
         if base is None:
             return None
         moved = robot.base is not None and _bytes(base) != _bytes(robot.base)
@@ -217,7 +221,7 @@ class JointInput:
         return len(move.poses)
 
 
-def _base(scene: HeldScene, robot: DrivenRobot) -> Base | None:
+def base_of(scene: HeldScene, robot: DrivenRobot) -> Base | None:
     """Return where the root link of a robot stands; None where nobody knows."""
     since = None if robot.root is None else scene.posed_since(robot.root)
     return scene.joints.base(robot, scene.query, since)

@@ -19,7 +19,7 @@ more than a second (a bag begins anew) what was known from ``/tf`` is forgotten.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -128,6 +128,21 @@ class TfInput:
             return self._pose(scene, set())
         return 0
 
+    def hangs_on_any(self, scene: HeldScene, frames: Collection[int]) -> bool:
+        """Return whether a chain may end in one of some frames, or was not followed yet."""
+        if self._version != scene.version and self._edges:
+            return True
+        loose = self._loose_parents()
+        names = self._names_of_frames(scene) if loose else ()
+        return any(f.get_value() in frames and not loose.isdisjoint(own) for f, own in names)
+
+    def _loose_parents(self) -> frozenset[str]:
+        """Return the parents of transforms that have no transform of their own."""
+        if self._loose is None:
+            parents = frozenset(edge.parent for edge in self._edges.values())
+            self._loose = parents - self._edges.keys()
+        return self._loose
+
     def _refuse_too_many(self, fresh: list[tuple[str, Edge]]) -> None:
         """Raise ArgumentError where more frames would be known than are kept."""
         if len(self._edges) + len(fresh) > _MOST_FRAMES:
@@ -215,10 +230,7 @@ class TfInput:
         posed otherwise.
         """
         ends = {scene.world_frame: _WORLD}
-        if self._loose is None:
-            parents = frozenset(edge.parent for edge in self._edges.values())
-            self._loose = parents - self._edges.keys()
-        names = self._loose - ends.keys()
+        names = self._loose_parents() - ends.keys()
         if not names:
             return ends
         for frame, own in self._names_of_frames(scene):

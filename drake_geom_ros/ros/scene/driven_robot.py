@@ -154,7 +154,7 @@ class DrivenRobot:
             values = [self.values[column] for column in columns]
             known = [value.since for value in values if value is not None]
             if some and len(known) == len(columns):
-                posed[_oldest(base.since, *known)] |= some
+                posed[oldest(base.since, *known)] |= some
         return posed
 
     def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:
@@ -206,7 +206,7 @@ class DrivenRobot:
 Moments = Mapping[Since, Collection[int]]
 
 
-def _oldest(*moments: Since) -> Since:
+def oldest(*moments: Since) -> Since:
     """Return since when all hold that hold since some moments."""
     distinct = set(moments)
     distinct.discard(ALWAYS)

@@ -23,7 +23,7 @@ from drake_geom_ros.geometry import (
     SourceId,
     closing_speeds,
 )
-from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader, ReadPoses
+from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader, ListedFrames, ReadPoses
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.scene.awaited_filters import AwaitedFilters
 from drake_geom_ros.ros.scene.camera_limits import CameraLimits
@@ -184,6 +184,11 @@ class HeldScene:
         """Return the poses of a FramePoses; raises RuntimeError for what cannot be taken."""
         self._refresh()
         return self._reader.read(message)
+
+    def listed_in(self, message: Any) -> ListedFrames:
+        """Return which frames a FramePoses names; raises RuntimeError as ``read_poses``."""
+        self._refresh()
+        return self._reader.listed_in(message)
 
     def _refresh(self) -> None:
         if self._named_version != self.version:

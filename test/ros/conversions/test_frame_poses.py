@@ -30,7 +30,8 @@ def test_frame_poses_by_name_and_by_id(scene, names):
         plain_poses(ids=[left.get_value()], rows=[row], source='left'),
     ):
         for _ in range(2):  # The second time the names are known.
-            poses, frames = reader.read(message)
+            poses, frames, rows = reader.read(message)
+            assert rows.tolist() == [row]
             assert isinstance(poses, FramePoseVector)
             assert poses.value(poses.ids()[0]).translation().tolist() == [1, 2, 3]
             assert frames == {poses.ids()[0].get_value()}

@@ -1,0 +1,187 @@
+"""Plays a recording and takes its states: message by message, and whole runs of them at once.
+
+What a run is, and why its states are those of its messages one by one, ``ros/inputs/pose_runs.py``
+says. What is not known to be that simple is played message by message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.recordings.layouts import Layouts
+from drake_geom_ros.recordings.message_types import CLOCK, POSES
+from drake_geom_ros.recordings.playback import Moment, Playback
+from drake_geom_ros.recordings.recording import Recorded, recorded
+from drake_geom_ros.recordings.repeats import Batch, Stretch
+from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
+from drake_geom_ros.recordings.storages import NANOSECONDS, Raw
+from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
+
+_SHORTEST = 8  # messages of a run: to tell one takes as long as some messages
+
+
+class Player:
+    """Plays batches of messages, and yields the states in blocks."""
+
+    def __init__(
+        self, playback: Playback, states: StateBlocks, roles: Mapping[str, str], rate: float
+    ) -> None:
+        """``roles`` as of ``roles_of``; a state with each message, or at a ``rate`` [Hz]."""
+        self._playback, self._states, self._roles, self._rate = playback, states, roles, rate
+        self._layouts = Layouts()
+        # What the senders pose whose last message was taken, by layout: nothing else came since.
+        self._taken: dict[int, frozenset[Any]] = {}
+        self._first = -1  # the first pose's time [ns]
+        self.count = 0  # of states
+        self.begin = self.end = 0  # [ns]
+
+    def blocks(self, batches: Iterable[Sequence[Raw]]) -> Iterator[Block]:
+        """Yield the states of all messages."""
+        for raws in batches:
+            self.begin = self.begin or raws[0].time
+            yield from self._play(Batch(raws, self._layouts))
+        if self._rate and self._first >= 0 and self._due() <= self.end:
+            yield from self._take(self._due())
+        yield from self._states.rest()
+        self._playback.look(self.end)
+
+    def _due(self) -> int:
+        """Return when [ns] the next state of a rate is."""
+        return self._first + round(self.count * NANOSECONDS / self._rate)
+
+    def _is_due(self, time: int) -> bool:
+        """Return whether a state of a rate is taken before a message [ns]."""
+        return bool(self._rate) and self._first >= 0 and self._due() < time
+
+    def _take(self, time: int) -> Iterator[Block]:
+        self.count += 1
+        return self._states.take(time)
+
+    def _play(self, batch: Batch) -> Iterator[Block]:
+        k = 0
+        while k < len(batch.raws):
+            stretch = self._stretch(batch, k)
+            run = self._run_of(stretch) if stretch.count >= _SHORTEST else None
+            if run is not None:
+                yield from self._play_run(stretch, run)
+            else:
+                for each in range(k, max(k + 1, stretch.end)):
+                    yield from self._play_one(batch, each)
+            k = max(k + 1, stretch.end)
+
+    def _stretch(self, batch: Batch, begin: int) -> Stretch:
+        """Return the messages from one on that may be a run."""
+        known = [r.topic.type == CLOCK or id(r.layout) in self._taken for r in batch.repeated]
+        if not (batch.is_good[begin] and known[batch.owner[begin]]):
+            return Stretch(batch, begin, begin)
+        may_be = batch.is_good[begin:] & np.array([*known, False])[batch.owner[begin:]]
+        may_be &= batch.times[begin:] < self._playback.next_look
+        stops = np.flatnonzero(~may_be)
+        return Stretch(batch, begin, begin + int(stops[0]) if len(stops) else len(batch.raws))
+
+    def _play_one(self, batch: Batch, k: int) -> Iterator[Block]:
+        """Take one message."""
+        raw = batch.raws[k]
+        self.end = max(self.end, raw.time)
+        while self._is_due(raw.time):
+            self._playback.wait_until(self._due())
+            yield from self._take(self._due())
+        message = recorded(raw)
+        has_posed = self._playback.take(message, self._roles[raw.topic.name])
+        self._learn(batch, k, message, has_posed=has_posed)
+        if has_posed and not self._rate:
+            yield from self._take(raw.time)
+        elif has_posed and self._first < 0:
+            self._first = raw.time
+
+    def _learn(self, batch: Batch, k: int, message: Recorded, *, has_posed: bool) -> None:
+        """Note whose message was taken last."""
+        owner = int(batch.owner[k])
+        if message.topic.type == CLOCK:
+            return
+        if not (has_posed and owner >= 0):
+            self._taken.clear()
+            return
+        with self._playback.live.reading() as scene:
+            posed = subjects_of(
+                self._playback.inputs, scene, message.message, self._topic(k, batch)
+            )
+        self._taken = {k: each for k, each in self._taken.items() if each.isdisjoint(posed)}
+        self._taken[id(batch.repeated[owner].layout)] = posed
+
+    def _topic(self, k: int, batch: Batch) -> str | None:
+        """Return the topic of joint states as robots name it; None where it is one of poses."""
+        topic = batch.raws[k].topic
+        if topic.type == POSES:
+            return None
+        return self._roles[topic.name].partition(':')[2]
+
+    def _run_of(self, stretch: Stretch) -> PoseRun | None:
+        batch, senders = stretch.batch, []
+        for number, owner in enumerate(stretch.owners):
+            repeated = batch.repeated[owner]
+            at, rows = stretch.rows_of(number)
+            senders.append(
+                Sender(
+                    sample=repeated.layout.sample,
+                    topic=self._topic(stretch.begin + int(at[0]), batch),
+                    # None is good that is the first of a batch, so there is one before.
+                    before=repeated.numbers[rows[0] - 1],
+                    at=at,
+                    numbers=repeated.numbers[rows],
+                )
+            )
+        if not senders:
+            return None
+        with self._playback.live.editing() as scene:
+            return run_of(self._playback.inputs, scene, senders, stretch.count)
+
+    def _play_run(self, stretch: Stretch, run: PoseRun) -> Iterator[Block]:
+        yield from self._states.begin_run(run)
+        found, moments = self._states_of_run(stretch, run)
+        self.end = max(self.end, int(stretch.batch.times[stretch.begin : stretch.end].max()))
+        yield from self._states.take_run(run, found)
+        # The last message of each sender leaves the scene as all of them would have.
+        now = self._playback.moment
+        for k, moment in moments:
+            self._playback.moment = moment
+            raw = stretch.batch.raws[stretch.begin + k]
+            self._playback.take(recorded(raw), self._roles[raw.topic.name])
+        self._playback.moment = now
+
+    def _states_of_run(
+        self, stretch: Stretch, run: PoseRun
+    ) -> tuple[RunStates, list[tuple[int, Moment]]]:
+        """Return the states of a run, by the rules of ages a message at a time.
+
+        And the last message of each sender, with what the clocks said then.
+        """
+        playback, arrival = self._playback, self._playback.clocks.arrival
+        heard, found = list(run.heard), RunStates([], [], [])
+        last = {int(stretch.rows_of(number)[0][-1]) for number in range(len(heard))}
+        moments: list[tuple[int, Moment]] = []
+
+        def take(time: int, messages: int) -> None:
+            found.times.append(time)
+            found.messages.append(messages)
+            found.ages.append(self._states.ages_of_run(heard))
+            self.count += 1
+
+        for k, (time, sender, stamp) in enumerate(stretch.messages()):
+            while self._is_due(time):
+                playback.wait_until(self._due())
+                take(self._due(), k)
+            playback.wait_until(time)
+            if sender < 0:
+                playback.tick(stamp.sec + stamp.nanosec / NANOSECONDS)
+                continue
+            if k in last:
+                moments.append((k, playback.moment))
+            heard[sender] = arrival().since(seconds_of(stamp))
+            if not self._rate:
+                take(time, k + 1)
+        return found, moments

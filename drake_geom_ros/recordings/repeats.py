@@ -1,0 +1,130 @@
+"""What of a batch of messages comes again and again, as arrays; and stretches of nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.recordings.layouts import Bytes, Layout, Layouts, rows_of
+from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES
+from drake_geom_ros.recordings.playback import is_jump
+from drake_geom_ros.recordings.storages import NANOSECONDS, Raw, Topic
+
+Indices = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+_STAMP = {CLOCK: 'clock', JOINTS: 'header.stamp', POSES: 'header.stamp'}
+_NUMBERS = {JOINTS: 'position', POSES: 'poses'}
+_FINITE = {JOINTS: ('position', 'velocity'), POSES: ('poses',), CLOCK: ()}
+
+
+class Stamp(NamedTuple):
+    """What is used of a builtin_interfaces/Time."""
+
+    sec: int
+    nanosec: int
+
+
+class Repeated(NamedTuple):
+    """The messages of a batch that share a layout."""
+
+    topic: Topic
+    layout: Layout
+    at: Indices  # (n,) their places in the batch
+    seconds: Indices  # (n,) of stamps, or of the clock
+    nanoseconds: Indices  # (n,)
+    numbers: Floats  # (n, k) positions or poses; of a clock none
+    is_good: Flags  # (n,) finite, and no clock that jumps; no stamp is that of the one before
+
+
+class Batch:
+    """Messages as bytes, and what of them comes again and again."""
+
+    def __init__(self, raws: Sequence[Raw], layouts: Layouts) -> None:
+        self.raws = raws
+        self.times = np.array([raw.time for raw in raws], dtype=np.int64)
+        self.repeated = _repeated(raws, layouts)
+        # Of each message which of these it is part of, and where in that; -1: of none.
+        self.owner, self.row = np.full((2, len(raws)), -1, dtype=np.int64)
+        self.is_good = np.zeros(len(raws), dtype=np.bool_)
+        self.stamps = np.zeros((len(raws), 2), dtype=np.int64)
+        for number, each in enumerate(self.repeated):
+            self.owner[each.at], self.row[each.at] = number, np.arange(len(each.at))
+            self.is_good[each.at] = each.is_good
+            self.stamps[each.at] = np.column_stack((each.seconds, each.nanoseconds))
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Messages of a batch, one after another, that repeat."""
+
+    batch: Batch
+    begin: int
+    end: int
+
+    @property
+    def count(self) -> int:
+        """How many messages there are."""
+        return self.end - self.begin
+
+    @cached_property
+    def owners(self) -> list[int]:
+        """Which repeated messages of the batch are here but for clocks: those of a sender each."""
+        here = np.unique(self.batch.owner[self.begin : self.end]).tolist()
+        return [k for k in here if self.batch.repeated[k].topic.type != CLOCK]
+
+    def rows_of(self, sender: int) -> tuple[Indices, Indices]:
+        """Return where a sender's messages are here, and where among all that it repeats."""
+        owner = self.batch.owner[self.begin : self.end]
+        at = np.flatnonzero(owner == self.owners[sender])
+        return at, self.batch.row[self.begin + at]
+
+    def messages(self) -> Iterator[tuple[int, int, Stamp]]:
+        """Yield time [ns], sender or -1 for a clock, and stamp of each."""
+        part = slice(self.begin, self.end)
+        senders = {owner: number for number, owner in enumerate(self.owners)}
+        rows = zip(
+            self.batch.times[part].tolist(),
+            self.batch.owner[part].tolist(),
+            self.batch.stamps[part].tolist(),
+            strict=True,
+        )
+        for time, owner, stamp in rows:
+            yield time, senders.get(owner, -1), Stamp(*stamp)
+
+
+def _repeated(raws: Sequence[Raw], layouts: Layouts) -> list[Repeated]:
+    alike: dict[tuple[Topic, int], list[int]] = {}
+    for k, raw in enumerate(raws):
+        alike.setdefault((raw.topic, len(raw.data)), []).append(k)
+    found = []
+    for (topic, size), places in alike.items():
+        if not layouts.may_know(topic, size, len(places)):
+            continue
+        at, rows = np.array(places), rows_of([raws[k].data for k in places])
+        for layout, chosen in layouts.of(topic, rows):
+            found.append(_arrays_of(topic, layout, at[chosen], rows[chosen]))
+    return found
+
+
+def _arrays_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeated:
+    """Return what messages of a layout say."""
+    stamp = _STAMP[topic.type]
+    parts = (layout.numbers(rows, f'{stamp}.{name}')[:, 0] for name in ('sec', 'nanosec'))
+    seconds, nanoseconds = (part.astype(np.int64) for part in parts)
+    is_good = np.append(False, np.ones(len(at) - 1, dtype=np.bool_))  # behind what is not here
+    for path in _FINITE[topic.type]:
+        is_good &= np.isfinite(layout.numbers(rows, path)).all(axis=1)
+    if topic.type == CLOCK:
+        now = seconds + nanoseconds / NANOSECONDS
+        is_good[1:] &= ~is_jump(now[:-1], now[1:])
+        return Repeated(topic, layout, at, seconds, nanoseconds, np.zeros((len(at), 0)), is_good)
+    unstamped = (seconds == 0) & (nanoseconds == 0)
+    is_good[1:] &= unstamped[1:] | (np.diff(seconds) != 0) | (np.diff(nanoseconds) != 0)
+    numbers = layout.numbers(rows, _NUMBERS[topic.type])
+    return Repeated(topic, layout, at, seconds, nanoseconds, numbers, is_good)

@@ -1,0 +1,83 @@
+"""Where numbers stand in the bytes of messages is learnt from rosbags, and holds for all alike."""
+
+import numpy as np
+import pytest
+from recordings import recorder
+
+from drake_geom_ros.recordings.layouts import Layout, Layouts, rows_of
+from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, message_of
+from drake_geom_ros.recordings.storages import Topic
+
+
+def written(message):
+    return bytes(recorder.store().serialize_cdr(message, message.__msgtype__))
+
+
+def random_messages(rng, kind, count):
+    names = [f'j{"x" * k}' for k in range(rng.integers(1, 5))]
+    for _ in range(count):
+        t = rng.uniform(0.0, 1e4)
+        if kind == JOINTS:
+            message = recorder.joint_state(t, names, rng.normal(size=len(names)))
+            message.header.frame_id = 'base'
+            message.velocity = rng.normal(size=len(names))
+        elif kind == POSES:
+            message = recorder.frame_poses(t, names, rng.normal(size=(len(names), 7)), 's')
+        else:
+            message = recorder.clock(t)
+        yield message
+
+
+@pytest.mark.parametrize('kind', [JOINTS, POSES, CLOCK])
+@pytest.mark.parametrize('seed', range(5))
+def test_numbers_are_those_of_each_message(kind, seed):
+    messages = list(random_messages(np.random.default_rng(seed), kind, 20))
+    topic = Topic('/t', kind)
+    rows = rows_of([written(message) for message in messages])
+    ((layout, chosen),) = Layouts().of(topic, rows)
+    assert chosen.tolist() == list(range(20))
+    for path in layout.fields:
+        *above, name = path.split('.')
+        for k, message in enumerate(messages):
+            owner = message
+            for each in above:
+                owner = getattr(owner, each)
+            told = layout.numbers(rows, path)[k]
+            assert told.tolist() == np.atleast_1d(getattr(owner, name)).tolist()
+
+
+def test_other_names_and_other_lengths_are_other_layouts():
+    rng = np.random.default_rng(0)
+    names = (['aa', 'bb'], ['ab', 'ba'], ['aa', 'bb'])
+    rows = rows_of([written(recorder.joint_state(1.0, n, rng.normal(size=2))) for n in names])
+    found = Layouts().of(Topic('/t', JOINTS), rows)
+    assert [chosen.tolist() for _, chosen in found] == [[0, 2]]  # what comes once is no stream
+    message = recorder.joint_state(1.0, names[0], [0.0, 1.0])
+    other = recorder.joint_state(1.0, names[0], [0.0])
+    message.velocity, other.velocity = np.zeros(1), np.zeros(2)  # as long as each other
+    assert len(written(message)) == len(written(other))
+    layout = Layout(Topic('/t', JOINTS), written(message))
+    assert layout.of(rows_of([written(message), written(other)])).tolist() == [True, False]
+
+
+def test_what_stands_between_numbers_may_be_anything():
+    topic = Topic('/t', JOINTS)
+    message = recorder.joint_state(1.0, ['joint'], [0.5])
+    model, own = Layout(topic, written(message)), written(message)
+    dirty = bytearray(own)
+    for place in np.flatnonzero(~model._counts[4:]).tolist():
+        inside = any(f.start <= place + 4 < f.stop for f in model.fields.values())
+        if not inside:
+            dirty[place + 4] = 0xAB
+    assert bytes(dirty) != own
+    assert message_of(topic, bytes(dirty)).position.tolist() == [0.5]
+    assert model.of(rows_of([bytes(dirty)])).all()
+    assert Layout(topic, bytes(dirty)).of(rows_of([own])).all()
+
+
+def test_another_byte_order_is_no_model():
+    message = recorder.joint_state(1.0, ['a'], [0.5])
+    big = bytes(recorder.store().serialize_cdr(message, JOINTS, little_endian=False))
+    with pytest.raises(ValueError, match='another way'):
+        Layout(Topic('/t', JOINTS), big)
+    assert Layouts().of(Topic('/t', JOINTS), rows_of([big, big])) == []
