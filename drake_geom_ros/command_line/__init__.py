@@ -3,5 +3,6 @@
 In: arguments of the shell and files.
 Out: text, tables and files, and exit codes.
 May import: ``math``, ``common``, ``sensors``, ``geometry``, ``scene_files``, ``trajectories``,
-    ``replay``, ``batch``, ``cross_check``, ``viewing``, ``recordings``; numpy, PIL, matplotlib.
+    ``replay``, ``batch``, ``cross_check``, ``viewing``, ``recordings``, ``sensed_maps``; numpy,
+    PIL, matplotlib.
 """

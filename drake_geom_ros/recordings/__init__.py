@@ -7,8 +7,9 @@
 
 In: recordings (MCAP, sqlite3), and a scene file or the robot's description in them.
 Out: least distances over time, what was left out, stale or damaged; tables, plots, a report.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
-    ``ros``, of which only rooms without ROS, ``batch``; numpy, yaml, rosbags, mcap, matplotlib.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``; numpy, yaml, rosbags,
+    mcap, matplotlib.
 """
 
 from drake_geom_ros.recordings.clearance import clearance

@@ -2,7 +2,7 @@
 
 In: parameters, topics and services.
 Out: results, markers and diagnostics.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
-    ``conversions``, ``scene``, ``trajectories``, ``cross_check``, ``inputs``, ``outputs``,
-    ``services``; numpy, ROS.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``, ``conversions``, ``scene``, ``trajectories``, ``cross_check``, ``inputs``,
+    ``outputs``, ``services``; numpy, ROS.
 """

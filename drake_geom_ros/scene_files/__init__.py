@@ -11,8 +11,8 @@ their first poses), ``register`` registers one, ``save_scene`` writes a scene gr
 
 In: YAML, URDF and SRDF.
 Out: registrations, and a scene back to YAML; errors name file and line.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``; numpy, yaml,
-    lxml, jsonschema, xacro.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``;
+    numpy, yaml, lxml, jsonschema, xacro.
 """
 
 from drake_geom_ros.scene_files.cameras import add_renderers, camera_of, check_camera

@@ -11,7 +11,7 @@
 
 In: bytes, points (n, 3) [m], times [s].
 Out: cells and points, checked before memory is taken for them.
-May import: ``math``, ``common``, ``geometry``, ``meshes``; numpy.
+May import: ``math``, ``common``, ``geometry``; numpy.
 """
 
 from drake_geom_ros.sensed_maps.cells import Cells, MapError

@@ -5,6 +5,6 @@ objects test it. What a message holds is checked here, once; errors name the fie
 
 In: messages, or any objects with their fields.
 Out: values of the core, checked once; errors name the field.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``;
-    numpy.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``; numpy.
 """

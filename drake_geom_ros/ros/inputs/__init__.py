@@ -2,6 +2,6 @@
 
 In: values of messages, when they come.
 Out: changes of the live scene, and what is wrong with them.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
-    ``conversions``, ``scene``; numpy.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``, ``conversions``, ``scene``; numpy.
 """

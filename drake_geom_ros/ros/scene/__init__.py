@@ -2,6 +2,6 @@
 
 In: poses and changes, checked by ``conversions``.
 Out: views of one moment, which no later change reaches.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
-    ``conversions``, ``trajectories``; numpy.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``, ``conversions``, ``trajectories``; numpy.
 """

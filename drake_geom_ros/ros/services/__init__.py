@@ -2,6 +2,6 @@
 
 In: requests.
 Out: responses; a refusal says what was asked, and what is allowed.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
-    ``conversions``, ``scene``, ``batch``, ``inputs``; numpy, ROS.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``, ``conversions``, ``scene``, ``batch``, ``inputs``; numpy, ROS.
 """

@@ -2,6 +2,6 @@
 
 In: topics and services of a node in another process.
 Out: a scene as ``viewing`` shows it.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``scene_files``,
-    ``client``, ``viewing``, ``conversions``, ``ros``; numpy, ROS.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``, ``client``, ``viewing``, ``conversions``, ``ros``; numpy, ROS.
 """

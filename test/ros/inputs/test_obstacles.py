@@ -180,8 +180,11 @@ def test_the_pose_of_a_stamp_is_waited_for_a_little():
 def test_what_cannot_be_is_refused_whole_and_the_map_of_before_stays(monkeypatch, message, reason):
     monkeypatch.setattr(moments, 'PATIENCE', 0.05)
     node = Node()
+    node.move(99.45, [0, 0, 0])
     node.move(99.9, [0, 0, 0])
     node.input.take_cloud(cloud([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]], stamp=99.9))
+    if 'eye' not in message.header.frame_id:
+        node.move(100.0, [0, 0, 0])
     before, changes = node.centres(), node.changes
     with pytest.raises(RuntimeError, match=reason):
         node.input.take_cloud(message)
