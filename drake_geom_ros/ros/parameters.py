@@ -203,7 +203,7 @@ _RANGES = {
     'filters_per_owner': (1, 1000000),
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
-    'obstacle_resolution': (0.001, 10.0),
+    'obstacle_resolution': (0.002, 10.0),
     'obstacle_reach': (0.01, 1000.0),
     'obstacle_padding': (0.0, 10.0),
     'obstacle_least_points': (1, 10000),

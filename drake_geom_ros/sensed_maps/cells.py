@@ -13,7 +13,7 @@ from drake_geom_ros.geometry import ArgumentError
 _BITS = 21
 MOST_STEPS = 1 << (_BITS - 1)  # cells from the origin along an axis
 MOST_CELLS = 5_000_000  # of a map: 120 MB as centres
-LEAST_RESOLUTION, LARGEST_RESOLUTION = 1e-4, 1e3  # [m]
+LEAST_RESOLUTION, LARGEST_RESOLUTION = 1.0 / 8192.0, 1024.0  # [m]
 
 Floats = NDArray[np.float64]
 Keys = NDArray[np.int64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError
 
 # sensor_msgs/Image: its encoding, how a pixel is written, and its unit [m] (REP 118).
-_ENCODINGS = {'16UC1': ('u2', 1e-3), '32FC1': ('f4', 1.0)}
+_ENCODINGS = {'16UC1': ('u2', 1.0 / 1000.0), '32FC1': ('f4', 1.0)}
 
 
 def points_from_depth(image: Any, camera: Any) -> NDArray[np.float64]:

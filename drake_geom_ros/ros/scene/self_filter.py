@@ -22,6 +22,7 @@ from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+_ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
 
 
 class SelfFilter:
@@ -123,7 +124,7 @@ def _ball(
     properties = inspector.GetProximityProperties(geometry)
     larger = properties.GetPropertyOrDefault('proximity', 'padding', 0.0) if properties else 0.0
     radius = float(np.linalg.norm(obb.half_width())) + larger
-    return frame, np.array(X_FB.translation()), radius * (1.0 + 1e-9)
+    return frame, np.array(X_FB.translation()), _ROOM * radius
 
 
 def bodies_of(query: QueryObject, sources: set[str] | None, leave_out: str) -> list[GeometryId]:
