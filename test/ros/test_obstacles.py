@@ -73,9 +73,6 @@ class Cell:
         }  # fmt: skip
         self.clouds.publish(PointCloud2(**{**told, **changes}))
 
-    def ids(self):
-        return {f'{g.name}': g.id for g in self.names[-1].geometries if g.shape.type == 10}
-
     def distance(self):
         """Return the distance of the newest result that is to a map; None: there is none."""
         maps = {g.id for g in self.names[-1].geometries if g.shape.type == 10}
@@ -231,20 +228,13 @@ def test_maps_are_saved_loaded_and_cleared(cell, node):
     other = str(folder / 'other.bt')
     refused(call(srv.SaveObstacles, 'save_obstacles', path=other), 'not written by save_obstacles')
 
-    cleared = accepted(call(srv.ClearObstacles, 'clear_obstacles'))
-    assert cleared.cells == 2
+    assert accepted(call(srv.ClearObstacles, 'clear_obstacles')).cells == 2
     cell.until(lambda: cell.results[-1].waiting_pairs == 2, 'that both wait again')
     loaded = accepted(call(srv.LoadObstacles, 'load_obstacles', path=str(folder / 'seen.bt')))
     assert loaded.cells == 2
     cell.until(lambda: cell.distance() == near, 'the loaded map')
     cell.client.spin_until(time.monotonic() + 1.2)
-    cell.until(
-        lambda: (
-            dict(zip(cell.reports[-1].maps, cell.reports[-1].map_ages, strict=True)).get('file')
-            == 0.0
-        ),
-        'a map that does not age',
-    )
+    cell.until(lambda: cell.map_ages()['file'] == 0.0, 'a map that does not age')
     refused(call(srv.LoadObstacles, 'load_obstacles', path=str(folder / 'none.bt')), 'no file')
     refused(call(srv.LoadObstacles, 'load_obstacles', path=str(folder / 'scene.yaml')), '.bt')
     refused(call(srv.ClearObstacles, 'clear_obstacles', map='moon'), 'points')
