@@ -23,6 +23,7 @@ from drake_geom_ros.geometry.autodiff.scalar_templates import (
     SurfaceMesh_,
     SurfaceVertex_,
     TriangleSurfaceMesh_,
+    VolumeMesh_,
 )
 from drake_geom_ros.geometry.errors import (
     ArgumentError,
@@ -36,6 +37,7 @@ from drake_geom_ros.geometry.errors import (
     RoleError,
     UnknownIdError,
 )
+from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticType
 from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh, MeshSource
 from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh, SurfacePolygon
@@ -48,6 +50,11 @@ from drake_geom_ros.geometry.meshes.surface_mesh import (
     SurfaceTriangle,
     SurfaceVertex,
     TriangleSurfaceMesh,
+)
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeElement, VolumeMesh
+from drake_geom_ros.geometry.meshes.volume_surface import (
+    ConvertVolumeToSurfaceMesh,
+    RefineVolumeMesh,
 )
 from drake_geom_ros.geometry.model.collision_filter_declaration import (
     CollisionFilterDeclaration,
@@ -62,6 +69,11 @@ from drake_geom_ros.geometry.model.contact_material import AddContactMaterial
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.geometry_version import GeometryVersion
+from drake_geom_ros.geometry.model.hydroelastic_properties import (
+    AddCompliantHydroelasticProperties,
+    AddCompliantHydroelasticPropertiesForHalfSpace,
+    AddRigidHydroelasticProperties,
+)
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
@@ -73,6 +85,10 @@ from drake_geom_ros.geometry.model.properties import (
     RoleAssign,
 )
 from drake_geom_ros.geometry.model.rgba import Rgba
+from drake_geom_ros.geometry.model.scene_graph_config import (
+    DefaultProximityProperties,
+    SceneGraphConfig,
+)
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.closing import ClosingSpeeds, closing_speeds
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
@@ -166,10 +182,15 @@ __all__ = [
     'RoleAssign',
     'MakePhongIllustrationProperties',
     'AddContactMaterial',
+    'AddRigidHydroelasticProperties',
+    'AddCompliantHydroelasticProperties',
+    'AddCompliantHydroelasticPropertiesForHalfSpace',
     'GeometrySet',
     'FramePoseVector',
     # the scene,
     'SceneGraph',
+    'SceneGraphConfig',
+    'DefaultProximityProperties',
     'SceneGraphInspector',
     'GeometryVersion',
     'CollisionFilterManager',
@@ -204,6 +225,10 @@ __all__ = [
     'PolygonSurfaceMesh',
     'SurfacePolygon',
     'ReadObjToTriangleSurfaceMesh',
+    'VolumeMesh',
+    'VolumeElement',
+    'ConvertVolumeToSurfaceMesh',
+    'RefineVolumeMesh',
     # the last of them by the names of 2020.
     'SurfaceMesh',
     'SurfaceVertex',
@@ -222,6 +247,7 @@ __all__ = [
     'SurfaceMesh_',
     'SurfaceVertex_',
     'TriangleSurfaceMesh_',
+    'VolumeMesh_',
     # Ours: contexts, compiling, result sequences, levels of accuracy, what there is to know of
     # filters,
     'SceneGraphContext',
@@ -239,6 +265,7 @@ __all__ = [
     'ACCURACY_GAPS',
     'METHODS',
     'ShapeKind',
+    'HydroelasticType',
     'FilterGroup',
     'FilterStatement',
     # the renderer that is exact, and the one by VTK,

@@ -53,7 +53,8 @@ PROXIMITY_ROOMS = {
 _ANSWERING = tuple(room for room in PROXIMITY_ROOMS if room != 'geometry/_rendering')
 _MESHES = ('math', 'common', 'geometry', 'geometry/meshes')
 _PUBLIC_SHAPES = (*_MESHES, 'geometry/shapes')
-_MODEL = (*_PUBLIC_SHAPES, 'geometry/model')
+_HYDROELASTIC = (*_PUBLIC_SHAPES, 'geometry/hydroelastic')
+_MODEL = (*_HYDROELASTIC, 'geometry/model')
 _RENDER = (*_MODEL, 'sensors', 'geometry/render')
 _QUERIES = (*_RENDER, 'geometry/queries')
 _SCENE = (*_QUERIES, 'autodiffutils', 'geometry/scene')
@@ -65,6 +66,7 @@ GEOMETRY_ROOMS = {
         ('numpy',),
     ),
     'geometry/shapes': ((*_PUBLIC_SHAPES, *_SHAPES), ('numpy',)),
+    'geometry/hydroelastic': (_HYDROELASTIC, ('numpy',)),
     'geometry/model': ((*_MODEL, *_WORLD, 'geometry/_proximity/filters'), ('numpy',)),
     'geometry/render': ((*_RENDER, *_WORLD, 'geometry/_rendering'), ('numpy',)),
     'geometry/render/vtk': (

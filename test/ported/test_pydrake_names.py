@@ -9,7 +9,6 @@ from ported.pydrake_names import MODULES, RECORDED, arguments, ours, pydrakes, r
 
 # What is said of these stands in docs/differences_from_pydrake.md.
 BY_KEYWORD_ONLY = {('geometry', 'Convex', '__init__', 'points')}
-NOT_TAKEN = {('geometry', 'SceneGraph', '__init__', 'config')}
 
 needs_pydrake = pytest.mark.skipif(
     importlib.util.find_spec('pydrake') is None, reason='pydrake is not installed'
@@ -52,7 +51,7 @@ def test_keywords_are_taken(call):
     instance = [None] if next(iter(signature.parameters), '') == 'self' else []
     for names in overloads:
         plain = [name.rstrip('=') for name in names]
-        if not plain or plain[0].startswith('*') or (module, kind, name, plain[0]) in NOT_TAKEN:
+        if not plain or plain[0].startswith('*'):
             continue
         required = [name for name in names if not name.endswith('=')]
         if not any(name.startswith('arg') for name in plain):
@@ -66,11 +65,9 @@ def test_keywords_are_taken(call):
 
 def test_the_exceptions_are_such():
     calls = {call[:3]: call for call in CALLS}
-    for module, kind, name, first in BY_KEYWORD_ONLY | NOT_TAKEN:
+    for module, kind, name, first in BY_KEYWORD_ONLY:
         overloads = [[n.rstrip('=') for n in names] for names in calls[module, kind, name][4]]
         assert any(names and names[0] == first for names in overloads)
-    with pytest.raises(TypeError):
-        inspect.signature(ours('geometry').SceneGraph).bind(config=None)
 
 
 def test_the_record_knows_what_there_is():

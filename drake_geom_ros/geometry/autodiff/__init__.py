@@ -2,6 +2,7 @@
 
 In: poses whose numbers carry derivatives.
 Out: answers whose numbers do.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
+    ``model``, ``sensors``,
     ``render``, ``queries``, ``autodiffutils``, ``scene``, ``_proximity``; numpy.
 """

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry.meshes.surface_mesh import (
     SurfaceVertex,
     TriangleSurfaceMesh,
 )
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.query_object import QueryObject
@@ -39,6 +40,7 @@ SignedDistanceToPoint_ = ScalarTemplate(SignedDistanceToPoint)
 SurfaceMesh_ = ScalarTemplate(SurfaceMesh)
 SurfaceVertex_ = ScalarTemplate(SurfaceVertex)
 TriangleSurfaceMesh_ = ScalarTemplate(TriangleSurfaceMesh)
+VolumeMesh_ = ScalarTemplate(VolumeMesh)
 
 FramePoseVector_.add(AutoDiffXd, FramePoseVectorAutoDiffXd)
 PenetrationAsPointPair_.add(AutoDiffXd, PenetrationAsPointPairAutoDiffXd)

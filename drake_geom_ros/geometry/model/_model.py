@@ -38,6 +38,7 @@ from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 from drake_geom_ros.geometry.model.geometry_version import fresh_number
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign, frozen
+from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform
 
@@ -47,15 +48,14 @@ class Model:
 
     def __init__(self) -> None:
         internal = SourceId.get_new_id()
-        world = FrameRecord(
-            WORLD_FRAME_ID, WORLD_NAME, internal, WORLD_FRAME_ID, WORLD_FRAME_GROUP
-        )
+        id, group = WORLD_FRAME_ID, WORLD_FRAME_GROUP
+        world = FrameRecord(id, WORLD_NAME, internal, id, group)
         self.world_frame_id = WORLD_FRAME_ID
-        self.sources: dict[SourceId, str] = {internal: INTERNAL_SOURCE_NAME}
-        self.frames: dict[FrameId, FrameRecord] = {WORLD_FRAME_ID: world}
+        self.sources, self.frames = {internal: INTERNAL_SOURCE_NAME}, {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.renderers: dict[str, Renderer] = {}
+        self.config = SceneGraphConfig()  # a new one where it changes
         self.versions = Versions()
         self.source_names = {INTERNAL_SOURCE_NAME}
         self.frame_names = {(internal, WORLD_NAME)}
@@ -73,7 +73,7 @@ class Model:
             for id, frame in self.frames.items()
         }
         other.geometries = dict(self.geometries)
-        other.first_X_PFs = dict(self.first_X_PFs)
+        other.first_X_PFs, other.config = dict(self.first_X_PFs), self.config
         other.renderers = dict(self.renderers)
         other.versions = self.versions.copy()
         other.source_names = set(self.source_names)
@@ -284,9 +284,9 @@ class Model:
                 self.owned_frame(source_id, of)
             records = [r for r in self.geometries_on(of) if r.source_id == source_id]
         losing = [record for record in records if record.properties(role) is not None]
+        changed: dict[str, None] = {ROLE_FIELDS[role]: None}
         for record in losing:
             del self.geometry_names[record.frame_id, role, record.name]
-            changed: dict[str, None] = {ROLE_FIELDS[role]: None}
             self.geometries[record.id] = record.changed(**changed)
         if losing:
             self.changed(roles=[role])

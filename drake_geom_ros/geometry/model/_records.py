@@ -7,8 +7,10 @@ from functools import cached_property
 from typing import Any, Protocol
 
 from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticBody, body_of
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model.geometry_version import fresh_marks
+from drake_geom_ros.geometry.model.hydroelastic_properties import material_of
 from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
     IllustrationProperties,
@@ -94,9 +96,29 @@ class GeometryRecord:
         """
         return for_queries(self.shape, is_solid(self))
 
+    @cached_property
+    def hydroelastic_body(self) -> HydroelasticBody | None:
+        """What the geometry is to contact surfaces, None where its properties say nothing of it.
+
+        Raises GeometryError where they say what the shape cannot be.
+        """
+        if self.proximity is None:
+            return None
+        material = material_of(self.proximity, named(self))
+        if material is None:
+            return None
+        if isinstance(self.shape, Mesh) and is_solid(self) and material.is_compliant:
+            raise GeometryError(
+                f'{named(self)} has hydroelastic properties, and a compliant Mesh would be its '
+                "convex hull, but it has the property ('mesh', 'solid'): make it rigid"
+            )
+        return body_of(self.shape, material, named(self))
+
     def changed(self, **fields: Any) -> GeometryRecord:
         """Return the record with other values in some fields; the shape stays packed if it can."""
         other = replace(self, **fields)
+        if other.shape is self.shape and other.proximity is self.proximity:
+            vars(other).update({k: v for k, v in vars(self).items() if k == 'hydroelastic_body'})
         packed = vars(self).get('queried_shape')
         same = other.shape is self.shape and is_solid(other) == is_solid(self)
         if packed and same and other.proximity is not None:
@@ -173,5 +195,6 @@ def check_for_queries(record: GeometryRecord) -> None:
         return
     padding_of(record)
     _ = record.queried_shape
+    _ = record.hydroelastic_body
     if isinstance(record.shape, Mesh) and not is_solid(record):
         tell_if_open(record.shape)

@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry.checks import canonical_name, checked_type
 from drake_geom_ros.geometry.errors import GeometryError, RoleError
+from drake_geom_ros.geometry.hydroelastic.bodies import CompliantBody, RigidBody
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId, only_id
 from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
+from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import FrameRecord, GeometryRecord, named
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
@@ -224,6 +227,24 @@ class SceneGraphInspector:
         """Return the convex hull of a Mesh or Convex, in G; None for another shape."""
         shape = self._model.geometry(geometry_id).shape
         return shape.GetConvexHull() if isinstance(shape, (Mesh, Convex)) else None
+
+    def maybe_get_hydroelastic_mesh(
+        self, geometry_id: GeometryId
+    ) -> VolumeMesh | TriangleSurfaceMesh | None:
+        """Return the mesh, in G, that stands for a geometry in contact surfaces.
+
+        Tetrahedra of a compliant one, the surface of a rigid one; None for a half space, and for a
+        geometry without hydroelastic properties.
+        """
+        body = self._model.geometry(geometry_id).hydroelastic_body
+        return body.mesh if isinstance(body, (CompliantBody, RigidBody)) else None
+
+    def maybe_get_hydroelastic_pressures(
+        self, geometry_id: GeometryId
+    ) -> NDArray[np.float64] | None:
+        """Return the pressure (n,) [Pa] at the vertices of a compliant mesh, or None."""
+        body = self._model.geometry(geometry_id).hydroelastic_body
+        return body.pressures.copy() if isinstance(body, CompliantBody) else None
 
     def GetObbInGeometryFrame(self, geometry_id: GeometryId) -> Obb | None:
         """Return the oriented box around a geometry, in G; None for a half space."""

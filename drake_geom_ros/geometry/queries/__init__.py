@@ -2,6 +2,7 @@
 
 In: a model, filters, poses.
 Out: results over arrays, records when indexed, gradients, images.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
+    ``model``, ``sensors``,
     ``render``, ``_proximity``; numpy.
 """

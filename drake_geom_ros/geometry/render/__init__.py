@@ -2,7 +2,8 @@
 
 In: cameras and a packed scene.
 Out: images, by the renderer that was asked for.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
+    ``model``, ``sensors``,
     ``_proximity``, ``_rendering``; numpy.
 """
 

@@ -2,6 +2,7 @@
 
 In: registrations and contexts.
 Out: ports that take poses and give query objects; kernels compiled before anybody waits.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
+    ``model``, ``sensors``,
     ``render``, ``queries``, ``autodiffutils``, ``_proximity``; numpy.
 """

@@ -11,10 +11,8 @@ from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID, GeometryRecord
-from drake_geom_ros.geometry.model.collision_filter_declaration import CollisionFilterDeclaration
 from drake_geom_ros.geometry.model.collision_filter_manager import CollisionFilterManager
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
-from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
@@ -23,12 +21,16 @@ from drake_geom_ros.geometry.model.properties import (
     RoleAssign,
 )
 from drake_geom_ros.geometry.model.scene_content import SceneContent, content_of
+from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.geometry.scene._attaching import Attaching
+from drake_geom_ros.geometry.scene._configured import Configured
+from drake_geom_ros.geometry.scene._contact_defaults import refuse_defaults, with_defaults
+from drake_geom_ros.geometry.scene._older_names import OlderNames
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry.shapes.primitives import Shape
@@ -36,7 +38,7 @@ from drake_geom_ros.math import RigidTransform, ScalarTemplate
 from drake_geom_ros.math.missing import refuse_missing_member
 
 
-class SceneGraph(Attaching):
+class SceneGraph(Attaching, Configured, OlderNames):
     """The scene: geometry sources, their frames, the geometries on them, and collision filters.
 
     A source registers frames, which move, and geometries on them, or on the world, where they are
@@ -64,9 +66,13 @@ class SceneGraph(Attaching):
 
     _context_type = SceneGraphContext
 
-    def __init__(self, *, accuracy: str = 'exact') -> None:
-        """``accuracy`` is that of queries which name none: bound, fast, balanced or exact."""
+    def __init__(self, config: SceneGraphConfig | None = None, *, accuracy: str = 'exact') -> None:
+        """``accuracy`` is that of queries which name none: bound, fast, balanced or exact.
+
+        ``config`` is that of ``set_config``.
+        """
         self._state = SceneContent(Model(), FilterState())
+        self.set_config(SceneGraphConfig() if config is None else config)
         self.set_default_accuracy(accuracy)
 
     if not TYPE_CHECKING:  # mypy would take any method for one that is there
@@ -220,20 +226,6 @@ class SceneGraph(Attaching):
         on = content_of(context or self)
         return CollisionFilterManager(on.model, on.filters)
 
-    @or_on_context
-    def ExcludeCollisionsWithin(self, on: SceneContent, set: GeometrySet) -> None:
-        """Exclude all pairs within a set; the older form of a persistent declaration."""
-        declaration = CollisionFilterDeclaration().ExcludeWithin(set)
-        CollisionFilterManager(on.model, on.filters).Apply(declaration)
-
-    @or_on_context
-    def ExcludeCollisionsBetween(
-        self, on: SceneContent, setA: GeometrySet, setB: GeometrySet
-    ) -> None:
-        """Exclude all pairs between two sets; the older form of a persistent declaration."""
-        declaration = CollisionFilterDeclaration().ExcludeBetween(setA, setB)
-        CollisionFilterManager(on.model, on.filters).Apply(declaration)
-
     # Renderers.
 
     @or_on_context
@@ -316,10 +308,13 @@ class SceneGraph(Attaching):
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters.
 
+        Geometries get what the defaults of the config say and their properties do not.
+
         Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
         queries raise PoseError, which names the frames, until each frame was given one.
         """
         own = self._state.copy()
+        with_defaults(own.model)
         return self._context_type(own.model, own.filters, self._default_accuracy)
 
     def TakeOver(self, context: SceneGraphContext) -> bool:
@@ -352,7 +347,9 @@ class SceneGraph(Attaching):
         For a program whose one scene lives and changes, as a ROS node: nothing is copied. With
         ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
         on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
+        Raises GeometryError for a config with a compliance type.
         """
+        refuse_defaults(self._state.model)
         return self._context_type(
             self._state.model, self._state.filters, self._default_accuracy, partial
         )

@@ -2,6 +2,7 @@
 
 In: a scene and its poses.
 Out: load and draw messages.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
+    ``model``, ``sensors``,
     ``render``, ``queries``, ``autodiffutils``, ``scene``; numpy.
 """

@@ -2,6 +2,7 @@
 
 In: packed bodies, posed in the camera.
 Out: images; nobody else imports VTK.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
+    ``model``, ``sensors``,
     ``render``; numpy, vtkmodules.
 """

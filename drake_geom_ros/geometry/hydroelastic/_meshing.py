@@ -1,0 +1,206 @@
+"""Shapes as tetrahedra around their innermost points, where the extent is 1.
+
+The sizes follow what pydrake 1.51 answers (``maybe_get_hydroelastic_mesh``); where the vertices
+are the same the extent is, too. It grows linearly from 0 on the surface to 1 on the medial axis,
+or at the middle of what has a round or many-sided surface.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.hydroelastic._cells import CutBody, Loop, body_of_cells, oriented
+from drake_geom_ros.geometry.hydroelastic.tolerances import SAME_HALF
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+MOST_LEVELS = 8  # 8 4^8 = 524 288 tetrahedra of a ball
+MOST_AROUND = 4096  # vertices around a cylinder or a capsule
+_OCTAHEDRON = np.vstack((np.eye(3), -np.eye(3)))
+_EIGHTHS = [(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]
+
+
+def ellipsoid_body(semi_axes: Floats, resolution_hint: float) -> CutBody:
+    """Return a ball or an ellipsoid: triangles of an octahedron, cut in four, about its centre.
+
+    So often that the chords of a great circle that the octahedron's edges are on, of a ball as
+    large as the longest semi-axis, are no longer than the hint.
+    """
+    radius, levels = float(semi_axes.max()), 0
+    while (chord := _chord(radius, levels)) > resolution_hint:
+        levels += 1
+        if levels > MOST_LEVELS:
+            raise _too_fine(resolution_hint, chord)
+    points, triangles = _OCTAHEDRON, np.array(_EIGHTHS, dtype=np.int64)
+    for _ in range(levels):
+        points, triangles = _cut_in_four(points, triangles)
+    return pyramids(points * semi_axes, triangles, np.zeros(3))
+
+
+def _chord(radius: float, levels: int) -> float:
+    """Return the chord [m] of a quarter of a circle halved so many times."""
+    return 2.0 * radius * math.sin(0.25 * math.pi / 2.0**levels)
+
+
+def _cut_in_four(points: Floats, triangles: Indices) -> tuple[Floats, Indices]:
+    """Return triangles of the unit sphere cut at the middles of their edges, put onto it."""
+    a, b, c = triangles.T
+    edges = np.sort(np.concatenate([np.column_stack(pair) for pair in ((a, b), (b, c), (c, a))]))
+    edges, at = np.unique(edges, axis=0, return_inverse=True)
+    middles = points[edges].sum(axis=1)
+    middles /= np.linalg.norm(middles, axis=1)[:, None]
+    ab, bc, ca = (len(points) + at.ravel()).reshape(3, -1)
+    parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+    return np.vstack((points, middles)), np.concatenate([np.column_stack(p) for p in parts])
+
+
+def pyramids(points: Floats, triangles: Indices, apex: Floats) -> CutBody:
+    """Return the pyramids of surface triangles (m, 3) over a point (3,) inside."""
+    rows = np.column_stack((triangles, np.full(len(triangles), len(points))))
+    extents = np.concatenate((np.zeros(len(points)), [1.0]))
+    return oriented(rows, np.vstack((points, apex)), extents)
+
+
+def box_body(half: Floats) -> CutBody:
+    """Return a box: what is nearest to each face is a cell, cut about the face's middle.
+
+    Between the cells is the rectangle, the segment or the point of the medial axis where all sides
+    are as far as the shortest half side.
+    """
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    middles = np.vstack((-np.eye(3), np.eye(3)))
+    inner = corners * _insets(half)
+    inner_points, inner_of = np.unique(inner, axis=0, return_inverse=True)
+    points = np.vstack((middles * half, corners * half, inner_points))
+    extents = np.concatenate((np.zeros(14), np.ones(len(inner_points))))
+    cells = []
+    for number, (axis, side) in enumerate((axis, side) for side in (-1, 1) for axis in range(3)):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        around = []
+        for at_u, at_v in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+            corner = np.zeros(3)
+            corner[[axis, u, v]] = side, at_u, at_v
+            around.append(int(np.flatnonzero((corners == corner).all(axis=1))[0]))
+        cells.append(_box_cell(number, around, inner_of.ravel()))
+    return body_of_cells(cells, points, extents)
+
+
+def _box_cell(middle: int, around: list[int], inner_of: Indices) -> list[Loop]:
+    """Return the faces of a box's cell; its outer face is a fan about its middle."""
+    outer = [6 + corner for corner in around]
+    inner = [14 + int(inner_of[corner]) for corner in around]
+    faces: list[Loop] = [inner]
+    for k in range(4):
+        m = (k + 1) % 4
+        faces.append([middle, outer[k], outer[m]])
+        faces.append([outer[k], outer[m], inner[m], inner[k]])
+    return faces
+
+
+def cylinder_body(radius: float, half_length: float, resolution_hint: float) -> CutBody:
+    """Return a cylinder: sectors, each of a part nearest to the side, and one to either end.
+
+    Between them is the medial axis: a segment of a long cylinder, a point, or a disc of a flat
+    one, as far from the ends as from the side.
+    """
+    count = _around(math.ceil(2.0 * math.pi * radius / resolution_hint), resolution_hint, radius)
+    round_ = _circle(count)
+    inset, inset_end = _insets(np.array([radius, half_length]))
+    rim, inner = radius * round_, inset * round_
+    ends, inner_ends = (-half_length, half_length), (-inset_end, inset_end)
+    parts = [_at(rim, z) for z in ends] + [_at(inner, z) for z in inner_ends]
+    parts += [_at(np.zeros((1, 2)), z) for z in (*ends, *inner_ends)]
+    points, same = _unique(np.vstack(parts), min(radius, half_length))
+    extents = np.zeros(len(points))
+    extents[same[np.r_[2 * count : 4 * count, 4 * count + 2 : 4 * count + 4]]] = 1.0
+    cells: list[list[Loop]] = []
+    for i in range(count):
+        j = (i + 1) % count
+        low, high, low_in, high_in = ([int(same[k * count + v]) for v in (i, j)] for k in range(4))
+        centres = [int(same[4 * count + k]) for k in range(4)]
+        cells.append(_prism((*low, *reversed(high)), (*low_in, *reversed(high_in))))
+        cells.append(_prism((centres[0], *low), (centres[2], *low_in)))
+        cells.append(_prism((centres[1], *high), (centres[3], *high_in)))
+    return body_of_cells(cells, points, extents)
+
+
+def capsule_body(radius: float, half_length: float, resolution_hint: float) -> CutBody:
+    """Return a capsule: its facets over the ends of its segment, or over the segment itself."""
+    count = _around(math.floor(2.0 * math.pi * radius / resolution_hint), resolution_hint, radius)
+    rings = count // 2
+    angles = 0.5 * math.pi * np.arange(rings) / rings
+    round_ = _circle(count)
+    parts, extents = [_at(np.zeros((1, 2)), s * half_length) for s in (-1, 1)], [1.0, 1.0]
+    parts += [_at(np.zeros((1, 2)), s * (half_length + radius)) for s in (-1, 1)]
+    for side in (-1, 1):
+        for angle in angles:
+            height = side * (half_length + radius * math.sin(angle))
+            parts.append(_at(radius * math.cos(angle) * round_, height))
+    points = np.vstack(parts)
+    extents += [0.0] * (len(points) - 2)
+    cells: list[list[Loop]] = []
+    for i in range(count):
+        j = (i + 1) % count
+        for side in (0, 1):
+            first = 4 + side * rings * count
+            for ring in range(rings - 1):
+                at = first + ring * count
+                quad = (at + i, at + j, at + count + j, at + count + i)
+                cells.append(_prism(quad, (side,) * 4))
+            at = first + (rings - 1) * count
+            cells.append(_prism((at + i, at + j, 2 + side), (side,) * 3))
+        low, high = 4, 4 + rings * count
+        cells.append(_prism((low + i, low + j, high + j, high + i), (0, 0, 1, 1)))
+    return body_of_cells(cells, points, np.array(extents))
+
+
+def _insets(half: Floats) -> Floats:
+    """Return by how much half sizes exceed the least; nothing where that is a rounding or so."""
+    insets = half - half.min()
+    return np.where(insets > SAME_HALF * half.min(), insets, 0.0)
+
+
+def _prism(outer: Loop, inner: Loop) -> list[Loop]:
+    """Return the faces of the cell between two faces, corner for corner."""
+    count = len(outer)
+    sides = [
+        (outer[k], outer[(k + 1) % count], inner[(k + 1) % count], inner[k]) for k in range(count)
+    ]
+    return [outer, inner, *sides]
+
+
+def _circle(count: int) -> Floats:
+    """Return points (count, 2) of the unit circle, from x on."""
+    angles = 2.0 * math.pi * np.arange(count) / count
+    return np.column_stack((np.cos(angles), np.sin(angles)))
+
+
+def _at(points: Floats, z: float) -> Floats:
+    """Return points (n, 2) at a height."""
+    return np.column_stack((points, np.full(len(points), z)))
+
+
+def _unique(points: Floats, size: float) -> tuple[Floats, Indices]:
+    """Return points, each once, and which of them each is; equal are those that round alike."""
+    rounded = np.round(points / size, 12) + 0.0
+    _, first, same = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
+    return points[first], same.ravel()
+
+
+def _around(wanted: int, resolution_hint: float, radius: float) -> int:
+    """Return how many vertices are put around, 3 or more."""
+    if wanted > MOST_AROUND:
+        raise _too_fine(resolution_hint, 2.0 * math.pi * radius / MOST_AROUND)
+    return max(3, wanted)
+
+
+def _too_fine(resolution_hint: float, least: float) -> GeometryError:
+    return GeometryError(
+        f'the resolution hint {resolution_hint:g} m is too fine for the shape: give at least '
+        f'{least:.3g} m'
+    )

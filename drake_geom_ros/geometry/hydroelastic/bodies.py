@@ -1,0 +1,163 @@
+"""What a shape is to hydroelastic contact: tetrahedra with pressures, a surface, a half space."""
+
+from __future__ import annotations
+
+import enum
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.hydroelastic._cells import CutBody
+from drake_geom_ros.geometry.hydroelastic._meshing import (
+    box_body,
+    capsule_body,
+    cylinder_body,
+    ellipsoid_body,
+    pyramids,
+)
+from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
+from drake_geom_ros.geometry.meshes.volume_surface import ConvertVolumeToSurfaceMesh
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.primitives import (
+    Box,
+    Capsule,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    Shape,
+    Sphere,
+)
+
+Floats = NDArray[np.float64]
+
+
+class HydroelasticType(enum.Enum):
+    """What a geometry is to hydroelastic contact: nothing, rigid, or compliant."""
+
+    kUndefined = 0
+    kRigid = 1
+    kCompliant = 2
+
+
+class HydroelasticMaterial(NamedTuple):
+    """How a geometry takes part, by the properties that it has.
+
+    ``resolution_hint`` [m], ``hydroelastic_modulus`` [Pa] and ``slab_thickness`` [m] are None
+    where a property is missing, which is refused where the shape needs it.
+    """
+
+    compliance: HydroelasticType
+    resolution_hint: float | None
+    hydroelastic_modulus: float | None
+    slab_thickness: float | None
+
+    @property
+    def is_compliant(self) -> bool:
+        """Whether it gives way."""
+        return self.compliance is HydroelasticType.kCompliant
+
+
+class CompliantBody(NamedTuple):
+    """Tetrahedra in the geometry's frame, and the pressure (n,) [Pa] at their vertices."""
+
+    mesh: VolumeMesh
+    pressures: Floats
+
+
+class RigidBody(NamedTuple):
+    """The surface in the geometry's frame, turned outward."""
+
+    mesh: TriangleSurfaceMesh
+
+
+class HalfSpaceBody(NamedTuple):
+    """A half space: its pressure grows by ``pressure_slope`` [Pa/m] with the depth; 0: rigid."""
+
+    pressure_slope: float
+
+
+HydroelasticBody = CompliantBody | RigidBody | HalfSpaceBody
+
+
+def body_of(shape: Shape, material: HydroelasticMaterial, what: str) -> HydroelasticBody:
+    """Return what a shape of a material is to hydroelastic contact.
+
+    Raises GeometryError, which begins with ``what``, where the material lacks what the shape needs
+    and where the shape has no such body: a point, a mesh with the property ('mesh', 'solid') that
+    is compliant, a hint too fine.
+    """
+    try:
+        if material.compliance is HydroelasticType.kRigid:
+            return _rigid(shape, material)
+        return _compliant(shape, material)
+    except (GeometryError, ArgumentError) as problem:
+        raise GeometryError(f'{what} has hydroelastic properties, and {problem}') from None
+
+
+def _rigid(shape: Shape, material: HydroelasticMaterial) -> RigidBody | HalfSpaceBody:
+    """Return a rigid body."""
+    if isinstance(shape, HalfSpace):
+        return HalfSpaceBody(0.0)
+    if isinstance(shape, Mesh):
+        vertices, triangles = shape.surface()
+        return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
+    if isinstance(shape, Convex):
+        vertices, triangles = shape.hull_surface()
+        return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
+    return RigidBody(ConvertVolumeToSurfaceMesh(_cut(shape, material).mesh))
+
+
+def _compliant(shape: Shape, material: HydroelasticMaterial) -> CompliantBody | HalfSpaceBody:
+    """Return a compliant body."""
+    modulus = _needed(material.hydroelastic_modulus, 'hydroelastic_modulus', shape)
+    if isinstance(shape, HalfSpace):
+        thickness = _needed(material.slab_thickness, 'slab_thickness', shape)
+        return HalfSpaceBody(modulus / thickness)
+    cut = _cut(shape, material)
+    return CompliantBody(cut.mesh, modulus * cut.extents)
+
+
+def _cut(shape: Shape, material: HydroelasticMaterial) -> CutBody:
+    """Return the tetrahedra of a shape."""
+    if isinstance(shape, (Mesh, Convex)):
+        return _hull_body(*shape.hull_surface())
+    if isinstance(shape, Box):
+        return box_body(0.5 * shape.size())
+    if not isinstance(shape, (Sphere, Ellipsoid, Cylinder, Capsule)):
+        raise GeometryError(f'a {type(shape).__name__} has no hydroelastic body')
+    hint = _needed(material.resolution_hint, 'resolution_hint', shape)
+    if isinstance(shape, Sphere):
+        if shape.radius() == 0.0:
+            raise GeometryError('a Sphere of radius 0 has no volume')
+        return ellipsoid_body(np.full(3, shape.radius()), hint)
+    if isinstance(shape, Ellipsoid):
+        return ellipsoid_body(np.array([shape.a(), shape.b(), shape.c()]), hint)
+    if isinstance(shape, Cylinder):
+        return cylinder_body(shape.radius(), 0.5 * shape.length(), hint)
+    return capsule_body(shape.radius(), 0.5 * shape.length(), hint)
+
+
+def _hull_body(vertices: Floats, triangles: NDArray[np.int64]) -> CutBody:
+    """Return the pyramids of a hull over its centre of volume."""
+    origin = vertices.mean(axis=0)
+    a, b, c = (vertices[triangles[:, i]] - origin for i in range(3))
+    volumes = (np.cross(a, b) * c).sum(axis=1)
+    centre = origin + volumes @ (a + b + c) / (4.0 * volumes.sum())
+    return pyramids(vertices, triangles, centre)
+
+
+def _needed(value: float | None, name: str, shape: Shape) -> float:
+    """Return a property that the shape needs, which must be positive and finite."""
+    if value is None:
+        raise GeometryError(f"a {type(shape).__name__} needs the property 'hydroelastic/{name}'")
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise GeometryError(f"the property 'hydroelastic/{name}' is {value!r}; give a number")
+    if not 0.0 < value < math.inf:
+        raise GeometryError(
+            f"the property 'hydroelastic/{name}' is {value}; it must be > 0 and finite"
+        )
+    return float(value)

@@ -1,0 +1,138 @@
+"""The boundary of a mesh of tetrahedra, and cutting up those of which nothing is inside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.meshes._facet_mesh import Floats, Indices
+from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.geometry.meshes.tolerances import FLAT_TETRAHEDRON
+from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES, VolumeMesh, signed_volumes
+
+
+def ConvertVolumeToSurfaceMesh(volume: VolumeMesh) -> TriangleSurfaceMesh:
+    """Return the boundary of a mesh of tetrahedra, in the same frame, turned outward.
+
+    The boundary are the faces of one element alone: neighbours must share their vertices.
+
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> volume = VolumeMesh.FromArrays([[0, 1, 2, 3]], corners)
+        >>> ConvertVolumeToSurfaceMesh(volume).num_triangles()
+        4
+    """
+    checked_type(volume, VolumeMesh, 'ConvertVolumeToSurfaceMesh: volume')
+    faces = outer_faces(volume.element_array()).reshape(-1, 3)
+    outer = faces[neighbours_of(volume.element_array()).ravel() < 0]
+    used, triangles = np.unique(outer, return_inverse=True)
+    return TriangleSurfaceMesh.FromArrays(
+        triangles.reshape(-1, 3), volume.vertex_array()[used].reshape(-1, 3)
+    )
+
+
+def outer_faces(elements: Indices) -> Indices:
+    """Return the faces (m, 4, 3) of elements (m, 4), each turned out of its element."""
+    faces: Indices = elements[:, OUTER_FACES]
+    return faces
+
+
+def neighbours_of(elements: Indices) -> Indices:
+    """Return which element (m, 4) is beyond each face of each element; -1 where none is.
+
+    Raises GeometryError where more than two elements share a face.
+    """
+    keys = np.sort(outer_faces(elements).reshape(-1, 3), axis=1)
+    order = np.lexsort(keys.T)
+    same = (np.diff(keys[order], axis=0) == 0).all(axis=1)
+    if (same[1:] & same[:-1]).any():
+        shared = keys[order][1:][same][0].tolist()
+        raise GeometryError(f'more than two tetrahedra share the face {shared}')
+    neighbours = np.full(len(keys), -1, dtype=np.int64)
+    first, second = order[:-1][same], order[1:][same]
+    neighbours[first], neighbours[second] = second // 4, first // 4
+    return neighbours.reshape(-1, 4)
+
+
+def RefineVolumeMesh(mesh: VolumeMesh) -> VolumeMesh:
+    """Return the mesh, cut where an inner edge, face or element has all corners on the boundary.
+
+    A pressure that is 0 on the boundary is 0 all along such an edge, as if there were a hole: it
+    is cut in two in all elements around it; then a face is cut about its centroid, then an element
+    about its. The mesh itself is returned where there is none. Raises RuntimeError where more than
+    two elements share a face, and for an element that has no volume or is inside out.
+    """
+    checked_type(mesh, VolumeMesh, 'RefineVolumeMesh: mesh')
+    check_elements(mesh, 'RefineVolumeMesh')
+    elements, p_MVs = mesh.element_array(), mesh.vertex_array()
+    for corners in (2, 3, 4):
+        elements, p_MVs = _refined(elements, p_MVs, corners)
+    if len(p_MVs) == mesh.num_vertices():
+        return mesh
+    return VolumeMesh.FromArrays(elements, p_MVs)
+
+
+def check_elements(mesh: VolumeMesh, what: str) -> None:
+    """Raise GeometryError for an element that has no volume or is inside out.
+
+    One that is flatter than rounding, a billionth of its longest side cubed, has none.
+    """
+    elements, p_MVs = mesh.element_array(), mesh.vertex_array()
+    if not len(elements):
+        raise GeometryError(f'{what}: the mesh has no tetrahedra')
+    corners = p_MVs[elements]
+    longest = np.ptp(corners, axis=1).max(axis=1)
+    volumes = signed_volumes(elements, p_MVs)
+    bad = volumes <= FLAT_TETRAHEDRON * longest**3 / 6.0
+    if bad.any():
+        e = int(np.argmax(bad))
+        kind = 'is inside out' if volumes[e] < 0.0 else 'has no volume'
+        raise GeometryError(
+            f'{what}: element {e} {kind}: {volumes[e]:.3g} m^3, corners {corners[e].tolist()}; '
+            'its first three corners must be counter-clockwise, seen from the fourth'
+        )
+
+
+def _refined(elements: Indices, p_MVs: Floats, corners: int) -> tuple[Indices, Floats]:
+    """Cut all inner simplices of so many corners that are all on the boundary, one by one."""
+    rows, points = elements.tolist(), list(p_MVs)
+    while True:
+        found = _inner_on_boundary(np.array(rows), len(points), corners)
+        if found is None:
+            return np.array(rows), np.array(points)
+        middle = len(points)
+        points.append(np.mean([points[v] for v in found], axis=0))
+        around = [row for row in rows if set(found) <= set(row)]
+        rows = [row for row in rows if not set(found) <= set(row)]
+        rows += [[middle if v == out else v for v in row] for row in around for out in found]
+
+
+def _inner_on_boundary(elements: Indices, count: int, corners: int) -> list[int] | None:
+    """Return the first simplex of so many corners that is inside and has all of them outside."""
+    outer = outer_faces(elements).reshape(-1, 3)[neighbours_of(elements).ravel() < 0]
+    on_boundary = np.zeros(count, dtype=np.bool_)
+    on_boundary[outer] = True
+    flagged = on_boundary[elements]
+    if corners == 4:
+        whole = np.flatnonzero(flagged.all(axis=1))
+        return elements[whole[0]].tolist() if len(whole) else None
+    boundary = {tuple(sorted(part)) for part in _parts(outer.tolist(), corners)}
+    candidates = elements[flagged.sum(axis=1) >= corners].tolist()
+    for part in _parts(candidates, corners):
+        if on_boundary[list(part)].all() and tuple(sorted(part)) not in boundary:
+            return list(part)
+    return None
+
+
+def _parts(simplices: list[list[int]], corners: int) -> Iterable[tuple[int, ...]]:
+    """Yield the edges or faces of simplices."""
+    for simplex in simplices:
+        for k, a in enumerate(simplex):
+            for m in range(k + 1, len(simplex)):
+                if corners == 2:
+                    yield a, simplex[m]
+                    continue
+                for c in simplex[m + 1 :]:
+                    yield a, simplex[m], c

@@ -1,0 +1,78 @@
+"""What a scene gives to geometries whose properties say nothing of contact."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields, replace
+
+from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticType
+from drake_geom_ros.geometry.model.hydroelastic_properties import (
+    HINT,
+    MODULUS,
+    SLAB,
+)
+
+COMPLIANCE_TYPES = {
+    'undefined': HydroelasticType.kUndefined,
+    'rigid': HydroelasticType.kRigid,
+    'compliant': HydroelasticType.kCompliant,
+}
+
+
+@dataclass
+class DefaultProximityProperties:
+    """Values for geometries that have none of their own, with pydrake's defaults; None: no value.
+
+    ``compliance_type`` is 'undefined' (no hydroelastic contact), 'rigid' or 'compliant';
+    ``hydroelastic_modulus`` [Pa], ``resolution_hint`` [m], ``slab_thickness`` [m] of half spaces.
+    ``dynamic_friction``, ``static_friction`` [-], ``hunt_crossley_dissipation`` [s/m],
+    ``relaxation_time`` [s] and ``point_stiffness`` [N/m] are kept; no answer depends on them.
+    """
+
+    compliance_type: str = 'undefined'
+    hydroelastic_modulus: float | None = 1e7
+    resolution_hint: float | None = 0.02
+    slab_thickness: float | None = None
+    margin: float | None = None
+    dynamic_friction: float | None = 0.5
+    static_friction: float | None = 0.5
+    hunt_crossley_dissipation: float | None = 50.0
+    relaxation_time: float | None = 0.1
+    point_stiffness: float | None = 1e6
+
+
+@dataclass
+class SceneGraphConfig:
+    """The settings of a SceneGraph.
+
+    >>> defaults = DefaultProximityProperties(compliance_type='compliant')
+    >>> SceneGraphConfig(default_proximity_properties=defaults).default_proximity_properties.margin
+    """
+
+    default_proximity_properties: DefaultProximityProperties = field(
+        default_factory=DefaultProximityProperties
+    )
+
+
+def checked_config(config: SceneGraphConfig) -> SceneGraphConfig:
+    """Return a copy of a config; raises ArgumentError for a value that a property cannot have."""
+    if not isinstance(config, SceneGraphConfig):
+        raise ArgumentError(f'SceneGraph: config = {config!r} is no SceneGraphConfig')
+    defaults = config.default_proximity_properties
+    if defaults.compliance_type not in COMPLIANCE_TYPES:
+        raise ArgumentError(
+            f"SceneGraphConfig: 'compliance_type' is {defaults.compliance_type!r}; it must be one "
+            f'of {", ".join(COMPLIANCE_TYPES)}'
+        )
+    for each in fields(defaults):
+        value = getattr(defaults, each.name)
+        if each.name == 'compliance_type' or value is None:
+            continue
+        may_be_zero = each.name not in (HINT, MODULUS, SLAB, 'point_stiffness')
+        if not (0.0 < value < math.inf or (may_be_zero and value == 0.0)):
+            raise ArgumentError(
+                f'SceneGraphConfig: {each.name!r} is {value}; it must be '
+                f'{">= 0" if may_be_zero else "> 0"} and finite'
+            )
+    return replace(config, default_proximity_properties=replace(defaults))

@@ -1,0 +1,26 @@
+"""The settings of a scene graph."""
+
+from __future__ import annotations
+
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.model.scene_content import SceneHolder, content_of
+from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig, checked_config
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+
+
+class Configured(SceneHolder):
+    """A scene graph with settings."""
+
+    def get_config(self, context: SceneGraphContext | None = None) -> SceneGraphConfig:
+        """Return a copy of the settings, of a context those that it was made with."""
+        if context is not None:
+            checked_type(context, SceneGraphContext, 'get_config: context')
+        return checked_config(content_of(context or self).model.config)
+
+    def set_config(self, config: SceneGraphConfig) -> None:
+        """Set what geometries without properties of contact get in contexts made from now on.
+
+        Nothing, where the compliance type of the defaults is 'undefined'. Raises RuntimeError for
+        a value that a property cannot have.
+        """
+        self._state.model.config = checked_config(config)

@@ -1,0 +1,155 @@
+"""Hydroelastic properties, and the defaults that a scene gives."""
+
+import math
+
+import pytest
+
+from drake_geom_ros.geometry import (
+    AddCompliantHydroelasticProperties,
+    AddCompliantHydroelasticPropertiesForHalfSpace,
+    AddRigidHydroelasticProperties,
+    DefaultProximityProperties,
+    GeometryError,
+    GeometryInstance,
+    HalfSpace,
+    HydroelasticType,
+    ProximityProperties,
+    RoleAssign,
+    SceneGraph,
+    SceneGraphConfig,
+    Sphere,
+    TriangleSurfaceMesh,
+    VolumeMesh,
+)
+from drake_geom_ros.math import RigidTransform
+
+
+def names_of(properties):
+    return set(properties.GetPropertiesInGroup('hydroelastic'))
+
+
+def test_which_properties_are_added():
+    for add, names in (
+        (lambda p: AddRigidHydroelasticProperties(p), {'compliance_type'}),
+        (lambda p: AddRigidHydroelasticProperties(properties=p), {'compliance_type'}),
+        (
+            lambda p: AddRigidHydroelasticProperties(0.1, p),
+            {'compliance_type', 'resolution_hint'},
+        ),
+        (
+            lambda p: AddCompliantHydroelasticProperties(0.1, 1e5, p),
+            {'compliance_type', 'resolution_hint', 'hydroelastic_modulus'},
+        ),
+        (
+            lambda p: AddCompliantHydroelasticPropertiesForHalfSpace(0.1, 1e5, p),
+            {'compliance_type', 'slab_thickness', 'hydroelastic_modulus'},
+        ),
+    ):
+        properties = ProximityProperties()
+        add(properties)
+        assert names_of(properties) == names
+        with pytest.raises(RuntimeError, match='already'):
+            add(properties)
+
+
+@pytest.mark.parametrize('bad', [0.0, -1.0, math.nan, math.inf, True, 'soft'])
+def test_values_that_are_refused_leave_nothing(bad):
+    properties = ProximityProperties()
+    for call, others in (
+        (AddRigidHydroelasticProperties, ()),
+        (AddCompliantHydroelasticProperties, (1e5,)),
+        (AddCompliantHydroelasticPropertiesForHalfSpace, (1e5,)),
+    ):
+        with pytest.raises(RuntimeError):
+            call(bad, *others, properties)
+    with pytest.raises(RuntimeError):
+        AddCompliantHydroelasticProperties(0.1, bad, properties)
+    assert not properties.HasGroup('hydroelastic')
+
+
+def scene_of(shape, properties=None, config=None):
+    scene = SceneGraph() if config is None else SceneGraph(config=config)
+    source = scene.RegisterSource('source')
+    instance = GeometryInstance(RigidTransform(), shape, 'body')
+    instance.set_proximity_properties(properties or ProximityProperties())
+    return scene, source, scene.RegisterAnchoredGeometry(source, instance)
+
+
+def test_the_mesh_follows_the_properties():
+    scene, source, id = scene_of(Sphere(1.0))
+    assert scene.model_inspector().maybe_get_hydroelastic_mesh(id) is None
+    properties = ProximityProperties()
+    AddCompliantHydroelasticProperties(2.0, 1e5, properties)
+    scene.AssignRole(source, id, properties, RoleAssign.kReplace)
+    inspector = scene.model_inspector()
+    assert inspector.maybe_get_hydroelastic_mesh(id).num_elements() == 8
+    assert inspector.maybe_get_hydroelastic_pressures(id).tolist().count(1e5) == 1
+    scene.RenameGeometry(id, 'other')
+    scene.ChangeShape(source, id, Sphere(2.0))
+    assert inspector.maybe_get_hydroelastic_mesh(id).num_elements() == 32
+
+
+def test_a_half_space_has_no_mesh():
+    properties = ProximityProperties()
+    AddCompliantHydroelasticPropertiesForHalfSpace(0.1, 1e5, properties)
+    scene, _, id = scene_of(HalfSpace(), properties)
+    assert scene.model_inspector().maybe_get_hydroelastic_mesh(id) is None
+
+
+def test_other_compliance_types_and_margins_are_refused():
+    for name, value in (('compliance_type', 'rigid'), ('margin', 1e-3)):
+        properties = ProximityProperties()
+        properties.AddProperty('hydroelastic', name, value)
+        if name == 'margin':
+            AddRigidHydroelasticProperties(0.1, properties)
+        with pytest.raises(GeometryError, match=name):
+            scene_of(Sphere(1.0), properties)
+
+
+@pytest.mark.parametrize(
+    ('kind', 'mesh'), [('rigid', TriangleSurfaceMesh), ('compliant', VolumeMesh)]
+)
+def test_defaults_are_for_contexts(kind, mesh):
+    config = SceneGraphConfig(DefaultProximityProperties(compliance_type=kind))
+    scene, _, id = scene_of(Sphere(0.05), config=config)
+    assert scene.get_config() == config
+    assert scene.get_config() is not config
+    assert scene.model_inspector().maybe_get_hydroelastic_mesh(id) is None
+    for one in (scene, scene.Clone()):
+        query = one.get_query_output_port().Eval(one.CreateDefaultContext())
+        assert isinstance(query.inspector().maybe_get_hydroelastic_mesh(id), mesh)
+        assert one.get_config(one.CreateDefaultContext()) == config
+    with pytest.raises(GeometryError, match='CreateSharedContext'):
+        scene.CreateSharedContext()
+    scene.set_config(SceneGraphConfig())
+    query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())
+    assert query.inspector().maybe_get_hydroelastic_mesh(id) is None
+
+
+def test_own_properties_go_before_defaults():
+    properties = ProximityProperties()
+    properties.AddProperty('hydroelastic', 'compliance_type', HydroelasticType.kUndefined)
+    config = SceneGraphConfig(DefaultProximityProperties(compliance_type='rigid'))
+    scene, _, id = scene_of(Sphere(0.05), properties, config)
+    query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())
+    assert query.inspector().maybe_get_hydroelastic_mesh(id) is None
+    assert (
+        query.inspector().GetProximityProperties(id).GetProperty('hydroelastic', 'resolution_hint')
+        == 0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ('name', 'value'),
+    [
+        ('compliance_type', 'soft'),
+        ('resolution_hint', 0.0),
+        ('margin', -1.0),
+        ('slab_thickness', math.nan),
+    ],
+)
+def test_a_bad_config_changes_nothing(name, value):
+    scene = SceneGraph()
+    with pytest.raises(RuntimeError, match=name):
+        scene.set_config(SceneGraphConfig(DefaultProximityProperties(**{name: value})))
+    assert scene.get_config() == SceneGraphConfig()
