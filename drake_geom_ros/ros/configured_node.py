@@ -34,7 +34,6 @@ from drake_geom_ros.ros.outputs.diagnostics import (
     SceneState,
     add_counts,
     add_trouble,
-    add_values,
 )
 from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
@@ -137,10 +136,7 @@ class ConfiguredNode:
         self._joints = JointListening(
             surface, self._stream, guard, groups.stream, live.clocks, settings.values
         )
-        wake = surface.wake(partial(guard.attempt, self._stream.map_has_changed), groups.stream)
-        self._obstacles = ObstacleListening(
-            surface, live, self._stream, guard, groups.obstacles, settings, wake
-        )
+        self._obstacles = ObstacleListening(surface, live, self._stream, guard, groups, settings)
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None
@@ -224,14 +220,12 @@ class ConfiguredNode:
         def take_twists(message: Any, info: MessageInfo) -> None:
             self._guard.take('frame_twists', self._stream.take_twists, message, waited(info))
 
-        profile = sensor_data()
-        kind, topic = messages.FramePoses, '~/frame_poses'
-        self._surface.subscription(kind, topic, take_poses, profile, groups.stream)
+        hear, how = self._surface.subscription, (sensor_data(), groups.stream)
+        hear(messages.FramePoses, '~/frame_poses', take_poses, *how)
         if values.closing_speeds:
             with self.live.editing() as scene:
                 scene.watch_motion(values.stale_after)
-            kind, topic = messages.FrameTwists, '~/frame_twists'
-            self._surface.subscription(kind, topic, take_twists, profile, groups.stream)
+            hear(messages.FrameTwists, '~/frame_twists', take_twists, *how)
         points = PointQueries(
             self.live,
             self._point_publisher,
@@ -247,8 +241,8 @@ class ConfiguredNode:
             (values.robot_description_semantic_topic, robot.take_semantics),
         ):
             if topic:
-                hear = partial(self._take_robot, take)
-                self._listen(String, topic, hear, latched(), groups.loading)
+                taken = partial(self._take_robot, take)
+                self._listen(String, topic, taken, latched(), groups.loading)
 
     def _listen(
         self,
@@ -364,7 +358,6 @@ class ConfiguredNode:
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
             troubles = [*scene.troubles(), *self._stream.troubles(scene)]
-            troubles += self._obstacles.troubles()
             state = SceneState(
                 scene.version,
                 scene.pose_ages(),
@@ -379,7 +372,7 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
-        add_values(message.status[0], self._obstacles.values())
+        self._obstacles.tell(message.status[0])
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
+from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.obstacles import (
     DEPTH,
@@ -19,6 +20,7 @@ from drake_geom_ros.ros.inputs.obstacles import (
     ObstacleSettings,
 )
 from drake_geom_ros.ros.inputs.sensor_frames import SensorFrames
+from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
@@ -38,12 +40,13 @@ class ObstacleListening:
         live: LiveScene,
         stream: PoseStream,
         guard: Guard,
-        group: CallbackGroup,
+        groups: CallbackGroups,
         settings: ParameterStore,
-        changed: Callable[[], None],
     ) -> None:
-        """Open them; ``changed()`` is called when a map of the scene changed."""
-        self._surface, self._guard, self._group = surface, guard, group
+        """Open them; where a map of the scene changed, a cycle runs."""
+        self._surface, self._guard, self._group = surface, guard, groups.obstacles
+        answer = partial(guard.attempt, stream.map_has_changed)
+        changed = surface.wake(answer, groups.stream)
         names = settings.values.obstacles
 
         def now() -> ObstacleSettings:
@@ -72,8 +75,13 @@ class ObstacleListening:
                 each.forget()
                 stand(scene, name, self._margin)
 
-    def values(self) -> dict[str, str]:
-        """Return what became of messages, for diagnostics."""
+    def tell(self, status: Any) -> None:
+        """Add to a status of diagnostics what became of messages."""
+        add_values(status, self._values())
+        for trouble in self._troubles():
+            add_trouble(status, trouble)
+
+    def _values(self) -> dict[str, str]:
         told = {}
         for name, each in self.inputs.items():
             counts = each.counts
@@ -85,7 +93,7 @@ class ObstacleListening:
             )
         return told
 
-    def troubles(self) -> list[str]:
+    def _troubles(self) -> list[str]:
         """Return which maps never came, in words."""
         return [
             f'no message of ~/obstacles/{name} was taken yet: what it would show is in no answer'

@@ -99,6 +99,7 @@ class HeldScene:
         self._robots: list[RobotDescription] = []
         self.awaited = AwaitedFilters()
         self.maps: dict[str, SeenMap] = {}  # by name, of the source MAPS
+        self.map_changes = 0  # versions that nothing but their cells differ in
         # By name: the frame that a camera is on, and what it is.
         self._cameras: dict[str, tuple[FrameId, CameraDescription]] = {}
         add_renderers(scene_graph)

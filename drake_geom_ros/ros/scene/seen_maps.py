@@ -86,7 +86,9 @@ def put(scene: EditableScene, name: str, sighting: Sighting, margin: float = 0.0
     """Let a map hold what was seen, in place of all that it held."""
     known = stand(scene, name, margin)
     graph, frame = scene.scene_graph, known.frame
+    before = scene.version
     graph.ChangeShape(scene.inspector.GetOwningSourceId(frame), known.geometry, sighting.shape)
+    scene.map_changes += scene.version - before
     poses = FramePoseVector({frame: sighting.X_WM})
     posed = {frozenset([frame.get_value()]): sighting.since}
     scene.pose(poses, posed, sighting.stamp, OBSTACLES)
