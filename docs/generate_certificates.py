@@ -5,7 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from bench.evidence.pages import table
-from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.kernels.pair_table import (
+    ALL_ROWS,
+    OVER_MAP_KERNEL,
+    PAIR_TABLE,
+    SHAPE_NAMES,
+)
 
 TARGET = Path(__file__).resolve().parent / 'certificates.md'
 _INTRODUCTION = """# Why each answer is certified
@@ -36,7 +41,8 @@ def certificates() -> str:
     alike: dict[tuple[str, str], list[str]] = {}
     for row in ALL_ROWS:
         pair = f'{SHAPE_NAMES[row.type_a]} and {SHAPE_NAMES[row.type_b]}'
-        alike.setdefault((row.kernel.rpartition('.')[0], row.certificate), []).append(pair)
+        kernel = OVER_MAP_KERNEL if row.is_of_map else row.kernel
+        alike.setdefault((kernel.rpartition('.')[0], row.certificate), []).append(pair)
     parts = [_INTRODUCTION.replace('{table}', worst_errors())]
     for (module, reason), pairs in alike.items():
         parts.append(

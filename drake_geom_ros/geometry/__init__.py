@@ -141,6 +141,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, PointCloud
 from drake_geom_ros.geometry.visualizer.drake_visualizer import (
     ConnectDrakeVisualizer,
     DispatchLoadMessage,
@@ -265,6 +266,8 @@ __all__ = [
     'ACCURACY_GAPS',
     'METHODS',
     'ShapeKind',
+    'OccupiedCells',
+    'PointCloud',
     'HydroelasticType',
     'FilterGroup',
     'FilterStatement',

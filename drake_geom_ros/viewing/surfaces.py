@@ -18,6 +18,8 @@ from drake_geom_ros.geometry import (
     HalfSpace,
     Mesh,
     MeshcatCone,
+    OccupiedCells,
+    PointCloud,
     Shape,
     Sphere,
 )
@@ -173,7 +175,10 @@ def parts_of(shape: Shape, solid: bool = False, around: int = FINEST) -> list[Pa
     if isinstance(shape, HalfSpace):
         size = (PLANE_SIZE, PLANE_SIZE, _PLANE_THICKNESS)
         return [Part(_CUBE, size, _at(-_PLANE_THICKNESS / 2))]
-    assert isinstance(shape, (Convex, Mesh)), f'a shape that cannot be drawn: {shape!r}'
-    vertices, triangles = mesh_surface(shape, solid)
+    if isinstance(shape, (OccupiedCells, PointCloud)):
+        vertices, triangles = shape.surface()
+    else:
+        assert isinstance(shape, (Convex, Mesh)), f'a shape that cannot be drawn: {shape!r}'
+        vertices, triangles = mesh_surface(shape, solid)
     key = hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest()
     return [Part(DrawnSurface(key, vertices, triangles, two_sided=True), (1.0, 1.0, 1.0))]

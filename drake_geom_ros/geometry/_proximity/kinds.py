@@ -15,6 +15,8 @@ class ShapeKind(IntEnum):
     CONVEX = 7
     SOLID = 8  # a mesh as the body within its surface; in messages any mesh has this number
     TRIANGLE = 9  # a leaf of a solid's tree: in kernels only
+    OCCUPIED_CELLS = 10  # cubes of one size along the axes
+    POINT_CLOUD = 11  # balls of one size
 
 
 class Method(IntEnum):
@@ -24,7 +26,7 @@ class Method(IntEnum):
     ITERATIVE = 2
     MESH = 3
     BOUND_ONLY = 4
-    OPEN = 5  # a solid's overlap: a way out, and how much shorter another may be
+    OPEN = 5  # overlap of a solid or a map: a way out, and how much shorter another may be
 
     @property
     def words(self) -> str:
@@ -34,9 +36,19 @@ class Method(IntEnum):
 
 # The same as plain integers, for compiled code: to Numba a member of an IntEnum has a type of its
 # own, and a function that is handed one, and a number elsewhere, is compiled twice.
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID, TRIANGLE = (
-    kind.value for kind in ShapeKind
-)
+(
+    SPHERE,
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    CONVEX,
+    SOLID,
+    TRIANGLE,
+    OCCUPIED_CELLS,
+    POINT_CLOUD,
+) = (kind.value for kind in ShapeKind)
 CLOSED_FORM, ITERATIVE, MESH, BOUND_ONLY, OPEN = (method.value for method in Method)
 
 # Where the parameters of a shape stand (see ``kernels``): of a sphere, capsule or cylinder, and of

@@ -46,6 +46,10 @@ from drake_geom_ros.geometry.queries.query_results import (
 Floats = NDArray[np.float64]
 _BORDER = 'a nearest point lies on the border of an edge or face, where its motion has a kink'
 
+_OF_MAP = (
+    'nothing is known of the curvature of a sensed map, whose distances alone have derivatives'
+)
+
 
 class PairWitnesses:
     """Knows how the witness points and normals of pairs move with the frames."""
@@ -110,6 +114,8 @@ class PairWitnesses:
             return 'they are of padded geometries, whose distances alone have derivatives'
         if self._found.method[k] == BOUND_ONLY:
             return 'bounds alone answered: ask for another accuracy'
+        if max(types) > SOLID:
+            return _OF_MAP
         if SOLID in types and HALF_SPACE not in types:
             return (
                 "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
@@ -161,6 +167,8 @@ class PointWitnesses:
         why = ''
         if found.is_padded:
             why = 'they are of padded geometries, whose distances alone have derivatives'
+        elif self._scene.types[self._places[k]] > SOLID:
+            why = _OF_MAP
         elif self._scene.types[self._places[k]] == SOLID:
             why = "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
         elif not found.is_grad_W_unique[k]:

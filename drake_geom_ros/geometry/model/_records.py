@@ -20,6 +20,7 @@ from drake_geom_ros.geometry.model.properties import (
 )
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh, tell_if_open
 from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape, for_queries
+from drake_geom_ros.geometry.shapes.sensed import FARTHEST_CELL, SensedMap
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import FARTHEST
 
@@ -28,6 +29,7 @@ WORLD_FRAME_ID = FrameId.get_new_id()
 WORLD_NAME = 'world'
 INTERNAL_SOURCE_NAME = 'SceneGraphInternal'  # the source that owns the world frame
 PADDING = ('proximity', 'padding')  # by which a body is larger all around [m]
+MARGIN = ('map', 'margin')  # by which each cell of a sensed map is [m]
 WORLD_FRAME_GROUP = -1  # no GeometryFrame can have it
 
 # The field of a GeometryRecord that holds the properties of a role.
@@ -94,7 +96,7 @@ class GeometryRecord:
         Raises GeometryError where queries could not answer for it. It lives as long as the record:
         however many meshes a scene has, none is read again because another one came.
         """
-        return for_queries(self.shape, is_solid(self))
+        return for_queries(self.shape, is_solid(self), margin_of(self))
 
     @cached_property
     def hydroelastic_body(self) -> HydroelasticBody | None:
@@ -121,6 +123,7 @@ class GeometryRecord:
             vars(other).update({k: v for k, v in vars(self).items() if k == 'hydroelastic_body'})
         packed = vars(self).get('queried_shape')
         same = other.shape is self.shape and is_solid(other) == is_solid(self)
+        same = same and margin_of(other) == margin_of(self)
         if packed and same and other.proximity is not None:
             vars(other)['queried_shape'] = packed
         return other
@@ -175,16 +178,32 @@ def padding_of(record: GeometryRecord) -> float:
 
     Raises GeometryError for what is no length.
     """
-    if record.proximity is None:
-        return 0.0
-    value = record.proximity.GetPropertyOrDefault(*PADDING, None)
+    return _length_of(record, PADDING, FARTHEST)
+
+
+def margin_of(record: GeometryRecord) -> float:
+    """Return the property ('map', 'margin') [m] of a sensed map, 0 where there is none.
+
+    Raises GeometryError for what is no length.
+    """
+    return _length_of(record, MARGIN, FARTHEST_CELL) if is_map(record) else 0.0
+
+
+def is_map(record: GeometryRecord) -> bool:
+    """Tell whether the shape is one that sensors see."""
+    return isinstance(record.shape, SensedMap)
+
+
+def _length_of(record: GeometryRecord, name: tuple[str, str], most: float) -> float:
+    """Return a proximity property that is a length from 0 to ``most`` [m], 0 without one."""
+    value = record.proximity and record.proximity.GetPropertyOrDefault(*name, None)
     if value is None:
         return 0.0
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise GeometryError(f'{named(record)}: the property {PADDING} is {value!r}; give metres')
-    if not 0.0 <= value <= FARTHEST:
+        raise GeometryError(f'{named(record)}: the property {name} is {value!r}; give metres')
+    if not 0.0 <= value <= most:
         raise GeometryError(
-            f'{named(record)}: the property {PADDING} is {value}; it must be >= 0 and finite [m]'
+            f'{named(record)}: the property {name} is {value}; it must be >= 0 and finite [m]'
         )
     return float(value)
 

@@ -51,7 +51,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.model._model import Model
-from drake_geom_ros.geometry.model._records import padding_of
+from drake_geom_ros.geometry.model._records import is_map, padding_of
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
 
 Floats = NDArray[np.float64]
@@ -78,7 +78,8 @@ def paddings_of(model: Model, ids: Indices) -> Paddings | None:
     radii = np.array([padding_of(record) for record in records], dtype=np.float64)
     if not radii.any():
         return None
-    return Paddings(radii, np.array([isinstance(r.shape, Mesh) for r in records], dtype=bool))
+    hollow = [isinstance(r.shape, Mesh) or is_map(r) for r in records]
+    return Paddings(radii, np.array(hollow, dtype=bool))
 
 
 def padded_pairs(
@@ -120,7 +121,7 @@ def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World)
     padded[:, PROMISED] += slack
     types, outer = world.geometries.types[places], world.outer_radii[places]
     # With a half space any body makes a half space, which is convex.
-    unknown = (types == SOLID).any(axis=1) & ~(types == HALF_SPACE).any(axis=1)
+    unknown = (types >= SOLID).any(axis=1) & ~(types == HALF_SPACE).any(axis=1)
     unknown &= (total > 0.0) & (distance - padded[:, ERROR_BOUND] < 0.0)
     if unknown.any():
         # No more than it takes to part the balls around both.

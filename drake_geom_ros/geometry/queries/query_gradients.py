@@ -57,8 +57,8 @@ class PairGradients:
         False where normals are equally good, where faces or edges lie parallel, where corners
         touch, for answers from bounds alone, and for solids that touch. Of solids that are apart
         all parts are looked at that may be as near; of those that overlap it is False, too, where
-        nothing proves that no other way out is as short. Rounding decides for what is so by less
-        than about 1e-6 rad.
+        nothing proves that no other way out is as short, and of sensed maps everywhere. Rounding
+        decides for what is so by less than about 1e-6 rad.
         """
         return self._derivatives().unique
 

@@ -21,6 +21,7 @@ from drake_geom_ros.geometry.model.rgba import Rgba
 from drake_geom_ros.geometry.render.render_label import RenderLabel
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
 from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape, for_queries
+from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, PointCloud
 from drake_geom_ros.math.batched import compose
 
 if TYPE_CHECKING:
@@ -188,7 +189,12 @@ def _primitive(record: GeometryRecord) -> tuple[int, Floats]:
     shape = record.shape
     if isinstance(shape, MeshcatCone):
         raise GeometryError(f'{named(record)} is a MeshcatCone, which images do not show')
-    if isinstance(shape, (Convex, Mesh)):
+    if isinstance(shape, PointCloud):
+        raise GeometryError(
+            f'{named(record)} is {shape!r}, of which images show no balls: give it no such role, '
+            'or make it OccupiedCells(2 * radius, positions), which they show'
+        )
+    if isinstance(shape, (Convex, Mesh, OccupiedCells)):
         return CONVEX, np.zeros(3)
     numbers = np.zeros(3)
     kind, parameters = for_queries(shape).in_pairs
@@ -221,6 +227,9 @@ def _mesh(record: GeometryRecord) -> _Facets:
         colours = facet_colours(mesh_of(shape))
     elif isinstance(shape, Convex):
         vertices, triangles = shape.hull_surface()
+        colours = None
+    elif isinstance(shape, OccupiedCells):
+        vertices, triangles = shape.surface()
         colours = None
     else:
         return _NO_FACETS

@@ -145,7 +145,7 @@ class _FromMesh(Shape):
         vertices, polygons = hull_polygons(self._mesh, self.scale3())
         return PolygonSurfaceMesh.FromPolygons(polygons, vertices)
 
-    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+    def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
         return QueriedShape(PackedShape(CONVEX, hull_parameters(*self.hull_surface())))
 
 
@@ -205,7 +205,7 @@ class Mesh(_FromMesh):
         """
         return surface(self._mesh, self.scale3())
 
-    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+    def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
         if is_solid:
             return QueriedShape(self._as_solid())
         hull = super()._for_queries().in_pairs

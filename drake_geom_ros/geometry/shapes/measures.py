@@ -25,6 +25,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.shapes.sensed import SensedMap
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]
@@ -34,7 +35,7 @@ def CalcVolume(shape: Shape) -> float:
     """Return the volume [m^3] of a shape: infinite for a half space, of a Convex its hull's.
 
     For a Mesh, it is the volume that a closed surface encloses; an open one has none. Raises
-    MeshFileError for a file that cannot be read.
+    MeshFileError for a file that cannot be read, and ArgumentError for a sensed map.
 
         >>> CalcVolume(Box(1, 2, 3))
         6.0
@@ -47,6 +48,11 @@ def CalcVolume(shape: Shape) -> float:
         return volume(vertices[triangles])
     if isinstance(shape, HalfSpace):
         return math.inf
+    if isinstance(shape, SensedMap):
+        raise ArgumentError(
+            f'CalcVolume: {shape!r} is a union of cells that may overlap, whose volume is not '
+            'computed; of cells that do not it is count() times that of one'
+        )
     ball = 4.0 / 3.0 * math.pi
     if isinstance(shape, Sphere):
         return ball * shape.radius() ** 3
@@ -64,7 +70,8 @@ def CalcVolume(shape: Shape) -> float:
 def CalcObb(shape: Shape) -> Obb | None:
     """Return the oriented box around a shape, in its frame; None for a half space.
 
-    That of a Mesh or a Convex has a side in a face of the hull, and is the smallest such. Raises
+    That of a Mesh or a Convex has a side in a face of the hull, and is the smallest such; that of
+    a sensed map lies along its axes. Raises
     MeshFileError for a file that cannot be read.
     """
     checked_type(shape, Shape, 'CalcObb: shape')
@@ -73,6 +80,9 @@ def CalcObb(shape: Shape) -> Obb | None:
     if isinstance(shape, (Mesh, Convex)):
         mesh = shape.surface() if isinstance(shape, Mesh) else shape.hull_surface()
         return _around(mesh[0])
+    if isinstance(shape, SensedMap):
+        low, high = shape.box()
+        return Obb(RigidTransform(0.5 * (low + high)), 0.5 * (high - low))
     centre = [0.0, 0.0, 0.0]
     if isinstance(shape, Sphere):
         half = np.full(3, shape.radius())

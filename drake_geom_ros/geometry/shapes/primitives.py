@@ -73,7 +73,7 @@ class Shape:
         """Return another object that is the same shape."""
         return copy.copy(self)
 
-    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+    def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
         """Return what the shape is to proximity queries: the one place that says so."""
         return QueriedShape(PackedShape(self._TYPE, self._lengths()))
 
@@ -94,13 +94,14 @@ class Shape:
         return f'{type(self).__name__}({", ".join(f"{n}={v!r}" for n, v in pairs)})'
 
 
-def for_queries(shape: Shape, is_solid: bool = False) -> QueriedShape:
+def for_queries(shape: Shape, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
     """Return what a shape is to proximity queries.
 
-    ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds. Raises GeometryError
-    for what cannot have the proximity role.
+    ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds, and ``margin`` [m] is
+    ('map', 'margin'), of a sensed map. Raises GeometryError for what cannot have the proximity
+    role.
     """
-    return shape._for_queries(is_solid)
+    return shape._for_queries(is_solid, margin)
 
 
 class Sphere(Shape):
@@ -296,7 +297,7 @@ class MeshcatCone(Shape):
         """Return the semi-axis [m] of the base along y."""
         return float(self._measures[2])
 
-    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+    def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
         raise GeometryError('MeshcatCone: it is for pictures, and cannot have the proximity role')
 
 

@@ -29,6 +29,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.shapes.sensed import SensedMap
 from drake_geom_ros.geometry.visualizer._lcm_types import LcmType, TypeMember
 from drake_geom_ros.math import RigidTransform
 
@@ -154,6 +155,8 @@ def _geometry_data(inspector: SceneGraphInspector, geometry: GeometryId, role: R
             'mesh', 'solid', False
         )
         return _mesh_data(shape, bool(solid), X_FG, colour)
+    if isinstance(shape, SensedMap):
+        return _triangle_data(shape.surface(), X_FG, colour)
     return _data(*_numbers(shape), X_FG, colour)
 
 
@@ -187,7 +190,12 @@ def _mesh_data(shape: Convex | Mesh, whole: bool, X_FG: RigidTransform, colour: 
         path = Path(shape.filename())
         if path.suffix.lower() in _FILES and path.is_file():
             return _data(_MESH, shape.scale3(), X_FG, colour, str(path))
-    vertices, triangles = shape.surface() if own else shape.hull_surface()  # type: ignore[union-attr]
+    surface = shape.surface() if own else shape.hull_surface()  # type: ignore[union-attr]
+    return _triangle_data(surface, X_FG, colour)
+
+
+def _triangle_data(surface: tuple[Any, Any], X_FG: RigidTransform, colour: Any) -> Fields:
+    vertices, triangles = surface
     numbers = [[len(vertices), len(triangles)], vertices.ravel(), triangles.ravel()]
     return _data(_MESH, np.concatenate(numbers), X_FG, colour)
 

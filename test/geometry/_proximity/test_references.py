@@ -21,6 +21,10 @@ from oracles.solids import solid
 
 from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import _proximity
+from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
+    SIGNATURE_BY_ADDRESS,
+    call_by_address,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     NORMAL,
     PAIR_WIDTH,
@@ -30,11 +34,17 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     compiled_address,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import difference_of
-from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.kernels.pair_table import (
+    ALL_ROWS,
+    OVER_MAP_KERNEL,
+    SHAPE_NAMES,
+    load_kernel,
+)
+from drake_geom_ros.geometry._proximity.kernels.sensed.packing import map_parameters
 from drake_geom_ros.geometry._proximity.kernels.solids.leaves import leaf_pair
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import walk
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, OCCUPIED_CELLS, SOLID
 
 VIEWS = {'row', 'part'}  # of ``kernels.calling.views``
 NUMPY_MAKERS = {'empty', 'zeros', 'full', 'eye', 'copy', 'argsort'}
@@ -120,7 +130,18 @@ def _call_each(address, kind_A, shape_A, R_WAs, kind_B, shape_B, R_WBs, p_AB_Ws,
         call_kernel(address, A, B, p_AB_Ws[k], Aim(1.0, 1e-9, np.inf), rows[k])
 
 
+@njit
+def _call_each_over(by, address, kind_A, shape_A, R_WAs, kind_B, shape_B, R_WBs, p_AB_Ws, rows):
+    """Call what takes a kernel over the cells of maps likewise."""
+    for k in range(len(rows)):
+        A = OrientedShape(kind_A, shape_A, R_WAs[k])
+        B = OrientedShape(kind_B, shape_B, R_WBs[k])
+        call_by_address(by, address, A, B, p_AB_Ws[k], Aim(1.0, 1e-9, np.inf), rows[k])
+
+
 def _shape(rng, kind):
+    if kind >= OCCUPIED_CELLS:
+        return map_parameters(0.1 * random_directions(rng, 20), 0.02)
     if kind == SOLID:
         return kernel_form(solid('L', 0.1))[1].copy()
     if kind == CONVEX:
@@ -152,9 +173,13 @@ def test_kernels_lose_no_array_and_free_none_twice(statistics, row):
     away = random_directions(rng, count) * rng.choice([0.0, 0.05, 0.12, 0.2, 1.0], (count, 1))
     rows = np.zeros((count, PAIR_WIDTH))
     rows[count // 2 :, NORMAL : NORMAL + 3] = random_directions(rng, count - count // 2)
-    _call_each(address, *bodies[0], *bodies[1], away, rows)
+    call, by = _call_each, ()
+    if row.is_of_map:
+        call = _call_each_over
+        by = (compiled_address(load_kernel(OVER_MAP_KERNEL), SIGNATURE_BY_ADDRESS),)
+    call(*by, address, *bodies[0], *bodies[1], away, rows)
     before = statistics()
-    _call_each(address, *bodies[0], *bodies[1], away, rows)
+    call(*by, address, *bodies[0], *bodies[1], away, rows)
     after = statistics()
     assert after.alloc - before.alloc == after.free - before.free
     assert after.mi_alloc - before.mi_alloc == after.mi_free - before.mi_free

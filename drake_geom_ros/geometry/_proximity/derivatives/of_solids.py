@@ -79,6 +79,9 @@ def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: B
         a, b = places[k, 0], places[k, 1]
         if not is_of_surfaces(types[a], types[b]):
             continue
+        if max(types[a], types[b]) > SOLID:
+            unique[k] = False  # of the cells of a map nobody has looked
+            continue
         numbers = row(rows, k)
         far, sure = abs(numbers[DISTANCE]) > numbers[ERROR_BOUND], numbers[METHOD] != BOUND_ONLY
         # Whether the normal of an overlap is the only one is known with the way out.

@@ -1,4 +1,4 @@
-"""Which pairs have their gradients from surfaces of triangles."""
+"""Which pairs have their gradients from surfaces of triangles, or of the cells of a map."""
 
 from __future__ import annotations
 
@@ -13,5 +13,10 @@ Scene: TypeAlias = tuple[Indices, Indices, Floats, Floats]  # types, starts, poo
 
 @inlined
 def is_of_surfaces(type_a: int, type_b: int) -> bool:
-    """Tell whether a distance is that of a solid's surface; a half space meets its hull."""
-    return (type_a == SOLID or type_b == SOLID) and type_a != HALF_SPACE and type_b != HALF_SPACE
+    """Tell whether a distance is that of a solid's surface, or of a map, which has no hull.
+
+    A half space meets the hull of a solid.
+    """
+    highest = max(type_a, type_b)
+    of_solid = highest == SOLID and type_a != HALF_SPACE and type_b != HALF_SPACE
+    return of_solid or highest > SOLID

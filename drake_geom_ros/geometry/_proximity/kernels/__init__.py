@@ -45,6 +45,7 @@ ELLIPSOID  a, b, c                       semi-axes
 HALF_SPACE (none)                        occupies z <= 0
 CONVEX     n, then n x 3 vertices, ...   in the geometry's frame, scaled; see ``hulls``
 SOLID      those of CONVEX, then a tree  see ``solids.solid``
+maps       those of CONVEX, then a tree  OCCUPIED_CELLS, POINT_CLOUD: see ``shapes.maps``
 ========== ============================= ==========================================
 
 Words, as in the literature (C. Ericson, *Real-Time Collision Detection*, 2005; G. van den Bergh,

@@ -5,12 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.calling.extremes import address_at_one_metre
+from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
+    SIGNATURE_BY_ADDRESS,
+    address_at_one_metre,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import compiled_address
 from drake_geom_ros.geometry._proximity.kernels.pair_table import (
     ALL_ROWS,
+    OVER_MAP_KERNEL,
     ROW_OF_TYPES,
     TYPE_COUNT,
+    load_kernel,
 )
 from drake_geom_ros.geometry._proximity.runtime.addresses import address_table
 from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices
@@ -18,8 +23,9 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilatio
 
 ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
-ADDRESSES = address_table(len(ALL_ROWS) + 1)
+ADDRESSES = address_table(len(ALL_ROWS) + 2)
 AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
+OVER_MAP = AT_ONE_METRE + 1  # and what takes one over the cells of a map
 COMPILED_ROWS = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 
@@ -35,6 +41,11 @@ def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]
     missing = np.unique(rows[(rows >= 0) & ~COMPILED_ROWS[rows]]).tolist()
     if missing and not ADDRESSES[AT_ONE_METRE]:
         ADDRESSES[AT_ONE_METRE] = address_at_one_metre()
+    if any(ALL_ROWS[number].is_of_map for number in missing) and not ADDRESSES[OVER_MAP]:
+        with compilation(tell, OVER_MAP_KERNEL, 1, 1):
+            ADDRESSES[OVER_MAP] = compiled_address(
+                load_kernel(OVER_MAP_KERNEL), SIGNATURE_BY_ADDRESS
+            )
     names = list(dict.fromkeys(ALL_ROWS[number].kernel for number in missing))
     for number in missing:
         row = ALL_ROWS[number]

@@ -3,12 +3,13 @@
 Which kernel answers, by which method, and how far off it was at worst: the look-up of the engine,
 the support table of docs/certificates.md, the accuracy tests and the "not supported" text all
 come from here. The lower type number is A. Solids, whose signed distance no support function
-tells, have a table of their own.
+tells, have a table of their own, and so have maps that sensors made: there the kernel is that of
+one cell, a box or a ball, and ``OVER_MAP_KERNEL`` walks around it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import Any
 
@@ -19,6 +20,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CYLINDER,
     ELLIPSOID,
     HALF_SPACE,
+    OCCUPIED_CELLS,
+    POINT_CLOUD,
     SOLID,
     SPHERE,
     Method,
@@ -33,6 +36,8 @@ SHAPE_NAMES = {
     HALF_SPACE: 'HalfSpace',
     CONVEX: 'Convex',
     SOLID: 'Mesh',  # as a solid that is not convex; any other counts as Convex
+    OCCUPIED_CELLS: 'OccupiedCells',
+    POINT_CLOUD: 'PointCloud',
 }
 TYPE_COUNT = 1 + max(SHAPE_NAMES)
 
@@ -95,6 +100,14 @@ _RINGS = (
 )
 
 
+_MAPS = (
+    'Apart, the nearest cell is as far as the kernel of a box or a ball certifies, and all others '
+    'are farther by that kernel or by boxes around them, which are rounded outwards. Overlapping, '
+    'the deepest cell bounds the depth from below and a translation that parts the body from all '
+    'cells from above: the interval between them may stay open.'
+)
+
+
 _KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
 
 
@@ -115,8 +128,15 @@ class PairRow:
     worst_error: float  # [m] for bodies of about 0.2 m, kept true by test/accuracy
 
     @property
+    def is_of_map(self) -> bool:
+        """Whether the kernel answers for one cell of B, or of both."""
+        return self.type_b > SOLID
+
+    @property
     def certificate(self) -> str:
         """Why the error bound of an answer holds, in two sentences."""
+        if self.is_of_map:
+            return _MAPS
         module = self.kernel.rpartition('.')[0]
         if module in _CERTIFICATES:
             return _CERTIFICATES[module]
@@ -135,6 +155,8 @@ class PairRow:
 CLOSED, ITERATIVE, TRIANGLES, *_ = Method
 _CORES = 'convex.pairs.signed_distance_of_cores'
 BY_PAIR_KERNEL = 'closed_forms.to_points.by_pair_kernel'
+_TO_MAP = 'sensed.to_points.to_map'
+BY_ADDRESS = (BY_PAIR_KERNEL, _TO_MAP)  # point kernels that call the pair kernel of a ball
 _SOLIDS = 'solids.pairs.signed_distance_to_solid'
 
 PAIR_TABLE = (
@@ -179,7 +201,23 @@ SOLID_TABLE = (
     PairRow(CONVEX, SOLID, _SOLIDS, TRIANGLES, 1e-12),
     PairRow(SOLID, SOLID, _SOLIDS, TRIANGLES, 1e-12),
 )
-ALL_ROWS = PAIR_TABLE + SOLID_TABLE
+# The kernel is that of one cell: a box of OccupiedCells, a ball of a PointCloud. The worst error
+# is that of the nearest cell; what overlaps has an interval, which ``error_bound`` tells.
+OVER_MAP_KERNEL = 'sensed.pairs.over_map'
+_OF_CELL = {OCCUPIED_CELLS: BOX, POINT_CLOUD: SPHERE}
+_ROW_OF_PAIR = {tuple(sorted((row.type_a, row.type_b))): row for row in PAIR_TABLE + SOLID_TABLE}
+
+
+def _row_of_map(type_a: int, type_b: int) -> PairRow:
+    """Return the row of a map B: that of its cell against A, or against a cell of A."""
+    row = _ROW_OF_PAIR[tuple(sorted((_OF_CELL.get(type_a, type_a), _OF_CELL[type_b])))]
+    return replace(row, type_a=type_a, type_b=type_b)
+
+
+MAP_TABLE = tuple(
+    _row_of_map(a, b) for b in (OCCUPIED_CELLS, POINT_CLOUD) for a in SHAPE_NAMES if a <= b
+)
+ALL_ROWS = PAIR_TABLE + SOLID_TABLE + MAP_TABLE
 
 # What answers for many points and one shape.
 POINT_KERNELS = {
@@ -191,6 +229,8 @@ POINT_KERNELS = {
     HALF_SPACE: 'closed_forms.to_points.to_half_space',
     CONVEX: BY_PAIR_KERNEL,
     SOLID: 'solids.to_points.to_solid',
+    OCCUPIED_CELLS: _TO_MAP,
+    POINT_CLOUD: _TO_MAP,
 }
 
 # Number in ALL_ROWS by type_a * TYPE_COUNT + type_b, the lower type first; -1 where there is none.

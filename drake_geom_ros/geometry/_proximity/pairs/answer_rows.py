@@ -193,7 +193,7 @@ def _gather(
         if out[METHOD] == BOUND_ONLY:
             least, promised = least - out[ERROR_BOUND], math.inf
         elif (out[METHOD] == MESH or out[METHOD] == OPEN) and least < 0.0:
-            promised = math.inf  # of overlapping solids: see ``kernels.solids.overlap``
+            promised = math.inf  # of overlapping solids and maps: see ``kernels.solids.overlap``
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
         told[OVERLAPS] = 1.0 if least < touching else 0.0
         told[PROMISED] = promised

@@ -114,8 +114,8 @@ def least_possible(i: int, j: int, bodies: BoundedBodies) -> float:
     if types[i] == HALF_SPACE or types[j] == HALF_SPACE:
         return separation
     if separation == 0.0:
-        if types[i] == SOLID or types[j] == SOLID:
-            return -math.inf  # how deep a solid is, its hull does not tell
+        if max(types[i], types[j]) >= SOLID:
+            return -math.inf  # how deep a solid or a map is, its hull does not tell
         separation, farthest = -math.inf, 0.0
         for k in range(3):
             p, q = p_WGs[i, k], p_WGs[j, k]

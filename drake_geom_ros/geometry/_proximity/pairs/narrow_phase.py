@@ -13,9 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.addresses import AT_ONE_METRE, ROWS
+from drake_geom_ros.geometry._proximity.kernels.addresses import AT_ONE_METRE, OVER_MAP, ROWS
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
-    call_at_one_metre,
+    call_by_address,
     is_extreme,
     vanishes,
 )
@@ -103,11 +103,13 @@ def _call_in_order(
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     A = OrientedShape(types[a], shape_a, row(R_WGs, a))
     B = OrientedShape(types[b], shape_b, row(R_WGs, b))
-    # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
+    # Solids and maps, the highest types, hold areas and counts too: kernels take them as they are.
     extreme = is_extreme(aim.size, p_AB_W)
     extreme = extreme or vanishes(A.kind, shape_a) or vanishes(B.kind, shape_b)
     if extreme and B.kind <= CONVEX:
-        call_at_one_metre(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
+        call_by_address(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
+    elif B.kind > SOLID:
+        call_by_address(kernels[OVER_MAP], address, A, B, p_AB_W, aim, out)
     else:
         call_kernel(address, A, B, p_AB_W, aim, out)
     if swapped:
@@ -126,8 +128,8 @@ def _may_leap(out: Floats, moved: float, type_a: int, type_b: int) -> bool:
     A peg that is turned in its hole by a hair, into the walls, has to leave the hole. Only bodies
     that are apart, and stay so, keep it: then it is the least distance of any two points.
     """
-    solid = type_a == SOLID or type_b == SOLID
-    return solid and out[DISTANCE] - out[ERROR_BOUND] <= moved
+    hollow = max(type_a, type_b) >= SOLID  # a solid or a map
+    return hollow and out[DISTANCE] - out[ERROR_BOUND] <= moved
 
 
 @inlined
@@ -224,11 +226,12 @@ def _beyond(cutoff: float, size: float, rounding: float) -> float:
 def _recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
     """Forget the normal from which a kernel would start, where it is not this level's.
 
-    So what one level was asked changes no digit of what another answers. With solids a kernel
-    starts from nothing: which leaves are looked at would depend on it.
+    So what one level was asked changes no digit of what another answers. With solids and maps a
+    kernel starts from nothing: which leaves are looked at would depend on it.
     """
-    solid = type_a == SOLID or type_b == SOLID
-    if solid or (out[LEVEL_GAP] != level_gap and out[LEVEL_GAP] > -math.inf):
+    if max(type_a, type_b) >= SOLID or (
+        out[LEVEL_GAP] != level_gap and out[LEVEL_GAP] > -math.inf
+    ):
         for c in range(3):
             out[NORMAL + c] = 0.0
 

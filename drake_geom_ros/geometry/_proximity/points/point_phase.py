@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     call_points_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.pair_table import (
-    BY_PAIR_KERNEL,
+    BY_ADDRESS,
     POINT_KERNELS,
     TYPE_COUNT,
     load_kernel,
@@ -51,7 +51,7 @@ def compile_point_kernels(types: Set[int], tell: Tell | None = None) -> list[str
     for number, kind in enumerate(missing, 1):
         name = POINT_KERNELS[kind]
         with compilation(tell, name, number, len(missing)):
-            if name == BY_PAIR_KERNEL:
+            if name in BY_ADDRESS:
                 names.update(dict.fromkeys(compile_rows(POINT_ROWS[[kind]])))
             POINT_ADDRESSES[kind] = compiled_address(load_kernel(name), POINTS_SIGNATURE)
         POINTS_COMPILED.add(kind)

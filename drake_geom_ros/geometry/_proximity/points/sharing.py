@@ -23,7 +23,7 @@ def is_worth_sharing(world: World, count: int) -> bool:
     """Tell whether so many points take so long that more threads end sooner."""
     if THREADS == 1:
         return False
-    slow = [k for k, name in POINT_KERNELS.items() if name == BY_PAIR_KERNEL or k == SOLID]
+    slow = [k for k, name in POINT_KERNELS.items() if name == BY_PAIR_KERNEL or k >= SOLID]
     long_ones = int(np.isin(world.point_shapes.types, slow).sum())
     short_ones = world.geometry_count - long_ones
     return count * (long_ones * LONG_POINT + short_ones * SHORT_POINT) > LONG

@@ -29,10 +29,21 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     NORMAL,
 )
 from drake_geom_ros.geometry._proximity.kernels.pair_table import (
+    ALL_ROWS,
+    MAP_TABLE,
     PAIR_TABLE,
     SHAPE_NAMES,
+    SOLID_TABLE,
 )
-from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CLOSED_FORM,
+    CONVEX,
+    OCCUPIED_CELLS,
+    POINT_CLOUD,
+    SOLID,
+    SPHERE,
+)
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
 
@@ -162,10 +173,21 @@ def test_the_certificate_of_every_level_contains_the_truth(row, level):
 
 def test_the_table_holds_every_pair_but_two_half_spaces():
     pairs = {(row.type_a, row.type_b) for row in PAIR_TABLE}
-    # A mesh counts as its convex hull, so it has no rows of its own.
-    kinds = [t for t, name in SHAPE_NAMES.items() if name != 'Mesh']
+    # Those of meshes and of sensed maps stand in tables of their own.
+    kinds = [t for t in SHAPE_NAMES if t < SOLID]
     expected = {(a, b) for a in kinds for b in kinds if a <= b} - {(6, 6)}
     assert pairs == expected
+    pairs |= {(row.type_a, row.type_b) for row in (*SOLID_TABLE, *MAP_TABLE)}
+    assert pairs == {(a, b) for a in SHAPE_NAMES for b in SHAPE_NAMES if a <= b} - {(6, 6)}
+
+
+def test_a_map_is_answered_for_by_the_kernel_of_its_cell():
+    of_pair = {(row.type_a, row.type_b): row.kernel for row in ALL_ROWS}
+    cell = {OCCUPIED_CELLS: BOX, POINT_CLOUD: SPHERE}
+    for row in MAP_TABLE:
+        leaf = tuple(sorted(cell.get(kind, kind) for kind in (row.type_a, row.type_b)))
+        assert row.is_of_map
+        assert row.kernel == of_pair[leaf]
 
 
 def test_worst_errors_are_powers_of_ten_and_as_small_as_promised():

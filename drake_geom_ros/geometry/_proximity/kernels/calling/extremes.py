@@ -27,9 +27,9 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, LEAST_LENGTH, SMALL_SIZE
 
-# That of ``at_one_metre``: a kernel's address comes first.
-_SIGNATURE = types.void(types.intp, *PAIR_SIGNATURE.args)
-call_at_one_metre = caller(_SIGNATURE)
+# That of ``at_one_metre``, and of what else calls a kernel: its address comes first.
+SIGNATURE_BY_ADDRESS = types.void(types.intp, *PAIR_SIGNATURE.args)
+call_by_address = caller(SIGNATURE_BY_ADDRESS)
 
 
 @inlined
@@ -102,4 +102,4 @@ def at_one_metre(
 
 def address_at_one_metre() -> Any:
     """Compile ``at_one_metre`` and return its address."""
-    return compiled_address(at_one_metre, _SIGNATURE)
+    return compiled_address(at_one_metre, SIGNATURE_BY_ADDRESS)

@@ -12,6 +12,11 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     farthest_vertex,
     hull_defect,
 )
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import (
+    centre_at,
+    is_map,
+    map_tree_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, rotate, unrotate
 from drake_geom_ros.geometry._proximity.kinds import (
@@ -45,7 +50,7 @@ class PosedShape(NamedTuple):
 @inlined
 def has_hull(shape_type: int) -> bool:
     """Tell whether the shape's parameters begin with the vertices of its hull."""
-    return shape_type == CONVEX or shape_type == SOLID
+    return shape_type == CONVEX or shape_type == SOLID or is_map(shape_type)
 
 
 @inlined
@@ -122,8 +127,11 @@ def shape_radii(types: Indices, starts: Indices, pool: Floats) -> tuple[Floats, 
 def point_inside(shape_type: int, shape: Floats, R_WG: Floats, n_W: Vector) -> Vector:
     """Return the centre of the ball inside a shape, from Go in World: a vertex of a hull, else Go.
 
-    The origin of a hull may lie outside it, and that of a solid too.
+    The origin of a hull may lie outside it, and that of a solid too. Of a map, whose hull is the
+    box around it, it is the middle of its first cell.
     """
+    if is_map(shape_type):
+        return rotate(R_WG, centre_at(shape, map_tree_of(shape_type, shape), 0))
     if not has_hull(shape_type):
         return 0.0, 0.0, 0.0
     x, y, z = unrotate(R_WG, n_W)

@@ -1,0 +1,230 @@
+"""A pair with a map: what the walks know of A and of B, and bounds of how far parts are apart.
+
+B is a map, and A is one too or any other shape: of that its *core* is a leaf of its own, in a box
+of its axes, grown by a ball (``shapes.supports``). Bounds are computed in B's axes, from Bo.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import Aim, OrientedShape
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_defect
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import (
+    NODE,
+    MapTree,
+    centre_at,
+    map_tree_of,
+)
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
+    bounding_radius,
+    core_radius,
+    local_support,
+)
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NodeBox, box_between
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    column,
+    dot,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unit,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CONVEX,
+    HALF_SPACE,
+    OCCUPIED_CELLS,
+    SOLID,
+    SPHERE,
+)
+from drake_geom_ros.geometry._proximity.runtime.addresses import Address
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
+
+
+class MapBody(NamedTuple):
+    """A body as walks take it: its leaves are cells, or it is one leaf itself."""
+
+    kind: int
+    shape: Floats
+    R_W: Floats
+    leaf_kind: int
+    leaf: Floats  # parameters of a leaf
+    reach: float  # [m] of a leaf from its centre
+    tree: MapTree
+    box: NodeBox  # of the core, if it is no map
+    half: float  # [m] that the box of a node is grown by on each side, ...
+    radius: float  # [m] ... and all around
+
+
+class MapPair(NamedTuple):
+    """A, and a map B; R is the orientation of A in B."""
+
+    A: MapBody
+    B: MapBody
+    R: Floats
+    address: Address  # of the kernel for a leaf of A and a leaf of B
+    aim: Aim
+    size: float  # [m] to which rounding is relative
+
+
+@inlined
+def noise_of(pair: MapPair) -> float:
+    """Return what rounding may make of a distance [m]."""
+    return ROUNDING * EPS * pair.size
+
+
+@inlined
+def towards(p: Vector) -> Vector:
+    """Return the unit vector towards a point; that of x where it is no way off."""
+    n = unit(p)
+    return n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)
+
+
+@compiled
+def _box_of_core(kind: int, shape: Floats) -> NodeBox:
+    """Return the box around the core of a shape, in its frame; of a solid that of its hull."""
+    hull = CONVEX if kind == SOLID else kind
+    above = (
+        local_support(hull, shape, (1.0, 0.0, 0.0), 0.0)[0],
+        local_support(hull, shape, (0.0, 1.0, 0.0), 0.0)[1],
+        local_support(hull, shape, (0.0, 0.0, 1.0), 0.0)[2],
+    )
+    below = (
+        local_support(hull, shape, (-1.0, 0.0, 0.0), 0.0)[0],
+        local_support(hull, shape, (0.0, -1.0, 0.0), 0.0)[1],
+        local_support(hull, shape, (0.0, 0.0, -1.0), 0.0)[2],
+    )
+    return box_between(below, above)
+
+
+@allocating
+def body_of(kind: int, shape: Floats, R_W: Floats) -> MapBody:
+    """Return a shape as a body of a pair."""
+    tree = map_tree_of(kind, shape)
+    size = tree.size
+    if tree.leaves == 0:
+        box, radius, half = NodeBox((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), 0.0, 0.0
+        reach = 0.0
+        if kind != HALF_SPACE:
+            box, radius = _box_of_core(kind, shape), core_radius(kind, shape)
+            reach = bounding_radius(kind, shape)
+        if kind == CONVEX or kind == SOLID:
+            half = hull_defect(shape)
+        return MapBody(kind, shape, R_W, kind, shape, reach, tree, box, half, radius)
+    box = NodeBox((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    if kind == OCCUPIED_CELLS:
+        reach = math.sqrt(3.0) * size
+        return MapBody(kind, shape, R_W, BOX, np.full(3, size), reach, tree, box, size, 0.0)
+    return MapBody(kind, shape, R_W, SPHERE, np.full(1, size), size, tree, box, 0.0, size)
+
+
+@allocating
+def map_pair(
+    address: Address, A: OrientedShape, B: OrientedShape, aim: Aim, away: float
+) -> MapPair:
+    """Return a pair whose origins are as far as ``away`` [m] apart, at most."""
+    mine, its = body_of(A.kind, A.shape, A.R_W), body_of(B.kind, B.shape, B.R_W)
+    R = np.empty((3, 3))
+    for k in range(3):
+        R[0, k], R[1, k], R[2, k] = unrotate(B.R_W, column(A.R_W, k))
+    size = bounding_radius(B.kind, B.shape) + away
+    if A.kind != HALF_SPACE:
+        size += bounding_radius(A.kind, A.shape)
+    return MapPair(mine, its, R, address, aim, size)
+
+
+@inlined
+def box_of_node(body: MapBody, k: int) -> NodeBox:
+    """Return the box of node k, or that of the core, in the body's frame."""
+    if body.tree.leaves == 0:
+        box = body.box
+    else:
+        at = body.tree.nodes + NODE * k
+        box = box_between(vector_at(body.shape, at), vector_at(body.shape, at + 3))
+    h = body.half
+    return NodeBox(box.middle, (box.half[0] + h, box.half[1] + h, box.half[2] + h))
+
+
+@inlined
+def box_of_cell(body: MapBody, i: int) -> NodeBox:
+    """Return the box of cell i, or that of the core, in the body's frame."""
+    h = body.half
+    if body.tree.leaves == 0:
+        box = body.box
+        return NodeBox(box.middle, (box.half[0] + h, box.half[1] + h, box.half[2] + h))
+    return NodeBox(centre_at(body.shape, body.tree, i), (h, h, h))
+
+
+@inlined
+def centre_of(body: MapBody, i: int) -> Vector:
+    """Return the origin of leaf i, in the body's frame; a body that is no map is at its own."""
+    return (0.0, 0.0, 0.0) if body.tree.leaves == 0 else centre_at(body.shape, body.tree, i)
+
+
+@inlined
+def _above_plane(R: Floats, p: Vector, box: NodeBox) -> float:
+    """Return how far a box in B is above the half space A that stands at p, turned by R."""
+    n, h = column(R, 2), box.half
+    reach = abs(n[0]) * h[0] + abs(n[1]) * h[1] + abs(n[2]) * h[2]
+    return dot(n, sub(box.middle, p)) - reach
+
+
+@inlined
+def _beyond_faces(d: Vector, R: Floats, h: Vector, k: Vector) -> Vector:
+    """Return the gaps along the faces of a box of half size k, of one of half size h turned by R.
+
+    Negative where they overlap; d is the middle of the second, from that of the first.
+    """
+    return (
+        abs(d[0]) - k[0] - (abs(R[0, 0]) * h[0] + abs(R[0, 1]) * h[1] + abs(R[0, 2]) * h[2]),
+        abs(d[1]) - k[1] - (abs(R[1, 0]) * h[0] + abs(R[1, 1]) * h[1] + abs(R[1, 2]) * h[2]),
+        abs(d[2]) - k[2] - (abs(R[2, 0]) * h[0] + abs(R[2, 1]) * h[1] + abs(R[2, 2]) * h[2]),
+    )
+
+
+@inlined
+def _length_beyond(gaps: Vector) -> float:
+    """Return how far boxes are apart by the gaps along three faces; negative: the largest."""
+    most = max(gaps[0], gaps[1], gaps[2])
+    if most <= 0.0:
+        return most
+    return norm((max(gaps[0], 0.0), max(gaps[1], 0.0), max(gaps[2], 0.0)))
+
+
+@compiled
+def least_apart(pair: MapPair, p: Vector, box_A: NodeBox, box_B: NodeBox, limit: float) -> float:
+    """Return a lower bound [m] of the signed distance of what is in two boxes; Ao is at p in B.
+
+    What lies in a body is no nearer, and no deeper, than that body, and a gap along any direction,
+    a negative one too, is never more than the signed distance. A few roundings of the pair's size
+    may be missing, less than ``noise_of``. Of what is beyond the limit [m] less is told.
+    """
+    R, radius = pair.R, pair.A.radius + pair.B.radius
+    if pair.A.kind == SPHERE:  # whichever way it is turned
+        d, k = sub(p, box_B.middle), box_B.half
+        gaps = (abs(d[0]) - k[0], abs(d[1]) - k[1], abs(d[2]) - k[2])
+        return _length_beyond(gaps) - radius
+    if pair.A.kind == HALF_SPACE:
+        return _above_plane(R, p, box_B) - radius
+    d = sub(add(rotate(R, box_A.middle), p), box_B.middle)
+    in_B = _length_beyond(_beyond_faces(d, R, box_A.half, box_B.half))
+    if in_B - radius > limit:
+        return in_B - radius
+    d_A = unrotate(R, scale(-1.0, d))
+    h, k = box_A.half, box_B.half
+    in_A = (
+        abs(d_A[0]) - h[0] - (abs(R[0, 0]) * k[0] + abs(R[1, 0]) * k[1] + abs(R[2, 0]) * k[2]),
+        abs(d_A[1]) - h[1] - (abs(R[0, 1]) * k[0] + abs(R[1, 1]) * k[1] + abs(R[2, 1]) * k[2]),
+        abs(d_A[2]) - h[2] - (abs(R[0, 2]) * k[0] + abs(R[1, 2]) * k[1] + abs(R[2, 2]) * k[2]),
+    )
+    return max(in_B, _length_beyond(in_A)) - radius

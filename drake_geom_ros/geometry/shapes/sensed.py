@@ -1,0 +1,184 @@
+"""Shapes that sensors see: cells of a grid that are occupied, and points that were measured."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry._proximity.kinds import OCCUPIED_CELLS, POINT_CLOUD
+from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
+from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
+
+Floats = NDArray[np.float64]
+
+MOST_CELLS = 2**23  # 8 388 608: 0.5 GB with their tree
+SMALLEST_CELL, FARTHEST_CELL = 1e-9, 1e9  # [m]
+
+
+class SensedMap(Shape):
+    """A union of equal cells: what the shapes of sensed maps share."""
+
+    __slots__ = ()
+
+    def __init__(self, size: float, positions: ArrayLike) -> None:
+        if not self._TYPE:
+            raise ArgumentTypeError('SensedMap: make an OccupiedCells or a PointCloud')
+        self._measures = self._checked_size(size), self._checked_positions(positions)
+
+    def count(self) -> int:
+        """Return how many cells there are."""
+        return len(self._positions)
+
+    @property
+    def _size(self) -> float:
+        return float(self._measures[0])
+
+    @property
+    def _positions(self) -> Floats:
+        positions: Floats = self._measures[1]
+        return positions
+
+    def _cell(self, margin: float) -> float:
+        """Return half the edge of a cell, or its radius [m], with a margin added."""
+        raise NotImplementedError
+
+    def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
+        # Only scenes that have maps load what packs them.
+        from drake_geom_ros.geometry._proximity.kernels.sensed.packing import map_parameters
+
+        packed = map_parameters(self._positions, self._cell(margin))
+        return QueriedShape(PackedShape(self._TYPE, packed))
+
+    def box(self) -> tuple[Floats, Floats]:
+        """Return the least and the largest coordinates (3,), (3,) [m] of the union."""
+        columns = self._positions.T  # along the other axis NumPy takes ten times as long
+        low, high = np.array([(c.min(), c.max()) for c in columns]).T
+        return low - self._cell(0.0), high + self._cell(0.0)
+
+    def surface(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return vertices (n, 3) [m] and triangles (m, 3) that draw the map, without any margin.
+
+        Triangles are counter-clockwise from outside. Of cells on one grid faces between two are
+        left out; balls are polyhedra whose corners lie on them.
+        """
+        # Only what draws needs them.
+        from drake_geom_ros.geometry.shapes.sensed_surfaces import surface_of_map
+
+        return surface_of_map(self)
+
+    def _checked_size(self, size: float) -> float:
+        kind, name = type(self).__name__, self._NAMES[0]
+        try:
+            number = float(size)
+        except (TypeError, ValueError):
+            raise ArgumentTypeError(f'{kind}: {name} = {size!r} is not a number') from None
+        if not SMALLEST_CELL <= number <= FARTHEST_CELL:
+            raise ArgumentError(
+                f'{kind}: {name} = {size!r} must be from {SMALLEST_CELL:g} to {FARTHEST_CELL:g} m'
+            )
+        return number
+
+    def _checked_positions(self, positions: ArrayLike) -> Floats:
+        """Return positions (n, 3) as an array that nobody changes, or raise what is wrong."""
+        kind, name = type(self).__name__, self._NAMES[1]
+        try:
+            array = np.array(positions, dtype=np.float64, order='C')
+        except (TypeError, ValueError) as problem:
+            raise ArgumentTypeError(f'{kind}: {name} are no numbers (n, 3): {problem}') from None
+        if array.ndim != 2 or array.shape[1] != 3:
+            raise ArgumentError(f'{kind}: {name} {array.shape} must be (n, 3)')
+        if not 1 <= len(array) <= MOST_CELLS:
+            raise ArgumentError(
+                f'{kind}: {len(array)} {name} were given, and there must be 1 to {MOST_CELLS}; a '
+                'map without cells is no geometry, and a larger one is to be made coarser'
+            )
+        if (
+            not -FARTHEST_CELL <= array.min() <= array.max() <= FARTHEST_CELL
+        ):  # nor where one is NaN
+            wrong = ~(np.abs(array) <= FARTHEST_CELL).all(axis=1)
+            first = int(np.argmax(wrong))
+            raise ArgumentError(
+                f'{kind}: {np.count_nonzero(wrong)} of {len(array)} {name} are not finite or '
+                f'beyond {FARTHEST_CELL:g} m, the first is {name}[{first}] = '
+                f'{array[first].tolist()}'
+            )
+        array.flags.writeable = False
+        return array
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        assert isinstance(other, SensedMap)
+        same = self._size == other._size
+        return same and np.array_equal(self._positions, other._positions)
+
+    def __hash__(self) -> int:
+        return hash((self._TYPE, self._size, self._positions.tobytes()))
+
+    def __repr__(self) -> str:
+        size, positions = self._NAMES
+        return f'{type(self).__name__}({size}={self._size!r}, {positions}={self._positions.shape})'
+
+
+class OccupiedCells(SensedMap):
+    """Cubes of a grid, along the axes of the geometry's frame, that are occupied.
+
+    ``resolution`` [m] is their edge, ``centres`` (n, 3) [m] where they are; they need not lie on
+    a grid, may touch, overlap and coincide. To all queries it is one body, the union of the cubes;
+    the property ('map', 'margin') [m] makes each larger by so much on every side. Raises
+    ArgumentError for no cells, too many, and positions that are not finite.
+
+    >>> cells = OccupiedCells(resolution=0.1, centres=[[0.05, 0.05, 0.05], [0.15, 0.05, 0.05]])
+    >>> cells.count(), cells.resolution()
+    (2, 0.1)
+    """
+
+    __slots__ = ()
+    _TYPE = OCCUPIED_CELLS
+    _NAMES = ('resolution', 'centres')
+
+    def __init__(self, resolution: float, centres: ArrayLike) -> None:
+        super().__init__(resolution, centres)
+
+    def resolution(self) -> float:
+        """Return the edge of a cell [m]."""
+        return self._size
+
+    def centres(self) -> Floats:
+        """Return the centres (n, 3) [m] as they were given; nobody can change them."""
+        return self._positions
+
+    def _cell(self, margin: float) -> float:
+        return 0.5 * self._size + margin
+
+
+class PointCloud(SensedMap):
+    """Points that were measured, each as a ball around it.
+
+    ``radius`` [m] is that of the balls, ``positions`` (n, 3) [m] where they are; they may overlap
+    and coincide. To all queries it is one body, the union of the balls; the property ('map',
+    'margin') [m] is added to the radius. Raises ArgumentError for no points, too many, and
+    positions that are not finite.
+
+    >>> cloud = PointCloud(radius=0.01, positions=[[0.0, 0.0, 1.0]])
+    >>> cloud.count(), cloud.radius()
+    (1, 0.01)
+    """
+
+    __slots__ = ()
+    _TYPE = POINT_CLOUD
+    _NAMES = ('radius', 'positions')
+
+    def __init__(self, radius: float, positions: ArrayLike) -> None:
+        super().__init__(radius, positions)
+
+    def radius(self) -> float:
+        """Return the radius of a ball [m]."""
+        return self._size
+
+    def positions(self) -> Floats:
+        """Return the positions (n, 3) [m] as they were given; nobody can change them."""
+        return self._positions
+
+    def _cell(self, margin: float) -> float:
+        return self._size + margin

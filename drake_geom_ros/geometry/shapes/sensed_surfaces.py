@@ -1,0 +1,89 @@
+"""Sensed maps as triangles, for what draws: the faces of cells, and balls as polyhedra."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, SensedMap
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+ON_GRID = 1e-6  # of a cell [-] that centres may be beside the grid of the first one
+_FEW = 10_000  # balls that are drawn with 32 triangles each; of more with 8
+_SIDES = [np.array(s) * np.eye(3, dtype=np.int64)[k] for k in range(3) for s in (1, -1)]
+
+
+def surface_of_map(shape: SensedMap) -> tuple[Floats, Indices]:
+    """Return vertices (n, 3) [m] and triangles (m, 3), counter-clockwise from outside.
+
+    Of cells that lie on one grid, faces that two of them share are left out; balls are polyhedra
+    whose corners lie on them.
+    """
+    if isinstance(shape, OccupiedCells):
+        return _faces(shape.centres(), shape.resolution())
+    corners, triangles = _ball(shape.count() <= _FEW)
+    return _copies(shape._positions, shape._size * corners, triangles)
+
+
+def _copies(centres: Floats, corners: Floats, triangles: Indices) -> tuple[Floats, Indices]:
+    """Return one polyhedron at each of the centres (n, 3)."""
+    vertices = (centres[:, None] + corners).reshape(-1, 3)
+    firsts = len(corners) * np.arange(len(centres))
+    return vertices, (firsts[:, None, None] + triangles).reshape(-1, 3)
+
+
+def _ball(fine: bool) -> tuple[Floats, Indices]:
+    """Return an octahedron in the unit ball, or one whose triangles are cut in four."""
+    corners = np.array(_SIDES, dtype=np.float64)
+    signs = list(itertools.product((0, 1), repeat=3))
+    # Corner 2 k + s is at +1 or -1 of axis k; an odd number of -1 turns the triangle around.
+    triangles = np.array(
+        [(a, 2 + b, 4 + c) if (a + b + c) % 2 == 0 else (a, 4 + c, 2 + b) for a, b, c in signs]
+    )
+    if not fine:
+        return corners, triangles
+    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    unique, of = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    middles = corners[unique].sum(axis=1)
+    middles /= np.linalg.norm(middles, axis=1)[:, None]
+    ab, bc, ca = (len(corners) + of.reshape(-1, 3)).T
+    a, b, c = triangles.T
+    parts = [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
+    finer = np.concatenate([np.stack(part, axis=1) for part in parts])
+    return np.vstack((corners, middles)), finer
+
+
+def _faces(centres: Floats, edge: float) -> tuple[Floats, Indices]:
+    """Return the faces of cubes; those between cubes of one grid are left out."""
+    places = (centres - centres[0]) / edge
+    cells = np.rint(places)
+    on_grid = (np.abs(places - cells) <= ON_GRID).all() and np.abs(cells).max() < 2**20
+    numbers = _number(cells.astype(np.int64)) if on_grid else None
+    if numbers is not None:
+        numbers, first = np.unique(numbers, return_index=True)
+        centres, cells = centres[first], cells[first]
+    vertices = []
+    for side in _SIDES:
+        shown = centres
+        if numbers is not None:
+            beside = _number(cells.astype(np.int64) + side)
+            shown = centres[~np.isin(beside, numbers, assume_unique=True)]
+        k = int(np.argmax(np.abs(side)))
+        u, v = np.eye(3)[(k + 1) % 3], np.eye(3)[(k + 2) % 3]
+        if side[k] < 0:
+            u, v = v, u
+        square = side + np.array([-u - v, u - v, u + v, v - u])
+        vertices.append((shown[:, None] + 0.5 * edge * square).reshape(-1, 3))
+    corners = np.concatenate(vertices)
+    firsts = 4 * np.arange(len(corners) // 4)[:, None, None]
+    return corners, (firsts + np.array([(0, 1, 2), (0, 2, 3)])).reshape(-1, 3)
+
+
+def _number(cells: Indices) -> Indices:
+    """Return one number for each cell (n, 3) of a grid, whose numbers are below 2^20 - 1."""
+    numbers: Indices = ((cells + 2**20) * np.array([1, 2**21, 2**42])).sum(axis=1)
+    return numbers

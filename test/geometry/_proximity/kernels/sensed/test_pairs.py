@@ -1,0 +1,183 @@
+"""Distances of sensed maps against all their cells one by one, and depths that are known."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracles.sensed_maps import KINDS, awkward_maps, grid, nearest_of_all
+from oracles.shape_scenes import SHAPES, ShapeScene
+
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.geometry import Box, HalfSpace, OccupiedCells, PointCloud, Sphere
+from drake_geom_ros.geometry._proximity.kinds import OPEN
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+
+MAPS = awkward_maps(np.random.default_rng(1))
+
+
+def random_pose(rng, reach):
+    return RigidTransform(RotationMatrix(random_rotation(rng)), rng.uniform(-reach, reach, 3))
+
+
+def check_row(found, shape=None):
+    """Hold what every answer promises."""
+    (a, b), n = (found.p_WCa[0], found.p_WCb[0]), found.nhat_BA_W[0]
+    assert np.isfinite(found.distance[0])
+    assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
+    size = 1.0 + np.abs(a).max() + np.abs(found.distance[0])
+    assert np.abs(a - b - found.distance[0] * n).max() <= 1e-12 * size
+
+
+@pytest.mark.parametrize('body', SHAPES)
+@pytest.mark.parametrize('kind', KINDS)
+def test_the_nearest_cell_is_that_of_all_one_by_one(kind, body):
+    rng = np.random.default_rng(len(body))
+    for number, name in enumerate(MAPS):
+        edge = (1e-3, 0.1, 1e3)[number % 3] if kind is OccupiedCells else 10.0 ** (number % 7 - 3)
+        shape, other = kind(edge, edge * MAPS[name]), SHAPES[body]
+        reach = 0.4 + edge * (1.0 + np.abs(MAPS[name]).max())
+        scene = ShapeScene(shape, other)
+        for _ in range(3):
+            X_WM, X_WB = random_pose(rng, reach), random_pose(rng, reach)
+            found = scene.posed(X_WM, X_WB).query.signed_distance_of_pair(*scene.ids)
+            check_row(found)
+            truth, bound = nearest_of_all(shape, X_WM, other, X_WB)
+            slack = found.error_bound[0] + bound
+            if truth > 0.0 or body == 'half_space':
+                assert found.distance[0] == pytest.approx(truth, abs=slack)
+                assert slack <= 1e-11 * (reach + 1.0)
+            else:
+                # No way out is shorter than out of the deepest cell.
+                assert found.distance[0] - found.error_bound[0] <= truth + bound
+                assert found.distance[0] <= truth + slack
+
+
+@pytest.mark.parametrize('kind', KINDS)
+@pytest.mark.parametrize('body', [name for name in SHAPES if name != 'half_space'])
+def test_what_is_told_as_a_way_out_parts_the_bodies(kind, body):
+    """Moved by its depth along the normal, and a hair, the body touches no cell at all."""
+    rng = np.random.default_rng(3)
+    shape, other = kind(0.08, 0.1 * MAPS['shell']), SHAPES[body]
+    scene, deep = ShapeScene(other, shape), 0
+    for _ in range(12):
+        X_WB = random_pose(rng, 0.25)
+        found = scene.posed(X_WB, RigidTransform()).query.signed_distance_of_pair(*scene.ids)
+        if found.distance[0] >= 0.0:
+            continue
+        deep += 1
+        check_row(found)
+        step = (1e-9 - found.distance[0]) * found.nhat_BA_W[0]
+        if found.method[0] != OPEN:
+            step *= 1.0 + 1e-9
+        moved = RigidTransform(X_WB.rotation(), X_WB.translation() + step)
+        truth, bound = nearest_of_all(shape, RigidTransform(), other, moved)
+        assert truth >= -bound
+    assert deep >= 6
+
+
+def test_a_block_of_touching_cells_is_as_deep_as_the_box_that_it_fills():
+    rng = np.random.default_rng(4)
+    block, whole = OccupiedCells(0.1, 0.1 * grid(4, 5, 6)), Box(0.4, 0.5, 0.6)
+    for body in (Sphere(0.1), Box(0.3, 0.2, 0.1)):
+        cells, box = ShapeScene(body, block), ShapeScene(body, whole)
+        for _ in range(10):
+            X_WB = random_pose(rng, 0.3)
+            truth = box.posed(X_WB, RigidTransform()).pair(X_WB, RigidTransform()).distance
+            cells.posed(X_WB, RigidTransform())
+            found = cells.query.signed_distance_of_pair(*cells.ids)
+            assert abs(found.distance[0] - truth) <= found.error_bound[0] + 1e-12
+            assert (found.distance[0] < 0.0) == (truth < 0.0)
+
+
+def test_a_ball_that_lies_on_a_plane_of_cells_touches_it():
+    plane = OccupiedCells(0.1, 0.1 * grid(8, 8, 1))
+    scene = ShapeScene(plane, Sphere(0.1))
+    for x in (0.0, 0.05, 0.1234):  # on a corner of four cells, within one, on a border of two
+        found = scene.posed([0, 0, 0], [x, 0.0, 0.15]).query.signed_distance_of_pair(*scene.ids)
+        assert found.distance[0] == pytest.approx(0.0, abs=found.error_bound[0])
+        assert found.nhat_BA_W[0] == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
+        assert not scene.query.HasCollisions()
+    # A face that lies flush is pushed out along its normal, whatever cells are under it.
+    scene = ShapeScene(plane, Box(0.33, 0.33, 0.2))
+    found = scene.posed([0, 0, 0], [0.01, 0.02, 0.14]).query.signed_distance_of_pair(*scene.ids)
+    assert found.distance[0] == pytest.approx(-0.01, abs=found.error_bound[0])
+    assert found.error_bound[0] <= 1e-13
+    assert found.nhat_BA_W[0] == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
+
+
+def test_half_spaces_meet_the_lowest_cell():
+    for shape in (OccupiedCells(0.2, MAPS['random']), PointCloud(0.1, MAPS['random'])):
+        scene = ShapeScene(shape, anchored=[(HalfSpace(), RigidTransform())])
+        for height in (5.0, 3.0, 0.0, -9.0):
+            found = scene.posed([0, 0, height]).query.ComputeSignedDistancePairwiseClosestPoints()
+            lowest = MAPS['random'][:, 2].min() + height - 0.1
+            assert found.distance[0] == pytest.approx(lowest, abs=1e-12)
+            assert found.error_bound[0] <= 1e-12
+
+
+@pytest.mark.parametrize('kinds', [(a, b) for a in KINDS for b in KINDS])
+def test_two_maps_walk_both_trees(kinds):
+    rng = np.random.default_rng(6)
+    A = kinds[0](0.1, 0.1 * MAPS['random'])
+    B = kinds[1](0.07, 0.1 * MAPS['shell'])
+    scene = ShapeScene(A, B)
+    for _ in range(6):
+        X_WA, X_WB = random_pose(rng, 0.6), random_pose(rng, 0.6)
+        found = scene.posed(X_WA, X_WB).query.signed_distance_of_pair(*scene.ids)
+        check_row(found)
+        each = [
+            nearest_of_all(A, X_WA, type(cell)(*args), X_WB @ RigidTransform(centre))
+            for cell, args, centre in _cells(B)
+        ]
+        truth, bound = min(each)
+        slack = found.error_bound[0] + bound + 1e-13
+        if truth > 0.0:
+            assert found.distance[0] == pytest.approx(truth, abs=slack)
+        else:
+            assert found.distance[0] - slack <= truth
+
+
+def _cells(shape):
+    if isinstance(shape, OccupiedCells):
+        return [(Box(1, 1, 1), 3 * [shape.resolution()], c) for c in shape.centres()]
+    return [(Sphere(1), [shape.radius()], c) for c in shape.positions()]
+
+
+numbers = st.floats(-1.0, 1.0)
+maps = st.tuples(
+    st.sampled_from(KINDS),
+    st.lists(st.tuples(numbers, numbers, numbers), min_size=1, max_size=12),
+    st.sampled_from([1e-3, 0.1, 0.5]),
+)
+
+
+@settings(max_examples=40)
+@given(
+    maps, st.sampled_from(sorted(set(SHAPES) - {'half_space'})), st.randoms(use_true_random=False)
+)
+def test_laws(map_given, name, random):
+    kind, centres, size = map_given
+    rng = np.random.default_rng(random.randrange(2**32))
+    shape, body = kind(size, centres), SHAPES[name]
+    X_WM, X_WB, X = (random_pose(rng, 1.0) for _ in range(3))
+    found = _distance(shape, X_WM, body, X_WB)
+    check_row(found)
+    shuffled = kind(size, rng.permutation(np.array(centres)))
+    assert _distance(shuffled, X_WM, body, X_WB).distance[0] == pytest.approx(
+        found.distance[0], abs=2.0 * found.error_bound[0]
+    )
+    if found.distance[0] > 0.0:  # the very digits
+        again = _distance(shuffled, X_WM, body, X_WB)
+        assert again.distance[0] == found.distance[0]
+        assert again.nhat_BA_W[0].tolist() == found.nhat_BA_W[0].tolist()
+    for other in (_distance(body, X_WB, shape, X_WM), _distance(shape, X @ X_WM, body, X @ X_WB)):
+        slack = 1e-12 + found.error_bound[0] + other.error_bound[0]
+        assert other.distance[0] == pytest.approx(found.distance[0], abs=slack)
+    bound = _distance(shape, X_WM, body, X_WB, accuracy='bound')
+    assert bound.distance[0] - bound.error_bound[0] <= found.distance[0] + found.error_bound[0]
+    assert bound.distance[0] + bound.error_bound[0] >= found.distance[0] - found.error_bound[0]
+
+
+def _distance(A, X_WA, B, X_WB, **options):
+    scene = ShapeScene(A, B).posed(X_WA, X_WB)
+    return scene.query.signed_distance_of_pair(*scene.ids, **options)

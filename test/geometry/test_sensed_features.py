@@ -1,0 +1,222 @@
+"""All that geometries are asked, of sensed maps: the right answer, or an error that says why.
+
+None may look like "free": a ball of 5 cm stands 10 cm in front of the nearest cell, or in it.
+"""
+
+import pickle
+
+import numpy as np
+import pytest
+from geometry.render.scenes import images, scene_of
+from oracles.sensed_maps import KINDS, grid
+from oracles.shape_scenes import ShapeScene
+
+from drake_geom_ros import batch
+from drake_geom_ros.autodiffutils import AutoDiffXd
+from drake_geom_ros.geometry import (
+    ClippingRange,
+    DepthRange,
+    DepthRenderCamera,
+    FramePoseVector,
+    FramePoseVector_,
+    GeometryError,
+    GeometryInstance,
+    IllustrationProperties,
+    OccupiedCells,
+    PointCloud,
+    ProximityProperties,
+    RenderCameraCore,
+    Role,
+    RoleAssign,
+    Sphere,
+)
+from drake_geom_ros.geometry.autodiff.poses import with_derivatives
+from drake_geom_ros.geometry.visualizer import _messages
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import save_scene
+from drake_geom_ros.sensors import CameraInfo
+from drake_geom_ros.viewing.surfaces import parts_of
+
+NEAR, IN = RigidTransform([0.0, 0.0, 0.25]), RigidTransform([0.0, 0.0, 0.12])
+# The nearest cell is around the origin: half its edge and its radius are 0.1.
+CENTRES = np.vstack((np.zeros((1, 3)), grid(4, 4, 1) - [0.0, 0.0, 2.0]))
+
+
+def make(kind):
+    return kind(0.2 if kind is OccupiedCells else 0.1, CENTRES)
+
+
+@pytest.fixture(params=KINDS)
+def scene(request):
+    return ShapeScene(make(request.param), Sphere(0.05))
+
+
+def at(scene, X_WB):
+    return scene.posed(RigidTransform(), X_WB).query
+
+
+def test_pairs_at_every_level(scene):
+    for level in ('bound', 'fast', 'balanced', 'exact'):
+        (found,) = at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
+        assert abs(found.distance - 0.1) <= found.error_bound
+        (found,) = at(scene, IN).ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
+        assert abs(found.distance + 0.03) <= found.error_bound
+        assert scene.query.HasCollisions(accuracy=level)
+        assert len(scene.query.ComputePointPairPenetration(accuracy=level)) == 1
+    found = at(scene, NEAR)
+    assert not found.HasCollisions()
+    assert not len(found.ComputePointPairPenetration())
+    assert len(found.ComputeSignedDistancePairwiseClosestPoints(0.1 + 1e-9)) == 1
+    assert not len(found.ComputeSignedDistancePairwiseClosestPoints(0.1 - 1e-9))
+
+
+def test_witness_points_lie_on_both_surfaces(scene):
+    (found,) = at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints()
+    assert found.nhat_BA_W == pytest.approx([0.0, 0.0, -1.0])
+    assert found.p_ACa == pytest.approx([0.0, 0.0, 0.1], abs=1e-12)
+    assert found.p_BCb == pytest.approx([0.0, 0.0, -0.05], abs=1e-12)
+
+
+def test_an_answer_is_that_of_a_scene_that_was_asked_nothing_before(scene):
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        X = RigidTransform(rng.uniform(-0.4, 0.4, 3))
+        query, fresh = at(scene, X), scene.graph.CreateDefaultContext()
+        if rng.random() < 0.5:
+            query.HasCollisions()
+        if rng.random() < 0.5:
+            query.ComputeSignedDistancePairwiseClosestPoints(0.05, accuracy='fast')
+        found = query.ComputeSignedDistancePairwiseClosestPoints()
+        scene.pose(fresh, (RigidTransform(), X))
+        first = scene.asked(fresh).ComputeSignedDistancePairwiseClosestPoints()
+        for name in ('distance', 'error_bound', 'nhat_BA_W', 'p_WCa', 'p_WCb', 'method'):
+            assert getattr(found, name).tolist() == getattr(first, name).tolist()
+
+
+def test_points(scene):
+    query = at(scene, RigidTransform([9.0, 0, 0]))
+    found = query.ComputeSignedDistanceToPoint([[0, 0, 0.3], [0, 0, 0.09], [0, 0, 5.0]], 1.0)
+    of_map = found.distance[found.id_G == scene.ids[0].get_value()]
+    assert of_map == pytest.approx([0.2, -0.01])
+    inside = query.ComputeSignedDistanceToPoint([0, 0, 0.0], 0.0)
+    assert inside.distance + inside.error_bound >= -0.1
+    assert inside.distance - inside.error_bound <= -0.1
+
+
+def test_batches(scene):
+    poses = np.zeros((2, 1, 7))
+    poses[..., 6], poses[:, 0, 2] = 1.0, (0.25, 0.12)
+    scene.posed(RigidTransform(), NEAR)
+    asked = scene.context, [scene.frames[1]], poses
+    assert batch.evaluate(*asked, want='collision').tolist() == [False, True]
+    least = batch.evaluate(*asked, want='least')
+    assert np.abs(least.distance - [0.1, -0.03]).max() <= 1e-12
+    within = batch.evaluate(*asked, want='within', max_distance=0.05)
+    assert within.offsets.tolist() == [0, 0, 1]
+    for want in ('collision', 'least', 'within'):
+        again = batch.evaluate(*asked, want=want, max_distance=1.0, threads=1, block_size=1)
+        once = batch.evaluate(*asked, want=want, max_distance=1.0)
+        for name in ('distance', 'error_bound') if want != 'collision' else ():
+            assert getattr(again, name).tolist() == getattr(once, name).tolist()
+
+
+def test_motions(scene):
+    query = at(scene, NEAR)
+    end = FramePoseVector({scene.frames[1]: RigidTransform([0.0, 0.0, -0.9])})
+    found = query.CheckMotion(end)
+    assert found.outcome == 'contact'
+    assert found.times[0] <= 0.1 / 1.15 <= found.times[1]
+    aside = FramePoseVector({scene.frames[1]: RigidTransform([1.0, 0.0, 0.25])})
+    found = query.CheckMotion(aside)
+    assert found.outcome == 'clear'
+    assert 0.0 < found.lower_bound <= 0.1
+
+
+def test_derivatives_of_distances_are_there_and_those_of_points_refused(scene):
+    found = at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints()
+    assert found.gradients[0, 6:] == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.0, 1.0], abs=1e-12)
+    assert not found.is_gradient_unique[0]
+    graph = scene.graph.ToAutoDiffXd()
+    context, poses = graph.CreateDefaultContext(), FramePoseVector_[AutoDiffXd]()
+    for k, (frame, X) in enumerate(zip(scene.frames, (RigidTransform(), NEAR), strict=True)):
+        poses.set_value(frame, with_derivatives(X, np.eye(6, 12, 6 * k), AutoDiffXd))
+    graph.get_source_pose_port(scene.source).FixValue(context, poses)
+    query = graph.get_query_output_port().Eval(context)
+    (pair,) = query.ComputeSignedDistancePairwiseClosestPoints()
+    np.testing.assert_allclose(pair.distance.derivatives(), found.gradients[0])
+    with pytest.raises(GeometryError, match='curvature of a sensed map'):
+        _ = pair.nhat_BA_W
+    near = query.ComputeSignedDistanceToPoint(np.array([0.0, 0.0, 0.3]), 1.0)[0]
+    with pytest.raises(GeometryError, match='curvature of a sensed map'):
+        _ = near.grad_W
+
+
+def test_margins_and_paddings(scene):
+    for kind, name in (('map', 'margin'), ('proximity', 'padding')):
+        properties = ProximityProperties()
+        properties.AddProperty(kind, name, 0.02)
+        scene.graph.AssignRole(
+            scene.context, scene.source, scene.ids[0], properties, RoleAssign.kReplace
+        )
+        (found,) = at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints()
+        assert found.distance == pytest.approx(0.08)
+        (found,) = at(scene, IN).ComputeSignedDistancePairwiseClosestPoints()
+        assert abs(found.distance + 0.05) <= found.error_bound
+    for wrong in ('wide', -0.1, np.inf, np.nan, True):
+        properties = ProximityProperties()
+        properties.AddProperty('map', 'margin', wrong)
+        with pytest.raises(GeometryError, match=r"\('map', 'margin'\)"):
+            scene.graph.AssignRole(scene.source, scene.ids[0], properties, RoleAssign.kReplace)
+
+
+def test_a_map_takes_the_place_of_another(scene):
+    at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints()
+    kind = type(scene.graph.model_inspector().GetShape(scene.ids[0]))
+    size = 0.2 if kind is OccupiedCells else 0.1
+    scene.graph.ChangeShape(
+        scene.context, scene.source, scene.ids[0], kind(size, [[0.0, 0.0, 0.05]])
+    )
+    (found,) = at(scene, NEAR).ComputeSignedDistancePairwiseClosestPoints()
+    assert found.distance == pytest.approx(0.05)
+
+
+def test_filters_and_copies_know_a_map_as_one_geometry(scene):
+    query = at(scene, IN)
+    assert len(scene.graph.model_inspector().GetCollisionCandidates()) == 1
+    assert len(query.FindCollisionCandidates()) == 1
+    other = pickle.loads(pickle.dumps(scene.graph))
+    shape = scene.graph.model_inspector().GetShape(scene.ids[0])
+    assert other.model_inspector().GetShape(scene.ids[0]) == shape
+
+
+def test_drawing(scene):
+    shape = scene.graph.model_inspector().GetShape(scene.ids[0])
+    (part,) = parts_of(shape)
+    assert len(part.surface.triangles) >= 8 * len(CENTRES)
+    look = IllustrationProperties()
+    instance = GeometryInstance(RigidTransform(), shape, 'seen')
+    instance.set_illustration_properties(look)
+    scene.graph.RegisterAnchoredGeometry(scene.source, instance)
+    message, told = _messages.load_message(scene.graph.model_inspector(), Role.kIllustration)
+    assert len(message) > 4 * 9 * len(CENTRES)
+    assert not told
+
+
+def depth_of(shape):
+    camera = RenderCameraCore(
+        'exact', CameraInfo(31, 31, 0.4), ClippingRange(0.01, 10.0), RigidTransform()
+    )
+    scene, _ = scene_of([(shape, RigidTransform([0.0, 0.0, 1.0]))])
+    return images(scene, DepthRenderCamera(camera, DepthRange(0.1, 5.0)), want=('depth',))
+
+
+def test_cells_are_in_images_and_balls_are_refused():
+    depth = depth_of(make(OccupiedCells)).depth.data[15, 15, 0]
+    assert depth == pytest.approx(0.9, abs=1e-6)
+    with pytest.raises(GeometryError, match=r'PointCloud\(.* images show no balls'):
+        depth_of(make(PointCloud))
+
+
+def test_what_has_no_words_for_maps_says_so(scene):
+    with pytest.raises(GeometryError, match=r'OccupiedCells|PointCloud'):
+        save_scene(scene.graph)
