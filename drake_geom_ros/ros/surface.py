@@ -135,7 +135,11 @@ class Surface:
         """Return what has a callback called soon by its group's thread, from any thread."""
         guard = self._node.create_guard_condition(callback, callback_group=group)
         self._open.append((self._node.destroy_guard_condition, guard))
-        return guard.trigger
+
+        def trigger() -> None:
+            guard.trigger()
+
+        return trigger
 
     def clock_jumps(self, threshold: JumpThreshold, callback: Callable[[TimeJump], None]) -> None:
         """Have jumps of simulated time told."""

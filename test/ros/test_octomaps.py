@@ -1,4 +1,4 @@
-"""OctoMaps on their topic, where there are messages of them; and what is said where there are none."""
+"""OctoMaps on their topic, where there are messages of them, and what is said without."""
 
 import array
 import time

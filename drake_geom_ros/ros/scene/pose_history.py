@@ -101,7 +101,7 @@ class PoseHistory:
 def _between(frame: int, first: _Entry, last: _Entry, time: float) -> Floats:
     a, b = (entry.rows[np.flatnonzero(entry.ids == frame)[-1]] for entry in (first, last))
     if first.held == last.held:
-        return a
+        return np.array(a)
     share = (time - first.held) / (last.held - first.held)
     q0, q1 = a[3:], b[3:] if a[3:] @ b[3:] >= 0.0 else -b[3:]
     turned = slerp(q0, q1, np.array([share]))
