@@ -112,6 +112,7 @@ class Cell:
 
 @pytest.fixture
 def cell(client):
+    client.spin_until(time.monotonic() + 0.3)  # what an earlier test sent may still be taken
     accepted(client.call(srv.ClearObstacles, 'clear_obstacles'))
     return Cell(client)
 
@@ -228,6 +229,7 @@ def test_maps_are_saved_loaded_and_cleared(cell, node):
     other = str(folder / 'other.bt')
     refused(call(srv.SaveObstacles, 'save_obstacles', path=other), 'not written by save_obstacles')
 
+    cell.client.spin_until(time.monotonic() + 0.3)
     assert accepted(call(srv.ClearObstacles, 'clear_obstacles')).cells == 2
     cell.until(lambda: cell.results[-1].waiting_pairs == 2, 'that both wait again')
     loaded = accepted(call(srv.LoadObstacles, 'load_obstacles', path=str(folder / 'seen.bt')))

@@ -185,7 +185,8 @@ class ObstacleInput:
             return bodies_of(query, scene.robot_names(), MAPS)
 
     def _put(self, moment: Moment, cells: Cells, X_WM: RigidTransform, generation: int) -> None:
-        sighting = Sighting(cells, shape_of(cells), X_WM, moment.since, moment.stamp)
+        margin = self._settings().margin
+        sighting = Sighting(cells, shape_of(cells, margin), X_WM, moment.since, moment.stamp)
         with self._live.editing() as scene:
             if generation != self._generation:
                 raise ArgumentError('the map was cleared while the message was taken')
@@ -197,7 +198,7 @@ class ObstacleInput:
                     raise ArgumentError(
                         f'its stamp is {behind:.3f} s before that of the map that is there'
                     )
-            put(scene, self.name, sighting, self._settings().margin)
+            put(scene, self.name, sighting, margin)
         self._changed()
 
     def _count(self, start: float, counts: MapCounts) -> None:

@@ -44,9 +44,11 @@ class Sighting:
     stamp: Any  # builtin_interfaces/Time; None: of no message
 
 
-def shape_of(cells: Cells) -> OccupiedCells:
+def shape_of(cells: Cells, margin: float) -> OccupiedCells:
     """Return cells as a shape, which takes long for many: hold no scene meanwhile."""
-    return OccupiedCells(cells.resolution, cells.centres())
+    shape = OccupiedCells(cells.resolution, cells.centres())
+    shape.prepare(margin)
+    return shape
 
 
 def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:

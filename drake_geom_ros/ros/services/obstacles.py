@@ -48,7 +48,7 @@ def load_obstacles(live: LiveScene, request: Any, response: Any) -> None:
     cells = read.as_cells(request.resolution or own)
     if not len(cells):
         raise ArgumentError(f'path is {request.path!r}, and the file holds nothing')
-    shape = shape_of(cells)
+    shape = shape_of(cells, sources.margin)
 
     def rehearsal(graph: SceneGraph, context: SceneGraphContext) -> None:
         rehearse(graph, context, shape)

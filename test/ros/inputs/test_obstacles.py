@@ -256,9 +256,9 @@ def test_the_order_of_points_does_not_matter():
 def test_a_map_that_is_cleared_while_one_is_made_stays_cleared(monkeypatch):
     node = Node(self_filter='none')
 
-    def cleared(cells):
+    def cleared(*cells):
         node.input.forget()
-        return real(cells)
+        return real(*cells)
 
     real = obstacles.shape_of
     monkeypatch.setattr(obstacles, 'shape_of', cleared)
