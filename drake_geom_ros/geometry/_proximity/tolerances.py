@@ -145,6 +145,11 @@ COPLANAR = 4.0
 # A mesh is scaled by at least this [-]: Drake's rule, which keeps scales away from zero.
 SMALLEST_SCALE = 1e-8
 
+# Cells of a sensed map are no smaller than this [m], and drawn as lying on one grid where their
+# centres are no farther beside it than this part [-] of an edge.
+SMALLEST_CELL = 1e-9
+ON_GRID = 1e-6
+
 # GJK goes on to this part [-] of the tolerance: the last three digits cost it a step or two, and
 # the normal and the witness points gain half of them.
 SHARPER = 1e-3

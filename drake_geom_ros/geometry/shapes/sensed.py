@@ -6,13 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import OCCUPIED_CELLS, POINT_CLOUD
+from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_CELL
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
 from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
+from drake_geom_ros.geometry.shapes.sensed_surfaces import surface_of_balls, surface_of_cells
 
 Floats = NDArray[np.float64]
 
 MOST_CELLS = 2**23  # 8 388 608: 0.5 GB with their tree
-SMALLEST_CELL, FARTHEST_CELL = 1e-9, 1e9  # [m]
+FARTHEST_CELL = 1e9  # [m] the largest cell, and how far one may be
 
 
 class SensedMap(Shape):
@@ -72,15 +74,8 @@ class SensedMap(Shape):
         return low - self._cell(0.0), high + self._cell(0.0)
 
     def surface(self) -> tuple[Floats, NDArray[np.int64]]:
-        """Return vertices (n, 3) [m] and triangles (m, 3) that draw the map, without any margin.
-
-        Triangles are counter-clockwise from outside. Of cells on one grid faces between two are
-        left out; balls are polyhedra whose corners lie on them.
-        """
-        # Only what draws needs them.
-        from drake_geom_ros.geometry.shapes.sensed_surfaces import surface_of_map
-
-        return surface_of_map(self)
+        """Return vertices (n, 3) [m] and triangles (m, 3) that draw the map."""
+        raise NotImplementedError
 
     def _checked_size(self, size: float) -> float:
         kind, name = type(self).__name__, self._NAMES[0]
@@ -167,6 +162,14 @@ class OccupiedCells(SensedMap):
     def _cell(self, margin: float) -> float:
         return 0.5 * self._size + margin
 
+    def surface(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return vertices (n, 3) [m] and triangles (m, 3) that draw the cubes, without any margin.
+
+        Triangles are counter-clockwise from outside. Of cubes on one grid faces between two are
+        left out.
+        """
+        return surface_of_cells(self._positions, self._size)
+
 
 class PointCloud(SensedMap):
     """Points that were measured, each as a ball around it.
@@ -198,3 +201,10 @@ class PointCloud(SensedMap):
 
     def _cell(self, margin: float) -> float:
         return self._size + margin
+
+    def surface(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return vertices (n, 3) [m] and triangles (m, 3) that draw the balls, without any margin.
+
+        Triangles are counter-clockwise from outside, of polyhedra whose corners lie on the balls.
+        """
+        return surface_of_balls(self._positions, self._size)

@@ -7,26 +7,19 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, SensedMap
+from drake_geom_ros.geometry._proximity.tolerances import ON_GRID
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-ON_GRID = 1e-6  # of a cell [-] that centres may be beside the grid of the first one
 _FEW = 10_000  # balls that are drawn with 32 triangles each; of more with 8
 _SIDES = [np.array(s) * np.eye(3, dtype=np.int64)[k] for k in range(3) for s in (1, -1)]
 
 
-def surface_of_map(shape: SensedMap) -> tuple[Floats, Indices]:
-    """Return vertices (n, 3) [m] and triangles (m, 3), counter-clockwise from outside.
-
-    Of cells that lie on one grid, faces that two of them share are left out; balls are polyhedra
-    whose corners lie on them.
-    """
-    if isinstance(shape, OccupiedCells):
-        return _faces(shape.centres(), shape.resolution())
-    corners, triangles = _ball(shape.count() <= _FEW)
-    return _copies(shape._positions, shape._size * corners, triangles)
+def surface_of_balls(positions: Floats, radius: float) -> tuple[Floats, Indices]:
+    """Return vertices (n, 3) [m] and triangles (m, 3), from outside, of polyhedra in balls."""
+    corners, triangles = _ball(len(positions) <= _FEW)
+    return _copies(positions, radius * corners, triangles)
 
 
 def _copies(centres: Floats, corners: Floats, triangles: Indices) -> tuple[Floats, Indices]:
@@ -57,8 +50,11 @@ def _ball(fine: bool) -> tuple[Floats, Indices]:
     return np.vstack((corners, middles)), finer
 
 
-def _faces(centres: Floats, edge: float) -> tuple[Floats, Indices]:
-    """Return the faces of cubes; those between cubes of one grid are left out."""
+def surface_of_cells(centres: Floats, edge: float) -> tuple[Floats, Indices]:
+    """Return vertices (n, 3) [m] and triangles (m, 3), from outside, of the faces of cubes.
+
+    Of cubes that lie on one grid, faces that two of them share are left out.
+    """
     places = (centres - centres[0]) / edge
     cells = np.rint(places)
     on_grid = (np.abs(places - cells) <= ON_GRID).all() and np.abs(cells).max() < 2**20

@@ -26,7 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.maps import (
 )
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, signed, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.tolerances import EPS, SMALL_SIZE
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -36,7 +36,6 @@ Indices = NDArray[np.int64]
 KEY_BITS, NUMBER_BITS = 13, 23
 DIGIT_BITS, PASSES = 13, 3  # of the sort: 8192 counts stay in a near cache
 HULL = 1 + 3 * 8 + RADIUS  # parameters of the box around all: 8 corners, no lists
-_SHORTEST = 1e-200  # [m] side of a map: one that is shorter is a point to the curve
 # Corners of a box by the signs of their coordinates, and its surface from outside.
 _SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 _SURFACE = np.array(
@@ -150,7 +149,7 @@ def make_tree(given: Floats, centres: Floats, nodes: Floats) -> None:
     keys, to = np.empty(n, np.int64), np.empty(n, np.int64)
     counts = np.empty((PASSES, 1 << DIGIT_BITS), np.int64)
     low, extent = _least_and_largest(given)
-    _put_keys(given, low, float(1 << KEY_BITS) / max(extent, _SHORTEST), keys, counts)
+    _put_keys(given, low, float(1 << KEY_BITS) / max(extent, SMALL_SIZE), keys, counts)
     for turn in range(PASSES):
         _sort_by_digit(NUMBER_BITS + turn * DIGIT_BITS, keys, to, counts[turn])
         keys, to = to, keys
