@@ -70,7 +70,10 @@ def cloud_of(points: Floats) -> PointCloud2:
     fields = [PointField(name=n, offset=4 * k, datatype=7, count=1) for k, n in enumerate('xyz')]
     return PointCloud2(
         header=Header(frame_id='world'),
-        width=len(rows), height=1, fields=fields, point_step=16,
+        width=len(rows),
+        height=1,
+        fields=fields,
+        point_step=16,
         row_step=16 * len(rows),
         data=array.array('B', rows.tobytes()),
     )

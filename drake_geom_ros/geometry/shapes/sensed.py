@@ -51,7 +51,7 @@ class SensedMap(Shape):
     def prepare(self, margin: float = 0.0) -> None:
         """Make what queries need, for a ('map', 'margin') [m], and keep it.
 
-        It is made anyhow when the shape is registered. Made before, whoever holds a scene meanwhile
+        It is made anyhow when the shape is registered. Made before, whoever holds a scene then
         does not wait for it.
         """
         self._prepared(margin)
