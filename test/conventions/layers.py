@@ -154,7 +154,7 @@ LAYERS = {
         ('numpy', 'yaml'),
     ),
     'cross_check': (
-        ('math', 'common', 'geometry', 'replay', 'cross_check'),
+        ('math', 'common', 'geometry', 'sensed_maps', 'replay', 'cross_check'),
         ('numpy', 'scipy', 'fcl'),
     ),
     # What is shown, without a library that shows it; and the page, which one draws.
