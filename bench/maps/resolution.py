@@ -199,7 +199,7 @@ def run() -> None:
     lines = [
         (
             *(row.kind, f'{row.resolution:g}', str(row.cells), three(1e3 * row.nearer)),
-            *(three(1e3 * row.most_nearer), three(1e3 * max(row.most_farther, 0.0))),
+            *(three(1e3 * row.most_nearer), three(abs(1e3 * max(row.most_farther, 0.0)))),
             *(three(row.microseconds), three(row.slow), three(row.megabytes)),
         )
         for row in rows

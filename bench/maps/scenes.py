@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.batches.ours import SCENE
-from drake_geom_ros import batch
 from drake_geom_ros.batch import Joints
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
@@ -37,7 +36,7 @@ def surfaces(step: float, rng: np.random.Generator) -> Floats:
     sheets = [
         sheet(step, (-1.3, 1.3), (-0.95, -0.95), (0.0, 1.5)),
         sheet(step, (-1.3, 1.3), (0.95, 0.95), (0.0, 1.5)),
-        sheet(step, (-1.0, 1.0), (-0.7, 0.7), (0.385, 0.385)),
+        sheet(step, (-1.0, 1.0), (-0.7, 0.7), (0.25, 0.25)),
         sheet(step, (-0.9, 0.9), (0.55, 0.95), (1.3, 1.3)),
     ]
     for _ in range(_BALLS):
@@ -97,13 +96,16 @@ class Arms:
         found: list[Floats] = []
         while sum(map(len, found)) < count:
             ends = rng.uniform(0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high, (2, len(low)))
-            path = self.joints.poses(
-                ends[0] + np.linspace(0.0, 1.0, 40)[:, None] * (ends[1] - ends[0])
-            )
-            touch = batch.evaluate(self.graph, self.joints.frame_ids, path, 'collision')
-            free = path[~np.asarray(touch)]
-            found.append(free)
+            between = np.linspace(0.0, 1.0, 40)[:, None]
+            path = self.joints.poses(ends[0] + between * (ends[1] - ends[0]))
+            free = [poses for poses in path if not self._touches(poses)]
+            found.append(np.array(free).reshape(-1, *path.shape[1:]))
         return np.concatenate(found)[:count]
+
+    def _touches(self, poses: Floats) -> bool:
+        self.pose(poses)
+        query = self.graph.get_query_output_port().Eval(self.context)
+        return bool(query.HasCollisions())
 
     def pose(self, poses: Floats) -> None:
         """Pose the links."""
