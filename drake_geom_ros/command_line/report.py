@@ -7,12 +7,20 @@ from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.command_line.scene_input import read_and_tell
-from drake_geom_ros.recordings import IncompleteRecordingError, Topics, clearance
+from drake_geom_ros.recordings import (
+    Audit,
+    Clearances,
+    IncompleteRecordingError,
+    Outcome,
+    Topics,
+    audit,
+    clearance,
+)
 from drake_geom_ros.recordings.clearance import STALE_AFTER
 from drake_geom_ros.recordings.files import places_of
 from drake_geom_ros.recordings.report import check_folder, write_report
 
-NOT_WHOLE = 1  # the exit code
+NOT_WHOLE, REFUTED = 1, 3  # exit codes
 _THRESHOLDS = (0.0, 0.01, 0.05)  # [m]
 
 
@@ -57,6 +65,11 @@ def add_to(commands: Any) -> None:
         metavar='D',
         help=f'[m]; may be repeated (default: {", ".join(f"{d:g}" for d in _THRESHOLDS)})',
     )
+    parser.add_argument(
+        '--audit',
+        action='store_true',
+        help='compute what a node said in the recording again: exit code 3 where it is refuted',
+    )
     _add_options_of_a_node(parser)
     parser.set_defaults(run=run)
 
@@ -94,18 +107,46 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         scene = read_and_tell(options.scene, package_roots=options.package_root)
     check_folder(folder, [*places, options.scene])
+    of_a_node: dict[str, Any] = {
+        'topics': Topics.of(options.topic),
+        'stale_after': options.stale_after,
+        'world_frame': options.world_frame,
+        'package_roots': options.package_root,
+    }
     found = clearance(
         *(options.recording, scene),
         between=options.between,
         max_distance=options.max_distance,
         rate=options.rate,
-        topics=Topics.of(options.topic),
-        stale_after=options.stale_after,
-        world_frame=options.world_frame,
-        package_roots=options.package_root,
+        **of_a_node,
     )
+    audited = audit(options.recording, scene, **of_a_node) if options.audit else None
     title = f'Clearance of {places[0].parent.name if len(places) > 1 else places[0].name}'
-    written = write_report(found, folder, title, [str(place) for place in places], thresholds)
+    written = write_report(
+        found, folder, title, [str(place) for place in places], thresholds, audited
+    )
+    _tell(found)
+    if audited is not None:
+        _tell_of_audit(audited)
+    print(*(f'wrote {path}' for path in written), sep='\n')
+    counts = {} if audited is None else audited.counts()
+    if counts.get(Outcome.REFUTED):
+        return REFUTED
+    is_whole = not found.reservations() and not counts.get(Outcome.NOT_REPRODUCIBLE)
+    return 0 if is_whole else NOT_WHOLE
+
+
+def _tell_of_audit(audited: Audit) -> None:
+    counts = audited.counts().items()
+    print('audit: ' + ', '.join(f'{count} {outcome.value}' for outcome, count in counts))
+    for topic, first, count in audited.by_reason():
+        print(
+            f'{first.outcome.value}: {count} of {topic}, the first at {first.time:.3f} s, '
+            f'{first.what}: {first.because}'
+        )
+
+
+def _tell(found: Clearances) -> None:
     print(f'states {len(found.times)}, {found.duration:.3f} s')
     for name in found.sets:
         try:
@@ -117,10 +158,7 @@ def run(options: argparse.Namespace) -> int:
         except IncompleteRecordingError as error:
             print(f'{name}: {error}')
     print(f'read in {found.seconds_reading:.2f} s, computed in {found.seconds_computing:.2f} s')
-    reservations = found.reservations()
-    for told in reservations:
+    for told in found.reservations():
         print(f'not known: {told}')
     for trouble in found.troubles:
         print(f'wrong: {trouble.words}')
-    print(*(f'wrote {path}' for path in written), sep='\n')
-    return NOT_WHOLE if reservations else 0

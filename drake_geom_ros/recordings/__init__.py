@@ -8,20 +8,26 @@
 In: recordings (MCAP, sqlite3), and a scene file or the robot's description in them.
 Out: least distances over time, what was left out, stale or damaged; tables, plots, a report.
 May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``; numpy, yaml, rosbags,
-    mcap, matplotlib.
+    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``, ``replay``; numpy, yaml,
+    rosbags, mcap, matplotlib.
 """
 
+from drake_geom_ros.recordings.audit import Audit, Audited, audit
 from drake_geom_ros.recordings.clearance import clearance
 from drake_geom_ros.recordings.errors import IncompleteRecordingError, RecordingError
+from drake_geom_ros.recordings.recorded_pairs import Outcome
 from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance, Span
 from drake_geom_ros.recordings.topics import Topics
 
 __all__ = [
+    'audit',
+    'Audit',
+    'Audited',
     'clearance',
     'Clearances',
     'IncompleteRecordingError',
     'Moment',
+    'Outcome',
     'RecordingError',
     'SetClearance',
     'Span',

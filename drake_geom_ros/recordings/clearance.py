@@ -14,18 +14,16 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch import LeastDistances, evaluate
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.opened import Opened, opened_recording
 from drake_geom_ros.recordings.pair_sets import AskedPairs, Between, PairSet, pair_sets
-from drake_geom_ros.recordings.playback import Playback
 from drake_geom_ros.recordings.player import Player
-from drake_geom_ros.recordings.recording import Recording
 from drake_geom_ros.recordings.results import Clearances, SetClearance, Span
 from drake_geom_ros.recordings.states import Block, StateBlocks
 from drake_geom_ros.recordings.storages import NANOSECONDS
-from drake_geom_ros.recordings.topics import Topics, roles_of, told_nothing
-from drake_geom_ros.scene_files import SceneDescription, read_scene
+from drake_geom_ros.recordings.topics import Topics, told_nothing
+from drake_geom_ros.scene_files import SceneDescription
 
 STALE_AFTER = 1.0  # [s] the node's default
-_ROBOT = 'robot_description'
 
 
 def clearance(
@@ -67,8 +65,11 @@ def clearance(
         raise ArgumentError(
             f'stale_after={stale_after} must be > 0 [s], max_distance={max_distance} no nan [m]'
         )
-    run = _Run(Recording(path), scene, topics or Topics(), pair_sets(between), stale_after)
-    run.open(world_frame, package_roots, accuracy)
+    sets = pair_sets(between)
+    opened = opened_recording(
+        *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
+    )
+    run = _Run(opened, sets, stale_after)
     answers = [_Answers(pairs) for pairs in run.pairs]
     start, computing = time.perf_counter(), 0.0
     for block in run.blocks(rate):
@@ -99,55 +100,9 @@ def _least(
 class _Run:
     """One pass through a recording."""
 
-    def __init__(
-        self,
-        recording: Recording,
-        scene: str | Path | SceneDescription | None,
-        topics: Topics,
-        pairs: tuple[PairSet, ...],
-        stale_after: float,
-    ) -> None:
-        self.recording, self.pairs, self.stale_after = recording, pairs, stale_after
-        self._topics = topics
-        self._scene = scene
-
-    def open(self, world_frame: str, package_roots: Sequence[str | Path], accuracy: str) -> None:
-        """Make the scene ready, with the robot whose description was recorded if need be."""
-        scene, recorded = self._scene, self.recording.topics
-        if isinstance(scene, (str, Path)):
-            scene = read_scene(str(scene), package_roots=[str(root) for root in package_roots])
-        alone = scene is None
-        roles = roles_of(recorded, self._topics, with_robots=alone)
-        self.playback = Playback(
-            *(scene, self.stale_after),
-            simulated='clock' in roles.values(),
-            world_frame=world_frame,
-            package_roots=package_roots,
-            accuracy=accuracy,
-        )
-        robots = [topic for topic, role in roles.items() if role.startswith(_ROBOT)]
-        if alone and _ROBOT not in roles.values():
-            raise RecordingError(
-                'no scene was given, and no robot_description was recorded: give a scene file, or '
-                f'say which topic it is by {_ROBOT}=TOPIC'
-            )
-        self._take_robots(robots, roles)
-        self.roles = roles_of(
-            recorded, self._topics, self.playback.robots_topics(), with_robots=alone
-        )
-
-    def _take_robots(self, topics: Sequence[str], roles: dict[str, str]) -> None:
-        """Take the first descriptions at once: they are latched, so a node has them at first."""
-        missing = set(topics)
-        if not missing:
-            return
-        for recorded in self.recording.messages(topics):
-            if recorded.topic.name in missing and recorded.message is not None:
-                missing.discard(recorded.topic.name)
-                is_semantic = roles[recorded.topic.name] != _ROBOT
-                self.playback.take_robot(recorded.message.data, is_semantic=is_semantic)
-            if not missing:
-                return
+    def __init__(self, opened: Opened, pairs: tuple[PairSet, ...], stale_after: float) -> None:
+        self.recording, self.playback, self.roles = opened
+        self.pairs, self.stale_after = pairs, stale_after
 
     def blocks(self, rate: float) -> Iterator[Block]:
         """Yield the states in blocks; raises RecordingError where there are none."""

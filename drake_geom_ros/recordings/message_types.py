@@ -11,6 +11,10 @@ TF = 'tf2_msgs/msg/TFMessage'
 JOINTS = 'sensor_msgs/msg/JointState'
 POSES = 'drake_geom_msgs/msg/FramePoses'
 TEXT = 'std_msgs/msg/String'
+SCENE = 'drake_geom_msgs/msg/Scene'
+DISTANCES = 'drake_geom_msgs/msg/SignedDistancePairs'
+OVERLAPS = 'drake_geom_msgs/msg/PenetrationPairs'
+EVENTS = 'drake_geom_msgs/msg/ProximityEvents'
 CLOCK = 'rosgraph_msgs/msg/Clock'
 
 _BETWEEN = f'{"=" * 80}\n'  # definitions in the text of one

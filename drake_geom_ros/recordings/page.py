@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.recordings.audit import Audit
 from drake_geom_ros.recordings.highlights import below, closest, contacts, held
 from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance
 from drake_geom_ros.recordings.storages import NANOSECONDS
@@ -28,7 +29,12 @@ img { max-width: 100%; }
 
 
 def page(
-    found: Clearances, thresholds: Sequence[float], title: str, files: Iterable[str], plot: bytes
+    found: Clearances,
+    thresholds: Sequence[float],
+    title: str,
+    files: Iterable[str],
+    plot: bytes,
+    audited: Audit | None = None,
 ) -> str:
     """Return the report as HTML, the plot (a PNG) in it."""
     begin = datetime.fromtimestamp(found.begin / NANOSECONDS, timezone.utc)
@@ -43,6 +49,7 @@ def page(
     for pairs in found.sets.values():
         parts += _of_set(found, pairs, thresholds)
     parts += _troubles(found)
+    parts += [] if audited is None else _audited(audited)
     parts.append(
         f'<p>Read and played in {found.seconds_reading:.2f} s, computed in '
         f'{found.seconds_computing:.2f} s.</p>'
@@ -128,6 +135,22 @@ def _state(pairs: SetClearance, state: int) -> str:
 def _moment(moment: Moment) -> tuple[str, ...]:
     numbers = f'{moment.time:.3f}', f'{moment.distance:.9g}', f'{moment.error_bound:.2g}'
     return (*numbers, moment.name_A, moment.name_B)
+
+
+def _audited(audited: Audit) -> list[str]:
+    counts = audited.counts().items()
+    heads = 'topic', 'outcome', 'how many', 'the first at [s]', 'what', 'because'
+    return [
+        '<h2>What the node said, computed again</h2>',
+        _table(('', 'results and events'), [(outcome.value, n) for outcome, n in counts]),
+        _table(
+            heads,
+            (
+                (topic, e.outcome.value, count, f'{e.time:.3f}', e.what, e.because)
+                for topic, e, count in audited.by_reason()
+            ),
+        ),
+    ]
 
 
 def _troubles(found: Clearances) -> list[str]:

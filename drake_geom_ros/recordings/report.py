@@ -6,18 +6,20 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
+from drake_geom_ros.recordings.audit import Audit
 from drake_geom_ros.recordings.page import page
 from drake_geom_ros.recordings.plot import draw
 from drake_geom_ros.recordings.results import Clearances
-from drake_geom_ros.recordings.tables import write_csv, write_npz
+from drake_geom_ros.recordings.tables import write_audit, write_csv, write_npz
 
 CSV, NPZ, PLOT, PAGE = 'clearance.csv', 'clearance.npz', 'clearance.png', 'report.html'
+AUDIT = 'audit.csv'
 
 
 def check_folder(folder: Path, inputs: Iterable[str | Path | None]) -> None:
     """Make the folder; raises FileExistsError where a file of it would replace an input."""
     folder.mkdir(parents=True, exist_ok=True)
-    check_outputs({name: folder / name for name in (CSV, NPZ, PLOT, PAGE)}, inputs)
+    check_outputs({name: folder / name for name in (CSV, NPZ, PLOT, PAGE, AUDIT)}, inputs)
 
 
 def write_report(
@@ -26,6 +28,7 @@ def write_report(
     title: str,
     files: Sequence[str],
     thresholds: Sequence[float],
+    audited: Audit | None = None,
 ) -> list[Path]:
     """Write the files of a report about recorded ``files``; return them."""
     write_csv(found, folder / CSV)
@@ -34,5 +37,9 @@ def write_report(
     with whole_file(folder / PLOT, 'wb') as picture:
         picture.write(plot)
     with whole_file(folder / PAGE) as text:
-        text.write(page(found, thresholds, title, files, plot))
-    return [folder / name for name in (CSV, NPZ, PLOT, PAGE)]
+        text.write(page(found, thresholds, title, files, plot, audited))
+    names = [CSV, NPZ, PLOT, PAGE]
+    if audited is not None:
+        write_audit(audited, folder / AUDIT)
+        names.append(AUDIT)
+    return [folder / name for name in names]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.whole_files import whole_file
+from drake_geom_ros.recordings.audit import Audit
 from drake_geom_ros.recordings.results import Clearances, SetClearance
 
 COLUMNS = (
@@ -78,6 +79,15 @@ def states_in_words(pairs: SetClearance) -> list[str]:
         (True, True): 'waiting, stale',
     }
     return [words[pair] for pair in flags]
+
+
+def write_audit(audited: Audit, path: Path) -> None:
+    """Write a row for each result and event that was computed again."""
+    with whole_file(path, newline='') as file:
+        rows = csv.writer(file, lineterminator='\n')
+        rows.writerow(('time_s', 'topic', 'what', 'outcome', 'because'))
+        for entry in audited.entries:
+            rows.writerow((repr(entry.time), *entry[1:3], entry.outcome.value, entry.because))
 
 
 def write_npz(found: Clearances, path: Path) -> None:

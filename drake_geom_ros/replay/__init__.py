@@ -10,7 +10,7 @@ May import: ``math``, ``common``, ``geometry``, ``proximity_rules``, ``scene_fil
 """
 
 from drake_geom_ros.replay.decisions import Finding, Judge, Verdict
-from drake_geom_ros.replay.events import RecordedEvent, read_events
+from drake_geom_ros.replay.events import RecordedEvent, events_of, read_events
 from drake_geom_ros.replay.file import read, write
 from drake_geom_ros.replay.record import Answer, Opinion, Question, Replay, recorded
 from drake_geom_ros.replay.reproduction import reproduce
@@ -25,6 +25,7 @@ __all__ = [
     'Replay',
     'Verdict',
     'read',
+    'events_of',
     'read_events',
     'recorded',
     'reproduce',

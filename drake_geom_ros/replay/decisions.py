@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -63,10 +64,20 @@ class Judge:
 
     def __init__(self, scene: str | Path) -> None:
         """Raise SceneFileError where the file, or the text, of the scene cannot be loaded."""
-        self._file = str(scene) if isinstance(scene, Path) else '<text>'
-        self._graph = SceneGraph()
-        loaded = load_scene(scene, self._graph)
-        self._geometries = {f'{s}::{f}/{g}': id for (s, f, g), id in loaded.geometries.items()}
+        graph = SceneGraph()
+        loaded = load_scene(scene, graph)
+        names = {f'{s}::{f}/{g}': id for (s, f, g), id in loaded.geometries.items()}
+        self._take(graph, names, str(scene) if isinstance(scene, Path) else '<text>')
+
+    @classmethod
+    def of(cls, graph: SceneGraph, geometries: Mapping[str, GeometryId]) -> Judge:
+        """Return the judge of a scene graph, whose geometries are told by their full names."""
+        judge = cls.__new__(cls)
+        judge._take(graph, geometries, '<scene>')
+        return judge
+
+    def _take(self, graph: SceneGraph, names: Mapping[str, GeometryId], file: str) -> None:
+        self._graph, self._geometries, self._file = graph, names, file
 
     def verdict(self, event: RecordedEvent) -> Verdict:
         """Return whether the decision of an event was founded.

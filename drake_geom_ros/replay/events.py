@@ -58,7 +58,7 @@ def read_events(path: str | Path) -> list[RecordedEvent]:
     try:
         for number, message in enumerate(_documents(Path(path))):
             try:
-                found += _entries(message)
+                found += events_of(message)
             except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
                 what = f'document {number + 1} is no ProximityEvents message'
                 raise SceneFileError(f'{what}: {type(error).__name__}: {error}', file) from None
@@ -76,7 +76,8 @@ def _documents(path: Path) -> Iterator[Any]:
                 yield document
 
 
-def _entries(message: Mapping[str, Any]) -> Iterator[RecordedEvent]:
+def events_of(message: Mapping[str, Any]) -> Iterator[RecordedEvent]:
+    """Yield the entries of a ProximityEvents message, given by its fields."""
     for k, sequence in enumerate(message['sequence']):
         pose_a, pose_b = (
             np.array(message[field][7 * k : 7 * k + 7], dtype=np.float64).reshape(7)

@@ -1,0 +1,275 @@
+"""``audit``: what a node said in a recording, computed again from the poses in it."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from drake_geom_ros.geometry import GeometryError, GeometryId, QueryObject
+from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
+from drake_geom_ros.recordings.opened import Opened, opened_recording
+from drake_geom_ros.recordings.recorded_pairs import (
+    Compared,
+    Outcome,
+    compare,
+    computed_pairs,
+    names_in,
+    recorded_pairs,
+)
+from drake_geom_ros.recordings.recording import Recorded
+from drake_geom_ros.recordings.storages import NANOSECONDS
+from drake_geom_ros.recordings.topics import Topics
+from drake_geom_ros.replay import Finding, Judge, RecordedEvent, events_of
+from drake_geom_ros.ros.scene.pose_ages import time_of
+from drake_geom_ros.ros.scene.scene_rules import geometry_names
+from drake_geom_ros.ros.scene.scene_view import SceneView
+from drake_geom_ros.scene_files import SceneDescription
+
+_KINDS = DISTANCES, OVERLAPS, EVENTS
+_WAITS = NANOSECONDS // 2  # [ns] a pose that is recorded so much later may be one of a result
+_KEPT = 3 * NANOSECONDS  # [ns] a state stays known: a result is not recorded later than that
+_MOST_KEPT = 4096
+_RACE = NANOSECONDS // 50  # [ns] a node may take messages of two topics in another order
+_MOST_TRIED = 64  # states that bear the stamp of a result
+
+
+class Audited(NamedTuple):
+    """What is true of a result or event."""
+
+    time: float  # [s] since the recording began
+    topic: str
+    what: str
+    outcome: Outcome
+    because: str
+
+
+@dataclass
+class Audit:
+    """What is true of all that a node said in a recording."""
+
+    entries: list[Audited] = field(default_factory=list)
+
+    def counts(self) -> dict[Outcome, int]:
+        """Return how often there was which outcome."""
+        found = Counter(entry.outcome for entry in self.entries)
+        return {outcome: found[outcome] for outcome in Outcome}
+
+    def by_reason(self) -> list[tuple[str, Audited, int]]:
+        """Return the first entry of each topic and reason of what was not proved, and how many."""
+        found: dict[tuple[str, Outcome, str], list[Audited]] = {}
+        for entry in self.entries:
+            if entry.outcome in (Outcome.REFUTED, Outcome.NOT_REPRODUCIBLE):
+                reason = entry.because if entry.outcome == Outcome.NOT_REPRODUCIBLE else ''
+                found.setdefault((entry.topic, entry.outcome, reason), []).append(entry)
+        return [(entries[0].topic, entries[0], len(entries)) for entries in found.values()]
+
+
+def audit(
+    path: str | Path | Sequence[str | Path],
+    scene: str | Path | SceneDescription | None = None,
+    *,
+    topics: Topics | None = None,
+    stale_after: float = 1.0,
+    accuracy: str = 'exact',
+    world_frame: str = 'world',
+    package_roots: Sequence[str | Path] = (),
+) -> Audit:
+    """Return what is true of each result and event of our node in a recording.
+
+    Each ``SignedDistancePairs``, ``PenetrationPairs`` and ``ProximityEvents`` is computed again in
+    the state of the recorded poses whose newest stamp it bears. Arguments are those of
+    ``clearance``; ``accuracy`` is the level at which the node answered. A result is refuted where
+    no state with its stamp has its distances within both bounds, or a pair is missing; and not
+    reproducible where the recording lacks what it takes: the poses of its stamp, the ``~/scene``
+    that explains its ids, poses from before the recording.
+
+    Raises as ``clearance``, and RecordingError where there is nothing to be audited.
+
+        found = audit('run.mcap', 'cell.yaml')
+        assert found.counts()[Outcome.REFUTED] == 0
+    """
+    opened = opened_recording(
+        *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
+    )
+    recorded = opened.recording.topics
+    said = [topic.name for topic in recorded if topic.type in _KINDS]
+    if not said:
+        raise RecordingError(
+            'there is nothing to be audited: no topic of signed distances, penetrations or '
+            'proximity events was recorded'
+        )
+    tables = [topic.name for topic in recorded if topic.type == SCENE]
+    return _Auditor(opened, [*said, *tables]).run()
+
+
+class _State(NamedTuple):
+    """The scene at a time of the recording."""
+
+    time: int  # [ns]
+    topic: str  # of the message that made it
+    stamp: tuple[int, int]  # the newest one of its poses
+    view: SceneView
+
+
+class _Auditor:
+    """Plays a recording; keeps the states of a while, and what waits to be judged."""
+
+    def __init__(self, opened: Opened, topics: Sequence[str]) -> None:
+        self._playback, self._roles = opened.playback, opened.roles
+        self._messages = opened.recording.messages([*self._roles, *topics])
+        self._states: deque[_State] = deque(maxlen=_MOST_KEPT)
+        self._waiting: deque[Recorded] = deque()
+        self._names: dict[int, dict[int, str]] = {}  # by names_version
+        self._sequences: dict[str, int] = {}  # the last event of each topic
+        self._begin = 0
+        self.audit = Audit()
+
+    def run(self) -> Audit:
+        """Return what is true of all."""
+        self._keep(0, '')
+        for message in self._messages:
+            self._begin = self._begin or message.time
+            while self._waiting and message.time - self._waiting[0].time > _WAITS:
+                self._judge(self._waiting.popleft())
+            if message.topic.type in _KINDS:
+                self._waiting.append(message)
+            elif message.topic.type == SCENE:
+                if message.message is not None:
+                    self._names[int(message.message.names_version)] = names_in(message.message)
+            elif self._playback.take(message, self._roles[message.topic.name]):
+                self._keep(message.time, message.topic.name)
+        while self._waiting:
+            self._judge(self._waiting.popleft())
+        return self.audit
+
+    def _keep(self, time: int, topic: str) -> None:
+        with self._playback.live.reading() as scene:
+            view = scene.view()
+        newest = view.moment.newest_stamp
+        stamp = (0, 0) if newest is None else time_of(newest)
+        self._states.append(_State(time, topic, stamp, view))
+        while len(self._states) > 1 and time - self._states[1].time > _KEPT:
+            self._states.popleft()
+
+    def _judge(self, said: Recorded) -> None:
+        if said.message is None:
+            self._tell(said, 'a message', Compared(Outcome.NOT_REPRODUCIBLE, said.reason))
+            return
+        stamp = time_of(said.message.header.stamp)
+        states = [each for each in self._states if each.stamp == stamp]
+        states.sort(key=lambda state: abs(state.time - said.time))
+        if said.topic.type == EVENTS:
+            self._judge_events(said, states[:_MOST_TRIED])
+            return
+        what = f'{len(said.message.id_a)} pairs'
+        self._tell(said, what, self._of_pairs(said, states[:_MOST_TRIED]))
+
+    def _of_pairs(self, said: Recorded, states: Sequence[_State]) -> Compared:
+        message, kind = said.message, said.topic.type
+        names = self._names.get(int(message.names_version))
+        if names is None:
+            why = f'no ~/scene of names_version {message.names_version} was recorded'
+            return Compared(Outcome.NOT_REPRODUCIBLE, why)
+        if not states:
+            return Compared(Outcome.NOT_REPRODUCIBLE, 'no recorded poses bear its stamp')
+        try:
+            pairs = recorded_pairs(kind, message, names)
+        except KeyError as error:
+            why = f'the recorded ~/scene has no geometry {error}'
+            return Compared(Outcome.NOT_REPRODUCIBLE, why)
+        if unknown := {n for pair in pairs.names for n in pair} - set(_ids(states[0]).values()):
+            why = f'the scene given has no {sorted(unknown)[0]!r}'
+            return Compared(Outcome.NOT_REPRODUCIBLE, why)
+        found = []
+        for state in states:
+            waiting = state.view.waiting().pairs
+            now = computed_pairs(kind, state.view.query, _ids(state), waiting, pairs.reach)
+            found.append(compare(pairs, now))
+            if found[-1].outcome == Outcome.SAME:
+                break
+        return self._unless_unknown(said, states, min(found, key=_rank), message.oldest_pose_age)
+
+    def _unless_unknown(
+        self, said: Recorded, states: Sequence[_State], found: Compared, age: float
+    ) -> Compared:
+        """Return what was found; what the recording does not tell nobody can refute."""
+        if found.outcome != Outcome.REFUTED:
+            return found
+        if age > (said.time - self._begin) / NANOSECONDS:
+            why = 'it used a pose from before the recording, or of unknown age'
+            return Compared(Outcome.NOT_REPRODUCIBLE, why)
+        for state in states:
+            for other in self._states:
+                if other.topic != state.topic and abs(other.time - state.time) < _RACE:
+                    both = ' and '.join(sorted({state.topic, other.topic}))
+                    why = f'poses of {both} came within 20 ms, in an order that nobody knows'
+                    return Compared(Outcome.NOT_REPRODUCIBLE, why)
+        return found
+
+    def _judge_events(self, said: Recorded, states: Sequence[_State]) -> None:
+        values = vars(said.message)
+        for event in events_of(values):
+            last = self._sequences.get(said.topic.name)
+            if last is not None and event.sequence != last + 1:
+                why = f'the events {last + 1} to {event.sequence - 1} are missing'
+                if event.sequence <= last:
+                    why = f'event {event.sequence} follows {last}: the node was started anew'
+                self._tell(said, 'events', Compared(Outcome.NOT_REPRODUCIBLE, why))
+            self._sequences[said.topic.name] = event.sequence
+            found = min(
+                (self._of_event(event, state) for state in states), key=_rank, default=None
+            )
+            if found is None:
+                found = Compared(Outcome.NOT_REPRODUCIBLE, 'no recorded poses bear its stamp')
+            found = self._unless_unknown(said, states, found, event.oldest_pose_age)
+            verb = 'entered' if event.entered else 'left'
+            self._tell(said, f'event {event.sequence}: {event.rule!r} was {verb}', found)
+
+    def _of_event(self, event: RecordedEvent, state: _State) -> Compared:
+        names = {name: GeometryId(value) for value, name in _ids(state).items()}
+        try:
+            with self._playback.live.editing() as scene:
+                verdict = Judge.of(scene.scene_graph, names).verdict(event)
+        except GeometryError as error:
+            return Compared(Outcome.NOT_REPRODUCIBLE, str(error))
+        if verdict.finding == Finding.UNFOUNDED:
+            return Compared(Outcome.REFUTED, verdict.because)
+        if verdict.finding == Finding.NOT_TO_BE_TOLD or verdict.distance is None:
+            outcome = Outcome.WITHIN if verdict.finding == Finding.FOUNDED else None
+            return Compared(outcome or Outcome.NOT_REPRODUCIBLE, verdict.because)
+        a, b = names[event.geometry_a], names[event.geometry_b]
+        query = state.view.query
+        if not (query.is_placed(a) and query.is_placed(b)):
+            return Compared(Outcome.NOT_REPRODUCIBLE, 'its pair waits for a pose here')
+        found = query.signed_distance_of_pair(a, b, accuracy=event.accuracy)
+        distance, bound = float(found.distance[0]), float(found.error_bound[0])
+        if (distance, bound) == (event.distance, event.error_bound):
+            return Compared(Outcome.SAME)
+        if abs(distance - event.distance) <= bound + event.error_bound:
+            return Compared(Outcome.WITHIN)
+        why = (
+            f'it says {event.distance!r} m ± {event.error_bound:.1e} m, and by the recorded poses'
+        )
+        return Compared(Outcome.REFUTED, f'{why} it is {distance!r} m ± {bound:.1e} m')
+
+    def _tell(self, said: Recorded, what: str, found: Compared) -> None:
+        time = (said.time - self._begin) / NANOSECONDS
+        entry = Audited(time, said.topic.name, what, found.outcome, found.because)
+        self.audit.entries.append(entry)
+
+
+def _rank(found: Compared) -> int:
+    """Return how little a state explains what was said."""
+    order = (Outcome.SAME, Outcome.WITHIN, Outcome.NOT_REPRODUCIBLE, Outcome.REFUTED)
+    return order.index(found.outcome)
+
+
+def _ids(state: _State) -> dict[int, str]:
+    """Return the full names of the geometries of a state, by id."""
+    inspector = QueryObject(state.view.context).inspector()
+    ids = inspector.candidate_matrix()[0].tolist()
+    return {i: geometry_names(inspector, GeometryId(i)).full_name for i in ids}

@@ -1,0 +1,74 @@
+"""A recording that is ready to be played: its scene, and which topic is used as what."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.playback import Playback
+from drake_geom_ros.recordings.recording import Recording
+from drake_geom_ros.recordings.topics import Topics, roles_of
+from drake_geom_ros.scene_files import SceneDescription, read_scene
+
+_ROBOT = 'robot_description'
+
+
+class Opened(NamedTuple):
+    """What is played, where it is played, and which topic is used as what."""
+
+    recording: Recording
+    playback: Playback
+    roles: dict[str, str]
+
+
+def opened_recording(
+    path: str | Path | Sequence[str | Path],
+    scene: str | Path | SceneDescription | None,
+    topics: Topics | None,
+    stale_after: float,
+    accuracy: str,
+    world_frame: str,
+    package_roots: Sequence[str | Path],
+) -> Opened:
+    """Make a recording ready, with the robot whose description was recorded if need be.
+
+    Arguments are those of ``clearance``. Raises RecordingError, SceneFileError.
+    """
+    recording, asked = Recording(path), topics or Topics()
+    if isinstance(scene, (str, Path)):
+        scene = read_scene(str(scene), package_roots=[str(root) for root in package_roots])
+    alone = scene is None
+    roles = roles_of(recording.topics, asked, with_robots=alone)
+    playback = Playback(
+        *(scene, stale_after),
+        simulated='clock' in roles.values(),
+        world_frame=world_frame,
+        package_roots=package_roots,
+        accuracy=accuracy,
+    )
+    if alone and _ROBOT not in roles.values():
+        raise RecordingError(
+            'no scene was given, and no robot_description was recorded: give a scene file, or '
+            f'say which topic it is by {_ROBOT}=TOPIC'
+        )
+    _take_robots(recording, playback, roles)
+    robots = playback.robots_topics()
+    return Opened(
+        recording, playback, roles_of(recording.topics, asked, robots, with_robots=alone)
+    )
+
+
+def _take_robots(recording: Recording, playback: Playback, roles: dict[str, str]) -> None:
+    """Take the first descriptions at once: they are latched, so a node has them at first."""
+    missing = {topic for topic, role in roles.items() if role.startswith(_ROBOT)}
+    if not missing:
+        return
+    for recorded in recording.messages(sorted(missing)):
+        if recorded.topic.name in missing and recorded.message is not None:
+            missing.discard(recorded.topic.name)
+            is_semantic = roles[recorded.topic.name] != _ROBOT
+            playback.take_robot(recorded.message.data, is_semantic=is_semantic)
+        if not missing:
+            return

@@ -1,0 +1,126 @@
+"""What a node said of pairs, as it was recorded, beside what is computed of them now."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from enum import Enum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.recordings.message_types import DISTANCES
+
+Floats = NDArray[np.float64]
+Names = Mapping[int, str]  # full names of geometries by id
+
+
+class Outcome(Enum):
+    """What is true of something that a node said."""
+
+    SAME = 'same to the bit'
+    WITHIN = 'within bound'
+    REFUTED = 'REFUTED'
+    NOT_REPRODUCIBLE = 'not reproducible'
+
+
+class Compared(NamedTuple):
+    """What is true of a message, and why."""
+
+    outcome: Outcome
+    because: str = ''
+
+
+class Pairs(NamedTuple):
+    """Pairs by their names, and what is told of each; of penetrations, too, as distances."""
+
+    names: list[tuple[str, str]]
+    distance: Floats  # (n,) [m]
+    error_bound: Floats  # (n,) [m]
+    waiting: int  # how many pairs are left out for want of poses
+    reach: float  # [m] farther apart than this they are left out
+
+
+def names_in(scene: Any) -> dict[int, str]:
+    """Return the full names of the geometries of a Scene message, by id."""
+    sources = {source.id: source.name for source in scene.sources}
+    frames = {frame.id: frame.name for frame in scene.frames}
+    return {
+        int(each.id): f'{sources[each.source_id]}::{frames[each.frame_id]}/{each.name}'
+        for each in scene.geometries
+    }
+
+
+def recorded_pairs(kind: str, message: Any, names: Names) -> Pairs:
+    """Return what a SignedDistancePairs or PenetrationPairs says.
+
+    Raises KeyError for an id without a name.
+    """
+    ids = zip(message.id_a.tolist(), message.id_b.tolist(), strict=True)
+    is_distance = kind == DISTANCES
+    return Pairs(
+        names=[(names[i], names[j]) for i, j in ids],
+        distance=message.distance if is_distance else -message.depth,
+        error_bound=message.error_bound,
+        waiting=int(message.waiting_pairs),
+        reach=float(message.max_distance) if is_distance else 0.0,
+    )
+
+
+def computed_pairs(
+    kind: str, query: QueryObject, names: Names, waiting: int, reach: float
+) -> Pairs:
+    """Return what a node would say now."""
+    found = query.ComputeSignedDistancePairwiseClosestPoints(reach)
+    if kind == DISTANCES:
+        return Pairs(_named(found, names), found.distance, found.error_bound, waiting, reach)
+    deep = found.penetrations()
+    return Pairs(_named(deep, names), -deep.depth, deep.error_bound, waiting, reach)
+
+
+def _named(found: Any, names: Names) -> list[tuple[str, str]]:
+    both = zip(found.id_A.tolist(), found.id_B.tolist(), strict=True)
+    return [(names[i], names[j]) for i, j in both]
+
+
+def compare(said: Pairs, now: Pairs) -> Compared:
+    """Return whether what a node said is what is computed now.
+
+    Witness points and normals are not judged: they may be others where a node's iterations began
+    with an earlier answer.
+    """
+    here = {frozenset(pair): k for k, pair in enumerate(now.names)}
+    told = {frozenset(pair) for pair in said.names}
+    same = len(told) == len(here) and said.waiting == now.waiting
+    rows = zip(said.names, said.distance.tolist(), said.error_bound.tolist(), strict=True)
+    for pair, distance, bound in rows:
+        if not (math.isfinite(distance) and 0.0 <= bound < math.inf):
+            return Compared(Outcome.REFUTED, f'{_called(pair)}: {distance!r} ± {bound!r} m')
+        k = here.get(frozenset(pair))
+        if k is None:
+            if distance + bound < said.reach:
+                why = f'{_called(pair)} is no pair that queries report here; it says {distance} m'
+                return Compared(Outcome.REFUTED, why)
+            same = False
+            continue
+        there, other = float(now.distance[k]), float(now.error_bound[k])
+        same = same and (distance, bound) == (there, other)
+        if not abs(distance - there) <= bound + other:
+            why = f'{_called(pair)}: it says {distance!r} m ± {bound:.1e} m, and it is {there!r} m'
+            return Compared(Outcome.REFUTED, f'{why} ± {other:.1e} m')
+    for both, k in here.items():
+        if both not in told and now.distance[k] + now.error_bound[k] < said.reach:
+            why = f'{_called(now.names[k])}, {now.distance[k]} m apart, is left out'
+            return Compared(Outcome.REFUTED, f'{why}; filters of the node are to be in the scene')
+    if same:
+        return Compared(Outcome.SAME)
+    if said.waiting != now.waiting:
+        why = f'{said.waiting} pairs waited for a pose, and here {now.waiting} do'
+        return Compared(Outcome.NOT_REPRODUCIBLE, why)
+    return Compared(Outcome.WITHIN)
+
+
+def _called(pair: tuple[str, str]) -> str:
+    return f'{pair[0]} and {pair[1]}'
