@@ -66,6 +66,16 @@ def add_to(commands: Any) -> None:
         help=f'[m]; may be repeated (default: {", ".join(f"{d:g}" for d in _THRESHOLDS)})',
     )
     parser.add_argument(
+        '--certify',
+        type=float,
+        nargs='?',
+        const=0.001,
+        default=0.0,
+        metavar='D',
+        help='prove what lies between states, with bounds within D of what is seen [m] '
+        '(default: 0.001)',
+    )
+    parser.add_argument(
         '--audit',
         action='store_true',
         help='compute what a node said in the recording again: exit code 3 where it is refuted',
@@ -118,6 +128,7 @@ def run(options: argparse.Namespace) -> int:
         between=options.between,
         max_distance=options.max_distance,
         rate=options.rate,
+        certify=options.certify,
         **of_a_node,
     )
     audited = audit(options.recording, scene, **of_a_node) if options.audit else None
@@ -157,6 +168,12 @@ def _tell(found: Clearances) -> None:
             )
         except IncompleteRecordingError as error:
             print(f'{name}: {error}')
+        if found[name].motion is not None:
+            proved = found[name].certified()
+            print(
+                f'{name}: motions between states: certified {proved.lower_bound:.9g} m where '
+                f'clear; {proved.clear} clear, {proved.contact} contact, {proved.unknown} unknown'
+            )
     print(f'read in {found.seconds_reading:.2f} s, computed in {found.seconds_computing:.2f} s')
     for told in found.reservations():
         print(f'not known: {told}')

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch import LeastDistances, evaluate
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.motions import Codes, Motions
 from drake_geom_ros.recordings.opened import Opened, opened_recording
 from drake_geom_ros.recordings.pair_sets import AskedPairs, Between, PairSet, pair_sets
 from drake_geom_ros.recordings.player import Player
@@ -39,6 +40,7 @@ def clearance(
     world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
     threads: int = 0,
+    certify: float = 0.0,
 ) -> Clearances:
     """Return the least distances over the time of a recording.
 
@@ -49,6 +51,9 @@ def clearance(
     something, or ``rate`` times a second [Hz]. ``topics`` says what was recorded where.
     ``stale_after`` [s], ``accuracy``, ``world_frame`` and ``package_roots`` are what a node has as
     parameters, ``threads`` and ``max_distance`` [m] what ``batch.evaluate`` has.
+
+    With ``certify`` [m] the motion between states is proved, too: see ``SetClearance``. Its bounds
+    are no farther than that below what was seen.
 
     Poses come to be as in a node that took the same messages at the times of recording. Poses do
     not stay in memory; an answer takes 110 bytes a state and set.
@@ -69,13 +74,21 @@ def clearance(
     opened = opened_recording(
         *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
     )
+    if not 0.0 <= certify < math.inf:
+        raise ArgumentError(f'certify={certify} must be a distance >= 0 [m]; 0: not')
+    motions = [
+        Motions(k, certify, accuracy, stale_after, threads) if certify else None
+        for k in range(len(sets))
+    ]
     run = _Run(opened, sets, stale_after)
     answers = [_Answers(pairs) for pairs in run.pairs]
     start, computing = time.perf_counter(), 0.0
     for block in run.blocks(rate):
         began = time.perf_counter()
         for k, each in enumerate(answers):
-            each.add(block, k, _least(block, block.asked[k], max_distance, accuracy, threads))
+            least = _least(block, block.asked[k], max_distance, accuracy, threads)
+            motion = motions[k]
+            each.add(block, k, least, None if motion is None else motion.take(block, least))
         computing += time.perf_counter() - began
     reading = time.perf_counter() - start - computing
     return run.result(answers, max_distance, (reading, computing))
@@ -155,8 +168,14 @@ class _Answers:
         self._names: dict[str, int] = {}
         self._waiting: dict[str, None] = {}
 
-    def add(self, block: Block, number: int, found: LeastDistances | None) -> None:
-        """Take the answers about a block, None where no pair is known."""
+    def add(
+        self,
+        block: Block,
+        number: int,
+        found: LeastDistances | None,
+        motion: tuple[Codes, NDArray[np.float64]] | None,
+    ) -> None:
+        """Take the answers about a block, None where no pair is known, and about its motion."""
         count, asked = len(block.times), block.asked[number]
         nothing, nowhere = np.full(count, np.nan), np.full((count, 3), np.nan)
         columns: dict[str, NDArray[Any]] = {
@@ -168,6 +187,8 @@ class _Answers:
             'age': block.ages[:, number],
             'left_out': np.full(count, asked.left_out, dtype=np.int64),
         }
+        if motion is not None:
+            columns['motion'], columns['motion_bound'] = motion
         for side in ('A', 'B'):
             columns[f'geometry_{side}'] = self._places(found, side, count)
         for name, values in columns.items():

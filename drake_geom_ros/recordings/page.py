@@ -113,6 +113,7 @@ def _of_set(found: Clearances, pairs: SetClearance, thresholds: Sequence[float])
             ('threshold [m]', 'time [s]', 'and where not all is known, by what is [s]'),
             ((f'{low.threshold:g}', f'{low.seconds:.3f}', f'{low.at_known:.3f}') for low in lows),
         ),
+        *_motion(pairs),
         '<h3>What is known</h3>',
         _table(
             ('all pairs [s]', 'stale [s]', 'pairs left out [s]', 'nothing recorded [s]'),
@@ -120,6 +121,18 @@ def _of_set(found: Clearances, pairs: SetClearance, thresholds: Sequence[float])
         ),
         f'<p>Oldest pose that mattered: {oldest}; in {unknown} states its age is unknown. A pose '
         f'is stale after {found.stale_after:g} s.</p>',
+    ]
+
+
+def _motion(pairs: SetClearance) -> list[str]:
+    if pairs.motion is None:
+        return []
+    told = pairs.certified()
+    where = 'nowhere' if told.span is None else f'{told.span.begin:.3f} to {told.span.end:.3f}'
+    heads = 'least certified [m]', 'at [s]', 'clear', 'contact', 'unknown'
+    return [
+        '<h3>Motions between states</h3>',
+        _table(heads, [(f'{told.lower_bound:.9g}', where, *told[2:])]),
     ]
 
 
