@@ -14,6 +14,7 @@ May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``
 
 from drake_geom_ros.recordings.audit import Audit, Audited, audit
 from drake_geom_ros.recordings.clearance import clearance
+from drake_geom_ros.recordings.comparing import PairDifference, SetComparison, compare_runs
 from drake_geom_ros.recordings.errors import IncompleteRecordingError, RecordingError
 from drake_geom_ros.recordings.recorded_pairs import Outcome
 from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance, Span
@@ -25,11 +26,14 @@ __all__ = [
     'Audited',
     'clearance',
     'Clearances',
+    'compare_runs',
     'IncompleteRecordingError',
     'Moment',
     'Outcome',
+    'PairDifference',
     'RecordingError',
     'SetClearance',
+    'SetComparison',
     'Span',
     'Topics',
 ]

@@ -150,6 +150,8 @@ class Clearances:
 
     times: Floats  # (N,) [s] since the recording began
     stamps: Indices  # (N,) [ns] when the messages were recorded
+    # (N,) how far all frames went until then: [m] of their origins, and [rad] of their turns
+    travelled: Floats
     sets: Mapping[str, SetClearance]
     begin: int  # [ns] the first message that was used
     end: int  # [ns] the last one
