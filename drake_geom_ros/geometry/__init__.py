@@ -42,6 +42,10 @@ from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh, MeshSource
 from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh, SurfacePolygon
 from drake_geom_ros.geometry.meshes.source import MeshData
+from drake_geom_ros.geometry.meshes.surface_fields import (
+    PolygonSurfaceMeshFieldLinear,
+    TriangleSurfaceMeshFieldLinear,
+)
 from drake_geom_ros.geometry.meshes.surface_mesh import (
     ReadObjToSurfaceMesh,
     ReadObjToTriangleSurfaceMesh,
@@ -91,6 +95,11 @@ from drake_geom_ros.geometry.model.scene_graph_config import (
 )
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.closing import ClosingSpeeds, closing_speeds
+from drake_geom_ros.geometry.queries.contact_surfaces import (
+    ContactSurface,
+    ContactSurfaceResults,
+    HydroelasticContactRepresentation,
+)
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.motion_checks import MotionCheck
 from drake_geom_ros.geometry.queries.query_object import QueryObject
@@ -212,6 +221,10 @@ __all__ = [
     'PenetrationAsPointPair',
     'SignedDistancePair',
     'SignedDistanceToPoint',
+    'ContactSurface',
+    'HydroelasticContactRepresentation',
+    'PolygonSurfaceMeshFieldLinear',
+    'TriangleSurfaceMeshFieldLinear',
     # Drake's visualiser,
     'ConnectDrakeVisualizer',
     'DispatchLoadMessage',
@@ -257,6 +270,7 @@ __all__ = [
     'PenetrationResults',
     'SignedDistanceResults',
     'PointDistanceResults',
+    'ContactSurfaceResults',
     'MotionCheck',
     'ClosingSpeeds',
     'closing_speeds',

@@ -48,10 +48,15 @@ PROXIMITY_ROOMS = {
         (*_POINTS, 'geometry/_proximity/derivatives', 'geometry/_proximity/engine'),
         ('numpy', 'numba'),
     ),
+    'geometry/_contact_surfaces': (
+        (*_GROUND, _K, 'geometry/_contact_surfaces'),
+        ('numpy', 'numba'),
+    ),
     'geometry/_rendering': ((*_GROUND, 'geometry/_rendering'), ('numpy', 'numba')),
 }
 
-_ANSWERING = tuple(room for room in PROXIMITY_ROOMS if room != 'geometry/_rendering')
+_APART = ('geometry/_rendering', 'geometry/_contact_surfaces')  # compiled by those who ask
+_ANSWERING = tuple(room for room in PROXIMITY_ROOMS if room not in _APART)
 _MESHES = ('math', 'common', 'geometry', 'geometry/meshes')
 _PUBLIC_SHAPES = (*_MESHES, 'geometry/shapes')
 _HYDROELASTIC = (*_PUBLIC_SHAPES, 'geometry/hydroelastic')
@@ -77,7 +82,7 @@ GEOMETRY_ROOMS = {
         (*_MODEL, 'sensors', 'geometry/render', 'geometry/render/vtk'),
         ('numpy', 'vtkmodules'),
     ),
-    'geometry/queries': ((*_QUERIES, *_ANSWERING), ('numpy',)),
+    'geometry/queries': ((*_QUERIES, *_ANSWERING, 'geometry/_contact_surfaces'), ('numpy',)),
     'geometry/scene': ((*_SCENE, *_ANSWERING), ('numpy',)),
     'geometry/autodiff': ((*_SCENE, *_ANSWERING, 'geometry/autodiff'), ('numpy',)),
     'geometry/visualizer': ((*_SCENE, 'geometry/visualizer'), ('numpy',)),

@@ -29,6 +29,8 @@ PYDRAKES = """
     ConnectDrakeVisualizer DispatchLoadMessage
     AddRigidHydroelasticProperties AddCompliantHydroelasticProperties
     AddCompliantHydroelasticPropertiesForHalfSpace SceneGraphConfig DefaultProximityProperties
+    ContactSurface HydroelasticContactRepresentation
+    PolygonSurfaceMeshFieldLinear TriangleSurfaceMeshFieldLinear
     VolumeMesh VolumeMesh_ VolumeElement ConvertVolumeToSurfaceMesh RefineVolumeMesh
 """
 # What is ours: a context can be named, results are sequences, errors are a tree, and the rest.
@@ -36,7 +38,7 @@ OURS = """
     SceneGraphContext PenetrationResults SignedDistanceResults PointDistanceResults
     MotionCheck ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
-    HydroelasticType
+    HydroelasticType ContactSurfaceResults
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError
     compile_all_kernels kernel_cache DrakeVisualizerPublisher

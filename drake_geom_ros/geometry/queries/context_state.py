@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
@@ -58,6 +59,7 @@ class ContextState(PosedScene):
         self._snapshot: Model | None = None
         self._padded = _KnownPaddings(None, None)
         self._waiting_pairs = _WaitingPairs(None, 0)
+        self._contact_bodies: ContactBodies | None = None
         super().__init__(model, filters, partial)
 
     def copy(self: _State) -> _State:
@@ -139,6 +141,11 @@ class ContextState(PosedScene):
             ids = self.up_to_date_world().geometries.ids
             self._padded = _KnownPaddings(version, paddings_of(self.model, ids))
         return self._padded.paddings
+
+    def contact_bodies(self) -> ContactBodies:
+        """Return the bodies of geometries with hydroelastic properties, as they are now."""
+        self._contact_bodies = contact_bodies(self.model, self._contact_bodies)
+        return self._contact_bodies
 
     def count_waiting_pairs(self) -> int:
         """Return how many unfiltered pairs have a geometry without a place."""

@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
+from drake_geom_ros.geometry.queries.contact_queries import ContactQueries
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
 from drake_geom_ros.geometry.queries.motion_checks import MotionChecks
@@ -32,7 +33,7 @@ from drake_geom_ros.math.missing import refuse_missing_member
 from drake_geom_ros.math.tolerances import FARTHEST
 
 
-class QueryObject(ImageQueries, MotionChecks):
+class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     """Answers geometry queries about a context.
 
     The one that a SceneGraph's query port gives is live: it sees later poses and changes of its

@@ -1,0 +1,173 @@
+"""Packing bodies: fields and faces of their elements, under a tree of boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    HALF_SPACE,
+    SURFACE,
+    VOLUME,
+    Bodies,
+    Floats,
+    Indices,
+)
+
+# The corners of the face against each corner of a tetrahedron.
+_FACES = np.array([(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)])
+
+
+class PackedBody(NamedTuple):
+    """A body as ``Bodies`` has it, alone; ``numbers`` are a row of its."""
+
+    kind: int
+    numbers: tuple[float, float]
+    points: Floats
+    elements: Indices
+    fields: Floats
+    planes: Floats
+    beyond: Indices
+    nodes: Floats
+
+
+def packed_volume(
+    points: Floats, elements: Indices, pressures: Floats, beyond: Indices
+) -> PackedBody:
+    """Return a body of tetrahedra (m, 4) with pressures (n,) [Pa] at its points (n, 3) [m].
+
+    ``beyond`` (m, 4) is which element is beyond the face against each corner, -1 where none is.
+    """
+    order, nodes = _tree(points[elements])
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    elements, beyond = elements[order], np.where(beyond < 0, -1, place[beyond])[order]
+    corners = points[elements]
+    edges = corners[:, 1:] - corners[:, :1]
+    rises = pressures[elements[:, 1:]] - pressures[elements[:, :1]]
+    gradients = np.linalg.solve(edges, rises[..., None])[..., 0]
+    constants = pressures[elements[:, 0]] - (gradients * corners[:, 0]).sum(axis=1)
+    fields = np.column_stack((gradients, constants, np.linalg.norm(gradients, axis=1)))
+    planes = np.empty((len(elements), 4, 4))
+    for k in range(4):
+        # From its points in ascending order: the same numbers on either side, but for the sign.
+        a, b, c = np.moveaxis(points[np.sort(elements[:, _FACES[k]], axis=1)], 1, 0)
+        planes[:, k] = _planes(a, b, c)
+        inside = (planes[:, k, :3] * points[elements[:, k]]).sum(axis=1) > planes[:, k, 3]
+        planes[inside, k] *= -1.0
+    numbers = float(np.linalg.norm(points, axis=1).max()), 0.0
+    return PackedBody(VOLUME, numbers, points, elements, fields, planes, beyond, nodes)
+
+
+def packed_surface(points: Floats, triangles: Indices) -> PackedBody:
+    """Return a rigid surface of triangles (m, 3), turned outward, but for those without area."""
+    planes = np.zeros((len(triangles), 4, 4))
+    planes[:, 0] = _planes(*np.moveaxis(points[triangles], 1, 0))
+    real = np.abs(planes[:, 0, :3]).max(axis=1, initial=0.0) > 0.0
+    triangles, planes = triangles[real], planes[real]
+    order, nodes = _tree(points[triangles])
+    count = len(triangles)
+    elements = np.column_stack((triangles[order], np.zeros(count, dtype=np.int64)))
+    beyond = np.full((count, 4), -1)
+    numbers = float(np.linalg.norm(points, axis=1).max(initial=0.0)), 0.0
+    return PackedBody(
+        SURFACE,
+        numbers,
+        points,
+        elements,
+        np.zeros((count, 5)),
+        planes[order],
+        beyond,
+        nodes,
+    )
+
+
+def packed_half_space(pressure_slope: float) -> PackedBody:
+    """Return a half space z <= 0 whose pressure grows so with the depth [Pa/m]; 0: rigid."""
+    return PackedBody(
+        HALF_SPACE,
+        (0.0, pressure_slope),
+        np.zeros((0, 3)),
+        np.zeros((0, 4), dtype=np.int64),
+        np.zeros((0, 5)),
+        np.zeros((0, 4, 4)),
+        np.zeros((0, 4), dtype=np.int64),
+        np.zeros((0, 6)),
+    )
+
+
+def packed(bodies: Sequence[PackedBody]) -> Bodies:
+    """Return bodies one after another."""
+    points = np.cumsum([0, *(len(body.points) for body in bodies)])
+    elements = np.cumsum([0, *(len(body.elements) for body in bodies)])
+    nodes = np.cumsum([0, *(len(body.nodes) for body in bodies)])
+    table = [
+        (
+            body.kind,
+            points[k],
+            elements[k],
+            len(body.elements),
+            nodes[k],
+            (len(body.nodes) + 1) // 2,
+        )
+        for k, body in enumerate(bodies)
+    ]
+    return Bodies(
+        np.array(table, dtype=np.int64).reshape(-1, 6),
+        np.array([body.numbers for body in bodies]).reshape(-1, 2),
+        points=np.concatenate([body.points for body in bodies]),
+        elements=np.concatenate([body.elements for body in bodies]),
+        fields=np.concatenate([body.fields for body in bodies]),
+        planes=np.concatenate([body.planes for body in bodies]),
+        beyond=np.concatenate(
+            [
+                np.where(body.beyond < 0, -1, body.beyond + first)
+                for body, first in zip(bodies, elements, strict=False)
+            ]
+        ),
+        nodes=np.concatenate([body.nodes for body in bodies]),
+    )
+
+
+def _planes(a: Floats, b: Floats, c: Floats) -> Floats:
+    """Return unit normals and offsets (m, 4) of triangles, 0 of those without area."""
+    normals = np.cross(b - a, c - a)
+    lengths = np.sqrt((normals * normals).sum(axis=1))
+    normals = normals / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    return np.column_stack((normals, (normals * a).sum(axis=1)))
+
+
+def _tree(corners: Floats) -> tuple[Indices, Floats]:
+    """Return elements (m, c, 3) in the order of leaves, and the boxes (2 L - 1, 6) of a heap.
+
+    Node k has the children 2 k + 1 and 2 k + 2; leaf i of L holds elements i m // L up to
+    (i + 1) m // L, one or two. Every box is cut at the median along its longest side.
+    """
+    count, leaves = len(corners), 1
+    while 2 * leaves <= count:
+        leaves *= 2
+    order, middles = np.arange(count), corners.mean(axis=1)
+    parts = 1
+    while parts < leaves:
+        starts = np.arange(parts) * count // parts
+        block = np.repeat(np.arange(parts), np.diff(np.append(starts, count)))
+        sorted_middles = middles[order]
+        low = np.minimum.reduceat(sorted_middles, starts)
+        axes = (np.maximum.reduceat(sorted_middles, starts) - low).argmax(axis=1)
+        along = sorted_middles[np.arange(count), axes[block]]
+        order = order[np.lexsort((along, block))]
+        parts *= 2
+    starts = np.arange(leaves) * count // leaves
+    boxes = np.empty((2 * leaves - 1, 6))
+    if count:
+        boxes[leaves - 1 :, :3] = np.minimum.reduceat(corners.min(axis=1)[order], starts)
+        boxes[leaves - 1 :, 3:] = np.maximum.reduceat(corners.max(axis=1)[order], starts)
+    else:
+        boxes[0] = np.array([1.0] * 3 + [-1.0] * 3)
+    for k in range(leaves - 2, -1, -1):
+        both = boxes[2 * k + 1 : 2 * k + 3]
+        boxes[k, :3], boxes[k, 3:] = both[:, :3].min(axis=0), both[:, 3:].max(axis=0)
+    low, high = boxes[:, :3], boxes[:, 3:]
+    return order, np.hstack((0.5 * (low + high), 0.5 * (high - low)))

@@ -1,0 +1,104 @@
+"""All pairs of bodies, one after another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    FACE,
+    HALF_SPACE,
+    KIND,
+    SUMS,
+    VOLUME,
+    Between,
+    Bodies,
+    Floats,
+    Indices,
+    Surfaces,
+)
+from drake_geom_ros.geometry._contact_surfaces.clipping import COLUMNS, ROWS
+from drake_geom_ros.geometry._contact_surfaces.compiled import compiled
+from drake_geom_ros.geometry._contact_surfaces.walks import DEEPEST, meet_bodies, meet_plane
+from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, vector_in
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+
+ROUNDING = 8.0 * EPS  # of the sizes of both bodies: how wrong a height above a plane may be
+FIRST_POLYGONS = 64  # there is room for, and for CORNERS_EACH corners of each
+CORNERS_EACH = 5
+
+
+def surfaces_of(
+    bodies: Bodies, pairs: Indices, R_WBs: Floats, p_WBs: Floats
+) -> tuple[Surfaces, Indices]:
+    """Return the surfaces of pairs (k, 2) of bodies, and where each pair's polygons end (k,).
+
+    ``R_WBs`` (b, 3, 3) and ``p_WBs`` (b, 3) pose the bodies in World. The first of a pair is M.
+    Of each pair one at least is compliant, and not both are half spaces.
+    """
+    faces, corners = FIRST_POLYGONS, CORNERS_EACH * FIRST_POLYGONS
+    ends = np.zeros(len(pairs), dtype=np.int64)
+    work, stack = np.zeros((ROWS, COLUMNS)), np.zeros((DEEPEST, 2), dtype=np.int64)
+    R = np.zeros((3, 3))
+    while True:
+        out = Surfaces(
+            np.empty((corners, 3)),
+            np.empty(corners),
+            np.empty(faces, dtype=np.int64),
+            np.empty((faces, FACE)),
+            np.zeros((len(pairs), SUMS)),
+            np.zeros(2, dtype=np.int64),
+        )
+        _all_pairs(bodies, pairs, R_WBs, p_WBs, work, stack, R, out, ends)
+        needed_faces, needed_corners = out.counts.tolist()
+        if needed_faces <= faces and needed_corners <= corners:
+            break
+        faces, corners = max(faces, needed_faces), max(corners, needed_corners)
+    trimmed = Surfaces(
+        out.points[:needed_corners],
+        out.pressures[:needed_corners],
+        out.ends[:needed_faces],
+        out.faces[:needed_faces],
+        out.sums,
+        out.counts,
+    )
+    return trimmed, ends
+
+
+@compiled
+def _all_pairs(
+    bodies: Bodies,
+    pairs: Indices,
+    R_WBs: Floats,
+    p_WBs: Floats,
+    work: Floats,
+    stack: Indices,
+    R: Floats,
+    out: Surfaces,
+    ends: Indices,
+) -> None:
+    """Put out the surfaces of all pairs; ``work``, ``stack`` and ``R`` are room to do it in."""
+    for pair in range(len(pairs)):
+        a, b = pairs[pair, 0], pairs[pair, 1]
+        # First comes a tetrahedral body, before a surface, before a half space.
+        flip = bodies.table[b, KIND] < bodies.table[a, KIND]
+        half_space = bodies.table[a, KIND] == HALF_SPACE or bodies.table[b, KIND] == HALF_SPACE
+        if flip:
+            a, b = b, a
+        for i in range(3):
+            for j in range(3):
+                R[i, j] = 0.0
+                for k in range(3):
+                    R[i, j] += R_WBs[a, k, i] * R_WBs[b, k, j]
+        p_W = vector_in(p_WBs, a)
+        p = unrotate(R_WBs[a], sub(vector_in(p_WBs, b), p_W))
+        size = bodies.numbers[a, 0] + bodies.numbers[b, 0]
+        if half_space:
+            size = bodies.numbers[a, 0] + abs(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
+            # A rigid surface in a soft half space is N.
+            flip = flip != (bodies.table[a, KIND] != VOLUME)
+        between = Between(R, p, R_WBs[a], p_W, ROUNDING * size, flip)
+        if half_space:
+            meet_plane(bodies, a, bodies.numbers[b, 1], between, work, stack, out, pair)
+        else:
+            meet_bodies(bodies, a, b, between, work, stack, out, pair)
+        ends[pair] = out.counts[0]

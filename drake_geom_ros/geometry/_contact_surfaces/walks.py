@@ -1,0 +1,154 @@
+"""Which elements of two bodies may meet: a walk over both trees, or over one and a plane."""
+
+from __future__ import annotations
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    ELEMENTS,
+    FIRST_ELEMENT,
+    FIRST_NODE,
+    LEAVES,
+    Between,
+    Bodies,
+    Floats,
+    Indices,
+    Surfaces,
+)
+from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
+from drake_geom_ros.geometry._contact_surfaces.elements import meet, meet_half_space
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    dot,
+    rotate,
+    sub,
+    unrotate,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+
+DEEPEST = 128  # of a walk: twice the depth of trees that fit into memory
+
+
+@inlined
+def _box(bodies: Bodies, body: int, k: int) -> tuple[Vector, Vector]:
+    """Return middle and half size of the box of a body's node k."""
+    row = bodies.table[body, FIRST_NODE] + k
+    return vector_in(bodies.nodes, row), vector_in(bodies.nodes, row, 3)
+
+
+@inlined
+def _spread(R: Floats, k: int, half: Vector) -> float:
+    """Return half the extent of a box, turned by R, along axis k."""
+    spread: float = abs(R[k, 0]) * half[0] + abs(R[k, 1]) * half[1] + abs(R[k, 2]) * half[2]
+    return spread
+
+
+@inlined
+def _spread_back(R: Floats, k: int, half: Vector) -> float:
+    """Return half the extent of a box, turned by the inverse of R, along axis k."""
+    spread: float = abs(R[0, k]) * half[0] + abs(R[1, k]) * half[1] + abs(R[2, k]) * half[2]
+    return spread
+
+
+@compiled
+def _apart(bodies: Bodies, a: int, i: int, b: int, j: int, between: Between) -> bool:
+    """Tell whether the boxes of two nodes are kept apart by a side of either."""
+    middle, half = _box(bodies, a, i)
+    other, other_half = _box(bodies, b, j)
+    R, near = between.R, between.rounding
+    d = sub(add(rotate(R, other), between.p), middle)
+    for k in range(3):
+        if abs(d[k]) > half[k] + _spread(R, k, other_half) + near:
+            return True
+    back = unrotate(R, d)
+    for k in range(3):
+        if abs(back[k]) > other_half[k] + _spread_back(R, k, half) + near:
+            return True
+    return False
+
+
+@inlined
+def _size(bodies: Bodies, body: int, k: int) -> float:
+    """Return how large the box of a node is, for comparison."""
+    _, half = _box(bodies, body, k)
+    return half[0] + half[1] + half[2]
+
+
+@inlined
+def _first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
+    """Return the first element of a leaf; that of the next one is behind its last."""
+    table = bodies.table
+    first: int = table[body, FIRST_ELEMENT] + leaf * table[body, ELEMENTS] // table[body, LEAVES]
+    return first
+
+
+@compiled
+def meet_bodies(
+    bodies: Bodies,
+    a: int,
+    b: int,
+    between: Between,
+    work: Floats,
+    stack: Indices,
+    out: Surfaces,
+    pair: int,
+) -> None:
+    """Put out where the tetrahedra of body a meet the elements of body b."""
+    last_a, last_b = bodies.table[a, LEAVES] - 1, bodies.table[b, LEAVES] - 1
+    stack[0, 0] = stack[0, 1] = 0
+    top = 1
+    while top > 0:
+        top -= 1
+        i, j = stack[top, 0], stack[top, 1]
+        if _apart(bodies, a, i, b, j, between):
+            continue
+        if i >= last_a and j >= last_b:
+            for e in range(
+                _first_in_leaf(bodies, a, i - last_a), _first_in_leaf(bodies, a, i - last_a + 1)
+            ):
+                for f in range(
+                    _first_in_leaf(bodies, b, j - last_b),
+                    _first_in_leaf(bodies, b, j - last_b + 1),
+                ):
+                    meet(bodies, a, b, e, f, between, work, out, pair)
+            continue
+        split_a = j >= last_b or (i < last_a and _size(bodies, a, i) >= _size(bodies, b, j))
+        for k in (2, 1):
+            stack[top, 0] = 2 * i + k if split_a else i
+            stack[top, 1] = j if split_a else 2 * j + k
+            top += 1
+
+
+@compiled
+def meet_plane(
+    bodies: Bodies,
+    a: int,
+    slope: float,
+    between: Between,
+    work: Floats,
+    stack: Indices,
+    out: Surfaces,
+    pair: int,
+) -> None:
+    """Put out where the elements of body a meet a half space."""
+    last = bodies.table[a, LEAVES] - 1
+    up = between.R[0, 2], between.R[1, 2], between.R[2, 2]
+    stack[0, 0] = 0
+    top = 1
+    while top > 0:
+        top -= 1
+        i = stack[top, 0]
+        middle, half = _box(bodies, a, i)
+        height = dot(up, sub(middle, between.p))
+        spread = abs(up[0]) * half[0] + abs(up[1]) * half[1] + abs(up[2]) * half[2]
+        below_all = slope == 0.0 and height < -spread - between.rounding
+        if height > spread + between.rounding or below_all:
+            continue
+        if i >= last:
+            for e in range(
+                _first_in_leaf(bodies, a, i - last), _first_in_leaf(bodies, a, i - last + 1)
+            ):
+                meet_half_space(bodies, a, e, slope, between, work, out, pair)
+            continue
+        for k in (2, 1):
+            stack[top, 0] = 2 * i + k
+            top += 1

@@ -1,0 +1,105 @@
+"""The hydroelastic bodies of a scene, packed for the kernels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import HALF_SPACE, VOLUME, Bodies
+from drake_geom_ros.geometry._contact_surfaces.packing import (
+    PackedBody,
+    packed,
+    packed_half_space,
+    packed_surface,
+    packed_volume,
+)
+from drake_geom_ros.geometry.hydroelastic.bodies import (
+    CompliantBody,
+    HalfSpaceBody,
+    HydroelasticBody,
+)
+from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
+from drake_geom_ros.geometry.model._model import Model
+
+Indices = NDArray[np.int64]
+
+
+class _Known(NamedTuple):
+    """A body, and how it is packed."""
+
+    body: HydroelasticBody
+    packed: PackedBody
+
+
+class ContactBodies(NamedTuple):
+    """The bodies of the geometries with hydroelastic properties, by ascending ids (b,)."""
+
+    version: int
+    ids: Indices
+    is_compliant: NDArray[np.bool_]
+    bodies: Bodies
+    known: dict[int, _Known]
+
+    def rows(self, ids: Indices) -> Indices:
+        """Return which body geometries (k,) are, by the values of their ids; -1 where none."""
+        if not len(self.ids):
+            return np.full(len(ids), -1)
+        at = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
+        return np.where(self.ids[at] == ids, at, -1)
+
+    def have_a_surface(self, a: Indices, b: Indices) -> NDArray[np.bool_]:
+        """Tell for pairs of rows (k,) whether they can have a surface: see ``why_not``."""
+        kinds = np.append(self.bodies.table[:, 0], HALF_SPACE)
+        compliant = np.append(self.is_compliant, False)
+        both_infinite = (kinds[a] == HALF_SPACE) & (kinds[b] == HALF_SPACE)
+        able: NDArray[np.bool_] = (a >= 0) & (b >= 0) & (compliant[a] | compliant[b])
+        able &= ~both_infinite
+        return able
+
+    def why_not(self, a: int, b: int) -> str:
+        """Return why two rows have no surface."""
+        if a < 0 or b < 0:
+            return 'one of them has no hydroelastic properties'
+        if not (self.is_compliant[a] or self.is_compliant[b]):
+            return 'both are rigid'
+        return 'both are half spaces'
+
+
+def contact_bodies(model: Model, before: ContactBodies | None) -> ContactBodies:
+    """Return the bodies of a model; what was packed before is taken over."""
+    version = model.versions.proximity
+    if before is not None and before.version == version:
+        return before
+    known: dict[int, _Known] = {}
+    for id in sorted(model.geometries):
+        body = model.geometries[id].hydroelastic_body
+        if body is not None:
+            value = id.get_value()
+            old = before.known.get(value) if before is not None else None
+            known[value] = old if old and old.body is body else _Known(body, _packed(body))
+    parts = [each.packed for each in known.values()]
+    compliant = [
+        part.kind == VOLUME or (part.kind == HALF_SPACE and part.numbers[1] > 0.0)
+        for part in parts
+    ]
+    none = [packed_half_space(0.0)]  # arrays need something to be joined of
+    return ContactBodies(
+        version,
+        np.array(list(known), dtype=np.int64),
+        np.array(compliant, dtype=np.bool_),
+        packed(parts or none),
+        known,
+    )
+
+
+def _packed(body: HydroelasticBody) -> PackedBody:
+    """Return a body as the kernels take it."""
+    if isinstance(body, CompliantBody):
+        elements = body.mesh.element_array()
+        beyond = neighbours_of(elements)
+        return packed_volume(body.mesh.vertex_array(), elements, body.pressures, beyond)
+    if isinstance(body, HalfSpaceBody):
+        return packed_half_space(body.pressure_slope)
+    return packed_surface(body.mesh.vertex_array(), body.mesh.triangle_array())

@@ -1,0 +1,132 @@
+"""The queries for contact surfaces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.ids import GeometryId
+from drake_geom_ros.geometry.model._records import named
+from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
+from drake_geom_ros.geometry.queries.contact_surfaces import (
+    ContactSurfaceResults,
+    HydroelasticContactRepresentation,
+)
+from drake_geom_ros.geometry.queries.context_state import ContextState
+from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
+from drake_geom_ros.geometry.queries.query_results import PenetrationResults
+
+Indices = NDArray[np.int64]
+
+
+class ContactQueries:
+    """What a query object answers about contact surfaces; it has all other queries too."""
+
+    _state: ContextState
+
+    if TYPE_CHECKING:  # which a query object has
+
+        def ComputePointPairPenetration(self) -> PenetrationResults:
+            """Return the pairs that overlap."""
+
+        def collision_candidates(self) -> Indices:
+            """Return the pairs of ids (k, 2) that bounds alone do not keep apart."""
+
+    def ComputeContactSurfaces(
+        self,
+        representation: HydroelasticContactRepresentation = (
+            HydroelasticContactRepresentation.kPolygon
+        ),
+    ) -> ContactSurfaceResults:
+        """Return the contact surfaces of all unfiltered pairs that press each other.
+
+        Pressures are those of the hydroelastic properties (Elandt, Drumwright, Sherman, Ruina, A
+        pressure field model for fast, robust approximation of net contact force and moment, IROS
+        2019): a surface is where both are equal, or where a rigid one is in a compliant one.
+        Touching is no contact. Padding is no part of it. Sorted by (id_M, id_N).
+
+        Raises GeometryError where a pair overlaps that can have no surface: one without
+        hydroelastic properties, two rigid ones, two half spaces; ``collision filters`` leave pairs
+        out, and ``ComputeContactSurfacesWithFallback`` answers for them by points.
+        """
+        surfaces, others = self._surfaces_and_others(representation)
+        if others:
+            bodies = self._state.contact_bodies()
+            pair = others[0].id_A, others[0].id_B
+            rows = bodies.rows(np.array([id.get_value() for id in pair])).tolist()
+            names = ' and '.join(named(self._state.model.geometry(id)) for id in pair)
+            raise GeometryError(
+                f'ComputeContactSurfaces: {names} overlap and have no surface: '
+                f'{bodies.why_not(*rows)}. Give them hydroelastic properties, one of them '
+                'compliant, filter the pair, or use ComputeContactSurfacesWithFallback.'
+            )
+        return surfaces
+
+    def ComputeContactSurfacesWithFallback(
+        self,
+        representation: HydroelasticContactRepresentation = (
+            HydroelasticContactRepresentation.kPolygon
+        ),
+    ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
+        """Return the contact surfaces, and the penetration of pairs that can have none."""
+        return self._surfaces_and_others(representation)
+
+    def contact_surfaces(
+        self,
+        representation: HydroelasticContactRepresentation = (
+            HydroelasticContactRepresentation.kPolygon
+        ),
+    ) -> ContactSurfaceResults:
+        """Return the surfaces of pairs that can have one; nothing is said of the others.
+
+        What ``ComputeContactSurfacesWithFallback`` returns first, without the work of the rest.
+        """
+        candidates, rows, able = self._candidates()
+        return self._surfaces(candidates[able], rows[able], representation)
+
+    def _surfaces_and_others(
+        self, representation: HydroelasticContactRepresentation
+    ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
+        candidates, rows, able = self._candidates()
+        surfaces = self._surfaces(candidates[able], rows[able], representation)
+        if able.all():
+            return surfaces, []
+        left = {(GeometryId(a), GeometryId(b)) for a, b in candidates[~able].tolist()}
+        points = self.ComputePointPairPenetration()
+        return surfaces, [each for each in points if (each.id_A, each.id_B) in left]
+
+    def _candidates(self) -> tuple[Indices, Indices, NDArray[np.bool_]]:
+        """Return pairs of ids (k, 2), M first, their bodies, and whether they can have one."""
+        bodies = self._state.contact_bodies()
+        if not len(bodies.ids):
+            candidates = self.collision_candidates()
+            return candidates, np.full_like(candidates, -1), np.zeros(len(candidates), np.bool_)
+        candidates = np.sort(self.collision_candidates(), axis=1)
+        rows = np.column_stack([bodies.rows(candidates[:, k]) for k in (0, 1)])
+        return candidates, rows, bodies.have_a_surface(rows[:, 0], rows[:, 1])
+
+    def _surfaces(
+        self,
+        ids: Indices,
+        rows: Indices,
+        representation: HydroelasticContactRepresentation,
+    ) -> ContactSurfaceResults:
+        """Return the surfaces of pairs that can have one."""
+        checked_type(representation, HydroelasticContactRepresentation, 'representation')
+        bodies: ContactBodies = self._state.contact_bodies()
+        world = self._state.posed_world()
+        world.update()
+        places = world.geometry_rows(bodies.ids)
+        out, ends = surfaces_of(
+            bodies.bodies,
+            np.ascontiguousarray(rows),
+            np.ascontiguousarray(world.R_WGs[places]),
+            np.ascontiguousarray(world.p_WGs[places]),
+        )
+        compliant = bodies.is_compliant[rows].reshape(-1, 2)
+        return ContactSurfaceResults(ids.reshape(-1, 2), compliant, ends, out, representation)

@@ -1,0 +1,333 @@
+"""Contact surfaces: where the pressures of two bodies are equal, by pair, over arrays."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    AREA,
+    CENTROID,
+    FACE_AREA,
+    FIRST_MOMENT,
+    FORCE,
+    GRAD_M,
+    GRAD_N,
+    NORMAL,
+    PRESSURE,
+    PRESSURE_MOMENT,
+    TORQUE,
+    Surfaces,
+)
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.ids import GeometryId
+from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
+from drake_geom_ros.geometry.meshes.surface_fields import (
+    PolygonSurfaceMeshFieldLinear,
+    TriangleSurfaceMeshFieldLinear,
+)
+from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class HydroelasticContactRepresentation(enum.Enum):
+    """What a surface's faces are: triangles about each polygon's centroid, or the polygons."""
+
+    kTriangle = 0
+    kPolygon = 1
+
+
+class _Triangles(NamedTuple):
+    """The mesh of triangles, the pressure at its vertices, and which polygon each is of."""
+
+    mesh: TriangleSurfaceMesh
+    pressures: Floats
+    polygons: Indices
+
+
+class ContactSurface:
+    """Where two geometries M and N press each other: the pressures of both are equal there.
+
+    ``id_M() < id_N()``; normals point out of N into M. All is in World. Of a rigid geometry the
+    surface is its own, and it has no pressure gradient.
+    """
+
+    def __init__(
+        self,
+        ids: tuple[int, int],
+        is_compliant: tuple[bool, bool],
+        representation: HydroelasticContactRepresentation,
+        surfaces: Surfaces,
+        faces: slice,
+        sums: Floats,
+    ) -> None:
+        self._ids, self._is_compliant, self._representation = ids, is_compliant, representation
+        first = int(surfaces.ends[faces.start - 1]) if faces.start else 0
+        self._ends = surfaces.ends[faces] - first
+        self._points = surfaces.points[first : first + int(self._ends[-1])]
+        self._pressures = surfaces.pressures[first : first + int(self._ends[-1])]
+        self._faces, self._sums = surfaces.faces[faces], sums
+
+    def id_M(self) -> GeometryId:
+        """Return the id of M."""
+        return GeometryId(self._ids[0])
+
+    def id_N(self) -> GeometryId:
+        """Return the id of N."""
+        return GeometryId(self._ids[1])
+
+    def representation(self) -> HydroelasticContactRepresentation:
+        """Return what the faces are."""
+        return self._representation
+
+    def is_triangle(self) -> bool:
+        """Return whether the faces are triangles."""
+        return self._representation is HydroelasticContactRepresentation.kTriangle
+
+    def num_faces(self) -> int:
+        """Return how many faces there are."""
+        return int(self._ends[-1]) if self.is_triangle() else len(self._ends)
+
+    def num_vertices(self) -> int:
+        """Return how many vertices there are; each polygon has its own."""
+        return len(self._points) + (len(self._ends) if self.is_triangle() else 0)
+
+    def area(self, face_index: int) -> float:
+        """Return the area [m^2] of a face."""
+        k = self._checked(face_index)
+        return self._triangles.mesh.area(k) if self.is_triangle() else float(self._areas[k])
+
+    def total_area(self) -> float:
+        """Return the area [m^2] of all faces."""
+        return float(self._sums[AREA])
+
+    def face_normal(self, face_index: int) -> Floats:
+        """Return the unit normal (3,) of a face, out of N into M."""
+        k = self._polygon_of(face_index)
+        return self._faces[k, NORMAL : NORMAL + 3].copy()
+
+    def centroid(self, face_index: int | None = None) -> Floats:
+        """Return the centroid (3,) [m] of a face, or of the whole surface."""
+        if face_index is None:
+            return _over(self._sums, FIRST_MOMENT, AREA)
+        k = self._checked(face_index)
+        if self.is_triangle():
+            return self._triangles.mesh.element_centroid(k)
+        return self._faces[k, CENTROID : CENTROID + 3].copy()
+
+    def HasGradE_M(self) -> bool:
+        """Return whether M is compliant, so that its pressure has a gradient."""
+        return self._is_compliant[0]
+
+    def HasGradE_N(self) -> bool:
+        """Return whether N is compliant, so that its pressure has a gradient."""
+        return self._is_compliant[1]
+
+    def EvaluateGradE_M_W(self, index: int) -> Floats:
+        """Return the gradient (3,) [Pa/m] of M's pressure on a face; raises where M is rigid."""
+        return self._gradient(index, 0)
+
+    def EvaluateGradE_N_W(self, index: int) -> Floats:
+        """Return the gradient (3,) [Pa/m] of N's pressure on a face; raises where N is rigid."""
+        return self._gradient(index, 1)
+
+    def tri_mesh_W(self) -> TriangleSurfaceMesh:
+        """Return the mesh of triangles; raises RuntimeError where faces are polygons."""
+        self._check_is(HydroelasticContactRepresentation.kTriangle)
+        return self._triangles.mesh
+
+    def tri_e_MN(self) -> TriangleSurfaceMeshFieldLinear:
+        """Return the pressure [Pa] on triangles; raises RuntimeError where faces are polygons."""
+        self._check_is(HydroelasticContactRepresentation.kTriangle)
+        mesh, pressures, polygons = self._triangles
+        return TriangleSurfaceMeshFieldLinear(mesh, pressures, self._slopes[polygons])
+
+    def poly_mesh_W(self) -> PolygonSurfaceMesh:
+        """Return the mesh of polygons; raises RuntimeError where faces are triangles."""
+        self._check_is(HydroelasticContactRepresentation.kPolygon)
+        return self._polygons
+
+    def poly_e_MN(self) -> PolygonSurfaceMeshFieldLinear:
+        """Return the pressure [Pa] on polygons; raises RuntimeError where faces are triangles."""
+        self._check_is(HydroelasticContactRepresentation.kPolygon)
+        return PolygonSurfaceMeshFieldLinear(self._polygons, self._pressures, self._slopes)
+
+    def Equal(self, surface: ContactSurface) -> bool:
+        """Return whether a surface has the same ids, faces and pressures, to the bit."""
+        return (
+            self._ids == surface._ids
+            and self._representation is surface._representation
+            and np.array_equal(self._ends, surface._ends)
+            and np.array_equal(self._points, surface._points)
+            and np.array_equal(self._pressures, surface._pressures)
+            and np.array_equal(self._faces, surface._faces)
+        )
+
+    # Ours.
+
+    def force_on_M_W(self) -> Floats:
+        """Return the force (3,) [N] that the pressure exerts on M; on N it is the opposite."""
+        return self._sums[FORCE : FORCE + 3].copy()
+
+    def torque_on_M_Wo_W(self) -> Floats:
+        """Return the torque (3,) [N m] about World's origin that the pressure exerts on M."""
+        return self._sums[TORQUE : TORQUE + 3].copy()
+
+    def centre_of_pressure(self) -> Floats:
+        """Return the mean (3,) [m] of the surface's points, weighted by pressure.
+
+        The centroid, where the pressure is 0 all over.
+        """
+        if self._sums[PRESSURE] == 0.0:
+            return self.centroid()
+        return _over(self._sums, PRESSURE_MOMENT, PRESSURE)
+
+    def polygon_arrays(self) -> tuple[Floats, Floats, Indices]:
+        """Return corners (n, 3) [m], pressures (n,) [Pa], and where each polygon ends (f,)."""
+        return self._points, self._pressures, self._ends
+
+    def __repr__(self) -> str:
+        return (
+            f'<ContactSurface of {self._ids[0]} and {self._ids[1]}: {self.num_faces()} faces, '
+            f'{self.total_area():g} m^2>'
+        )
+
+    @property
+    def _areas(self) -> Floats:
+        """The areas (f,) of the polygons."""
+        return self._faces[:, FACE_AREA]
+
+    @property
+    def _slopes(self) -> Floats:
+        """The gradient (f, 3) of the pressure on each polygon, that of a compliant body."""
+        column = GRAD_M if self._is_compliant[0] else GRAD_N
+        return self._faces[:, column : column + 3]
+
+    @cached_property
+    def _polygons(self) -> PolygonSurfaceMesh:
+        """The mesh of polygons."""
+        starts = [0, *self._ends[:-1].tolist()]
+        rows = zip(starts, self._ends.tolist(), strict=True)
+        return PolygonSurfaceMesh.FromPolygons([range(a, b) for a, b in rows], self._points)
+
+    @cached_property
+    def _triangles(self) -> _Triangles:
+        """The triangles about the centroids: each side of a polygon, and then the centroid."""
+        count, corners = len(self._ends), int(self._ends[-1])
+        sizes = np.diff(self._ends, prepend=0)
+        polygons = np.repeat(np.arange(count), sizes)
+        before = np.arange(corners) - 1
+        starts = self._ends - sizes
+        before[starts] = self._ends - 1
+        rows = np.column_stack((before, np.arange(corners), corners + polygons))
+        centroids = self._faces[:, CENTROID : CENTROID + 3]
+        rises = (self._slopes * (centroids - self._points[starts])).sum(axis=1)
+        mesh = TriangleSurfaceMesh.FromArrays(rows, np.vstack((self._points, centroids)))
+        pressures = np.concatenate((self._pressures, self._pressures[starts] + rises))
+        return _Triangles(mesh, pressures, polygons)
+
+    def _checked(self, face_index: int) -> int:
+        """Return a face that is there."""
+        if not 0 <= face_index < self.num_faces():
+            raise ArgumentError(f'face {face_index} was asked for; there are {self.num_faces()}')
+        return face_index
+
+    def _polygon_of(self, face_index: int) -> int:
+        """Return the polygon that a face is, or is of."""
+        k = self._checked(face_index)
+        return int(np.searchsorted(self._ends, k, 'right')) if self.is_triangle() else k
+
+    def _gradient(self, index: int, of: int) -> Floats:
+        """Return the gradient of M's (0) or N's (1) pressure on a face."""
+        if not self._is_compliant[of]:
+            raise GeometryError(f'{self!r}: {"MN"[of]} is rigid, and has no pressure gradient')
+        column = (GRAD_M, GRAD_N)[of]
+        return self._faces[self._polygon_of(index), column : column + 3].copy()
+
+    def _check_is(self, representation: HydroelasticContactRepresentation) -> None:
+        """Raise GeometryError for what another representation has."""
+        if self._representation is not representation:
+            raise GeometryError(
+                f'{self!r} was made with {self._representation.name}; its mesh and field are '
+                f'those of {"triangles" if self.is_triangle() else "polygons"}'
+            )
+
+
+class ContactSurfaceResults(Sequence[ContactSurface]):
+    """Contact surfaces, sorted by (id_M, id_N), over arrays; records are made when indexed.
+
+    ``id_M``, ``id_N`` (k,) are values of ids; ``areas`` (k,) [m^2], ``centroids`` (k, 3) [m],
+    ``forces_on_M_W`` (k, 3) [N], ``torques_on_M_Wo_W`` (k, 3) [N m], ``centres_of_pressure``
+    (k, 3) [m]; ``face_offsets`` (k + 1,) of each surface's polygons. All in World, not to be
+    written to.
+    """
+
+    def __init__(
+        self,
+        ids: Indices,
+        is_compliant: NDArray[np.bool_],
+        face_ends: Indices,
+        surfaces: Surfaces,
+        representation: HydroelasticContactRepresentation,
+    ) -> None:
+        begins = np.concatenate(([0], face_ends[:-1]))[: len(face_ends)]
+        there = face_ends > begins
+        self._begins, self._ends = begins[there], face_ends[there]
+        self._is_compliant, self._sums = is_compliant[there], surfaces.sums[there]
+        self._surfaces, self._representation = surfaces, representation
+        self.id_M, self.id_N = np.ascontiguousarray(ids[there].T)
+        self.face_offsets = np.concatenate(([0], self._ends))
+        self.areas = self._sums[:, AREA]
+        self.forces_on_M_W = self._sums[:, FORCE : FORCE + 3]
+        self.torques_on_M_Wo_W = self._sums[:, TORQUE : TORQUE + 3]
+        self.centroids = self._sums[:, FIRST_MOMENT : FIRST_MOMENT + 3] / self.areas[:, None]
+        pressures = self._sums[:, PRESSURE, None]
+        moments = self._sums[:, PRESSURE_MOMENT : PRESSURE_MOMENT + 3]
+        pressed = pressures > 0.0
+        means = moments / np.where(pressed, pressures, 1.0)
+        self.centres_of_pressure = np.where(pressed, means, self.centroids)
+        for array in (*surfaces, *vars(self).values()):
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.id_M)
+
+    @overload
+    def __getitem__(self, index: int) -> ContactSurface: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[ContactSurface]: ...
+    def __getitem__(self, index: int | slice) -> ContactSurface | list[ContactSurface]:
+        if isinstance(index, slice):
+            return [self[k] for k in range(*index.indices(len(self)))]
+        if not -len(self) <= index < len(self):
+            raise IndexError(f'surface {index} of {len(self)} was asked for')
+        k = index % len(self)
+        m, n = self._is_compliant[k].tolist()
+        return ContactSurface(
+            (int(self.id_M[k]), int(self.id_N[k])),
+            (m, n),
+            self._representation,
+            self._surfaces,
+            slice(int(self._begins[k]), int(self._ends[k])),
+            self._sums[k],
+        )
+
+    def __iter__(self) -> Iterator[ContactSurface]:
+        return (self[k] for k in range(len(self)))
+
+    def __repr__(self) -> str:
+        return f'<ContactSurfaceResults of {len(self)} surfaces>'
+
+
+def _over(sums: Floats, moment: int, weight: int) -> Floats:
+    """Return a moment (3,) over its weight."""
+    mean: Floats = sums[moment : moment + 3] / sums[weight]
+    return mean

@@ -1,0 +1,355 @@
+"""Contact surfaces: closed forms, laws, cases on the edge, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracles.contact_scenes import Body, query_of
+
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    GeometryError,
+    GeometrySet,
+    HydroelasticContactRepresentation,
+)
+
+TRIANGLES = HydroelasticContactRepresentation.kTriangle
+POLYGONS = HydroelasticContactRepresentation.kPolygon
+UPRIGHT = np.eye(3)
+
+
+def one(bodies, poses, representation=POLYGONS):
+    """Return the only surface of two bodies."""
+    (surface,) = query_of(bodies, poses)[0].ComputeContactSurfaces(representation)
+    return surface
+
+
+# Closed forms.
+
+
+def test_a_box_on_a_rigid_plane():
+    # The pressure of a box grows from a face to the half of its least size: E d / (h / 2).
+    size, depth, modulus = (0.2, 0.3, 0.1), 0.01, 1e5
+    box = Body('Box', size, modulus)
+    surface = one(
+        [Body('HalfSpace', (), 0.0), box], [(UPRIGHT, [0, 0, 0]), (UPRIGHT, [1, 2, 0.04])]
+    )
+    # Near the sides they are nearer: the pressure falls to 0 over the last 'depth' all around.
+    pressed = 0.0
+    x, w = np.polynomial.legendre.leggauss(40)
+    for low, high in ((0, depth), (depth, size[0] / 2)):
+        at = 0.5 * (high - low) * x + 0.5 * (high + low)
+        for a, wa in zip(at, 0.5 * (high - low) * w, strict=True):
+            inner = min(a, depth)
+            # Over y: rises to 'inner', then constant.
+            pressed += 2 * wa * (size[1] * inner - inner**2)
+    assert surface.total_area() == pytest.approx(size[0] * size[1], rel=1e-12)
+    force = surface.force_on_M_W()
+    np.testing.assert_allclose(force[:2], 0.0, atol=1e-9)
+    assert -force[2] == pytest.approx(modulus / (size[2] / 2) * pressed, rel=1e-9)
+    np.testing.assert_allclose(surface.centre_of_pressure(), [1, 2, 0], atol=1e-12)
+    np.testing.assert_allclose(surface.centroid(), [1, 2, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize(('hint', 'error'), [(0.2, 0.3), (0.05, 0.025)])
+def test_a_ball_in_a_rigid_plane(hint, error):
+    # p = E (1 - r / R) within a circle of radius c in a plane at height h: c^2 = R^2 - h^2, and
+    # the force is 2 pi E times the integral of (1 - sqrt(s^2 + h^2) / R) s ds.
+    R, h, modulus = 0.5, 0.4, 1e5
+    surface = one(
+        [Body('HalfSpace', (), 0.0), Body('Sphere', (R,), modulus, hint)],
+        [(UPRIGHT, [0, 0, 0]), (random_rotation(np.random.default_rng(1)), [0.1, -0.2, h])],
+    )
+    area = math.pi * (R**2 - h**2)
+    force = 2 * math.pi * modulus * ((R**2 - h**2) / 2 - (R**3 - h**3) / (3 * R))
+    assert surface.total_area() == pytest.approx(area, rel=error)
+    assert -surface.force_on_M_W()[2] == pytest.approx(force, rel=error)
+    np.testing.assert_allclose(surface.centre_of_pressure(), [0.1, -0.2, 0], atol=0.05 * error)
+
+
+def test_two_like_balls_meet_in_the_middle():
+    R, h = 0.5, 0.4
+    balls = [Body('Sphere', (R,), 1e5, 0.05)] * 2
+    surface = one(balls, [(UPRIGHT, [0, 0, -h]), (UPRIGHT, [0, 0, h])])
+    points = surface.polygon_arrays()[0]
+    np.testing.assert_allclose(points[:, 2], 0.0, atol=1e-12)
+    assert surface.total_area() == pytest.approx(math.pi * (R**2 - h**2), rel=0.02)
+    assert surface.id_M() < surface.id_N()
+    np.testing.assert_allclose(surface.face_normal(0), [0, 0, -1], atol=1e-12)
+    assert surface.EvaluateGradE_M_W(0)[2] < 0.0 < surface.EvaluateGradE_N_W(0)[2]
+
+
+def test_a_rigid_ball_in_a_soft_slab():
+    # p = E d / thickness over the cap: the vertical force is the volume below times E / thickness.
+    R, h, thickness = 0.5, 0.4, 0.2
+    bodies = [Body('HalfSpace', (), 1e5, thickness), Body('Sphere', (R,), 0.0, 0.03)]
+    surface = one(bodies, [(UPRIGHT, [0, 0, 0]), (UPRIGHT, [0, 0, h])])
+    d = R - h
+    volume = math.pi * d**2 * (3 * R - d) / 3
+    assert -surface.force_on_M_W()[2] == pytest.approx(volume * 1e5 / thickness, rel=0.02)
+    assert (surface.HasGradE_M(), surface.HasGradE_N()) == (True, False)
+    with pytest.raises(GeometryError, match='N is rigid'):
+        surface.EvaluateGradE_N_W(0)
+
+
+def test_a_soft_ball_in_a_soft_slab_is_answered():
+    # The slab as stiff as can be is a rigid one.
+    ball, pose = Body('Sphere', (0.5,), 1e5, 0.1), (UPRIGHT, [0, 0, 0.4])
+    soft, rigid = (
+        one([Body('HalfSpace', (), modulus, 0.1), ball], [(UPRIGHT, [0, 0, 0]), pose])
+        for modulus in (1e12, 0.0)
+    )
+    assert soft.total_area() == pytest.approx(rigid.total_area(), rel=1e-4)
+    np.testing.assert_allclose(soft.force_on_M_W(), rigid.force_on_M_W(), rtol=1e-4, atol=1e-2)
+    assert soft.HasGradE_M()
+    assert soft.HasGradE_N()
+
+
+# Laws.
+
+KINDS = (
+    ('Sphere', (0.5,)),
+    ('Box', (0.8, 1.0, 1.2)),
+    ('Cylinder', (0.4, 1.1)),
+    ('Cylinder', (0.6, 0.5)),
+    ('Capsule', (0.4, 0.6)),
+    ('Ellipsoid', (0.4, 0.6, 0.5)),
+    ('Convex', ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0.7, 0.7, 0.7))),
+    ('HalfSpace', ()),
+)
+
+
+@st.composite
+def contacts(draw):
+    """Draw two bodies that can have a surface, and their poses."""
+    first, second = draw(st.sampled_from(KINDS[:-1])), draw(st.sampled_from(KINDS))
+    modulus = draw(st.sampled_from([0.0, 1e4, 1e5]))
+    bodies = [Body(*first, 1e5), Body(*second, modulus)]
+    if draw(st.booleans()):
+        bodies.reverse()
+    random = np.random.default_rng(draw(st.integers(0, 2**32)))
+    return bodies, [(random_rotation(random), random.normal(size=3) * 0.4) for _ in range(2)]
+
+
+def same(a, b, size=1.0):
+    """Assert that two lists of surfaces are as large, as strong, and where they are."""
+    assert len(a) == len(b)
+    for x, y in zip(a, b, strict=True):
+        assert x.total_area() == pytest.approx(y.total_area(), rel=1e-8, abs=1e-10)
+        np.testing.assert_allclose(x.centroid(), y.centroid(), atol=1e-7 * size)
+
+
+@given(contacts())
+@settings(max_examples=60, deadline=None)
+def test_the_order_of_the_bodies_changes_nothing(drawn):
+    bodies, poses = drawn
+    a = query_of(bodies, poses)[0].ComputeContactSurfaces()
+    b = query_of(bodies, poses, order=[1, 0])[0].ComputeContactSurfaces()
+    same(a, b)
+    for x, y in zip(a, b, strict=True):
+        np.testing.assert_allclose(x.force_on_M_W(), -y.force_on_M_W(), rtol=1e-8, atol=1e-6)
+        np.testing.assert_allclose(
+            x.torque_on_M_Wo_W(), -y.torque_on_M_Wo_W(), rtol=1e-7, atol=1e-6
+        )
+
+
+@given(contacts(), st.integers(0, 2**32))
+@settings(max_examples=60, deadline=None)
+def test_a_common_motion_moves_the_surface(drawn, seed):
+    bodies, poses = drawn
+    random = np.random.default_rng(seed)
+    R, p = random_rotation(random), random.normal(size=3)
+    moved = [(R @ R_WB, R @ p_WB + p) for R_WB, p_WB in poses]
+    a = query_of(bodies, poses)[0].ComputeContactSurfaces()
+    b = query_of(bodies, moved)[0].ComputeContactSurfaces()
+    assert len(a) == len(b)
+    for x, y in zip(a, b, strict=True):
+        assert x.total_area() == pytest.approx(y.total_area(), rel=1e-8, abs=1e-10)
+        np.testing.assert_allclose(R @ x.centroid() + p, y.centroid(), atol=1e-7)
+        np.testing.assert_allclose(R @ x.force_on_M_W(), y.force_on_M_W(), rtol=1e-7, atol=1e-5)
+
+
+@given(contacts())
+@settings(max_examples=40, deadline=None)
+def test_both_representations_say_the_same(drawn):
+    query = query_of(*drawn)[0]
+    for polygons, triangles in zip(
+        query.ComputeContactSurfaces(POLYGONS),
+        query.ComputeContactSurfaces(TRIANGLES),
+        strict=True,
+    ):
+        assert triangles.num_faces() == polygons.num_vertices()
+        mesh, field = triangles.tri_mesh_W(), triangles.tri_e_MN()
+        areas = [triangles.area(k) for k in range(triangles.num_faces())]
+        assert sum(areas) == pytest.approx(polygons.total_area(), rel=1e-9)
+        assert polygons.poly_mesh_W().total_area() == pytest.approx(sum(areas), rel=1e-9)
+        np.testing.assert_allclose(mesh.centroid(), polygons.centroid(), atol=1e-8)
+        force = sum(
+            area * field.EvaluateCartesian(k, mesh.element_centroid(k)) * triangles.face_normal(k)
+            for k, area in enumerate(areas)
+        )
+        scale = 1e-9 * np.abs(field._values).max() * sum(areas)
+        np.testing.assert_allclose(force, polygons.force_on_M_W(), rtol=1e-8, atol=10 * scale)
+        largest = int(np.argmax(areas))
+        np.testing.assert_allclose(
+            mesh.face_normal(largest), triangles.face_normal(largest), atol=1e-6
+        )
+
+
+# On the edge.
+
+
+def all_numbers(results):
+    surfaces = [results[k] for k in range(len(results))]
+    return np.concatenate(
+        [np.zeros(1)]
+        + [np.ravel(x) for s in surfaces for x in (*s.polygon_arrays()[:2], s._faces, s._sums)]
+    )
+
+
+@pytest.mark.parametrize('scale', [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize('modulus', [0.0, 1e5])
+def test_boxes_flush_touching_and_within_each_other(scale, modulus):
+    half, whole = np.array([0.5, 0.5, 0.5]) * scale, np.array([1.0, 1.0, 1.0]) * scale
+    big, small = Body('Box', tuple(whole), 1e5), Body('Box', tuple(half), modulus, 0.1 * scale)
+    turned = random_rotation(np.random.default_rng(3))
+    for R in (UPRIGHT, turned):
+        for bodies in ([big, small], [small, big]):
+            for offset, area in (
+                ([0, 0, 0.75], 0.0),  # touching
+                ([0, 0, 0.5], 0.25),
+                ([0.25, 0, 0.5], None),  # a side is flush
+                ([0.25, 0.25, 0.25], None),  # in a corner
+                ([0, 0, 0], None),  # within, concentric
+                ([0.5, 0.5, 0.5], None),  # its middle on a corner
+            ):
+                poses = [(R, np.zeros(3)), (R, R @ np.array(offset) * scale)]
+                if bodies[0] is small:
+                    poses.reverse()
+                results = query_of(bodies, poses)[0].ComputeContactSurfaces()
+                assert np.isfinite(all_numbers(results)).all()
+                if area == 0.0:
+                    assert sum(results.areas) <= 1e-9 * scale**2
+                elif area is not None and modulus == 0.0:
+                    (surface,) = results
+                    # The face within, and the sides that are not left out for their normals.
+                    assert surface.total_area() >= area * scale**2 * (1 - 1e-9)
+
+
+def test_a_rigid_face_between_tetrahedra_counts_once():
+    # The bottom of the small box is the plane in which the tetrahedra of the big one meet.
+    for R in (UPRIGHT, random_rotation(np.random.default_rng(5))):
+        for bodies in ([Body('Box', (2.0, 2.0, 1.0), 1e5), Body('Box', (0.5, 0.5, 0.5), 0.0)],):
+            poses = [(R, np.zeros(3)), (R, R @ np.array([0.1, 0.05, 0.25]))]
+            (surface,) = query_of(bodies, poses)[0].ComputeContactSurfaces()
+            down = [
+                surface.area(k)
+                for k in range(surface.num_faces())
+                if surface.face_normal(k) @ R[:, 2] < -0.999
+            ]
+            assert sum(down) == pytest.approx(0.25, rel=1e-9)
+
+
+@pytest.mark.parametrize('scale', [1e-3, 1.0, 1e3])
+def test_balls_concentric_touching_and_apart(scale):
+    ball = Body('Sphere', (scale,), 1e5, 0.5 * scale)
+    for other in (ball, Body('Sphere', (0.5 * scale,), 0.0, 0.3 * scale)):
+        for x in (0.0, 1e-17, 1e-9, 0.5, 1.5, 2.0, 3.0):
+            poses = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([x * scale, 0, 0]))]
+            query = query_of([ball, other], poses)[0]
+            assert np.isfinite(all_numbers(query.ComputeContactSurfaces())).all()
+    touching = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([2.0 * scale, 0, 0]))]
+    assert len(query_of([ball, ball], touching)[0].ComputeContactSurfaces()) == 0
+
+
+def test_a_corner_on_a_plane_is_no_contact():
+    ball = Body('Sphere', (1.0,), 1e5, 0.5)
+    for height in (1.0, 1.0 + 1e-15):
+        bodies = [Body('HalfSpace', (), 0.0), ball]
+        poses = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([0, 0, height]))]
+        assert len(query_of(bodies, poses)[0].ComputeContactSurfaces()) == 0
+    box = Body('Box', (1.0, 1.0, 1.0), 1e5)
+    on_it = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([0, 0, 0.5]))]
+    assert len(query_of([Body('HalfSpace', (), 0.0), box], on_it)[0].ComputeContactSurfaces()) == 0
+
+
+# What is asked, and refused.
+
+
+@pytest.mark.parametrize(
+    ('first', 'second', 'why'),
+    [
+        (Body('Sphere', (0.5,), 0.0), Body('Box', (1.0, 1.0, 1.0), 0.0), 'both are rigid'),
+        (Body('Sphere', (0.5,), 1e5), Body('Box', (1.0, 1.0, 1.0), None), 'no hydroelastic'),
+        (Body('Sphere', (0.5,), None), Body('Box', (1.0, 1.0, 1.0), None), 'no hydroelastic'),
+    ],
+)
+def test_pairs_without_a_surface(first, second, why):
+    third = Body('Sphere', (0.5,), 1e5)
+    near = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([0.8, 0, 0]))]
+    query, ids, (scene, context) = query_of([first, second], near)
+    with pytest.raises(GeometryError, match=why):
+        query.ComputeContactSurfaces()
+    surfaces, (point,) = query.ComputeContactSurfacesWithFallback()
+    assert len(surfaces) == 0
+    assert (point.id_A, point.id_B) == tuple(ids)
+    assert len(query.contact_surfaces()) == 0
+    scene.collision_filter_manager(context).Apply(
+        CollisionFilterDeclaration().ExcludeBetween(GeometrySet(ids[0]), GeometrySet(ids[1]))
+    )
+    assert len(query.ComputeContactSurfaces()) == 0
+    assert query.ComputeContactSurfacesWithFallback()[1] == []
+    # Bounds that meet are no contact.
+    apart = [(UPRIGHT, np.zeros(3)), (random_rotation(np.random.default_rng(1)), [0.9, 0.9, 0.9])]
+    assert len(query_of([first, second], apart)[0].ComputeContactSurfaces()) == 0
+    assert third.modulus
+
+
+def test_what_a_surface_refuses():
+    pair = [Body('Sphere', (0.5,), 1e5)] * 2
+    poses = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([0.8, 0, 0]))]
+    polygons, triangles = (
+        one(pair, poses, representation) for representation in (POLYGONS, TRIANGLES)
+    )
+    for ask in (
+        polygons.tri_mesh_W,
+        polygons.tri_e_MN,
+        triangles.poly_mesh_W,
+        triangles.poly_e_MN,
+        lambda: polygons.area(polygons.num_faces()),
+        lambda: triangles.face_normal(-1),
+    ):
+        with pytest.raises(RuntimeError):
+            ask()
+    with pytest.raises(RuntimeError):
+        query_of(pair, poses)[0].ComputeContactSurfaces('kPolygon')
+    with pytest.raises(IndexError):
+        query_of(pair, poses)[0].ComputeContactSurfaces()[1]
+    assert polygons.Equal(polygons)
+    assert not polygons.Equal(triangles)
+
+
+def test_an_answer_depends_on_the_moment_alone():
+    bodies = [
+        Body('Sphere', (0.5,), 1e5),
+        Body('Box', (1.0, 1.0, 1.0), 1e5),
+        Body('HalfSpace', (), 0.0),
+    ]
+    near = [(UPRIGHT, [0, 0, 0.4]), (UPRIGHT, [0.7, 0, 0.45]), (UPRIGHT, [0, 0, 0])]
+    query, _, (scene, context) = query_of(bodies, near)
+    first = query.ComputeContactSurfaces()
+    assert len(first) == 3
+    baked = context.what_if().copy()
+    for _ in range(2):
+        again = query.ComputeContactSurfaces()
+        assert all(a.Equal(b) for a, b in zip(first, again, strict=True))
+    fresh = query_of(bodies, near)[0].ComputeContactSurfaces()
+    np.testing.assert_array_equal(first.areas, fresh.areas)
+    other = scene.get_query_output_port().Eval(baked).ComputeContactSurfaces()
+    np.testing.assert_array_equal(first.forces_on_M_W, other.forces_on_M_W)
+    np.testing.assert_array_equal(
+        first.face_offsets, np.cumsum([0, *(s.num_faces() for s in first)])
+    )
