@@ -8,8 +8,8 @@
 In: recordings (MCAP, sqlite3), and a scene file or the robot's description in them.
 Out: least distances over time, what was left out, stale or damaged; tables, plots, a report.
 May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``, ``replay``; numpy, yaml,
-    rosbags, mcap, matplotlib.
+    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``, ``replay``, ``viewing``;
+    numpy, yaml, rosbags, mcap, matplotlib, PIL.
 """
 
 from drake_geom_ros.recordings.audit import Audit, Audited, audit
