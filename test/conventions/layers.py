@@ -184,9 +184,9 @@ LAYERS = {
     'recordings': (
         (
             *_HELD,
-            *('ros/inputs', 'batch', 'replay', 'recordings'),
+            *('ros/inputs', 'batch', 'replay', 'viewing', 'recordings'),
         ),
-        ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib'),
+        ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib', 'PIL'),
     ),
     'command_line': (
         (
