@@ -101,22 +101,26 @@ def _section(name: str, definitions: dict[str, Any]) -> str:
 
 def _shapes(definition: dict[str, Any]) -> str:
     """Return a table of the types of shapes and their keys, and one of the keys of meshes."""
-    rows, meshes = [], ''
+    rows, sections = [], list[str]()
     for rule in definition['allOf']:
         then = rule['then']
         given = rule['if']['properties']['type']
         names = ', '.join(f'`{name}`' for name in given.get('enum', [given.get('const')]))
         properties = {key: value for key, value in then['properties'].items() if key != 'type'}
         if 'uri' in properties:
-            meshes = _keys({'properties': properties})
-            rows.append((names, '`uri`* or `vertices`*, see below'))
+            title = 'Meshes' if 'vertices' in properties else names
+            numbers = next(
+                key for key in ('vertices', 'centres', 'positions') if key in properties
+            )
+            sections += [f'### {title}', '', _keys({**then, 'properties': properties}), '']
+            rows.append((names, f'`uri`* or `{numbers}`*, see below'))
             continue
         keys = [f'`{key}`* ({kind(value)})' for key, value in properties.items()]
         rows.append((names, ', '.join(keys) or 'none'))
     head = (
         'The key `type`* chooses the shape, and with it the other keys; lengths are in metres.\n'
     )
-    return '\n'.join([head, table(('type', 'keys'), rows), '### Meshes', '', meshes])
+    return '\n'.join([head, table(('type', 'keys'), rows), *sections[:-1]])
 
 
 def _keys(definition: dict[str, Any]) -> str:

@@ -211,7 +211,7 @@ make_venv() {
   local base
   base=$("$python" -S -c 'import sys; print("%s/bin/python%d.%d" % (
     sys.base_prefix, *sys.version_info[:2]))')
-  rm -rf "$venv" "$builds"/{drake_geom,tf2}_msgs "$prefix" "$tf2_msgs"
+  rm -rf "$venv" "$builds"/{drake_geom,tf2,octomap}_msgs "$prefix" "${tf2_msgs%/*}"
   # A ROS distribution's Python modules are the system's; they must stay visible.
   "$base" -m venv ${underlay:+--system-site-packages} "$venv"
   if [[ -n $underlay ]]; then "$venv/bin/python" -c 'import rclpy'; fi
@@ -308,10 +308,15 @@ build_messages() {
   build_interfaces msg_defs "$prefix" -DBATCH_GENERATED_CPP=$batch
 }
 
-# The messages of TF, which every distribution brings and no wheel.
+# The messages of TF and of OctoMap, which distributions bring and no wheel.
 build_tf2_msgs() {
   prepare_environment
-  if ! python -c 'import tf2_msgs.msg'; then build_interfaces test/msg_defs "$tf2_msgs"; fi
+  local name
+  for name in tf2_msgs octomap_msgs; do
+    if ! python -c "import $name.msg"; then
+      build_interfaces "test/msg_defs/$name" "${tf2_msgs%/*}/$name"
+    fi
+  done
 }
 
 # build_interfaces FOLDER PREFIX [CMAKE ARGUMENTS]: builds the package in FOLDER into PREFIX.

@@ -21,6 +21,7 @@ class CallbackGroups(NamedTuple):
     images: CallbackGroup  # what cameras see
     planning: CallbackGroup  # many states at once
     motions: CallbackGroup  # whole motions
+    obstacles: CallbackGroup  # what sensors see
 
     def let_answers_go(self) -> bool:
         """Wait until no service is at work in another thread: closed before, it cannot answer.

@@ -25,6 +25,7 @@ from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.joint_listening import JointListening
 from drake_geom_ros.ros.namesakes import Namesakes
+from drake_geom_ros.ros.obstacle_listening import ObstacleListening
 from drake_geom_ros.ros.outputs import cameras, level_costs, replays, rule_events
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.ros.outputs.cycle import Cycle
@@ -135,6 +136,7 @@ class ConfiguredNode:
         self._joints = JointListening(
             surface, self._stream, guard, groups.stream, live.clocks, settings.values
         )
+        self._obstacles = ObstacleListening(surface, live, self._stream, guard, groups, settings)
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None
@@ -218,14 +220,12 @@ class ConfiguredNode:
         def take_twists(message: Any, info: MessageInfo) -> None:
             self._guard.take('frame_twists', self._stream.take_twists, message, waited(info))
 
-        profile = sensor_data()
-        kind, topic = messages.FramePoses, '~/frame_poses'
-        self._surface.subscription(kind, topic, take_poses, profile, groups.stream)
+        hear, how = self._surface.subscription, (sensor_data(), groups.stream)
+        hear(messages.FramePoses, '~/frame_poses', take_poses, *how)
         if values.closing_speeds:
             with self.live.editing() as scene:
                 scene.watch_motion(values.stale_after)
-            kind, topic = messages.FrameTwists, '~/frame_twists'
-            self._surface.subscription(kind, topic, take_twists, profile, groups.stream)
+            hear(messages.FrameTwists, '~/frame_twists', take_twists, *how)
         points = PointQueries(
             self.live,
             self._point_publisher,
@@ -241,8 +241,8 @@ class ConfiguredNode:
             (values.robot_description_semantic_topic, robot.take_semantics),
         ):
             if topic:
-                hear = partial(self._take_robot, take)
-                self._listen(String, topic, hear, latched(), groups.loading)
+                taken = partial(self._take_robot, take)
+                self._listen(String, topic, taken, latched(), groups.loading)
 
     def _listen(
         self,
@@ -339,6 +339,7 @@ class ConfiguredNode:
         self._jumps.look()
         with self.live.editing() as scene:
             scene.expire_filters()
+            self._obstacles.follow(scene)
             self._guard.take('poses that hang on others', self._stream.follow, scene)
             self._guard.take('joint_states', self._joints.follow, scene)
         self._log_what_is_told()
@@ -371,6 +372,7 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
+        self._obstacles.tell(message.status[0])
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)

@@ -22,6 +22,7 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.conversions.paddings import paddings_of
+from drake_geom_ros.ros.inputs.obstacles import INPUTS, OCTOMAP, SELF_FILTERS
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,15 @@ class NodeParameters:
     cross_check: float = 0.0
     closing_speeds: bool = False
     lcm_url: str = ''
+    obstacles: tuple[str, ...] = ()
+    obstacle_resolution: float = 0.03
+    obstacle_reach: float = 3.0
+    obstacle_self_filter: str = 'robots'
+    obstacle_padding: float = 0.05
+    obstacle_least_points: int = 1
+    obstacle_keep: float = 0.0
+    obstacle_rays: bool = False
+    obstacle_margin: float = 0.0
     service_depth: int = 1000
     max_answer_size: float = 64.0
     watchdog: float = 60.0
@@ -143,6 +153,29 @@ TEXTS = {
         'LCM network, such as udpm://239.255.76.67:7667?ttl=0, on which the scene is shown to '
         "Drake's visualiser, marker_rate times a second; empty: none. Needs lcm."
     ),
+    'obstacles': (
+        'Maps of what sensors see: points (~/obstacles/points), depth (~/obstacles/depth/...), '
+        'octomap (~/obstacles/octomap, needs octomap_msgs); empty: none.'
+    ),
+    'obstacle_resolution': 'Edge length of the cells that points and depths become [m].' + _LIVE,
+    'obstacle_reach': (
+        'Points farther from their sensor are left out, but the nearest one of all [m].' + _LIVE
+    ),
+    'obstacle_self_filter': (
+        'Bodies on which points are left out: none, robots, or all that the scene knows (scene).'
+        + _LIVE
+    ),
+    'obstacle_padding': 'How far from these bodies points still count as on them [m].' + _LIVE,
+    'obstacle_least_points': 'Points that make a cell of a map occupied.' + _LIVE,
+    'obstacle_keep': (
+        'How long a cell is held since a point was last in it [s]; 0: until the next message.'
+        + _LIVE
+    ),
+    'obstacle_rays': (
+        'Whether cells that are held go where a sensor looks through them to something behind.'
+        + _LIVE
+    ),
+    'obstacle_margin': 'By how much each cell of a map is larger on every side [m].',
     'service_depth': (
         'Largest number of waiting calls, and of answers being sent, of each service; further '
         'ones are lost.'
@@ -170,6 +203,12 @@ _RANGES = {
     'filters_per_owner': (1, 1000000),
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
+    'obstacle_resolution': (0.002, 10.0),
+    'obstacle_reach': (0.01, 1000.0),
+    'obstacle_padding': (0.0, 10.0),
+    'obstacle_least_points': (1, 10000),
+    'obstacle_keep': (0.0, math.inf),
+    'obstacle_margin': (0.0, 10.0),
     'service_depth': (1, 5000),
     'max_answer_size': (0.0, 2000.0),
     'watchdog': (0.0, 86400.0),
@@ -320,6 +359,8 @@ def _refusal(values: NodeParameters) -> str:
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
         )
+    if reason := _refusal_of_obstacles(values):
+        return reason
     if values.replay_dir and not values.allow_writes:
         return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
     try:
@@ -327,6 +368,23 @@ def _refusal(values: NodeParameters) -> str:
     except ArgumentError as error:
         return str(error)
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
+
+
+def _refusal_of_obstacles(values: NodeParameters) -> str:
+    """Return why maps cannot be made as the values say, or an empty text."""
+    if unknown := [name for name in values.obstacles if name not in INPUTS]:
+        return f'obstacles names {unknown[0]!r}; it may name {", ".join(INPUTS)}'
+    if values.obstacle_self_filter not in SELF_FILTERS:
+        allowed = ', '.join(SELF_FILTERS)
+        return (
+            f'obstacle_self_filter is {values.obstacle_self_filter!r}; it must be one of {allowed}'
+        )
+    if OCTOMAP in values.obstacles and importlib.util.find_spec('octomap_msgs') is None:
+        return (
+            'obstacles names octomap, and the package octomap_msgs cannot be imported; install it '
+            'with the ROS distribution, or send points'
+        )
+    return ''
 
 
 def _refusal_of_cross_check() -> str:

@@ -31,6 +31,8 @@ RESULTS = tuple(
 SHARED_RESULTS = ('/diagnostics', '/tf', '/tf_static')  # TF: of cameras
 INPUTS = (
     *('~/frame_poses', '~/frame_twists', '~/query_points'),
+    *('~/obstacles/points', '~/obstacles/octomap'),
+    *('~/obstacles/depth/image_rect_raw', '~/obstacles/depth/camera_info'),
     *('joint_states', '/tf', '/tf_static'),
 )
 ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')

@@ -89,6 +89,11 @@ class PoseStream:
         with self._live.editing() as scene:
             self._run_cycle(scene)
 
+    def map_has_changed(self) -> None:
+        """Run a cycle for a map that was replaced, if none is due by the timer."""
+        if self._settings.values.rate == 0.0:
+            self.cycle_is_due()
+
     def rules_are_due(self) -> None:
         """Decide about proximity rules where no cycle did."""
         with self._live.reading() as scene:

@@ -4,10 +4,11 @@ A managed life-cycle node: configure loads the scene and compiles its kernels, a
 deactivate stops publishing and keeps the scene, cleanup forgets it. It configures and activates
 itself unless the parameter ``autostart`` is false.
 
-Six threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
+Some threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
 queries on snapshots of the scene and draws, one reads what may take long (meshes, scene files,
-robot descriptions) and compiles for it, one takes images, one answers for many states at once, and
-the main one does the rest: other changes of the scene, parameters, the life cycle, diagnostics.
+robot descriptions) and compiles for it, one takes images, one answers for many states at once, one
+proves motions, one makes maps of what sensors see, and the main one does the rest: other changes
+of the scene, parameters, the life cycle, diagnostics.
 """
 
 from __future__ import annotations
@@ -41,6 +42,8 @@ from drake_geom_ros.ros.parameters import (
 )
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.pose_history import PoseHistory
+from drake_geom_ros.ros.scene.seen_maps import stand
 from drake_geom_ros.ros.services.parameters import answer_always
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
@@ -59,7 +62,7 @@ class SceneGraphNode(LifecycleNode):
             *(MutuallyExclusiveCallbackGroup() for _ in CallbackGroups._fields)
         )
         groups = self.threaded_groups
-        self.background_groups = (groups.planning, groups.motions)
+        self.background_groups = (groups.planning, groups.motions, groups.obstacles)
         self.patient_groups = (groups.loading, groups.images, *self.background_groups)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
@@ -144,6 +147,11 @@ class SceneGraphNode(LifecycleNode):
             hulls = hulls_in_words(described.geometries)
             loaded = f'{counted(frames, "frame")} and {counted(geometries, "geometry")}'
             self.get_logger().info(f'loaded {loaded}{hulls}')
+        if values.obstacles:
+            with live.editing() as scene:
+                scene.history = PoseHistory()
+                for name in values.obstacles:  # each waits, and its kernels are compiled
+                    stand(scene, name, values.obstacle_margin)
         live.tell_compiling = self._tell_compiling
         kernels = live.compile_kernels()
         opened = ConfiguredNode(

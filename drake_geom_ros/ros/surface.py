@@ -129,6 +129,18 @@ class Surface:
         self._open.append((self._node.destroy_timer, timer))
         return timer
 
+    def wake(
+        self, callback: Callable[[], None], group: CallbackGroup | None = None
+    ) -> Callable[[], None]:
+        """Return what has a callback called soon by its group's thread, from any thread."""
+        guard = self._node.create_guard_condition(callback, callback_group=group)
+        self._open.append((self._node.destroy_guard_condition, guard))
+
+        def trigger() -> None:
+            guard.trigger()
+
+        return trigger
+
     def clock_jumps(self, threshold: JumpThreshold, callback: Callable[[TimeJump], None]) -> None:
         """Have jumps of simulated time told."""
         clock = self._node.get_clock()

@@ -41,6 +41,7 @@ from drake_geom_ros.scene_files.description import (
     hulls_in_words,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
+from drake_geom_ros.scene_files.leaving_out import without_source
 from drake_geom_ros.scene_files.registration import (
     LoadedScene,
     RegisteredCopy,
@@ -71,6 +72,7 @@ __all__ = [
     'describe',
     'describe_moment',
     'poses_in_parents',
+    'without_source',
     'to_yaml',
     'scene_schema',
     'robot_name',

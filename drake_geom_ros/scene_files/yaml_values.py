@@ -4,7 +4,7 @@
 """
 
 import math
-from base64 import b64decode, b64encode
+from base64 import b64encode
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -21,7 +21,9 @@ from drake_geom_ros.geometry import (
     IllustrationProperties,
     Mesh,
     MeshData,
+    OccupiedCells,
     PerceptionProperties,
+    PointCloud,
     ProximityProperties,
     RenderLabel,
     Rgba,
@@ -30,6 +32,8 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
+from drake_geom_ros.scene_files import sensed_shapes
+from drake_geom_ros.scene_files.packed_rows import numbers_of
 
 Plain = Mapping[str, Any]
 # Of a mesh, that are written as lists; of more a reader of YAML would take seconds.
@@ -97,10 +101,12 @@ def shape_of(plain: Plain, find_file: Callable[[str], str]) -> Shape:
         return Ellipsoid(*plain['semi_axes'])
     if kind == 'half_space':
         return HalfSpace()
+    if kind in sensed_shapes.KINDS:
+        return sensed_shapes.map_of(plain, find_file)
     make = Convex if kind == 'convex' else Mesh
     if 'vertices' in plain:
         data = MeshData(
-            _numbers(plain['vertices'], '<f8'), _numbers(plain.get('triangles', ()), '<i4')
+            numbers_of(plain['vertices'], '<f8'), numbers_of(plain.get('triangles', ()), '<i4')
         )
         return make.FromMeshData(data, plain.get('scale', 1.0))
     return make(find_file(plain['uri']), plain.get('scale', 1.0))
@@ -127,6 +133,8 @@ def plain_shape(shape: Shape) -> dict[str, Any]:
         if data is None:
             return {'type': kind, 'uri': shape.filename(), 'scale': scales}
         return {'type': kind, **_plain_mesh(data), 'scale': scales}
+    if isinstance(shape, OccupiedCells | PointCloud):
+        return sensed_shapes.plain_map(shape)
     raise TypeError(f'{type(shape).__name__} cannot be written to a scene file')
 
 
@@ -136,16 +144,6 @@ def _plain_mesh(data: MeshData) -> dict[str, Any]:
         return {'vertices': data.vertices.tolist(), 'triangles': data.triangles.tolist()}
     packed = {'vertices': data.vertices.astype('<f8'), 'triangles': data.triangles.astype('<i4')}
     return {key: b64encode(values.tobytes()).decode() for key, values in packed.items()}
-
-
-def _numbers(plain: Any, kind: str) -> Any:
-    """Return rows of three numbers that are listed, or packed as text; ValueError for neither."""
-    if not isinstance(plain, str):
-        return plain
-    try:
-        return np.frombuffer(b64decode(plain, validate=True), kind).reshape(-1, 3)
-    except ValueError as error:
-        raise ValueError(f'a mesh is packed as base64 of rows of three {kind}: {error}') from None
 
 
 def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:

@@ -6,6 +6,7 @@
 ``octree_file``    the files of these, ``.bt`` and ``.ot``
 ``pcd_file``       point clouds of PCL, ``.pcd``
 ``map_files``      all formats by their suffix: what a command or a scene file reads and writes
+``keeping``        which cells are held from one cloud to the next, and until when
 =================  ===========================================================================
 
 In: bytes, points (n, 3) [m], times [s].

@@ -62,6 +62,7 @@ def node(tmp_path):
         use_joint_states=True,
         use_sim_time=True,
         closing_speeds=True,
+        obstacles='[points,depth]',
     )
     yield process
     assert process.end() == 0, process.output()
@@ -72,6 +73,7 @@ def test_it_allows_exactly_what_a_node_has(node, lone_client):
     found = allowed(policy(NAMESPACE, NAME), NODE)
     # Those of cameras, of which there is none here.
     found['publish'] -= {f'{NODE}/cameras/*', '/tf', '/tf_static'}
+    found['subscribe'].discard(f'{NODE}/obstacles/octomap')  # its messages are no part of ours
     if importlib.util.find_spec('tf2_msgs') is None:
         found['subscribe'] -= {'/tf', '/tf_static'}
 

@@ -20,12 +20,13 @@ FARTHEST_CELL = 1e9  # [m] the largest cell, and how far one may be
 class SensedMap(Shape):
     """A union of equal cells: what the shapes of sensed maps share."""
 
-    __slots__ = ()
+    __slots__ = ('_packed',)
 
     def __init__(self, size: float, positions: ArrayLike) -> None:
         if not self._TYPE:
             raise ArgumentTypeError('SensedMap: make an OccupiedCells or a PointCloud')
         self._measures = self._checked_size(size), self._checked_positions(positions)
+        self._packed: dict[float, PackedShape] = {}  # by the margin
 
     def count(self) -> int:
         """Return how many cells there are."""
@@ -45,11 +46,26 @@ class SensedMap(Shape):
         raise NotImplementedError
 
     def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
+        return QueriedShape(self._prepared(margin))
+
+    def prepare(self, margin: float = 0.0) -> None:
+        """Make what queries need, for a ('map', 'margin') [m], and keep it.
+
+        It is made anyhow when the shape is registered. Made before, whoever holds a scene then
+        does not wait for it.
+        """
+        self._prepared(margin)
+
+    def _prepared(self, margin: float) -> PackedShape:
         # Only scenes that have maps load what packs them.
         from drake_geom_ros.geometry._proximity.kernels.sensed.packing import map_parameters
 
-        packed = map_parameters(self._positions, self._cell(margin))
-        return QueriedShape(PackedShape(self._TYPE, packed))
+        packed = self._packed.get(margin)
+        if packed is None:
+            parameters = map_parameters(self._positions, self._cell(margin))
+            packed = PackedShape(self._TYPE, parameters)
+            self._packed = {margin: packed}
+        return packed
 
     def box(self) -> tuple[Floats, Floats]:
         """Return the least and the largest coordinates (3,), (3,) [m] of the union."""

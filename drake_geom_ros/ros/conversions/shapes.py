@@ -17,6 +17,8 @@ from drake_geom_ros.geometry import (
     HalfSpace,
     Mesh,
     MeshData,
+    OccupiedCells,
+    PointCloud,
     Shape,
     ShapeKind,
     Sphere,
@@ -33,6 +35,11 @@ _PRIMITIVES: tuple[tuple[int, type, tuple[str, ...]], ...] = (
     (ShapeKind.ELLIPSOID, Ellipsoid, ('a', 'b', 'c')),
     (ShapeKind.HALF_SPACE, HalfSpace, ()),
 )
+_CELLS, _POINTS = ShapeKind.OCCUPIED_CELLS, ShapeKind.POINT_CLOUD
+_MAPS: dict[int, type[OccupiedCells] | type[PointCloud]] = {
+    _CELLS: OccupiedCells,
+    _POINTS: PointCloud,
+}
 
 
 def shape_from_message(message: Any, files: FileAccess) -> Shape:
@@ -50,9 +57,19 @@ def shape_from_message(message: Any, files: FileAccess) -> Shape:
                 )
             shape: Shape = shape_class(*map(float, message.dimensions))
             return shape
+    if message.type in _MAPS:
+        make = _MAPS[message.type]
+        if len(message.dimensions) != 1:
+            raise ArgumentError(
+                f'shape.dimensions holds {len(message.dimensions)} numbers; {make.__name__} takes '
+                'one'
+            )
+        return make(float(message.dimensions[0]), _rows('vertices', message.vertices, np.float64))
     if message.type in (ShapeKind.CONVEX, ShapeKind.SOLID):
         return _mesh_from_message(message, files)
-    raise ArgumentError(f'shape.type is {message.type}; it must be a constant of Shape, 1 to 8')
+    raise ArgumentError(
+        f'shape.type is {message.type}; it must be a constant of Shape, 1 to 8, 10 or 11'
+    )
 
 
 def _mesh_from_message(message: Any, files: FileAccess) -> Shape:
@@ -97,6 +114,13 @@ def fill_shape(message: Any, shape: Shape) -> None:
             message.type = number
             message.dimensions = floats(np.array([getattr(shape, d)() for d in dimensions]))
             return
+    if isinstance(shape, OccupiedCells | PointCloud):
+        if isinstance(shape, OccupiedCells):
+            message.type, size, places = _CELLS, shape.resolution(), shape.centres()
+        else:
+            message.type, size, places = _POINTS, shape.radius(), shape.positions()
+        message.dimensions, message.vertices = floats(np.array([size])), floats(places)
+        return
     message.type = ShapeKind.CONVEX if isinstance(shape, Convex) else ShapeKind.SOLID
     assert isinstance(shape, (Convex, Mesh)), f'a shape without a number: {shape!r}'
     scales = shape.scale3()

@@ -18,16 +18,13 @@ from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
 from drake_geom_ros.scene_files import (
-    DeclarationDescription,
-    Member,
     RegisteredCopy,
     SceneDescription,
-    Statement,
     hulls_in_words,
     read_scene,
     robot_name,
+    without_source,
 )
-from drake_geom_ros.scene_files.description import FilterDescription
 
 
 class RobotInput:
@@ -154,35 +151,3 @@ def joined(first: SceneDescription, second: SceneDescription) -> SceneDescriptio
     """Return a scene of two; what the second says is registered last."""
     names = ('sources', 'robots', 'frames', 'geometries', 'filters', 'warnings')
     return replace(first, **{name: getattr(first, name) + getattr(second, name) for name in names})
-
-
-def without_source(scene: SceneDescription, source: str) -> SceneDescription:
-    """Return a scene without what a source has, and filters without its members."""
-    filters: list[FilterDescription] = []
-    for entry in scene.filters:
-        if isinstance(entry, DeclarationDescription):
-            kept = tuple(filter(None, (_statement(s, source) for s in entry.statements)))
-            if kept:
-                filters.append(replace(entry, statements=kept))
-        elif members := _others(entry.members, source):
-            filters.append(replace(entry, members=members))
-    return replace(
-        scene,
-        sources=tuple(name for name in scene.sources if name != source),
-        robots=tuple(robot for robot in scene.robots if robot.name != source),
-        frames=tuple(frame for frame in scene.frames if frame.source != source),
-        geometries=tuple(geometry for geometry in scene.geometries if geometry.source != source),
-        filters=tuple(filters),
-    )
-
-
-def _others(members: tuple[Member, ...], source: str) -> tuple[Member, ...]:
-    return tuple(member for member in members if member.source != source)
-
-
-def _statement(statement: Statement, source: str) -> Statement | None:
-    """Return a statement without the members of a source; None where it then says nothing."""
-    set_a, set_b = _others(statement.set_a, source), _others(statement.set_b, source)
-    if not set_a or (statement.operation.takes_two_sets and not set_b):
-        return None
-    return replace(statement, set_a=set_a, set_b=set_b)

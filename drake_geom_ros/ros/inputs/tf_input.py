@@ -26,8 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.ros.inputs.tf_edges import Edge, Refusal, plain_name, read_edges
+from drake_geom_ros.ros.inputs.tf_past import TfPast
 from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, loop_of, shared, unlinked
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
@@ -61,6 +63,7 @@ class TfInput:
         self._edges: dict[str, Edge] = {}
         self._changed: set[str] = set()  # the TF frames of which was heard since the last time
         self._claims = Claims()
+        self._past = TfPast()
         self._loops: list[str] = []
         self._stamp: Any = None
         self._version = self._named_version = -1
@@ -93,6 +96,8 @@ class TfInput:
                     edge = edge._replace(since=edge.since.said_again(known.since))
                 self._edges[child] = edge
                 changed.add(child)
+                if not static:
+                    self._past.note(child, edge)
         # What is static holds at any time: its own does not tell how new the poses are.
         if changed and (not static or self._stamp is None):
             fresh_stamps = [
@@ -103,6 +108,14 @@ class TfInput:
             self._stamp = max(fresh_stamps, key=time_of)
         self._changed |= changed
         return refusal
+
+    def edge(self, child: str) -> Edge | None:
+        """Return the newest transform of a TF frame in its parent; None: there is none."""
+        return self._edges.get(child)
+
+    def at(self, child: str, held: float) -> RigidTransform | str:
+        """Return what a moving transform was at a time [s]: see ``TfPast``."""
+        return self._past.at(child, held)
 
     def pose(self, scene: EditableScene) -> int:
         """Pose what hangs on what was heard since the last time; return how many frames."""

@@ -6,8 +6,10 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from drake_geom_ros.geometry import METHODS, Effects, closing_speeds
-from drake_geom_ros.ros.conversions.fields import floats
+from drake_geom_ros.ros.conversions.fields import floats, unsigned
 from drake_geom_ros.ros.conversions.results import (
     fill_closing_speeds,
     fill_penetrations,
@@ -19,6 +21,7 @@ from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.outputs.rule_events import RuleEvents
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import SceneStamp
+from drake_geom_ros.ros.scene.seen_maps import map_ages
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
     from drake_geom_ros.ros.outputs.cross_check import CrossCheck
@@ -100,7 +103,7 @@ class Cycle:
             effects += _computed(computed) + published
             effects += [beside.take() for beside in self._beside]
             seconds = poses_seconds + time.perf_counter() - start
-            self._report(moment, effects, computed, seconds, time_budget)
+            self._report(scene, moment, effects, computed, seconds, time_budget)
 
     def _answer(
         self,
@@ -151,6 +154,7 @@ class Cycle:
 
     def _report(
         self,
+        scene: HeldScene,
         moment: SceneStamp,
         effects: list[Effect],
         computed: Effects | None,
@@ -159,6 +163,8 @@ class Cycle:
     ) -> None:
         """Publish the CycleReport of a cycle."""
         computed = computed or Effects()
+        maps = map_ages(scene)
+        cells = np.array([len(scene.maps[name].cells or ()) for name in maps])
         message = self._messages['cycle_report']
         moment.stamp_report(message)
         message.cycle = self.count
@@ -182,6 +188,9 @@ class Cycle:
         costs = self._costs.last
         message.levels, message.level_seconds = costs.levels, floats(costs.seconds)
         message.level_samples = costs.samples
+        message.maps = list(maps)
+        message.map_ages = floats(np.array(list(maps.values())))
+        message.map_cells = unsigned(cells)
         message.time_budget = time_budget
         message.unrefined_pairs = computed.unrefined_pairs
         self._publishers['cycle_report'].publish(message)

@@ -177,6 +177,11 @@ def add_counts(status: DiagnosticStatus, counts: Counts) -> None:
         add_trouble(status, f'python-fcl disagrees with {counted(counts.disagreements, "answer")}')
 
 
+def add_values(status: DiagnosticStatus, values: Mapping[str, str]) -> None:
+    """Add values to a status."""
+    status.values += [KeyValue(key=key, value=value) for key, value in values.items()]
+
+
 def add_trouble(status: DiagnosticStatus, trouble: str) -> None:
     """Have a status warn of something more."""
     status.level = max(status.level, DiagnosticStatus.WARN)

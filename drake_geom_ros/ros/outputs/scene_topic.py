@@ -22,6 +22,7 @@ from drake_geom_ros.ros.scene.scene_view import SceneView
 # [-] times what it took to publish pass before it is done again without need: a large scene that
 # changes all the time costs a tenth.
 _PAUSE = 10.0
+_MAP_PAUSE = 1.0  # [s] at least, where nothing but the cells of sensed maps changed
 _MOST_WAITING = 32  # sets of names that are kept until there is time to publish them
 
 
@@ -46,8 +47,8 @@ class SceneTopic:
         self._types = types
         self._now = now
         self._lock = threading.Lock()  # one publishes at a time, so that versions ascend
-        self._version = self._names = self._noted = -1
-        self._next = 0.0  # [s] of the steady clock
+        self._version = self._names = self._noted = self._model = -1
+        self._next = self._next_maps = 0.0  # [s] of the steady clock
         self._waiting: deque[SceneView] = deque()
         self.unpublished = 0  # sets of names that were referred to and for which there was no room
         with live.editing() as scene:
@@ -68,11 +69,16 @@ class SceneTopic:
         with self._lock:
             while (view := self._next_named()) is not None:
                 self._publish(view)
-            if time.monotonic() > self._next:
+            if (now := time.monotonic()) > self._next:
                 with self._live.reading() as scene:
+                    model = scene.version - scene.map_changes
                     if self._version == scene.version:
                         return
-                self._publish(self._live.view())
+                    if self._model == model and now < self._next_maps:
+                        return
+                    view = scene.view()
+                self._publish(view)
+                self._model, self._next_maps = model, now + _MAP_PAUSE
 
     def _next_named(self) -> SceneView | None:
         """Return the next view whose names are not published yet; None where there is none."""

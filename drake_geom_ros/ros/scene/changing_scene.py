@@ -17,7 +17,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES
-from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, warm_up
 
@@ -45,6 +45,8 @@ class ChangingScene(HeldScene):
         self._cameras = {n: c for n, c in self._cameras.items() if c[0] not in set(frames)}
         self.awaited.forget(name)
         self._robots = [robot for robot in self._robots if robot.name != name]
+        if name == MAPS:
+            self.maps = {}
         return len(frames), geometries - self.inspector.num_geometries()
 
     def in_order_of_removal(self, sources: Iterable[SourceId]) -> list[SourceId]:

@@ -202,6 +202,8 @@ class EditableScene(ChangingScene):
             self.keep_rows(poses.id_values(), rows)
         manager = self._scene_graph.collision_filter_manager()
         welded = manager.welded_frames()
+        if self.history is not None and rows is not None:
+            self.history.note(poses.id_values(), rows, posed)
         if self.attached:
             poses, posed = self.without_attached(poses, posed)
         self._context.UpdateFramePoses(poses)

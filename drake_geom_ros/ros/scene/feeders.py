@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Iterable
 
 TF, MESSAGES, JOINTS = 'TF', '~/frame_poses', 'joint states'
+OBSTACLES = '~/obstacles'
+_ALL = TF, MESSAGES, JOINTS, OBSTACLES
 _BY_TURNS = 1.0  # [s] a frame that changes hands again that soon is not handed over
 _REMEMBERED = 5.0  # [s] for which it is told of
 
@@ -16,7 +18,7 @@ class Feeders:
     def __init__(self, now: Callable[[], float]) -> None:
         """``now()`` [s] is of steady time."""
         self._now = now
-        self._frames: dict[str, set[int]] = {f: set() for f in (TF, MESSAGES, JOINTS)}
+        self._frames: dict[str, set[int]] = {f: set() for f in _ALL}
         # What was noted last, where nothing of it was handed over since: a stream repeats it.
         self._last: dict[str, frozenset[int]] = {}
         self._handed: dict[int, float] = {}  # when [s] a frame was handed over

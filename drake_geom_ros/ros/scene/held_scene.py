@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ from drake_geom_ros.ros.scene.clocks import Clocks, Since
 from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
+from drake_geom_ros.ros.scene.pose_history import PoseHistory
 from drake_geom_ros.ros.scene.robot_joints import RobotJoints
 from drake_geom_ros.ros.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
@@ -43,9 +44,20 @@ from drake_geom_ros.scene_files import (
     add_renderers,
     describe,
     poses_in_parents,
+    without_source,
 )
+from drake_geom_ros.sensed_maps import Cells
 
 _REMEMBERED = 5.0  # [s] for which a pose is told of that was left out
+MAPS = 'obstacles'  # the source of what sensors see
+
+
+class SeenMap(NamedTuple):
+    """A sensed map of the scene, and the cells that it holds; None before the first message."""
+
+    frame: FrameId
+    geometry: GeometryId
+    cells: Cells | None
 
 
 class HeldScene:
@@ -70,6 +82,8 @@ class HeldScene:
         self.tell_named: Callable[[HeldScene], object] = lambda _: None
         # Called with the id values (n,) of frames and the poses (n, 7) that came for them.
         self.keep_rows: Callable[[NDArray[np.int64], NDArray[np.float64]], object] | None = None
+        # Where frames were, if somebody has to know.
+        self.history: PoseHistory | None = None
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
         self.camera_limits = CameraLimits()
         self.rules = SceneRules()  # they outlive a scene that is replaced
@@ -84,6 +98,8 @@ class HeldScene:
         self.feeders = Feeders(self._clocks.steady)
         self._robots: list[RobotDescription] = []
         self.awaited = AwaitedFilters()
+        self.maps: dict[str, SeenMap] = {}  # by name, of the source MAPS
+        self.map_changes = 0  # versions that nothing but their cells differ in
         # By name: the frame that a camera is on, and what it is.
         self._cameras: dict[str, tuple[FrameId, CameraDescription]] = {}
         add_renderers(scene_graph)
@@ -223,6 +239,10 @@ class HeldScene:
         self._refresh()
         return self._joints
 
+    def robot_names(self) -> set[str]:
+        """Return the sources of the robots."""
+        return {robot.name for robot in self._robots}
+
     @property
     def newest_stamp(self) -> Any:
         """The newest stamp of a pose, a builtin_interfaces/Time; None before the first."""
@@ -311,7 +331,7 @@ class HeldScene:
     def description(self) -> SceneDescription:
         """Return the scene: persistent filters included, every frame where it is now.
 
-        Frames that wait for their first pose go on waiting in it.
+        Frames that wait for their first pose go on waiting in it. Sensed maps are left out.
         """
         static = self._ages.static()
         known = {f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static}
@@ -319,4 +339,6 @@ class HeldScene:
         now = {name: robot.configuration() for name, robot in self.joints.robots.items()}
         robots = [replace(r, configuration=now.get(r.name, r.configuration)) for r in self._robots]
         described = describe(self._scene_graph, poses, robots, known, cameras)
+        if self.maps:  # what was seen is no model of anything
+            described = without_source(described, MAPS)
         return replace(described, awaited=self.awaited.waiting(), rules=self.rules.rules)

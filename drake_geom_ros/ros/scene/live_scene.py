@@ -31,6 +31,7 @@ from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.map_sources import MapSources
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import (
     RegisteredCopy,
@@ -59,6 +60,7 @@ class LiveScene:
         """
         self.clocks = clocks
         self.files = FileAccess([ALL_PACKAGES])
+        self.map_sources = MapSources()
         self.robot_options = RobotOptions()  # of robots that come by topic or as a URDF
         # Called with name, number and last of what has to be compiled, while queries wait for it.
         self.tell_compiling: Callable[[str, int, int], None] | None = None

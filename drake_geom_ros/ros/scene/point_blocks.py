@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError, PointDistanceResults, QueryObject
 
 # The query has room for each point and geometry; that many rows of 100 bytes at a time.
-_ROWS_AT_ONCE = 1_000_000
+ROWS_AT_ONCE = 1_000_000
 _MOST_ROWS = 2_000_000  # of an answer, whose message then has 160 MB
 
 
@@ -23,7 +23,7 @@ def distances_to(
 
     Raises ArgumentError when there are more than an answer can hold.
     """
-    step = max(1, _ROWS_AT_ONCE // max(1, query.inspector().num_geometries()))
+    step = max(1, ROWS_AT_ONCE // max(1, query.inspector().num_geometries()))
     blocks = [numbers[k : k + step] for k in range(0, max(1, len(numbers)), step)]
     parts: list[PointDistanceResults] = []
     for block in blocks:

@@ -56,4 +56,4 @@ def save_scene(live: LiveScene, request: Any, response: Any) -> None:
         description = scene.description()
     response.text = to_yaml(description)
     if target is not None:
-        target.write(response.text)
+        target.write(response.text.encode())

@@ -17,6 +17,7 @@ from drake_geom_ros.ros.services import (
     filters,
     joints,
     motions,
+    obstacles,
     proximity_rules,
     queries,
     scene,
@@ -58,6 +59,9 @@ LOADING: tuple[tuple[str, Any, Handler], ...] = (
     ('change_shape', srv.ChangeShape, shapes.change_shape),
     ('load_scene', srv.LoadScene, files.load_scene),
     ('save_scene', srv.SaveScene, files.save_scene),
+    ('clear_obstacles', srv.ClearObstacles, obstacles.clear_obstacles),
+    ('load_obstacles', srv.LoadObstacles, obstacles.load_obstacles),
+    ('save_obstacles', srv.SaveObstacles, obstacles.save_obstacles),
 )
 
 # What asks: beside the cycle.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.geometry import CalcObb, CalcVolume, GeometryError, OccupiedCells, PointCloud
+from drake_geom_ros.geometry.shapes.primitives import for_queries
 from drake_geom_ros.geometry.shapes.sensed import MOST_CELLS
 
 KINDS = [OccupiedCells, PointCloud]
@@ -64,6 +65,16 @@ def test_the_box_of_a_map_holds_its_cells():
     assert CalcObb(PointCloud(0.2, SOME)).half_width() == pytest.approx([0.7, 1.2, 1.7])
     with pytest.raises(GeometryError, match=r'CalcVolume: .* may overlap'):
         CalcVolume(OccupiedCells(0.2, SOME))
+
+
+def test_what_was_prepared_is_what_queries_take_and_for_its_margin_alone():
+    shape = OccupiedCells(0.2, SOME)
+    shape.prepare(0.1)
+    assert for_queries(shape, margin=0.1).in_pairs is for_queries(shape, margin=0.1).in_pairs
+    fresh = for_queries(OccupiedCells(0.2, SOME), margin=0.1).in_pairs
+    other = for_queries(shape).in_pairs
+    assert for_queries(shape, margin=0.1).in_pairs.parameters.tolist() == fresh.parameters.tolist()
+    assert other.parameters.tolist() != fresh.parameters.tolist()
 
 
 def _volume(vertices, triangles):

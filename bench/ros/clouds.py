@@ -1,0 +1,208 @@
+"""How late results are where clouds of points come beside poses, and what is lost.
+
+The demo's two arms at 100 Hz, and clouds of 300 000 points at 10 Hz: taken, the arms' own points
+left out, thinned, answered with the arms. In turns within one run: nobody sends clouds; they go
+to an echo, which is their bare round trip and what sending them costs; they go to the node.
+
+    ./run exec python -m bench.ros.clouds [--points 300000] [--seconds 10] [--minutes 3]
+
+With ``--minutes``, instead, maps change all the time, and the memory of the node is printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import array
+import time
+from functools import partial
+from statistics import linear_regression
+from typing import Any
+
+import numpy as np
+import rclpy
+from drake_geom_msgs.msg import CycleReport, FramePoses
+from numpy.typing import NDArray
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import PointCloud2, PointField
+from std_msgs.msg import Header
+
+from bench.ros.meanwhile import beside, delays
+from bench.ros.processes import Processes, memory
+from bench.ros.scenes import two_arms
+
+NODE = 'drake_geom_ros.ros.scene_graph_node'
+RATE = 10.0  # [Hz] of clouds
+ECHO, TAKEN = 'clouds to an echo', 'clouds to the node'
+RESOLUTION = 0.03  # [m]
+WARM_UP = 20.0  # [s] before memory counts
+
+Floats = NDArray[np.float64]
+
+
+def room(count: int, seed: int = 0) -> Floats:
+    """Return points (n, 3) [m] of a table, walls and boxes around two arms, and of the arms."""
+    random = np.random.default_rng(seed)
+    uv = random.uniform(-1.5, 1.5, (count, 2))
+    noise = random.normal(scale=0.003, size=count)
+    which = random.integers(0, 10, count)
+    points = np.stack([uv[:, 0], uv[:, 1], noise], axis=1)
+    wall = which < 3
+    points[wall] = np.stack([1.5 + noise, uv[:, 0], 1.0 + 0.6 * uv[:, 1]], axis=1)[wall]
+    box = which == 3
+    points[box] = random.uniform([0.6, -0.9, 0.0], [0.9, -0.6, 0.4], (count, 3))[box]
+    near_arms = which == 4
+    points[near_arms] = random.uniform([-0.3, -0.4, 0.1], [0.5, 0.4, 0.9], (count, 3))[near_arms]
+    return points
+
+
+def cloud_of(points: Floats) -> PointCloud2:
+    """Return points as a cloud in the world, as drivers lay it out: x y z and four bytes."""
+    rows = np.zeros((len(points), 4), dtype='<f4')
+    rows[:, :3] = points
+    fields = [PointField(name=n, offset=4 * k, datatype=7, count=1) for k, n in enumerate('xyz')]
+    return PointCloud2(
+        header=Header(frame_id='world'),
+        width=len(rows),
+        height=1,
+        fields=fields,
+        point_step=16,
+        row_step=16 * len(rows),
+        data=array.array('B', rows.tobytes()),
+    )
+
+
+def send(way: str, count: int, ready: Any, ending: Any) -> None:
+    """Send clouds until it shall end; print how late their results are, and how many come."""
+    rclpy.init()
+    node = rclpy.create_node('camera')
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    topic = '/echo/clouds' if way == ECHO else '/scene_graph/obstacles/points'
+    publisher = node.create_publisher(PointCloud2, topic, newest)
+    points = room(count)
+    cloud = cloud_of(points)
+    sent: list[float] = []  # stamps [s] of which nothing was heard yet
+    found: list[float] = []
+
+    def heard(stamp: float) -> None:
+        """Note what came of the cloud whose stamp [s] is next to one."""
+        now = time.time()
+        near = [each for each in sent if abs(each - stamp) < 0.4 / RATE]
+        if near:
+            found.append(now - near[-1])
+            sent.remove(near[-1])
+
+    def of_report(report: CycleReport) -> None:
+        age = dict(zip(report.maps, report.map_ages, strict=True)).get('points', np.inf)
+        if np.isfinite(age):
+            heard(time.time() - age)
+
+    def of_echo(header: Header) -> None:
+        heard(header.stamp.sec + 1e-9 * header.stamp.nanosec)
+
+    if way == ECHO:
+        node.create_subscription(Header, '/echo/heard', of_echo, 10)
+    else:
+        node.create_subscription(CycleReport, '/scene_graph/cycle_report', of_report, 10)
+    while not publisher.get_subscription_count():
+        executor.spin_once(timeout_sec=0.1)
+    start = time.perf_counter()
+    number = 0
+    while not ending.is_set():
+        stamp = node.get_clock().now().to_msg()
+        cloud.header.stamp = stamp
+        sent.append(stamp.sec + 1e-9 * stamp.nanosec)
+        publisher.publish(cloud)
+        number += 1
+        ready.set()
+        end = start + number / RATE
+        while (left := end - time.perf_counter()) > 0.0:
+            executor.spin_once(timeout_sec=left)
+    if not found:
+        print(f'  {way}: no cloud of {number} was answered', flush=True)
+        return
+    told = (np.mean(found), *np.percentile(found, (50, 99)))
+    print(
+        f'  {way}: delay from cloud to result [ms], mean, p50, p99: '
+        + ''.join(f'{1e3 * value:9.1f}' for value in told)
+        + f'{len(found):6} of {number}',
+        flush=True,
+    )
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+def soak(minutes: float, count: int) -> None:
+    """Let maps of changing sizes replace one another, and print what memory the node takes."""
+    played = two_arms()
+    with Processes() as processes:
+        node = processes.start(NODE, scene_file=played.scene_file, **parameters())
+        rclpy.init()
+        camera = rclpy.create_node('camera')
+        newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        publisher = camera.create_publisher(PointCloud2, '/scene_graph/obstacles/points', newest)
+        poses = camera.create_publisher(FramePoses, '/scene_graph/frame_poses', newest)
+        names = played.frame_names
+        reports: list[CycleReport] = []
+        camera.create_subscription(CycleReport, '/scene_graph/cycle_report', reports.append, 10)
+        random = np.random.default_rng(1)
+        points = room(count)
+        start = time.monotonic()
+        seen: list[tuple[float, float]] = []
+        maps: set[int] = set()
+        while (now := time.monotonic() - start) < 60.0 * minutes:
+            some = points[: random.integers(1, count)] + random.uniform(-1.0, 1.0, 3)
+            cloud = cloud_of(some)
+            cloud.header.stamp = camera.get_clock().now().to_msg()
+            publisher.publish(cloud)
+            end = time.monotonic() + 1.0 / RATE
+            while (left := end - time.monotonic()) > 0.0:
+                header = Header(stamp=camera.get_clock().now().to_msg(), frame_id='world')
+                flat = played.poses(time.monotonic()).ravel().tolist()
+                poses.publish(FramePoses(header=header, frame_names=names, poses=flat))
+                rclpy.spin_once(camera, timeout_sec=min(left, 0.01))
+            maps.update(n for report in reports for n in report.map_cells)
+            reports.clear()
+            if now > WARM_UP:
+                seen.append((now, memory(node.pid)))
+        rclpy.shutdown()
+    times, megabytes = zip(*seen, strict=True)
+    slope = linear_regression(times, megabytes).slope
+    print(
+        f'{len(maps)} sizes of maps in {minutes:g} minutes: {min(megabytes):.0f} to '
+        f'{max(megabytes):.0f} MB, {60.0 * slope:+.2f} MB a minute'
+    )
+
+
+def parameters() -> dict[str, object]:
+    """Return the parameters of the node."""
+    return {
+        'max_distance': 0.1,
+        'obstacles': '[points]',
+        'obstacle_resolution': RESOLUTION,
+        'obstacle_self_filter': 'robots',
+    }
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
+    parser.add_argument('--points', type=int, default=300_000)
+    parser.add_argument('--seconds', type=float, default=10.0, help='of poses, in a turn')
+    parser.add_argument('--minutes', type=float, default=0.0, help='of a soak, instead')
+    options = parser.parse_args()
+    if options.minutes:
+        soak(options.minutes, options.points)
+        return
+    played = two_arms()
+    with Processes() as processes:
+        processes.start(NODE, scene_file=played.scene_file, **parameters())
+        processes.start('bench.ros.cloud_echo')
+        ways = {way: partial(beside, send, way, options.points) for way in (ECHO, TAKEN)}
+        delays(played, ways, options.seconds)
+
+
+if __name__ == '__main__':
+    main()

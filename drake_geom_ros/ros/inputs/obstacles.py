@@ -1,0 +1,206 @@
+"""What sensors saw, taken into the scene: clouds, depth images and OctoMaps.
+
+A message is taken whole or refused whole, and then the map of before stays, and grows old. One
+that shows nothing is refused: a covered lens sees no more than an empty room. No ROS import.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.conversions.depth_image import points_from_depth
+from drake_geom_ros.ros.conversions.octomap import cells_from_octomap
+from drake_geom_ros.ros.conversions.point_cloud import points_from_cloud
+from drake_geom_ros.ros.scene.held_scene import MAPS
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.moments import Hanging, Moment, moment_of
+from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
+from drake_geom_ros.ros.scene.self_filter import SelfFilter, bodies_of
+from drake_geom_ros.sensed_maps.cells import Cells
+from drake_geom_ros.sensed_maps.keeping import KeptCells, seen_through
+
+POINTS, DEPTH, OCTOMAP = 'points', 'depth', 'octomap'
+INPUTS = (POINTS, DEPTH, OCTOMAP)
+SELF_FILTERS = ('none', 'robots', 'scene')
+MOST_POINTS = 5_000_000  # of a message
+Floats = NDArray[np.float64]
+
+
+class ObstacleSettings(NamedTuple):
+    """How maps are made; see the parameters obstacle_..."""
+
+    resolution: float  # [m]
+    reach: float  # [m] from the sensor
+    padding: float  # [m]
+    self_filter: str
+    least_points: int
+    keep: float  # [s]
+    rays: bool
+    margin: float  # [m]
+
+
+@dataclass(frozen=True)
+class MapCounts:
+    """What became of the messages of a map, and of the points of the last one."""
+
+    taken: int = 0
+    seconds: float = 0.0  # that the last one took, from its callback until it was in the scene
+    points: int = 0
+    not_finite: int = 0
+    out_of_reach: int = 0
+    on_bodies: int = 0
+    cells: int = 0
+
+
+class ObstacleInput:
+    """Makes one map of the messages of a topic."""
+
+    def __init__(
+        self,
+        name: str,
+        live: LiveScene,
+        settings: Callable[[], ObstacleSettings],
+        hanging: Hanging,
+        changed: Callable[[], None],
+    ) -> None:
+        """``hanging`` tells where a frame is; ``changed()`` is called when the scene has a map."""
+        self.name = name
+        self.counts = MapCounts()
+        self._live = live
+        self._settings = settings
+        self._hanging = hanging
+        self._changed = changed
+        self._filter = SelfFilter()
+        self._kept: KeptCells | None = None
+        self._generation = 0  # how often it was cleared
+        self._camera: Any = None
+
+    def forget(self) -> None:
+        """Hold nothing of before, nor what is being made; the scene is held."""
+        self._kept, self._generation = None, self._generation + 1
+        self.counts = MapCounts()
+
+    def take_cloud(self, cloud: Any, waited: float = 0.0) -> None:
+        """Take a PointCloud2 that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
+        if cloud.width * cloud.height > MOST_POINTS:
+            raise ArgumentError(
+                f'the cloud has {cloud.height} rows of {cloud.width} points; at most '
+                f'{MOST_POINTS} are taken'
+            )
+        self._take_points(points_from_cloud(cloud), cloud.header, waited)
+
+    def take_camera(self, info: Any, waited: float = 0.0) -> None:
+        """Keep a CameraInfo for the images that follow."""
+        self._camera = info
+
+    def take_depth(self, image: Any, waited: float = 0.0) -> None:
+        """Take an Image of depths, as ``take_cloud`` does."""
+        if image.width * image.height > MOST_POINTS:
+            raise ArgumentError(
+                f'the image has {image.height} rows of {image.width} pixels; at most '
+                f'{MOST_POINTS} are taken'
+            )
+        if self._camera is None:
+            raise ArgumentError('no camera_info came before the image, so its rays are unknown')
+        if self._camera.header.frame_id != image.header.frame_id:
+            raise ArgumentError(
+                f'the image is in frame {image.header.frame_id[:80]!r}, and camera_info in '
+                f'{self._camera.header.frame_id[:80]!r}'
+            )
+        self._take_points(points_from_depth(image, self._camera), image.header, waited)
+
+    def take_octomap(self, octomap: Any, waited: float = 0.0) -> None:
+        """Take an Octomap in place of the map of before, as it is; raises RuntimeError."""
+        start = time.perf_counter()
+        generation, cells = self._generation, cells_from_octomap(octomap)
+        if not len(cells):
+            raise ArgumentError('the tree has no occupied cell: it shows nothing')
+        moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda query: ())
+        self._put(moment, cells, moment.X_WF, generation)
+        self._count(start, MapCounts(points=len(cells), cells=len(cells)))
+
+    def _take_points(self, points: Floats, header: Any, waited: float) -> None:
+        start = time.perf_counter()
+        settings = self._settings()
+        is_finite = np.isfinite(points).all(axis=1)
+        p_CQs = points[is_finite]
+        if not len(p_CQs):
+            raise ArgumentError(f'none of its {len(points)} points is finite: it shows nothing')
+        bodies: list[GeometryId] = []
+
+        def frames_of_bodies(query: QueryObject) -> set[FrameId]:
+            bodies[:] = self._bodies(query, settings.self_filter)
+            return {query.inspector().GetFrameId(geometry) for geometry in bodies}
+
+        moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies)
+        away = np.linalg.norm(p_CQs, axis=1)
+        # Never none: the nearest one is where it is, however far.
+        within = away <= max(settings.reach, float(away.min()))
+        p_WQs = moment.X_WF.multiply(p_CQs[within].T).T
+        on_bodies = self._filter.near(moment.query, bodies, p_WQs, settings.padding)
+        seen = p_WQs[~on_bodies]
+        if not len(seen):
+            raise ArgumentError('all of its points lie on bodies that the scene knows')
+        cells = Cells.of_points(seen, settings.resolution, settings.least_points)
+        if not len(cells):
+            cells = Cells.of_points(seen, settings.resolution)
+        origin = moment.X_WF.translation()
+        generation = self._generation
+        kept = self._with_kept(moment, cells, origin, settings)
+        self._put(moment, kept.cells, RigidTransform(), generation)
+        self._kept = kept
+        counts = MapCounts(
+            points=len(points),
+            not_finite=len(points) - len(p_CQs),
+            out_of_reach=len(p_CQs) - len(p_WQs),
+            on_bodies=int(np.count_nonzero(on_bodies)),
+            cells=len(kept.cells),
+        )
+        self._count(start, counts)
+
+    def _with_kept(
+        self, moment: Moment, cells: Cells, origin: Floats, settings: ObstacleSettings
+    ) -> KeptCells:
+        before = self._kept or KeptCells.none(cells.resolution)
+        free = None
+        if settings.rays and len(before.cells):
+            free = seen_through(origin, cells)
+        return before.and_then(cells, moment.since.held, settings.keep, free)
+
+    def _bodies(self, query: QueryObject, which: str) -> list[GeometryId]:
+        """Return the geometries on which points are left out."""
+        if which == 'none':
+            return []
+        if which == 'scene':
+            return bodies_of(query, None, MAPS)
+        with self._live.reading() as scene:
+            return bodies_of(query, scene.robot_names(), MAPS)
+
+    def _put(self, moment: Moment, cells: Cells, X_WM: RigidTransform, generation: int) -> None:
+        margin = self._settings().margin
+        sighting = Sighting(cells, shape_of(cells, margin), X_WM, moment.since, moment.stamp)
+        with self._live.editing() as scene:
+            if generation != self._generation:
+                raise ArgumentError('the map was cleared while the message was taken')
+            known = scene.maps.get(self.name)
+            since = None if known is None else scene.posed_since(known.frame)
+            if since is not None and since.epoch == moment.since.epoch:
+                behind = since.held - moment.since.held
+                if behind > 0.0:
+                    raise ArgumentError(
+                        f'its stamp is {behind:.3f} s before that of the map that is there'
+                    )
+            put(scene, self.name, sighting, margin)
+        self._changed()
+
+    def _count(self, start: float, counts: MapCounts) -> None:
+        taken, seconds = self.counts.taken + 1, time.perf_counter() - start
+        self.counts = replace(counts, taken=taken, seconds=seconds)

@@ -1,0 +1,148 @@
+"""Sensed maps in the live scene: each one geometry on a frame of the source ``obstacles``.
+
+A map waits for its first message as any frame does for its first pose: its pairs are left out and
+counted. Its age is that of its frame's pose, so results, diagnostics and rules know it. No ROS.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry import (
+    FramePoseVector,
+    GeometryFrame,
+    GeometryInstance,
+    OccupiedCells,
+    ProximityProperties,
+    SceneGraph,
+    SceneGraphContext,
+    SourceId,
+)
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.feeders import OBSTACLES
+from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene, SeenMap
+from drake_geom_ros.sensed_maps import Cells
+
+GEOMETRY = 'map'
+_MARGIN = ('map', 'margin')  # of the geometry, by which each cell is larger on every side
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """What a map holds: cells in its frame M, as a shape, and since when they hold."""
+
+    cells: Cells
+    shape: OccupiedCells
+    X_WM: RigidTransform
+    since: Since
+    stamp: Any  # builtin_interfaces/Time; None: of no message
+
+
+def shape_of(cells: Cells, margin: float) -> OccupiedCells:
+    """Return cells as a shape, which takes long for many: hold no scene meanwhile."""
+    shape = OccupiedCells(cells.resolution, cells.centres())
+    shape.prepare(margin)
+    return shape
+
+
+def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
+    """Return a map of the scene; one that is not there is registered, and waits."""
+    known = scene.maps.get(name)
+    if known is not None:
+        return known
+    graph = scene.scene_graph
+    source = _source(scene)
+    if source is None:
+        source = graph.RegisterSource(MAPS)
+    frame = graph.RegisterFrame(source, GeometryFrame(name))
+    # Nobody sees it: the frame has no pose.
+    some = OccupiedCells(1.0, np.zeros((1, 3)))
+    instance = GeometryInstance(RigidTransform(), some, GEOMETRY)
+    properties = ProximityProperties()
+    if margin:
+        properties.AddProperty(*_MARGIN, margin)
+    instance.set_proximity_properties(properties)
+    geometry = graph.RegisterGeometry(source, frame, instance)
+    graph.collision_filter_manager().WeldToWorld([frame])
+    found = SeenMap(frame, geometry, None)
+    scene.maps[name] = found
+    return found
+
+
+def rehearse(graph: SceneGraph, context: SceneGraphContext, shape: OccupiedCells) -> None:
+    """Do on a copy of the scene what ``put`` will, for what takes long to be done then."""
+    source = graph.RegisterSource(context=context, name='')
+    frame = graph.RegisterFrame(context=context, source_id=source, frame=GeometryFrame(GEOMETRY))
+    instance = GeometryInstance(RigidTransform(), shape, GEOMETRY)
+    instance.set_proximity_properties(ProximityProperties())
+    graph.RegisterGeometry(context=context, source_id=source, frame_id=frame, geometry=instance)
+
+
+def put(scene: EditableScene, name: str, sighting: Sighting, margin: float = 0.0) -> None:
+    """Let a map hold what was seen, in place of all that it held."""
+    known = stand(scene, name, margin)
+    graph, frame = scene.scene_graph, known.frame
+    before = scene.version
+    graph.ChangeShape(scene.inspector.GetOwningSourceId(frame), known.geometry, sighting.shape)
+    scene.map_changes += scene.version - before
+    poses = FramePoseVector({frame: sighting.X_WM})
+    posed = {frozenset([frame.get_value()]): sighting.since}
+    scene.pose(poses, posed, sighting.stamp, OBSTACLES)
+    # What stands in the world and what was seen of it are both at rest, wherever that is.
+    if frame not in graph.collision_filter_manager().welded_frames():
+        graph.collision_filter_manager().WeldToWorld([frame])
+    scene.maps[name] = SeenMap(frame, known.geometry, sighting.cells)
+
+
+def forget(scene: EditableScene, names: list[str], again: list[str], margin: float = 0.0) -> int:
+    """Forget what maps hold, and return how many cells that was; those of ``again`` wait then.
+
+    The others stay what they are; all have new ids.
+    """
+    source = _source(scene)
+    if source is None:
+        return 0
+    gone = sum(len(scene.maps[n].cells or ()) for n in names if n in scene.maps)
+    kept = {name: _sighting(scene, name) for name in scene.maps if name not in names}
+    scene.remove_source(source)
+    for name in again:
+        stand(scene, name, margin)
+    for name, sighting in kept.items():
+        if sighting is None:
+            stand(scene, name, margin)
+        else:
+            put(scene, name, sighting, margin)
+    return gone
+
+
+def map_ages(scene: HeldScene) -> dict[str, float]:
+    """Return the age [s] of what each map holds; inf for one that waits, 0 of a file."""
+    found = {}
+    for name, known in scene.maps.items():
+        since = scene.posed_since(known.frame)
+        if since is None or known.cells is None:
+            found[name] = math.inf
+        else:
+            found[name] = 0.0 if since == ALWAYS else scene.clocks.age(since)
+    return found
+
+
+def _sighting(scene: EditableScene, name: str) -> Sighting | None:
+    known = scene.maps[name]
+    since = scene.posed_since(known.frame)
+    shape = scene.inspector.GetShape(known.geometry)
+    if known.cells is None or since is None or not isinstance(shape, OccupiedCells):
+        return None
+    X_WM = scene.query.X_WF(known.frame)
+    return Sighting(known.cells, shape, X_WM, since, scene.newest_stamp)
+
+
+def _source(scene: HeldScene) -> SourceId | None:
+    inspector = scene.inspector
+    return next((s for s in inspector.GetAllSourceIds() if inspector.GetName(s) == MAPS), None)

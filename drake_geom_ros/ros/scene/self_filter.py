@@ -1,0 +1,138 @@
+"""Which points lie on bodies that the scene knows, by the distances of our own queries. No ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import (
+    FrameId,
+    FramePoseVector,
+    GeometryFrame,
+    GeometryId,
+    GeometryInstance,
+    HalfSpace,
+    QueryObject,
+    Role,
+    SceneGraph,
+)
+from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+_ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
+
+
+class SelfFilter:
+    """A scene of its own of the bodies that are to be left out, posed as they were then.
+
+    The live scene's would measure each point against the map that it made before, too.
+    """
+
+    def __init__(self) -> None:
+        self._key: tuple[object, ...] = ()
+        self._frames: dict[FrameId, FrameId] = {}  # from the live scene's to its own
+        self._graph = SceneGraph()
+        self._boxes: list[tuple[FrameId, Floats, float]] = []  # frame, centre, radius in it
+
+    def near(
+        self,
+        query: QueryObject,
+        geometries: Sequence[GeometryId],
+        p_WQs: Floats,
+        padding: float,
+    ) -> Flags:
+        """Return which points (n, 3) [m] are no farther than ``padding`` [m] from geometries.
+
+        ``query`` sees these where they were when the points were measured. Points in them are.
+        """
+        is_near = np.zeros(len(p_WQs), dtype=np.bool_)
+        if not geometries or not len(p_WQs):
+            return is_near
+        self._know(query, geometries)
+        numbers = np.flatnonzero(self._may_be_near(query, p_WQs, padding))
+        if not len(numbers):
+            return is_near
+        context = self._graph.CreateDefaultContext()
+        there = FramePoseVector({own: query.X_WF(frame) for frame, own in self._frames.items()})
+        context.UpdateFramePoses(there)
+        bodies = self._graph.get_query_output_port().Eval(context)
+        step = max(1, ROWS_AT_ONCE // len(geometries))
+        for k in range(0, len(numbers), step):
+            block = numbers[k : k + step]
+            found = bodies.ComputeSignedDistanceToPoint(p_WQs[block], padding)
+            is_near[block[found.point_index]] = True
+        return is_near
+
+    def _know(self, query: QueryObject, geometries: Sequence[GeometryId]) -> None:
+        """Make the scene anew where bodies came, went or changed."""
+        inspector = query.inspector()
+        shapes = [inspector.GetShape(geometry) for geometry in geometries]
+        poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
+        frames = [inspector.GetFrameId(geometry) for geometry in geometries]
+        arrays = (X.ToArray().tobytes() for X in poses)
+        key = (tuple(geometries), tuple(map(id, shapes)), tuple(frames), *arrays)
+        if key == self._key:
+            return
+        graph = SceneGraph()
+        source = graph.RegisterSource('bodies')
+        own: dict[FrameId, FrameId] = {}
+        balls = []
+        for k, (geometry, X_FG, frame) in enumerate(zip(geometries, poses, frames, strict=True)):
+            if frame not in own:
+                own[frame] = graph.RegisterFrame(source, GeometryFrame(f'{len(own)}'))
+            instance = GeometryInstance(X_FG, shapes[k], f'{k}')
+            properties = inspector.GetProximityProperties(geometry)
+            assert properties is not None, 'only bodies that queries see are asked for'
+            instance.set_proximity_properties(properties)
+            graph.RegisterGeometry(source, own[frame], instance)
+            balls.append(_ball(query, geometry, frame))
+        self._graph, self._frames, self._boxes, self._key = graph, own, balls, key
+        self._shapes = shapes  # lest another one gets the address of one that is gone
+
+    def _may_be_near(self, query: QueryObject, p_WQs: Floats, padding: float) -> Flags:
+        """Return which points lie in the boxes around balls around the bodies."""
+        may = np.zeros(len(p_WQs), dtype=np.bool_)
+        low, high = p_WQs.min(axis=0), p_WQs.max(axis=0)
+        x, y, z = np.ascontiguousarray(p_WQs.T)
+        for frame, p_FC, radius in self._boxes:
+            reach = radius + padding
+            p_WC = query.X_WF(frame).multiply(p_FC).ravel()
+            if not (np.all(p_WC + reach >= low) and np.all(p_WC - reach <= high)):
+                continue
+            inside = np.abs(x - p_WC[0]) <= reach
+            inside &= np.abs(y - p_WC[1]) <= reach
+            inside &= np.abs(z - p_WC[2]) <= reach
+            may |= inside
+        return may
+
+
+def _ball(
+    query: QueryObject, geometry: GeometryId, frame: FrameId
+) -> tuple[FrameId, Floats, float]:
+    """Return the ball of a geometry with its padding, in its frame: centre and radius [m]."""
+    inspector = query.inspector()
+    shape = inspector.GetShape(geometry)
+    if isinstance(shape, HalfSpace):
+        return frame, np.zeros(3), np.inf
+    obb = inspector.GetObbInGeometryFrame(geometry)
+    if obb is None:
+        return frame, np.zeros(3), np.inf
+    X_FB = inspector.GetPoseInFrame(geometry) @ obb.pose()
+    properties = inspector.GetProximityProperties(geometry)
+    larger = properties.GetPropertyOrDefault('proximity', 'padding', 0.0) if properties else 0.0
+    radius = float(np.linalg.norm(obb.half_width())) + larger
+    return frame, np.array(X_FB.translation()), _ROOM * radius
+
+
+def bodies_of(query: QueryObject, sources: set[str] | None, leave_out: str) -> list[GeometryId]:
+    """Return the geometries with the proximity role of some sources; None: of all but one."""
+    inspector = query.inspector()
+
+    def counts(geometry: GeometryId) -> bool:
+        source = inspector.GetOwningSourceName(geometry)
+        return source != leave_out and (sources is None or source in sources)
+
+    return [g for g in inspector.GetAllGeometryIds(Role.kProximity) if counts(g)]

@@ -1,0 +1,45 @@
+"""Scene descriptions without a part of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from drake_geom_ros.scene_files.description import (
+    DeclarationDescription,
+    FilterDescription,
+    Member,
+    SceneDescription,
+    Statement,
+)
+
+
+def without_source(scene: SceneDescription, source: str) -> SceneDescription:
+    """Return a scene without what a source has, and filters without its members."""
+    filters: list[FilterDescription] = []
+    for entry in scene.filters:
+        if isinstance(entry, DeclarationDescription):
+            kept = tuple(filter(None, (_statement(s, source) for s in entry.statements)))
+            if kept:
+                filters.append(replace(entry, statements=kept))
+        elif members := _others(entry.members, source):
+            filters.append(replace(entry, members=members))
+    return replace(
+        scene,
+        sources=tuple(name for name in scene.sources if name != source),
+        robots=tuple(robot for robot in scene.robots if robot.name != source),
+        frames=tuple(frame for frame in scene.frames if frame.source != source),
+        geometries=tuple(geometry for geometry in scene.geometries if geometry.source != source),
+        filters=tuple(filters),
+    )
+
+
+def _others(members: tuple[Member, ...], source: str) -> tuple[Member, ...]:
+    return tuple(member for member in members if member.source != source)
+
+
+def _statement(statement: Statement, source: str) -> Statement | None:
+    """Return a statement without the members of a source; None where it then says nothing."""
+    set_a, set_b = _others(statement.set_a, source), _others(statement.set_b, source)
+    if not set_a or (statement.operation.takes_two_sets and not set_b):
+        return None
+    return replace(statement, set_a=set_a, set_b=set_b)

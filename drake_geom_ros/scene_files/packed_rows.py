@@ -1,0 +1,18 @@
+"""Rows of three numbers that a scene file lists, or packs as text."""
+
+from __future__ import annotations
+
+from base64 import b64decode
+from typing import Any
+
+import numpy as np
+
+
+def numbers_of(plain: Any, kind: str) -> Any:
+    """Return rows of three numbers that are listed, or packed as text; ValueError for neither."""
+    if not isinstance(plain, str):
+        return plain
+    try:
+        return np.frombuffer(b64decode(plain, validate=True), kind).reshape(-1, 3)
+    except ValueError as error:
+        raise ValueError(f'a mesh is packed as base64 of rows of three {kind}: {error}') from None

@@ -1,0 +1,78 @@
+"""Which cells are held from one cloud to the next: for some seconds, or until seen to be free.
+
+A cloud says where something is. Cells of before are held for ``keep`` seconds since a point was
+last in them; with rays, those that the sensor looked through are not held: on the way from the
+sensor to a point there is nothing. A ray frees no cell next to the one that it ends in, for there
+it grazes the surface that it hit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError
+
+Floats = NDArray[np.float64]
+_STEP = 0.5  # of a ray, in cells: it may miss the corner of a cell, which then is held
+_MOST_SAMPLES = 2_000_000  # of rays at once
+
+
+@dataclass(frozen=True)
+class KeptCells:
+    """Cells, and when [s] a point was last in each (n,)."""
+
+    cells: Cells
+    seen: Floats
+
+    @classmethod
+    def none(cls, resolution: float) -> KeptCells:
+        """Return no cells."""
+        return cls(Cells(resolution, np.zeros(0, dtype=np.int64)), np.zeros(0))
+
+    def and_then(self, new: Cells, now: float, keep: float, free: Keys | None = None) -> KeptCells:
+        """Return what is held once a cloud of time ``now`` [s] has come with cells ``new``.
+
+        ``free`` are packed keys of cells that its rays went through. Of another resolution nothing
+        is held. Raises MapError where these are more than a map may have.
+        """
+        old, seen = self.cells.packed, self.seen
+        if new.resolution != self.cells.resolution:
+            old, seen = old[:0], seen[:0]
+        held = now - seen <= keep if math.isfinite(keep) else np.ones(len(seen), dtype=np.bool_)
+        held &= ~np.isin(old, new.packed, assume_unique=True)
+        if keep <= 0.0:
+            held[:] = False
+        if free is not None and held.any():
+            held &= ~np.isin(old, free)
+        packed = np.concatenate([old[held], new.packed])
+        if len(packed) > MOST_CELLS:
+            raise MapError(f'the map would have {len(packed)} cells; it may have {MOST_CELLS}')
+        times = np.concatenate([seen[held], np.full(len(new), now)])
+        order = np.argsort(packed, kind='stable')
+        return KeptCells(Cells(new.resolution, packed[order]), times[order])
+
+
+def seen_through(origin: Floats, cells: Cells) -> Keys:
+    """Return the packed keys of cells that rays from ``origin`` (3,) [m] to cells went through."""
+    centres = cells.centres()
+    ways = centres - origin
+    lengths = np.linalg.norm(ways, axis=1)
+    counts = np.maximum(0, np.floor((lengths / cells.resolution - 2.0) / _STEP)).astype(np.int64)
+    found = [np.zeros(0, dtype=np.int64)]
+    start = 0
+    ends = np.cumsum(counts)
+    while start < len(counts):
+        done = ends[start - 1] if start else 0
+        stop = max(start + 1, int(np.searchsorted(ends, done + _MOST_SAMPLES, side='right')))
+        some = counts[start:stop]
+        which = np.repeat(np.arange(start, stop), some)
+        number = np.arange(len(which)) - np.repeat(np.cumsum(some) - some, some)
+        share = number * _STEP * cells.resolution / lengths[which]
+        samples = origin + ways[which] * share[:, np.newaxis]
+        found.append(Cells.of_points(samples, cells.resolution).packed)
+        start = stop
+    return np.unique(np.concatenate(found))

@@ -1,0 +1,316 @@
+"""Clouds, depth images and OctoMaps become maps of a live scene, or are refused whole."""
+
+import array
+import threading
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from ros.live_scenes import Clock, live_scene
+
+from drake_geom_ros.geometry import FramePoseVector
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.ros.inputs import obstacles
+from drake_geom_ros.ros.inputs.obstacles import ObstacleInput, ObstacleSettings
+from drake_geom_ros.ros.inputs.sensor_frames import SensorFrames
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene import moments
+from drake_geom_ros.ros.scene.feeders import MESSAGES
+from drake_geom_ros.ros.scene.map_sources import MapSources
+from drake_geom_ros.ros.scene.pose_history import PoseHistory
+from drake_geom_ros.ros.scene.seen_maps import map_ages, stand
+from drake_geom_ros.sensed_maps.cells import Cells
+from drake_geom_ros.sensed_maps.octree import binary_of_cells
+
+SCENE = """
+sources: [s]
+frames:
+- {name: arm, source: s}
+- {name: eye, source: s, parent: arm, pose: {position: [0, 0, 1]}, static: true}
+- {name: mast, source: s, pose: {position: [0, 0, 2]}, static: true}
+geometries:
+- {name: hand, source: s, frame: arm, shape: {type: sphere, radius: 0.1}}
+- {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}, pose: {position: [3, 0, 0]}}
+"""
+USUAL = ObstacleSettings(
+    resolution=0.1, reach=5.0, padding=0.05, self_filter='scene', least_points=1, keep=0.0,
+    rays=False, margin=0.0,
+)  # fmt: skip
+
+
+class Node:
+    """A live scene with one input, and clocks that the test sets."""
+
+    def __init__(self, name='points', tf=None, **changes):
+        self.clock = Clock(100.0)
+        self.live = live_scene(SCENE, self.clock)
+        self.settings = USUAL._replace(**changes)
+        self.changes = 0
+        with self.live.editing() as scene:
+            scene.history = PoseHistory()
+            stand(scene, name)
+        self.name = name
+        self.tf = tf(self.live.clocks) if tf else None
+        frames = SensorFrames(lambda: self.tf)
+        self.input = ObstacleInput(
+            name, self.live, lambda: self.settings, frames, self._note_change
+        )
+        self.live.map_sources = MapSources({name: self.input})
+
+    def _note_change(self):
+        self.changes += 1
+
+    def move(self, stamp, position, yaw=0.0):
+        """Pose the arm, by a message of a stamp."""
+        with self.live.editing() as scene:
+            arm = scene.names.frame('arm')
+            X = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), position)
+            poses = FramePoseVector({arm: X})
+            since = scene.clocks.arrival().since(stamp)
+            posed = {frozenset([arm.get_value()]): since}
+            rows = X.ToArray()[np.newaxis]
+            scene.pose(poses, posed, stamp_of(stamp), MESSAGES, rows)
+
+    def centres(self):
+        """Return the centres of the cells in the world."""
+        with self.live.reading() as scene:
+            known = scene.maps[self.name]
+            if known.cells is None:
+                return None
+            shape = scene.inspector.GetShape(known.geometry)
+            assert shape.centres().tolist() == known.cells.centres().tolist()
+            return scene.query.X_WF(known.frame).multiply(shape.centres().T).T
+
+    def age(self):
+        with self.live.reading() as scene:
+            return map_ages(scene)[self.name]
+
+    def pairs(self):
+        """Return names and distances of all pairs, and how many wait."""
+        with self.live.reading() as scene:
+            found = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+            names = {g.get_value(): n for g, n in scene.names.geometry_names.items()}
+            rows = zip(found.id_A, found.id_B, found.distance, strict=True)
+            told = {frozenset((names[a], names[b])): d for a, b, d in rows}
+            return told, scene.waiting().pairs
+
+
+def stamp_of(seconds):
+    return Plain(sec=int(seconds), nanosec=round((seconds % 1) * 1e9))
+
+
+def header(frame, stamp):
+    return Plain(frame_id=frame, stamp=stamp_of(stamp))
+
+
+def cloud(points, frame='mast', stamp=100.0, **changes):
+    rows = np.asarray(points, dtype='<f4').reshape(-1, 3)
+    fields = [Plain(name=a, offset=4 * k, datatype=7, count=1) for k, a in enumerate('xyz')]
+    told = {
+        'header': header(frame, stamp), 'width': len(rows), 'height': 1, 'fields': fields,
+        'is_bigendian': False, 'point_step': 12, 'row_step': 12 * len(rows),
+        'data': array.array('B', rows.tobytes()),
+    }  # fmt: skip
+    return Plain(**{**told, **changes})
+
+
+def near(found, expected):
+    return sorted(map(tuple, np.round(found, 6))) == sorted(map(tuple, np.round(expected, 6)))
+
+
+def test_a_map_that_never_came_is_waited_for_and_is_not_empty():
+    node = Node()
+    node.move(100.0, [0, 0, 0])
+    told, waiting = node.pairs()
+    assert waiting == 1  # with the hand; what is anchored is at rest as the map is
+    assert all('obstacles' not in name for pair in told for name in pair)
+    assert node.age() == np.inf
+    node.input.take_cloud(cloud([[0.5, 0.0, -2.0]]))
+    told, waiting = node.pairs()
+    assert waiting == 0
+    (distance,) = (d for pair, d in told.items() if any('obstacles' in name for name in pair))
+    assert distance == pytest.approx(0.5 - 0.1, abs=1e-6)
+    assert node.changes == 1
+
+
+def test_a_cloud_holds_at_the_poses_of_its_stamp_and_not_of_now():
+    node = Node(self_filter='none')
+    node.move(99.8, [0, 0, 0])
+    node.move(99.9, [1, 0, 0])
+    node.move(100.0, [7, 7, 7])
+    node.input.take_cloud(cloud([[0.01, 2.01, 0.01]], 'eye', 99.85))
+    assert near(node.centres(), [[0.55, 2.05, 1.05]])
+    assert node.age() == pytest.approx(0.15, abs=1e-6)
+    node.clock.now = 101.0
+    assert node.age() == pytest.approx(1.15, abs=1e-6)
+
+
+def test_the_pose_of_a_stamp_is_waited_for_a_little():
+    node = Node(self_filter='none')
+    node.move(99.9, [0, 0, 0])
+    taken = threading.Thread(
+        target=node.input.take_cloud, args=(cloud([[0, 2, 0]], 'eye', 99.95),)
+    )
+    taken.start()
+    node.move(100.0, [1, 0, 0])
+    taken.join(10.0)
+    assert near(node.centres(), [[0.55, 2.05, 1.05]])
+
+
+@pytest.mark.parametrize(
+    ('message', 'reason'),
+    [
+        (cloud([[1, 0, 0]], 'eye', 99.95), 's::arm was at the stamp of the message is not known'),
+        (cloud([[1, 0, 0]], 'eye', 99.0), 'before the poses that are kept'),
+        (cloud([[1, 0, 0]], stamp=101.0), 'from the future'),
+        (cloud([[1, 0, 0]], stamp=80.0), 'before the time of the node'),
+        (cloud([[1, 0, 0]], stamp=0.0), 'stamp is 0'),
+        (cloud([[1, 0, 0]], ''), 'frame_id is empty'),
+        (cloud([[1, 0, 0]], 'moon'), 'moon'),
+        (cloud([[np.nan, 0, 0]] * 4), 'none of its 4 points is finite'),
+        (cloud([]), 'none of its 0 points'),
+        (cloud([[1, 0, 0]], width=10**9, height=1, row_step=12 * 10**9), 'at most'),
+        (cloud([[1, 0, 0]], width=10**6, row_step=12 * 10**6), 'do not fit'),
+        (cloud([[1, 0, 0]], fields=[]), 'lacks x, y, z'),
+        (cloud([[1e30, 0, 0]]), 'must be finite and within'),
+        (cloud([[3.0, 0.0, -2.0]]), 'all of its points lie on bodies'),
+        (cloud([[1, 0, 0]], stamp=99.5), 'before that of the map that is there'),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_whole_and_the_map_of_before_stays(monkeypatch, message, reason):
+    monkeypatch.setattr(moments, 'PATIENCE', 0.05)
+    node = Node()
+    node.move(99.45, [0, 0, 0])
+    node.move(99.9, [0, 0, 0])
+    node.input.take_cloud(cloud([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]], stamp=99.9))
+    if 'eye' not in message.header.frame_id:
+        node.move(100.0, [0, 0, 0])
+    before, changes = node.centres(), node.changes
+    with pytest.raises(RuntimeError, match=reason):
+        node.input.take_cloud(message)
+    assert node.centres().tolist() == before.tolist()
+    assert node.changes == changes
+    assert node.input.counts.taken == 1
+    assert node.age() == pytest.approx(0.1, abs=1e-6)  # and grows on
+
+
+def test_points_are_counted_by_what_became_of_them():
+    node = Node()
+    node.move(100.0, [0.0, 0.0, 1.0])
+    on_hand = [[0.12, 0.0, -1.0], [0.0, 0.0, -0.851], [0.0, 0.0, -1.0]]
+    beside = [[0.16, 0.0, -1.0], [0.0, 0.0, -0.849]]
+    far = [[9.0, 0.0, 0.0]]
+    lost = [[np.nan, 0.0, 0.0], [np.inf, 1.0, 0.0]]
+    node.input.take_cloud(cloud(on_hand + beside + far + lost))
+    counts = node.input.counts
+    told = counts.points, counts.not_finite, counts.out_of_reach, counts.on_bodies, counts.cells
+    assert told == (8, 2, 1, 3, 2)
+    assert near(node.centres(), [[0.15, 0.05, 1.05], [0.05, 0.05, 1.15]])
+
+
+def test_only_robots_are_left_out_unless_asked():
+    node = Node(self_filter='robots')
+    node.move(100.0, [0.0, 0.0, 1.0])
+    node.input.take_cloud(cloud([[0.12, 0.0, -1.0]]))
+    assert len(node.centres()) == 1  # the hand is on no robot
+
+
+def test_the_body_is_left_out_where_it_was():
+    node = Node()
+    node.move(99.9, [0.0, 0.0, 1.0])
+    node.move(100.0, [1.0, 0.0, 1.0])
+    node.input.take_cloud(cloud([[0.5, 0.0, -1.0], [1.0, 0.0, -1.0]], stamp=99.95))
+    assert near(node.centres(), [[1.05, 0.05, 1.05]])
+
+
+def test_what_is_beyond_reach_is_left_out_but_the_nearest_of_all():
+    node = Node(reach=1.0, self_filter='none')
+    node.input.take_cloud(cloud([[4, 0, 0], [3, 0, 0.01]]))
+    assert near(node.centres(), [[3.05, 0.05, 2.05]])
+
+
+def test_cells_are_held_for_a_while_or_until_seen_free():
+    node = Node(self_filter='none', keep=1.0)
+    node.input.take_cloud(cloud([[1, 0, 0]], stamp=100.0))
+    node.clock.now = 100.5
+    node.input.take_cloud(cloud([[0, 2, 0]], stamp=100.5))
+    assert len(node.centres()) == 2
+    node.clock.now = 101.2
+    node.input.take_cloud(cloud([[0, 2, 0]], stamp=101.2))
+    assert near(node.centres(), [[0.05, 2.05, 2.05]])
+    node.settings = node.settings._replace(keep=np.inf, rays=True)
+    node.input.take_cloud(cloud([[0.01, 1.01, 0.01], [2.01, 0.01, 0.01]], stamp=101.2))
+    assert len(node.centres()) == 3
+    node.input.take_cloud(cloud([[0.01, 4.01, 0.01]], stamp=101.2))
+    assert near(node.centres(), [[0.05, 4.05, 2.05], [2.05, 0.05, 2.05]])
+
+
+def test_the_order_of_points_does_not_matter():
+    points = np.random.default_rng(3).uniform(-2, 2, (500, 3))
+    one, other = Node(self_filter='none'), Node(self_filter='none')
+    one.input.take_cloud(cloud(points))
+    other.input.take_cloud(cloud(points[::-1]))
+    assert one.centres().tobytes() == other.centres().tobytes()
+
+
+def test_a_map_that_is_cleared_while_one_is_made_stays_cleared(monkeypatch):
+    node = Node(self_filter='none')
+
+    def cleared(*cells):
+        node.input.forget()
+        return real(*cells)
+
+    real = obstacles.shape_of
+    monkeypatch.setattr(obstacles, 'shape_of', cleared)
+    with pytest.raises(RuntimeError, match='cleared'):
+        node.input.take_cloud(cloud([[1, 0, 0]]))
+    assert node.centres() is None
+
+
+def octomap(cells, frame='mast', stamp=100.0):
+    data = array.array('b', binary_of_cells(cells).data)
+    told = {'id': 'OcTree', 'binary': True, 'resolution': cells.resolution, 'data': data}
+    return Plain(header=header(frame, stamp), **told)
+
+
+def test_an_octomap_stands_in_its_frame():
+    node = Node('octomap')
+    node.move(99.9, [1.0, 0.0, 0.0], yaw=np.pi / 2)
+    node.move(100.0, [1.0, 0.0, 0.0], yaw=np.pi / 2)
+    cells = Cells.of_points([[0.55, 0.05, 0.05]], 0.1)
+    node.input.take_octomap(octomap(cells, 'arm', 99.95))
+    assert near(node.centres(), [[1.0 - 0.05, 0.55, 0.05]])
+    with pytest.raises(RuntimeError, match='no occupied cell'):
+        node.input.take_octomap(octomap(Cells.of_points(np.zeros((0, 3)), 0.1)))
+    assert len(node.centres()) == 1
+
+
+def transform(parent, child, x, stamp):
+    p, q = Plain(x=x, y=0.0, z=0.0), Plain(x=0.0, y=0.0, z=0.0, w=1.0)
+    return Plain(
+        header=header(parent, stamp), child_frame_id=child,
+        transform=Plain(translation=p, rotation=q),
+    )  # fmt: skip
+
+
+def test_a_frame_that_only_tf_knows_hangs_on_one_of_the_scene(monkeypatch):
+    monkeypatch.setattr(moments, 'PATIENCE', 0.05)
+    node = Node(self_filter='none', tf=TfInput)
+
+    def hear(*transforms, static=False):
+        with node.live.editing():
+            node.tf.hear(Plain(transforms=list(transforms)), static=static)
+
+    hear(transform('/mast', 'optical', 1.0, 0.0), static=True)
+    node.input.take_cloud(cloud([[0, 1, 0]], 'optical'))
+    assert near(node.centres(), [[1.05, 1.05, 2.05]])
+    # One that moves is kept from when it is asked about.
+    hear(transform('optical', 'head', 1.0, 99.9))
+    with pytest.raises(RuntimeError, match='head'):
+        node.input.take_cloud(cloud([[0, 1, 0]], 'head', 100.0))
+    hear(transform('optical', 'head', 2.0, 100.0))
+    hear(transform('optical', 'head', 3.0, 100.1))
+    node.input.take_cloud(cloud([[0, 1, 0]], 'head', 100.05))
+    assert near(node.centres(), [[3.55, 1.05, 2.05]])
+    with pytest.raises(RuntimeError, match='TF'):
+        node.input.take_cloud(cloud([[0, 1, 0]], 'nowhere'))
