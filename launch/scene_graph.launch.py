@@ -9,7 +9,7 @@ import typing
 from dataclasses import fields
 
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, LogInfo, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import LifecycleNode
 from launch_ros.parameter_descriptions import ParameterValue
@@ -31,9 +31,16 @@ ARGUMENTS = {
     'namespace': ('', 'Namespace of the node: one for each of several scenes.'),
     'params_file': ('', 'Parameter file, such as config/scene_graph.yaml.'),
     'own_tf': ('false', 'true: /tf and /tf_static are those of the namespace.'),
+    'record': ('false', 'true: record what `report` takes, by `ros2 bag record` (MCAP).'),
     'log_level': ('info', 'debug, info, warn, error or fatal.'),
 }
 OWN_TF = [('/tf', 'tf'), ('/tf_static', 'tf_static')]
+# What a report and its audit take, where it is sent: docs/recordings.md.
+RECORDED = ('joint_states', 'robot_description', 'robot_description_semantic')
+RECORDED_OF_NODE = (
+    *('frame_poses', 'scene', 'signed_distances', 'penetrations'),
+    *('proximity_events', 'proximity_states'),
+)
 # Clients that are killed leave mutexes in shared memory locked: a node waits for them for ever.
 TRANSPORTS = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
 
@@ -64,7 +71,23 @@ def start_node(context: LaunchContext) -> list:
         output='screen',
         additional_env={k: os.environ.get(k, value) for k, value in TRANSPORTS.items()},
     )
-    return [*told, node]
+    recorder = [recording(context)] if context.launch_configurations['record'] == 'true' else []
+    return [*told, *recorder, node]
+
+
+def recording(context: LaunchContext) -> ExecuteProcess:
+    """Return what records the node's run."""
+    given = context.launch_configurations
+    space = given['namespace'].strip('/')
+    space = f'/{space}' if space else ''
+    tf = space if given['own_tf'] == 'true' else ''
+    topics = ['/clock', f'{tf}/tf', f'{tf}/tf_static']
+    for name in RECORDED:
+        topic = given.get(f'{name}_topic') or name
+        topics.append(topic if topic.startswith('/') else f'{space}/{topic}')
+    topics += [f'{space}/{given["name"]}/{topic}' for topic in RECORDED_OF_NODE]
+    command = ['ros2', 'bag', 'record', '--storage', 'mcap', *dict.fromkeys(topics)]
+    return ExecuteProcess(cmd=command, output='screen')
 
 
 def generate_launch_description() -> LaunchDescription:

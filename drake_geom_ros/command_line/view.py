@@ -15,7 +15,8 @@ from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.query import limit
 from drake_geom_ros.command_line.scene_input import add_scene_options
-from drake_geom_ros.geometry import ACCURACY_LEVELS, FramePoseVector
+from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, FramePoseVector
+from drake_geom_ros.recordings.recorded_poses import recorded_poses
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.viewing.joints import JointSliders
@@ -33,7 +34,22 @@ def add_to(commands: Any) -> None:
         description='Serves a page on this machine until it is interrupted: the scene, its '
         'nearest pairs, its filters; joints, frames and motions that can be moved.',
     )
-    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument(
+        'scene', metavar='SCENE', help='scene file (YAML or URDF); with --scene a recording of ROS'
+    )
+    parser.add_argument(
+        '--scene',
+        dest='of_recording',
+        metavar='FILE',
+        help='the scene file of a recording (MCAP, sqlite3, or a folder), which is played',
+    )
+    parser.add_argument(
+        '--rate',
+        type=float,
+        default=20.0,
+        metavar='HZ',
+        help='moments a second of a recording (default: 20)',
+    )
     add_scene_options(parser)
     moving = parser.add_mutually_exclusive_group()
     moving.add_argument('--poses', metavar='FILE', help='poses of frames over time, CSV or JSON')
@@ -67,14 +83,15 @@ def run(options: argparse.Namespace) -> int:
 
 
 def open_page(options: argparse.Namespace) -> Page:
-    """Return the page of a scene file."""
-    posed = PosedScene(options.scene, options.srdf, options.package_root)
+    """Return the page of a scene file, or of a recording of one."""
+    file = options.of_recording or options.scene
+    posed = PosedScene(file, options.srdf, options.package_root)
     values = pose_joints(posed, options.joints)
     scene = LocalScene(posed.scene_graph, posed.context)
     motion = load_motion(options.motion, posed.description)
     joints = JointSliders(motion.robots, scene.frames)
     joints.take(values)
-    timeline = None
+    timeline = _timeline_of_recording(options, posed, scene) if options.of_recording else None
     if options.motion:
         timeline = Timeline.of_motion(motion, scene.frames)
     elif options.poses:
@@ -94,6 +111,24 @@ def open_page(options: argparse.Namespace) -> Page:
         accuracy=options.accuracy,
         tell=lambda text: print(text, file=sys.stderr, flush=True),
     )
+
+
+def _timeline_of_recording(
+    options: argparse.Namespace, posed: PosedScene, scene: LocalScene
+) -> Timeline:
+    """Return the time line of what was recorded."""
+    if options.motion or options.poses or options.states:
+        raise ArgumentError('a recording is played by itself: no --motion, --poses or --states')
+    if not options.rate > 0.0:
+        raise ArgumentError(f'--rate {options.rate} must be > 0 [Hz]')
+    recorded = recorded_poses(
+        *(options.scene, posed.description, options.rate), package_roots=options.package_root
+    )
+    vectors = [
+        FramePoseVector.FromArrays([scene.frames[frame] for frame in each.frames], each.rows)
+        for each in recorded
+    ]
+    return Timeline.of_moments([each.time for each in recorded], vectors)
 
 
 def _timeline(posed: PosedScene, moments: list[PoseSet], file: str) -> Timeline:

@@ -8,12 +8,13 @@
 In: recordings (MCAP, sqlite3), and a scene file or the robot's description in them.
 Out: least distances over time, what was left out, stale or damaged; tables, plots, a report.
 May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``, ``replay``; numpy, yaml,
-    rosbags, mcap, matplotlib.
+    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``, ``replay``, ``viewing``;
+    numpy, yaml, rosbags, mcap, matplotlib, PIL.
 """
 
 from drake_geom_ros.recordings.audit import Audit, Audited, audit
 from drake_geom_ros.recordings.clearance import clearance
+from drake_geom_ros.recordings.comparing import PairDifference, SetComparison, compare_runs
 from drake_geom_ros.recordings.errors import IncompleteRecordingError, RecordingError
 from drake_geom_ros.recordings.recorded_pairs import Outcome
 from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance, Span
@@ -25,11 +26,14 @@ __all__ = [
     'Audited',
     'clearance',
     'Clearances',
+    'compare_runs',
     'IncompleteRecordingError',
     'Moment',
     'Outcome',
+    'PairDifference',
     'RecordingError',
     'SetClearance',
+    'SetComparison',
     'Span',
     'Topics',
 ]

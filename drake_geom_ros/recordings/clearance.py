@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +15,17 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch import LeastDistances, evaluate
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.motions import Codes, Motions
 from drake_geom_ros.recordings.opened import Opened, opened_recording
 from drake_geom_ros.recordings.pair_sets import AskedPairs, Between, PairSet, pair_sets
 from drake_geom_ros.recordings.player import Player
 from drake_geom_ros.recordings.results import Clearances, SetClearance, Span
-from drake_geom_ros.recordings.states import Block, StateBlocks
+from drake_geom_ros.recordings.states import Block, StateBlocks, Travelled
 from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.recordings.topics import Topics, told_nothing
 from drake_geom_ros.scene_files import SceneDescription
 
+Progress = Callable[[int, float], None]  # states, seconds of the recording
 STALE_AFTER = 1.0  # [s] the node's default
 
 
@@ -39,6 +42,9 @@ def clearance(
     world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
     threads: int = 0,
+    certify: float = 0.0,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
 ) -> Clearances:
     """Return the least distances over the time of a recording.
 
@@ -49,6 +55,12 @@ def clearance(
     something, or ``rate`` times a second [Hz]. ``topics`` says what was recorded where.
     ``stale_after`` [s], ``accuracy``, ``world_frame`` and ``package_roots`` are what a node has as
     parameters, ``threads`` and ``max_distance`` [m] what ``batch.evaluate`` has.
+
+    With ``certify`` [m] the motion between states is proved, too: see ``SetClearance``. Its bounds
+    are no farther than that below what was seen.
+
+    ``executor`` computes distances in the place of threads, as of ``batch.cluster_executor``.
+    ``progress`` is called with the states so far, and the seconds of the recording.
 
     Poses come to be as in a node that took the same messages at the times of recording. Poses do
     not stay in memory; an answer takes 110 bytes a state and set.
@@ -69,20 +81,38 @@ def clearance(
     opened = opened_recording(
         *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
     )
+    if not 0.0 <= certify < math.inf:
+        raise ArgumentError(f'certify={certify} must be a distance >= 0 [m]; 0: not')
+    motions = [
+        Motions(k, certify, accuracy, stale_after, threads) if certify else None
+        for k in range(len(sets))
+    ]
     run = _Run(opened, sets, stale_after)
     answers = [_Answers(pairs) for pairs in run.pairs]
     start, computing = time.perf_counter(), 0.0
+    travelled = Travelled()
     for block in run.blocks(rate):
+        travelled.take(block)
         began = time.perf_counter()
         for k, each in enumerate(answers):
-            each.add(block, k, _least(block, block.asked[k], max_distance, accuracy, threads))
+            least = _least(*(block, block.asked[k], max_distance, accuracy, threads, executor))
+            motion = motions[k]
+            each.add(block, k, least, None if motion is None else motion.take(block, least))
         computing += time.perf_counter() - began
+        if progress is not None:
+            recorded = (int(block.times[-1]) - run.player.begin) / NANOSECONDS
+            progress(run.player.count, recorded)
     reading = time.perf_counter() - start - computing
-    return run.result(answers, max_distance, (reading, computing))
+    return run.result(answers, travelled.all(), max_distance, (reading, computing))
 
 
 def _least(
-    block: Block, pairs: AskedPairs, max_distance: float, accuracy: str, threads: int
+    block: Block,
+    pairs: AskedPairs,
+    max_distance: float,
+    accuracy: str,
+    threads: int,
+    executor: Executor | None,
 ) -> LeastDistances | None:
     """Return the least distances of a block; None where no pair is known."""
     if not pairs.considered.any():
@@ -92,6 +122,7 @@ def _least(
         max_distance=max_distance,
         accuracy=accuracy,
         threads=threads,
+        executor=executor,
     )
     assert isinstance(found, LeastDistances)
     return found
@@ -117,7 +148,11 @@ class _Run:
             )
 
     def result(
-        self, answers: Sequence[_Answers], max_distance: float, seconds: tuple[float, float]
+        self,
+        answers: Sequence[_Answers],
+        travelled: NDArray[np.float64],
+        max_distance: float,
+        seconds: tuple[float, float],
     ) -> Clearances:
         """Return what was found."""
         stamps = answers[0].joined('stamps')
@@ -126,6 +161,7 @@ class _Run:
         return Clearances(
             times=times,
             stamps=stamps,
+            travelled=travelled,
             sets={each.pairs.name: each.result(times, self.stale_after) for each in answers},
             begin=begin,
             end=end,
@@ -155,8 +191,14 @@ class _Answers:
         self._names: dict[str, int] = {}
         self._waiting: dict[str, None] = {}
 
-    def add(self, block: Block, number: int, found: LeastDistances | None) -> None:
-        """Take the answers about a block, None where no pair is known."""
+    def add(
+        self,
+        block: Block,
+        number: int,
+        found: LeastDistances | None,
+        motion: tuple[Codes, NDArray[np.float64]] | None,
+    ) -> None:
+        """Take the answers about a block, None where no pair is known, and about its motion."""
         count, asked = len(block.times), block.asked[number]
         nothing, nowhere = np.full(count, np.nan), np.full((count, 3), np.nan)
         columns: dict[str, NDArray[Any]] = {
@@ -168,6 +210,8 @@ class _Answers:
             'age': block.ages[:, number],
             'left_out': np.full(count, asked.left_out, dtype=np.int64),
         }
+        if motion is not None:
+            columns['motion'], columns['motion_bound'] = motion
         for side in ('A', 'B'):
             columns[f'geometry_{side}'] = self._places(found, side, count)
         for name, values in columns.items():

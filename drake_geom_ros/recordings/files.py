@@ -49,12 +49,19 @@ def _of_folder(folder: Path) -> list[Path]:
         return [folder]
     if files := [each for each in inside if each.suffix in SUFFIXES and each.is_file()]:
         return files
-    runs = [each.name for each in inside if each.is_dir() and _holds(each.iterdir())]
-    if runs:
+    if runs := [run.name for run in runs_in(folder)]:
         raise RecordingError(
             f'{folder} holds {len(runs)} runs, and one is asked for: {", ".join(runs[:10])}'
         )
     raise RecordingError(f'{folder} holds no recording: no file {" or ".join(SUFFIXES)}')
+
+
+def runs_in(folder: Path) -> list[Path]:
+    """Return the folders of runs in a folder, which is no run itself, by their names."""
+    if not folder.is_dir() or _holds(folder.iterdir()):
+        return []
+    inside = sorted(folder.iterdir(), key=_by_numbers)
+    return [each for each in inside if each.is_dir() and _holds(each.iterdir())]
 
 
 def _compresses_messages(folder: Path) -> bool:

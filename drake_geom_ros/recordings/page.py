@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 from html import escape
 from typing import Any
@@ -15,6 +15,7 @@ from drake_geom_ros.recordings.highlights import below, closest, contacts, held
 from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance
 from drake_geom_ros.recordings.storages import NANOSECONDS
 
+Pictures = Mapping[tuple[str, int], bytes]  # PNGs by the set and the number of a moment
 MOMENTS = 10  # in the table of each set of pairs
 _MOST_CONTACTS = 100
 _STYLE = """
@@ -23,6 +24,7 @@ table { border-collapse: collapse; margin: 0.6em 0 1.4em; }
 th, td { border-bottom: 1px solid #ccc; padding: 0.25em 0.8em; text-align: left; }
 td.n { text-align: right; font-variant-numeric: tabular-nums; }
 img { max-width: 100%; }
+figure { display: inline-block; margin: 0 1em 1em 0; width: 23em; }
 .warn { background: #fff3d6; border-left: 4px solid #d98e00; padding: 0.6em 1em; }
 .good { background: #e8f5e9; border-left: 4px solid #388e3c; padding: 0.6em 1em; }
 """
@@ -35,6 +37,7 @@ def page(
     files: Iterable[str],
     plot: bytes,
     audited: Audit | None = None,
+    pictures: Pictures | None = None,
 ) -> str:
     """Return the report as HTML, the plot (a PNG) in it."""
     begin = datetime.fromtimestamp(found.begin / NANOSECONDS, timezone.utc)
@@ -43,11 +46,10 @@ def page(
         f'<p>{begin:%Y-%m-%d %H:%M:%S} UTC, {found.duration:.3f} s, {len(found.times)} states. '
         f'Files: {escape(", ".join(files))}.</p>',
         _reservations(found),
-        f'<img alt="least distances over time" src="data:image/png;base64,'
-        f'{b64encode(plot).decode()}">',
+        f'<img alt="least distances over time" src="{_data(plot)}">',
     ]
     for pairs in found.sets.values():
-        parts += _of_set(found, pairs, thresholds)
+        parts += _of_set(found, pairs, thresholds, pictures or {})
     parts += _troubles(found)
     parts += [] if audited is None else _audited(audited)
     parts.append(
@@ -61,6 +63,11 @@ def page(
     )
 
 
+def _data(picture: bytes) -> str:
+    """Return a PNG as the address of an image."""
+    return f'data:image/png;base64,{b64encode(picture).decode()}'
+
+
 def _reservations(found: Clearances) -> str:
     told = found.reservations()
     if not told:
@@ -69,7 +76,9 @@ def _reservations(found: Clearances) -> str:
     return f'<div class="warn">Not all is known:<ul>{listed}</ul></div>'
 
 
-def _of_set(found: Clearances, pairs: SetClearance, thresholds: Sequence[float]) -> list[str]:
+def _of_set(
+    found: Clearances, pairs: SetClearance, thresholds: Sequence[float], pictures: Pictures
+) -> list[str]:
     time = held(found, pairs)
     ages = pairs.age[np.isfinite(pairs.age)]
     oldest = f'{ages.max():.3f} s, median {np.median(ages):.3f} s' if len(ages) else 'unknown'
@@ -85,6 +94,12 @@ def _of_set(found: Clearances, pairs: SetClearance, thresholds: Sequence[float])
                 (k + 1, *_moment(pairs.at(state)), _state(pairs, state))
                 for k, state in enumerate(closest(found, pairs, MOMENTS))
             ),
+        ),
+        *(
+            f'<figure><img alt="moment {number}" src="{_data(picture)}">'
+            f'<figcaption>{number}</figcaption></figure>'
+            for (name, number), picture in sorted(pictures.items())
+            if name == pairs.name
         ),
         '<h3>Contacts, or not certified to be apart</h3>',
         _table(
@@ -113,6 +128,7 @@ def _of_set(found: Clearances, pairs: SetClearance, thresholds: Sequence[float])
             ('threshold [m]', 'time [s]', 'and where not all is known, by what is [s]'),
             ((f'{low.threshold:g}', f'{low.seconds:.3f}', f'{low.at_known:.3f}') for low in lows),
         ),
+        *_motion(pairs),
         '<h3>What is known</h3>',
         _table(
             ('all pairs [s]', 'stale [s]', 'pairs left out [s]', 'nothing recorded [s]'),
@@ -120,6 +136,18 @@ def _of_set(found: Clearances, pairs: SetClearance, thresholds: Sequence[float])
         ),
         f'<p>Oldest pose that mattered: {oldest}; in {unknown} states its age is unknown. A pose '
         f'is stale after {found.stale_after:g} s.</p>',
+    ]
+
+
+def _motion(pairs: SetClearance) -> list[str]:
+    if pairs.motion is None:
+        return []
+    told = pairs.certified()
+    where = 'nowhere' if told.span is None else f'{told.span.begin:.3f} to {told.span.end:.3f}'
+    heads = 'least certified [m]', 'at [s]', 'clear', 'contact', 'unknown'
+    return [
+        '<h3>Motions between states</h3>',
+        _table(heads, [(f'{told.lower_bound:.9g}', where, *told[2:])]),
     ]
 
 

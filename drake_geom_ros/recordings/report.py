@@ -7,7 +7,7 @@ from pathlib import Path
 
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.recordings.audit import Audit
-from drake_geom_ros.recordings.page import page
+from drake_geom_ros.recordings.page import Pictures, page
 from drake_geom_ros.recordings.plot import draw
 from drake_geom_ros.recordings.results import Clearances
 from drake_geom_ros.recordings.tables import write_audit, write_csv, write_npz
@@ -29,6 +29,7 @@ def write_report(
     files: Sequence[str],
     thresholds: Sequence[float],
     audited: Audit | None = None,
+    pictures: Pictures | None = None,
 ) -> list[Path]:
     """Write the files of a report about recorded ``files``; return them."""
     write_csv(found, folder / CSV)
@@ -37,7 +38,7 @@ def write_report(
     with whole_file(folder / PLOT, 'wb') as picture:
         picture.write(plot)
     with whole_file(folder / PAGE) as text:
-        text.write(page(found, thresholds, title, files, plot, audited))
+        text.write(page(found, thresholds, title, files, plot, audited, pictures))
     names = [CSV, NPZ, PLOT, PAGE]
     if audited is not None:
         write_audit(audited, folder / AUDIT)

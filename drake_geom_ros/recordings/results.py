@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
 from drake_geom_ros.recordings.playback import Trouble
 from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
@@ -18,6 +20,23 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 _MOST_NAMES = 8
+
+
+class Span(NamedTuple):
+    """A time [s] from one state to another."""
+
+    begin: float
+    end: float
+
+
+class Certified(NamedTuple):
+    """What is proved of the motion between states: all of it is clear if all motions are."""
+
+    lower_bound: float  # [m] of the clear ones, the least; nan where there is none
+    span: Span | None  # where that is
+    clear: int  # motions from one state to the next
+    contact: int  # that come into contact
+    unknown: int  # of which nothing is proved
 
 
 class Moment(NamedTuple):
@@ -55,6 +74,9 @@ class SetClearance:
     left_out: Indices  # (N,) how many pairs wait for a pose
     waiting_frames: tuple[str, ...]  # for which they wait, at any time
     is_stale: Flags  # (N,) a pose that matters is older than ``stale_after``, or of unknown age
+    # Of the motion to each state from the one before, where it was asked to be certified:
+    motion: NDArray[np.int8] | None = None  # (N,) 0: unknown, 1: clear, 2: contact
+    motion_bound: Floats | None = None  # (N,) [m] certified all the way; nan but of a clear one
 
     @property
     def is_waiting(self) -> Flags:
@@ -91,6 +113,19 @@ class SetClearance:
         """The name of the second geometry (N,)."""
         return np.array([*self.names, ''])[self.geometry_B]
 
+    def certified(self) -> Certified:
+        """Return what is proved of the whole motion; raises ArgumentError: it was not asked."""
+        if self.motion is None or self.motion_bound is None:
+            raise ArgumentError('motions were not certified: clearance(..., certify=0.001)')
+        codes, bounds = self.motion[1:], self.motion_bound[1:]
+        counts = (int(np.count_nonzero(codes == code)) for code in (1, 2, 0))
+        clear, contact, unknown = counts
+        if not clear:
+            return Certified(math.nan, None, clear, contact, unknown)
+        k = int(np.nanargmin(bounds))
+        span = Span(float(self.times[k]), float(self.times[k + 1]))
+        return Certified(float(bounds[k]), span, clear, contact, unknown)
+
     def at(self, state: int) -> Moment:
         """Return what is known of a state."""
         a, b = int(self.geometry_A[state]), int(self.geometry_B[state])
@@ -105,13 +140,6 @@ class SetClearance:
         )
 
 
-class Span(NamedTuple):
-    """A time in which nothing is known [s]."""
-
-    begin: float
-    end: float
-
-
 @dataclass(frozen=True, eq=False)
 class Clearances:
     """Least distances of sets of pairs over the N states of a recording: ``found['all']``.
@@ -122,6 +150,8 @@ class Clearances:
 
     times: Floats  # (N,) [s] since the recording began
     stamps: Indices  # (N,) [ns] when the messages were recorded
+    # (N,) how far all frames went until then: [m] of their origins, and [rad] of their turns
+    travelled: Floats
     sets: Mapping[str, SetClearance]
     begin: int  # [ns] the first message that was used
     end: int  # [ns] the last one
@@ -149,6 +179,8 @@ class Clearances:
             lost = sum(gap.end - gap.begin for gap in self.gaps)
             told.append(f'{counted(len(self.gaps), "gap")} without data, {lost:.3f} s in all')
         for each in self.sets.values():
+            if each.motion is not None and (unknown := each.certified().unknown):
+                told.append(f'{each.name}: nothing is proved of {counted(unknown, "motion")}')
             if stale := int(each.is_stale.sum()):
                 told.append(f'{each.name}: {stale} of {len(self.times)} states are stale')
             if waiting := int(each.is_waiting.sum()):

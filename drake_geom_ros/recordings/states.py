@@ -34,6 +34,7 @@ class Block:
     times: Indices  # (N,) [ns]
     poses: Floats  # (N, n, 7) X_PF, as they came
     ages: Floats  # (N, sets) [s] of the oldest pose that matters; inf: of unknown age
+    waits: bool  # whether any frame waits for its first pose
 
     def context_query(self) -> QueryObject:
         """Return a query object of the still scene."""
@@ -87,6 +88,35 @@ class _Latest:
         columns = np.array([self.columns[frame] for frame in ids.tolist()], dtype=np.int64)
         still = np.flatnonzero([frame in self.still for frame in ids.tolist()])
         self._known[key] = columns, still
+
+
+class Travelled:
+    """How far the frames of a recording went, state by state."""
+
+    def __init__(self) -> None:
+        self._parts: list[Floats] = []
+        self._sum = 0.0
+        self._before: Block | None = None
+
+    def take(self, block: Block) -> None:
+        """Go on by the states of a block; other frames begin where they are."""
+        poses, before, self._before = block.poses, self._before, block
+        is_same = before is not None and np.array_equal(before.frames, block.frames)
+        first = before.poses[-1:] if before is not None and is_same else poses[:1]
+        poses = np.concatenate((first, poses))
+        way = np.linalg.norm(np.diff(poses[..., :3], axis=0), axis=-1)
+        # The chord of two quaternions keeps the small angles that a cosine loses.
+        same, turned = (
+            np.linalg.norm(poses[1:, :, 3:] - sign * poses[:-1, :, 3:], axis=-1)
+            for sign in (1, -1)
+        )
+        half = np.arcsin(np.minimum(np.minimum(same, turned) / 2.0, 1.0))
+        self._parts.append(self._sum + np.cumsum((way + 4.0 * half).sum(axis=1)))
+        self._sum = float(self._parts[-1][-1])
+
+    def all(self) -> Floats:
+        """Return it of all states (N,)."""
+        return np.concatenate(self._parts)
 
 
 class RunStates(NamedTuple):
@@ -181,7 +211,7 @@ class StateBlocks:
             times, self._times = np.array(self._times, dtype=np.int64), []
             yield Block(
                 *(self._context, self._asked, self._frames, times),
-                *(self._poses[:count].copy(), self._ages[:count].copy()),
+                *(self._poses[:count].copy(), self._ages[:count].copy(), self._waits),
             )
 
     def _watch(self, scene: EditableScene) -> None:
@@ -210,6 +240,7 @@ class StateBlocks:
         self._asked = tuple(asked_pairs(QueryObject(self._context), p) for p in self._pairs)
         # What waits is in no pair that is considered; any pose lets the others be asked about.
         anywhere = {f: RigidTransform() for f in QueryObject(self._context).waiting_frames()}
+        self._waits = bool(anywhere)
         self._context.UpdateFramePoses(FramePoseVector(anywhere))
         most = max(1, min(_MOST_STATES, _NUMBERS // max(1, 7 * len(moving))))
         self._poses = np.zeros((most, len(moving), 7))

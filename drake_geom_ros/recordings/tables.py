@@ -21,6 +21,8 @@ COLUMNS = (
     *('geometry_a', 'geometry_b', 'ax_m', 'ay_m', 'az_m', 'bx_m', 'by_m', 'bz_m'),
     *('oldest_pose_s', 'pairs_left_out'),
 )
+CERTIFIED_COLUMNS = 'motion_before', 'certified_bound_m'
+_MOTIONS = 'unknown', 'clear', 'contact'
 _ROWS = 10_000  # that are written at once: memory stays flat
 
 
@@ -30,7 +32,9 @@ def write_csv(found: Clearances, path: Path) -> None:
     ``state`` is ``whole``, ``stale``, ``waiting`` or ``waiting, stale``.
     """
     with whole_file(path, newline='') as file:
-        csv.writer(file, lineterminator='\n').writerow(COLUMNS)
+        certified = any(pairs.motion is not None for pairs in found.sets.values())
+        heads = (*COLUMNS, *(CERTIFIED_COLUMNS if certified else ()))
+        csv.writer(file, lineterminator='\n').writerow(heads)
         for pairs in found.sets.values():
             for first in range(0, len(found.times), _ROWS):
                 part = slice(first, first + _ROWS)
@@ -56,6 +60,9 @@ def _columns(found: Clearances, pairs: SetClearance, part: slice) -> Iterator[It
             yield _numbers(points[part, axis])
     yield _numbers(pairs.age[part].astype(np.float64))
     yield _numbers(pairs.left_out[part])
+    if pairs.motion is not None and pairs.motion_bound is not None:
+        yield [_MOTIONS[code] for code in pairs.motion[part].tolist()]
+        yield _numbers(pairs.motion_bound[part])
 
 
 def _numbers(values: NDArray[Any]) -> Iterator[str]:
@@ -107,6 +114,8 @@ def write_npz(found: Clearances, path: Path) -> None:
             *('geometry_A', 'geometry_B', 'p_WCa', 'p_WCb', 'age', 'left_out', 'is_stale'),
         ):
             arrays[f'{name}_{k}'] = getattr(pairs, name)
+        if pairs.motion is not None:
+            arrays |= {f'motion_{k}': pairs.motion, f'motion_bound_{k}': pairs.motion_bound}
         arrays[f'names_{k}'] = np.array(pairs.names, dtype=np.str_)
     with whole_file(path, 'wb') as file:
         np.savez_compressed(file, **arrays)

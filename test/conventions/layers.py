@@ -159,7 +159,7 @@ LAYERS = {
         ('numpy', 'yaml'),
     ),
     'cross_check': (
-        ('math', 'common', 'geometry', 'replay', 'cross_check'),
+        ('math', 'common', 'geometry', 'sensed_maps', 'replay', 'cross_check'),
         ('numpy', 'scipy', 'fcl'),
     ),
     # What is shown, without a library that shows it; and the page, which one draws.
@@ -184,9 +184,9 @@ LAYERS = {
     'recordings': (
         (
             *_HELD,
-            *('ros/inputs', 'batch', 'replay', 'recordings'),
+            *('ros/inputs', 'batch', 'replay', 'viewing', 'recordings'),
         ),
-        ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib'),
+        ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib', 'PIL'),
     ),
     'command_line': (
         (

@@ -20,7 +20,7 @@ from drake_geom_ros.ros.parameters import NodeParameters
 FILE = ROOT / 'launch/scene_graph.launch.py'
 NAMES = {
     'launch': ('LaunchContext', 'LaunchDescription'),
-    'launch.actions': ('DeclareLaunchArgument', 'LogInfo', 'OpaqueFunction'),
+    'launch.actions': ('DeclareLaunchArgument', 'ExecuteProcess', 'LogInfo', 'OpaqueFunction'),
     'launch.substitutions': ('LaunchConfiguration',),
     'launch_ros': (),
     'launch_ros.actions': ('LifecycleNode',),
@@ -95,6 +95,19 @@ def test_a_namespace_may_have_a_tree_of_tf_of_its_own(file):
         context = SimpleNamespace(launch_configurations={**given, 'own_tf': own})
         (node,) = file.start_node(context)
         assert node.named['remappings'] == rules
+
+
+def test_a_run_is_recorded_with_all_that_a_report_takes(file):
+    given = {name: argument['default_value'] for name, argument in declared(file).items()}
+    assert len(file.start_node(SimpleNamespace(launch_configurations=given))) == 1
+    given |= {'record': 'true', 'namespace': 'cell', 'own_tf': 'true', 'name': 'geometry'}
+    recorder, _ = file.start_node(SimpleNamespace(launch_configurations=given))
+    command = recorder.named['cmd']
+    assert command[:5] == ['ros2', 'bag', 'record', '--storage', 'mcap']
+    assert {'/cell/tf', '/cell/tf_static', '/cell/joint_states', '/clock'} <= set(command)
+    assert {'/cell/geometry/frame_poses', '/cell/geometry/scene'} <= set(command)
+    assert {f'/cell/geometry/{topic}' for topic in file.RECORDED_OF_NODE} <= set(command)
+    assert '/tf' not in command
 
 
 def installed():

@@ -3,6 +3,7 @@
 import base64
 import csv
 import re
+from concurrent.futures import ThreadPoolExecutor
 from html.parser import HTMLParser
 from io import BytesIO
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from recordings import recorder
-from recordings.test_clearance import CELL, HERE, balls, poses  # noqa: F401
+from recordings.test_clearance import CELL, HERE, balls, poses, random_rows  # noqa: F401
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.recordings import clearance, highlights, tables
@@ -79,7 +80,12 @@ def test_the_page_needs_no_network_and_shows_what_is_not_known(tmp_path, run, ba
     main(['report', str(run), '--scene', str(balls), '--between', 'a:b', '--out', str(out)])
     text = (out / 'report.html').read_text()
     page = Texts(text)
-    (plot,) = page.links
+    plot, *moments = page.links
+    assert moments
+    for moment in moments:
+        pixels = np.asarray(Image.open(BytesIO(base64.b64decode(moment.partition(',')[2]))))
+        assert pixels.shape == (420, 640, 3)
+        assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 10  # bodies, and no empty ground
     assert plot.startswith('data:image/png;base64,')
     raw = base64.b64decode(plot.partition(',')[2])
     assert raw == (out / 'clearance.png').read_bytes()
@@ -181,3 +187,37 @@ def test_what_a_truncated_file_does_not_tell_is_said_in_the_report(tmp_path, bal
     assert told in capsys.readouterr().out
     assert told in (out / 'report.html').read_text()
     np.testing.assert_allclose(found['a:b'].distance, 0.8, atol=1e-12)
+
+
+def test_a_folder_of_runs_gets_a_report_each_and_goes_on_where_it_ended(tmp_path, balls, capsys):  # noqa: F811
+    for k, height in enumerate((0.4, 0.5)):
+        rows = [[(0.01 * j, 0, height, 0, 0, 0, 1), HERE] for j in range(5)]
+        recorder.record(tmp_path / 'runs' / f'run_{k}', poses(0.1 * np.arange(5), 'ab', rows))
+    broken = tmp_path / 'runs' / 'run_2'
+    broken.mkdir()
+    (broken / 'run.mcap').write_bytes(b'nothing')
+    command = ['report', tmp_path / 'runs', '--scene', balls, '--out', tmp_path / 'out']
+    assert main(list(map(str, command))) == 2
+    told = capsys.readouterr()
+    assert 'run_2' in told.err
+    page = tmp_path / 'out' / 'run_1' / 'report.html'
+    assert page.read_text().count('<img') == 4  # the plot, and the three closest moments
+    page.unlink()
+    before = (tmp_path / 'out' / 'run_0' / 'report.html').stat().st_mtime_ns
+    assert main([*map(str, command), '--resume']) == 2
+    assert 'run_0: there is a report' in capsys.readouterr().out
+    assert page.exists()
+    assert (tmp_path / 'out' / 'run_0' / 'report.html').stat().st_mtime_ns == before
+
+
+def test_an_executor_changes_no_bit(tmp_path, balls):  # noqa: F811
+    rows = random_rows(50, 2)
+    run = recorder.record(tmp_path / 'run', poses(0.1 * np.arange(50), 'ab', rows))
+    seen = []
+    with ThreadPoolExecutor(2) as executor:
+        found = clearance(run, balls, executor=executor, progress=lambda *told: seen.append(told))[
+            'all'
+        ]
+    expected = clearance(run, balls)['all']
+    np.testing.assert_array_equal(found.distance, expected.distance)
+    assert seen[-1] == (50, pytest.approx(4.9))

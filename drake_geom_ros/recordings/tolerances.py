@@ -1,0 +1,4 @@
+"""How closely recordings are judged where nobody says."""
+
+CERTIFIED = 0.001  # [m] bounds of motions are no farther than that below what is seen
+NEARER_BY = 0.001  # [m] so much nearer than another run comes one that is not told
