@@ -35,7 +35,6 @@ NODE = 'drake_geom_ros.ros.scene_graph_node'
 RATE = 10.0  # [Hz] of clouds
 ECHO, TAKEN = 'clouds to an echo', 'clouds to the node'
 RESOLUTION = 0.03  # [m]
-TAGS = 40  # cells that are added one by one: a report's count of cells tells its cloud
 WARM_UP = 20.0  # [s] before memory counts
 
 Floats = NDArray[np.float64]
@@ -55,12 +54,6 @@ def room(count: int, seed: int = 0) -> Floats:
     near_arms = which == 4
     points[near_arms] = random.uniform([-0.3, -0.4, 0.1], [0.5, 0.4, 0.9], (count, 3))[near_arms]
     return points
-
-
-def tagged(points: Floats, tag: int) -> Floats:
-    """Return points with so many cells more, where nothing else is."""
-    extra = np.stack([np.full(tag, -2.5), np.arange(tag) * 2 * RESOLUTION, np.full(tag, 1.0)], 1)
-    return np.concatenate([points, extra + RESOLUTION / 3.0])
 
 
 def cloud_of(points: Floats) -> PointCloud2:
@@ -89,23 +82,28 @@ def send(way: str, count: int, ready: Any, ending: Any) -> None:
     topic = '/echo/clouds' if way == ECHO else '/scene_graph/obstacles/points'
     publisher = node.create_publisher(PointCloud2, topic, newest)
     points = room(count)
-    clouds = [cloud_of(tagged(points, tag)) for tag in range(TAGS)]
-    sent: dict[object, float] = {}
+    cloud = cloud_of(points)
+    sent: list[float] = []  # stamps [s] of which nothing was heard yet
     found: list[float] = []
-    base: list[int] = []
 
-    def heard(key: object) -> None:
-        if (start := sent.pop(key, None)) is not None:
-            found.append(time.perf_counter() - start)
+    def heard(stamp: float) -> None:
+        """Note what came of the cloud whose stamp [s] is next to one."""
+        now = time.time()
+        near = [each for each in sent if abs(each - stamp) < 0.4 / RATE]
+        if near:
+            found.append(now - near[-1])
+            sent.remove(near[-1])
 
     def of_report(report: CycleReport) -> None:
-        cells = dict(zip(report.maps, report.map_cells, strict=True)).get('points', 0)
-        if cells:
-            base.append(cells)
-            heard((cells - min(base)) % TAGS)
+        age = dict(zip(report.maps, report.map_ages, strict=True)).get('points', np.inf)
+        if np.isfinite(age):
+            heard(time.time() - age)
+
+    def of_echo(header: Header) -> None:
+        heard(header.stamp.sec + 1e-9 * header.stamp.nanosec)
 
     if way == ECHO:
-        node.create_subscription(Header, '/echo/heard', lambda h: heard(h.stamp.nanosec), 10)
+        node.create_subscription(Header, '/echo/heard', of_echo, 10)
     else:
         node.create_subscription(CycleReport, '/scene_graph/cycle_report', of_report, 10)
     while not publisher.get_subscription_count():
@@ -114,22 +112,22 @@ def send(way: str, count: int, ready: Any, ending: Any) -> None:
     number = 0
     while not ending.is_set():
         stamp = node.get_clock().now().to_msg()
-        tag = number % TAGS
-        clouds[tag].header.stamp = stamp
-        sent[stamp.nanosec if way == ECHO else tag] = time.perf_counter()
-        publisher.publish(clouds[tag])
+        cloud.header.stamp = stamp
+        sent.append(stamp.sec + 1e-9 * stamp.nanosec)
+        publisher.publish(cloud)
         number += 1
-        if number == 2 * TAGS:  # what is compiled and cached is, and the least count is known
-            found.clear()
-            ready.set()
+        ready.set()
         end = start + number / RATE
         while (left := end - time.perf_counter()) > 0.0:
             executor.spin_once(timeout_sec=left)
+    if not found:
+        print(f'  {way}: no cloud of {number} was answered', flush=True)
+        return
     told = (np.mean(found), *np.percentile(found, (50, 99)))
     print(
         f'  {way}: delay from cloud to result [ms], mean, p50, p99: '
         + ''.join(f'{1e3 * value:9.1f}' for value in told)
-        + f'{len(found):6} of {number - 2 * TAGS}',
+        + f'{len(found):6} of {number}',
         flush=True,
     )
     node.destroy_node()

@@ -75,6 +75,8 @@ def _unknown_keys(error: Any) -> list[str]:
 def _reason(error: Any) -> str:
     """Return what is wrong, with the value and what is allowed."""
     kind, limit, value = error.validator, error.validator_value, error.instance
+    if kind is None:  # a schema that is false: the key is for another form of the same thing
+        return 'cannot be given together with the other keys that are here'
     if kind == 'required':
         missing = [f'`{key}`' for key in limit if key not in value]
         return f'missing {", ".join(missing)}'
