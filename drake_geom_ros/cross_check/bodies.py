@@ -108,7 +108,7 @@ class Body:
         if self.kind == 'OccupiedCells':
             edge, centres = self.size
             farthest = math.sqrt(float((np.asarray(centres) ** 2).sum(axis=1).max()))
-            return farthest + 0.5 * math.sqrt(3.0) * edge
+            return farthest + 0.5 * math.sqrt(3.0) * float(edge)
         s = np.asarray(self.size, dtype=float)
         if self.kind in FROM_VERTICES:
             return float(np.hypot.reduce(s, axis=1).max())
