@@ -15,5 +15,5 @@ The node imports the first two alone. ``bench/evidence`` builds on the last thre
 
 In: pairs as they were answered, from a node or a program.
 Out: verdicts, counted, and those that disagree.
-May import: ``math``, ``common``, ``geometry``, ``replay``; numpy, scipy, fcl.
+May import: ``math``, ``common``, ``geometry``, ``sensed_maps``, ``replay``; numpy, scipy, fcl.
 """

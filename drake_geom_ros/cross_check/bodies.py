@@ -42,7 +42,8 @@ class Body:
     ``size`` [m] is what the constructor of its kind takes; of a Convex, a Mesh and a Solid the
     vertices (n, 3). A Solid is a mesh that counts as the body within its surface: it has
     ``triangles`` (m, 3) of its vertices too, and ``parts``, convex bodies in its own frame whose
-    union it is, where these are known. A Point is a sphere of radius 0 to all but the point query.
+    union it is, where these are known. OccupiedCells have an edge and centres.
+    A Point is a sphere of radius 0 to all but the point query.
     """
 
     kind: str
@@ -104,6 +105,10 @@ class Body:
     @cached_property
     def radius(self) -> float:
         """Radius [m] of the ball about the shape's origin that holds it; a half space has 0."""
+        if self.kind == 'OccupiedCells':
+            edge, centres = self.size
+            farthest = math.sqrt(float((np.asarray(centres) ** 2).sum(axis=1).max()))
+            return farthest + 0.5 * math.sqrt(3.0) * edge
         s = np.asarray(self.size, dtype=float)
         if self.kind in FROM_VERTICES:
             return float(np.hypot.reduce(s, axis=1).max())
@@ -175,6 +180,11 @@ class Pair:
     def has_solid(self) -> bool:
         """Whether one of the bodies is a mesh as a solid, which may have dents."""
         return 'Solid' in (self.a.kind, self.b.kind)
+
+    @property
+    def has_map(self) -> bool:
+        """Whether one of the bodies is a sensed map, which has no planes around it."""
+        return 'OccupiedCells' in (self.a.kind, self.b.kind)
 
     @property
     def extent(self) -> float:

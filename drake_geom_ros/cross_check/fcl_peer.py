@@ -26,8 +26,11 @@ from drake_geom_ros.cross_check.answers import (
     measures,
     no_tolerance,
 )
-from drake_geom_ros.geometry import Shape
+from drake_geom_ros.cross_check.tolerances import BESIDE_GRID
+from drake_geom_ros.geometry import OccupiedCells, Shape
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.sensed_maps import Cells, MapError
+from drake_geom_ros.sensed_maps.octree import binary_of_cells
 
 
 def fcl_shape(shape: Shape) -> Any:
@@ -36,6 +39,8 @@ def fcl_shape(shape: Shape) -> Any:
 
     if isinstance(shape, SolidMesh):
         return _surface(shape)
+    if isinstance(shape, OccupiedCells):
+        return _octree(shape)
     kind = kind_of(shape)
     if kind == 'HalfSpace':
         return fcl.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
@@ -44,6 +49,30 @@ def fcl_shape(shape: Shape) -> Any:
         counted = np.concatenate((np.full((len(faces), 1), 3), faces), axis=1)
         return fcl.Convex(vertices, len(faces), counted.astype(np.int32).ravel())
     return getattr(fcl, kind)(*measures(shape))
+
+
+def is_octree(shape: OccupiedCells) -> bool:
+    """Tell whether the cells lie on the grid of an OctoMap, within its reach."""
+    places = shape.centres() / shape.resolution() - 0.5
+    if np.abs(places - np.rint(places)).max() > BESIDE_GRID:
+        return False
+    try:
+        binary_of_cells(_cells(shape))
+    except MapError:
+        return False
+    return True
+
+
+def _cells(shape: OccupiedCells) -> Cells:
+    return Cells.of_points(shape.centres(), shape.resolution())
+
+
+def _octree(shape: OccupiedCells) -> Any:
+    """Return cells as FCL's octree, which takes the bytes of a binary OctoMap."""
+    import fcl  # noqa: TID251
+
+    data = binary_of_cells(_cells(shape)).data
+    return fcl.OcTree(shape.resolution(), np.frombuffer(data, np.int8).tolist())
 
 
 @functools.lru_cache(maxsize=8)
@@ -68,7 +97,7 @@ class FclPeer:
 
     def pair(self, query: str, shape_a: Shape, shape_b: Shape) -> Ask:
         """Return what asks the query; see Peer."""
-        if isinstance(shape_a, SolidMesh) or isinstance(shape_b, SolidMesh):
+        if any(isinstance(shape, (SolidMesh, OccupiedCells)) for shape in (shape_a, shape_b)):
             asks = _unsigned_distance, _contact_of_surface
         else:
             asks = _distance, _penetration

@@ -48,6 +48,9 @@ def judged(pair: Pair, ours: PairQuestion, theirs: PairAnswer | None, library: s
     tolerance = allowed_to_others(pair)
     low, high = ours.distance - ours.error_bound, ours.distance + ours.error_bound
     opinion = _opinion(theirs, tolerance, library)
+    if pair.has_map and theirs is not None and theirs.distance <= 0.0:
+        # FCL tells no depth of an octree, and which of our digits would prove it wrong is open.
+        theirs = theirs._replace(distance=min(low, 0.0))
     if theirs is None:
         if high >= -tolerance:
             return Verdict(AGREED, opinion)
@@ -59,9 +62,9 @@ def judged(pair: Pair, ours: PairQuestion, theirs: PairAnswer | None, library: s
     elif low - tolerance <= _signed(pair, low, theirs) <= high + tolerance:
         return Verdict(AGREED, opinion)
     elif theirs.distance < low:
-        refuted = width(pair.a, pair.b, ours.nhat_BA_W) >= low - tolerance
+        refuted = not pair.has_map and width(pair.a, pair.b, ours.nhat_BA_W) >= low - tolerance
     else:
-        refuted = _is_too_far(pair, ours, theirs, high + tolerance, tolerance)
+        refuted = not pair.has_map and _is_too_far(pair, ours, theirs, high + tolerance, tolerance)
     said = 'no contact' if theirs is None else f'{theirs.distance:.9g} m'
     bound = f'{ours.distance:.9g} m within {ours.error_bound:.2g} m'
     text = f'{bound} here, {said} within {tolerance:.2g} m by {library}'

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import (
     GeometryId,
     Mesh,
+    OccupiedCells,
+    PointCloud,
     QueryObject,
     SceneGraphInspector,
     Shape,
@@ -32,10 +34,14 @@ VERDICTS = (AGREED, DISAGREED, REFUTED, SILENT, LOST)
 
 
 class QuestionedShape(NamedTuple):
-    """A shape of the scene, and whether it is a mesh that counts as a solid."""
+    """A shape of the scene, and whether it is a mesh that counts as a solid.
+
+    ``is_grown`` is a sensed map with a margin, of which the other library knows nothing.
+    """
 
     shape: Shape
     is_solid: bool
+    is_grown: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,6 +103,9 @@ def shapes_of(query: QueryObject, ids: Iterable[int]) -> dict[int, QuestionedSha
 
 def _asked(inspector: SceneGraphInspector, id: GeometryId) -> QuestionedShape:
     shape, properties = inspector.GetShape(id), inspector.GetProximityProperties(id)
+    if properties is not None and isinstance(shape, (OccupiedCells, PointCloud)):
+        margin = properties.GetPropertyOrDefault('map', 'margin', 0.0)
+        return QuestionedShape(shape, False, is_grown=margin > 0.0)
     if properties is None or not isinstance(shape, Mesh):
         return QuestionedShape(shape, False)
     return QuestionedShape(shape, bool(properties.GetPropertyOrDefault('mesh', 'solid', False)))

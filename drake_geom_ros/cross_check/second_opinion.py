@@ -25,7 +25,7 @@ from drake_geom_ros.cross_check.question import (
     QuestionedShape,
     Verdict,
 )
-from drake_geom_ros.geometry import MeshFileError
+from drake_geom_ros.geometry import MeshFileError, OccupiedCells, PointCloud
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 LIBRARY = 'python-fcl'
@@ -40,8 +40,22 @@ Bodies = dict[int, Body]
 Ask = Callable[[str, int, int, Pose, Pose, Mapping[int, Body]], Any]
 
 
+def why_silent(asked: QuestionedShape) -> str:
+    """Return why FCL cannot be asked about a sensed map, or nothing."""
+    if isinstance(asked.shape, PointCloud):
+        return 'FCL has no balls of a cloud'
+    if isinstance(asked.shape, OccupiedCells):
+        if asked.is_grown:
+            return "FCL knows nothing of ('map', 'margin')"
+        if not fcl_peer.is_octree(asked.shape):
+            return 'the cells do not lie on the grid of an octree'
+    return ''
+
+
 def body_of(asked: QuestionedShape) -> Body:
     """Return a shape of the scene as a body, at the origin."""
+    if isinstance(asked.shape, OccupiedCells):
+        return Body('OccupiedCells', (asked.shape.resolution(), asked.shape.centres()))
     if asked.is_solid:
         vertices, triangles = asked.shape.surface()  # type: ignore[attr-defined]
         return Body('Solid', vertices, triangles=triangles)
@@ -61,6 +75,7 @@ class SecondOpinion:
         self._limit = limit
         self._version = -1
         self._bodies: Bodies = {}
+        self._silent: dict[int, str] = {}  # why there is no body of a geometry
         self._there: set[int] = set()  # whose bodies the process has
         self._losses: Counter[tuple[int, int]] = Counter()  # processes, by pair
         self._process = LostProcess(lambda: made(dict(self._bodies)))
@@ -70,7 +85,11 @@ class SecondOpinion:
         if batch.version != self._version:
             self.close()
             self._version, self._bodies, self._losses = batch.version, {}, Counter()
+            self._silent = {}
         for value, asked in batch.shapes.items():
+            if reason := why_silent(asked):
+                self._silent[value] = reason
+                continue
             with contextlib.suppress(MeshFileError):  # of a file that is not what it was
                 self._bodies[value] = body_of(asked)
         return [self._judged(question) for question in batch.questions]
@@ -80,6 +99,8 @@ class SecondOpinion:
         self._process.close()
 
     def _judged(self, ours: PairQuestion) -> Verdict:
+        for reason in (self._silent[value] for value in ours.ids if value in self._silent):
+            return Verdict(SILENT, text=reason)
         if not self._bodies.keys() >= set(ours.ids):
             return Verdict(SILENT, text='a mesh file cannot be read')
         if self._losses[ours.ids] >= MOST_LOST:
@@ -88,6 +109,8 @@ class SecondOpinion:
             self._bodies[ours.ids[0]].placed(*ours.X_WA),
             self._bodies[ours.ids[1]].placed(*ours.X_WB),
         )
+        if pair.has_map and 'HalfSpace' in (pair.a.kind, pair.b.kind):
+            return Verdict(SILENT, text='FCL tells nothing of an octree and a half space')
         query, ids, poses = self._asked(pair, ours)
         if not self._process.is_running:
             self._there = set(self._bodies)  # it is a copy of this one

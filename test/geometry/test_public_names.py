@@ -38,7 +38,7 @@ OURS = """
     SceneGraphContext PenetrationResults SignedDistanceResults PointDistanceResults
     MotionCheck ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
-    HydroelasticType ContactSurfaceResults
+    HydroelasticType ContactSurfaceResults OccupiedCells PointCloud
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError
     compile_all_kernels kernel_cache DrakeVisualizerPublisher

@@ -201,30 +201,45 @@ def _length_beyond(gaps: Vector) -> float:
     return norm((max(gaps[0], 0.0), max(gaps[1], 0.0), max(gaps[2], 0.0)))
 
 
-@compiled
-def least_apart(pair: MapPair, p: Vector, box_A: NodeBox, box_B: NodeBox, limit: float) -> float:
-    """Return a lower bound [m] of the signed distance of what is in two boxes; Ao is at p in B.
+class Between(NamedTuple):
+    """What bounds of a pair need, few words to hand over: Ao is at p in B, A is turned by R."""
+
+    kind_A: int
+    R: Floats
+    p: Vector
+    radius: float  # [m] that both are grown by
+
+
+@allocating
+def between(pair: MapPair, p: Vector) -> Between:
+    """Return that of a pair whose Bo is at p from Ao in World axes."""
+    p_BA = scale(-1.0, unrotate(pair.B.R_W, p))
+    return Between(pair.A.kind, pair.R, p_BA, pair.A.radius + pair.B.radius)
+
+
+@inlined
+def least_apart(at: Between, box_A: NodeBox, box_B: NodeBox, limit: float) -> float:
+    """Return a lower bound [m] of the signed distance of what is in two boxes, of A and of B.
 
     What lies in a body is no nearer, and no deeper, than that body, and a gap along any direction,
     a negative one too, is never more than the signed distance. A few roundings of the pair's size
     may be missing, less than ``noise_of``. Of what is beyond the limit [m] less is told.
     """
-    R, radius = pair.R, pair.A.radius + pair.B.radius
-    if pair.A.kind == SPHERE:  # whichever way it is turned
-        d, k = sub(p, box_B.middle), box_B.half
+    R, p, k = at.R, at.p, box_B.half
+    if at.kind_A == SPHERE:  # whichever way it is turned
+        d = sub(p, box_B.middle)
         gaps = (abs(d[0]) - k[0], abs(d[1]) - k[1], abs(d[2]) - k[2])
-        return _length_beyond(gaps) - radius
-    if pair.A.kind == HALF_SPACE:
-        return _above_plane(R, p, box_B) - radius
-    d = sub(add(rotate(R, box_A.middle), p), box_B.middle)
-    in_B = _length_beyond(_beyond_faces(d, R, box_A.half, box_B.half))
-    if in_B - radius > limit:
-        return in_B - radius
-    d_A = unrotate(R, scale(-1.0, d))
-    h, k = box_A.half, box_B.half
+        return _length_beyond(gaps) - at.radius
+    if at.kind_A == HALF_SPACE:
+        return _above_plane(R, p, box_B) - at.radius
+    d, h = sub(add(rotate(R, box_A.middle), p), box_B.middle), box_A.half
+    in_B = _length_beyond(_beyond_faces(d, R, h, k)) - at.radius
+    if in_B > limit:
+        return in_B
+    d_A = unrotate(R, d)
     in_A = (
         abs(d_A[0]) - h[0] - (abs(R[0, 0]) * k[0] + abs(R[1, 0]) * k[1] + abs(R[2, 0]) * k[2]),
         abs(d_A[1]) - h[1] - (abs(R[0, 1]) * k[0] + abs(R[1, 1]) * k[1] + abs(R[2, 1]) * k[2]),
         abs(d_A[2]) - h[2] - (abs(R[0, 2]) * k[0] + abs(R[1, 2]) * k[1] + abs(R[2, 2]) * k[2]),
     )
-    return max(in_B, _length_beyond(in_A)) - radius
+    return max(in_B, _length_beyond(in_A) - at.radius)

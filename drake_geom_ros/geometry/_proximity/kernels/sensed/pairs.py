@@ -85,7 +85,7 @@ def answer_of(pair: MapPair, p: Vector, cutoff: float, out: Floats) -> None:
     found[ERROR_BOUND] = error
     found[UNIQUE] *= 1.0 if found[OTHER] > found[DISTANCE] + 2.0 * error else 0.0
     if found[DISTANCE] - error < 0.0 and pair.A.kind != HALF_SPACE:
-        way = way_out(pair, p, -found[DISTANCE], np.empty(FOUND_WIDTH))
+        way = way_out(pair, p, -found[DISTANCE], found.copy())
         more = way.length + found[DISTANCE]
         if not more <= LOOSE * noise + 2.0 * error:
             _write_open(pair, found, way, out)

@@ -31,7 +31,10 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import (
+    Between,
+    MapBody,
     MapPair,
+    between,
     box_of_cell,
     box_of_node,
     centre_of,
@@ -44,14 +47,12 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     dot,
     norm,
     rotate,
-    scale,
     sub,
-    unrotate,
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
@@ -129,19 +130,24 @@ def _take(told: Floats, c_A: Vector, c_B: Vector, found: Floats) -> None:
         found[CENTRES + k], found[CENTRES + 3 + k] = c_B[k], c_A[k]
 
 
-@compiled
+@allocating
 def _look_at_leaves(
-    pair: MapPair, nodes: tuple[int, int], p: Vector, cutoff: float, found: Floats, room: Floats
+    pair: MapPair,
+    at: Between,
+    nodes: tuple[int, int],
+    p: Vector,
+    cutoff: float,
+    found: Floats,
+    room: Floats,
 ) -> None:
     """Ask about the cells of a leaf of A's tree and of one of B's."""
     A, B, noise = pair.A, pair.B, noise_of(pair)
     i, j = nodes
-    p_BA = scale(-1.0, unrotate(B.R_W, p))
     for a in range(first_in(A.tree, i), first_in(A.tree, i + 1)):
         box = box_of_cell(A, a)
         for b in range(first_in(B.tree, j), first_in(B.tree, j + 1)):
             limit = min(cutoff, found[DISTANCE])
-            least = least_apart(pair, p_BA, box, box_of_cell(B, b), limit + noise) - noise
+            least = least_apart(at, box, box_of_cell(B, b), limit + noise) - noise
             if least > limit:
                 found[SKIPPED] = min(found[SKIPPED], least)
                 continue
@@ -162,32 +168,33 @@ class Path(NamedTuple):
     least: Floats
 
 
-@compiled
+@inlined
+def _cuts_B(A: MapBody, B: MapBody, i: int, j: int) -> bool:
+    """Tell whether it is B's node j that is cut in two, and not A's node i."""
+    if is_leaf(A.tree, i) or is_leaf(B.tree, j):
+        return is_leaf(A.tree, i)
+    return norm(box_of_node(B, j).half) >= norm(box_of_node(A, i).half)
+
+
+@inlined
 def _push_children(
-    pair: MapPair, nodes: tuple[int, int], p: Vector, path: Path, top: int, limit: float
+    pair: MapPair, at: Between, nodes: tuple[int, int], path: Path, top: int, limit: float
 ) -> int:
     """Push the two pairs that a pair of nodes, not both leaves, is cut into, the nearer last."""
     A, B = pair.A, pair.B
     i, j = nodes
-    cut_B = is_leaf(A.tree, i)
-    if not cut_B and not is_leaf(B.tree, j):
-        cut_B = norm(box_of_node(B, j).half) >= norm(box_of_node(A, i).half)
-    if cut_B:
-        box = box_of_node(A, i)
-        first = least_apart(pair, p, box, box_of_node(B, 2 * j + 1), limit)
-        second = least_apart(pair, p, box, box_of_node(B, 2 * j + 2), limit)
-    else:
-        box = box_of_node(B, j)
-        first = least_apart(pair, p, box_of_node(A, 2 * i + 1), box, limit)
-        second = least_apart(pair, p, box_of_node(A, 2 * i + 2), box, limit)
+    cut_B = _cuts_B(A, B, i, j)
     for turn in range(2):
-        # The second first, if it is the farther one.
-        k = 1 - turn if second >= first else turn
-        path.stack[top, 0] = i if cut_B else 2 * i + 1 + k
-        path.stack[top, 1] = 2 * j + 1 + k if cut_B else j
-        path.least[top] = second if k == 1 else first
-        top += 1
-    return top
+        mine = i if cut_B else 2 * i + 1 + turn
+        its = 2 * j + 1 + turn if cut_B else j
+        path.stack[top + turn, 0], path.stack[top + turn, 1] = mine, its
+        boxes = box_of_node(A, mine), box_of_node(B, its)
+        path.least[top + turn] = least_apart(at, boxes[0], boxes[1], limit)
+    if path.least[top] < path.least[top + 1]:
+        for k in range(2):
+            path.stack[top, k], path.stack[top + 1, k] = path.stack[top + 1, k], path.stack[top, k]
+        path.least[top], path.least[top + 1] = path.least[top + 1], path.least[top]
+    return top + 2
 
 
 @allocating
@@ -198,19 +205,13 @@ def find_nearest(pair: MapPair, p: Vector, cutoff: float, found: Floats) -> None
     they are apart at least; its DISTANCE is infinite where there are no others.
 
     No leaves that are the best are left out: a pair of nodes is put aside only if a lower bound of
-    all leaves below is beyond the best one, and otherwise both its halves take its place. Where
-    all are apart, that limit only ever shrinks to what is left; it is never that of last time.
+    all leaves below is beyond the best one, and otherwise both its halves take its place.
     """
     found[:] = 0.0
     found[DISTANCE] = found[OTHER] = found[LEAST] = found[SKIPPED] = math.inf
-    path, room = (
-        Path(np.zeros((DEEPEST, 2), np.int64), np.empty(DEEPEST)),
-        np.zeros((2, PAIR_WIDTH)),
-    )
-    noise, p_BA = noise_of(pair), scale(-1.0, unrotate(pair.B.R_W, p))
-    boxes = box_of_node(pair.A, 0), box_of_node(pair.B, 0)
-    path.least[0] = least_apart(pair, p_BA, *boxes, math.inf)
-    top = 1
+    path = Path(np.zeros((DEEPEST, 2), np.int64), np.empty(DEEPEST))
+    room, noise, at = np.zeros((2, PAIR_WIDTH)), noise_of(pair), between(pair, p)
+    path.least[0], top = -math.inf, 1
     while top > 0:
         top -= 1
         nodes = path.stack[top, 0], path.stack[top, 1]
@@ -218,6 +219,6 @@ def find_nearest(pair: MapPair, p: Vector, cutoff: float, found: Floats) -> None
         if path.least[top] > limit:
             found[SKIPPED] = min(found[SKIPPED], path.least[top] - noise)
         elif is_leaf(pair.A.tree, nodes[0]) and is_leaf(pair.B.tree, nodes[1]):
-            _look_at_leaves(pair, nodes, p, cutoff, found, room)
+            _look_at_leaves(pair, at, nodes, p, cutoff, found, room)
         else:
-            top = _push_children(pair, nodes, p_BA, path, top, limit)
+            top = _push_children(pair, at, nodes, path, top, limit)

@@ -12,10 +12,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
-    NORMAL,
-    WITNESS_B,
-)
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, NORMAL, WITNESS_B
 from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import (
     MapPair,
     box_of_node,
@@ -39,12 +36,11 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
 MOST_PUSHES = 16
 MOST_RETURNS = 8
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
-ENOUGH = 0.01  # of a way out [-] that it may be too long without another being looked for
 
 
 class WayOut(NamedTuple):
@@ -60,9 +56,12 @@ NO_WAY = WayOut(False, math.inf, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 @compiled
-def _room(pair: MapPair, p: Vector, s: Vector, found: Floats) -> float:
-    """Return how far A is from all cells at least [m] when it is moved by s; negative: in some."""
-    find_nearest(pair, sub(p, s), math.inf, found)
+def _room(pair: MapPair, p: Vector, s: Vector, cutoff: float, found: Floats) -> float:
+    """Return how far A is from all cells at least [m] when it is moved by s; negative: in some.
+
+    Of what is beyond the cutoff [m] less is told.
+    """
+    find_nearest(pair, sub(p, s), cutoff, found)
     return min(found[LEAST], found[SKIPPED]) - noise_of(pair)
 
 
@@ -72,31 +71,45 @@ def _back(pair: MapPair, p: Vector, n: Vector, far: float, found: Floats) -> Way
 
     As far as A is from all cells it may go back, for so far it stays free.
     """
-    length, room = far, _room(pair, p, scale(far, n), found)
+    length, room = far, _room(pair, p, scale(far, n), far, found)
     if room < 0.0:
         return NO_WAY
-    b = add_scaled(vector_at(found, WITNESS_B), far, n)
+    b = _touched(p, n, far, found)
     for _ in range(MOST_RETURNS):
         nearer = length - room
         if room <= BACK_OFF * noise_of(pair) or nearer <= 0.0:
             break
-        left = _room(pair, p, scale(nearer, n), found)
+        left = _room(pair, p, scale(nearer, n), nearer, found)
         if left < 0.0:
             break
         length, room = nearer, left
-        b = add_scaled(vector_at(found, WITNESS_B), nearer, n)
+        b = _touched(p, n, nearer, found)
     return WayOut(True, length, n, b)
 
 
+@inlined
+def _touched(p: Vector, n: Vector, length: float, found: Floats) -> Vector:
+    """Return the point of B that is nearest to A when it is moved so far along n, from Ao now."""
+    if found[DISTANCE] == math.inf:
+        return p
+    return add_scaled(vector_at(found, WITNESS_B), length, n)
+
+
 @compiled
-def _pushed_out(pair: MapPair, p: Vector, found: Floats) -> WayOut:
-    """Return the way on which A leaves the deepest cell, the deepest there, until it is out."""
-    s, room = (0.0, 0.0, 0.0), _room(pair, p, (0.0, 0.0, 0.0), found)
+def _pushed_out(pair: MapPair, p: Vector, depth: float, found: Floats) -> WayOut:
+    """Return the way on which A leaves the deepest cell, the deepest there, until it is out.
+
+    ``found`` comes in as the walk left it about A as it stands.
+    """
+    s, room = (0.0, 0.0, 0.0), min(found[LEAST], found[SKIPPED]) - noise_of(pair)
     for _ in range(MOST_PUSHES):
         s = add_scaled(s, BACK_OFF * noise_of(pair) - room, vector_at(found, NORMAL))
-        room = _room(pair, p, s, found)
+        room = _room(pair, p, s, 0.0, found)
         if room >= 0.0:
-            return _back(pair, p, unit(s), norm(s), found)
+            length, n = norm(s), unit(s)
+            if length - depth <= 2.0 * BACK_OFF * noise_of(pair):  # nothing is to be gained
+                return WayOut(True, length, n, p)
+            return _back(pair, p, n, length, found)
     return NO_WAY
 
 
@@ -114,15 +127,18 @@ def _beside(pair: MapPair, p: Vector, k: int, side: float) -> float:
 
 @allocating
 def way_out(pair: MapPair, p: Vector, depth: float, found: Floats) -> WayOut:
-    """Return a short way out of B, that A is as deep in as ``depth`` [m] at least."""
-    best = _pushed_out(pair, p, found)
-    if best.is_out and best.length - depth <= ENOUGH * best.length:
+    """Return a short way out of B, that A is as deep in as ``depth`` [m] at least.
+
+    ``found`` comes in as the walk left it, and is used up.
+    """
+    best = _pushed_out(pair, p, depth, found)
+    if best.is_out:
         return best
     for turn in range(6):
         k, side = turn // 2, 1.0 - 2.0 * (turn % 2)
         n = scale(side, column(pair.B.R_W, k))
         other = _back(pair, p, n, _beside(pair, p, k, side), found)
-        if other.is_out and (not best.is_out or other.length < best.length):
+        if other.is_out and other.length < best.length:
             best = other
     if best.is_out:
         return best
