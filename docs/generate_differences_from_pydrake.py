@@ -65,6 +65,10 @@ _IN_WORDS = """
   in 2020, `pydrake.geometry.render`. `ConnectDrakeVisualizer` of 2020 takes None as its builder,
   and what it returns sends when `Publish(context, time)` is called: see [viewing](viewing.md).
 - The property `('mesh', 'solid')` makes a Mesh a body that need not be convex.
+- Contact surfaces: each polygon has its own vertices, where pydrake shares those in a half space;
+  a compliant half space and a compliant body have a surface; `ComputeContactSurfaces` raises for
+  a pair that can have none only where it overlaps; touching is no contact; a `margin` is refused.
+  See [contact surfaces](contact_surfaces.md).
 """
 
 

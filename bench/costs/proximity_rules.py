@@ -29,7 +29,7 @@ BODIES = 1000
 RULES = (0, 1, 20, 1000)
 CYCLES = 150
 REACH, STEP, PAUSE = 0.1, 0.01, 0.01  # [m], [m], [s]
-RADIUS, SIDE = 0.05, 1.6  # [m]: some 900 pairs within reach
+RADIUS, SIDE = 0.05, 1.6  # [m]: some 3000 pairs within reach
 
 
 class Balls:

@@ -3,9 +3,10 @@
 Two arms, in turns: poses of all links on ``~/frame_poses``; joint states alone; joint states to a
 state publisher, whose TF the node hears. Each way has a node of its own, and only one is used at
 a time. ``robot_state_publisher`` is no package of PyPI: where it is not installed, one in Python
-that does the same stands in for it (``state_publisher``).
+that does the same stands in for it (``state_publisher``). With ``--without-tf`` the last way is
+left out: at 500 Hz three nodes and a publisher are more than two cores do.
 
-    ./run exec python -m bench.ros.joint_routes [--rates 100 500] [--seconds 5]
+    ./run exec python -m bench.ros.joint_routes [--rates 100 500] [--seconds 5] [--without-tf]
 """
 
 from __future__ import annotations
@@ -28,7 +29,6 @@ from drake_geom_ros.trajectories.motion_file import load_motion
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 TURNS = 3
-WAYS = 'link poses', 'joint states', 'state publisher and TF'
 
 
 class JointRoute(Route):
@@ -65,22 +65,21 @@ def stream_joints(
         executor.spin_once(timeout_sec=left)
 
 
-def start_nodes(processes: Processes, played: Played) -> None:
+def start_nodes(processes: Processes, played: Played, *, with_tf: bool) -> None:
     """Start a node for each way, and the state publisher of the last."""
-    for name, parameter in (
-        ('by_poses', 'use_tf'),
-        ('by_joints', 'use_joint_states'),
-        ('by_tf', 'use_tf'),
-    ):
-        values = {parameter: str(name != 'by_poses').lower()}
+    nodes = [('by_poses', 'use_tf', False), ('by_joints', 'use_joint_states', True)]
+    if with_tf:
+        nodes.append(('by_tf', 'use_tf', True))
+        processes.start('bench.ros.state_publisher', str(played.scene_file))
+    for name, parameter, value in nodes:
+        values = {parameter: str(value).lower()}
         remapped = ('--ros-args', '-r', f'__node:={name}', '--')
         processes.start(NODE, *remapped, scene_file=played.scene_file, max_distance=0.1, **values)
-    processes.start('bench.ros.state_publisher', str(played.scene_file))
 
 
 def measure(
-    node: Node, played: Played, rate: float, seconds: float
-) -> list[tuple[list[float], int]]:
+    node: Node, played: Played, rate: float, seconds: float, *, with_tf: bool
+) -> dict[str, tuple[list[float], int]]:
     """Stream all ways in turns; return the delays [s] of each, and how many were lost."""
     motion = load_motion(
         played.scene_file.with_name(f'{played.scene_file.stem}_motion.yaml'),
@@ -89,17 +88,19 @@ def measure(
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     by_poses = Route(node, 'by_poses')
-    by_joints = JointRoute(node, 'by_joints', '/joint_states', motion)
-    by_tf = JointRoute(node, 'by_tf', '/to_state_publisher', motion)
-    routes = (by_poses, by_joints, by_tf)
-    while not all(route.publisher.get_subscription_count() for route in routes):
+    by_values = {'joint states': JointRoute(node, 'by_joints', '/joint_states', motion)}
+    if with_tf:
+        topic = '/to_state_publisher'
+        by_values['state publisher and TF'] = JointRoute(node, 'by_tf', topic, motion)
+    routes = {'link poses': by_poses, **by_values}
+    while not all(route.publisher.get_subscription_count() for route in routes.values()):
         executor.spin_once(timeout_sec=0.1)
     for _ in range(TURNS):
         stream(executor, by_poses, played, rate, seconds / TURNS)
-        stream_joints(executor, by_joints, rate, seconds / TURNS)
-        stream_joints(executor, by_tf, rate, seconds / TURNS)
+        for route in by_values.values():
+            stream_joints(executor, route, rate, seconds / TURNS)
     executor.remove_node(node)
-    return [route.result() for route in routes]
+    return {way: route.result() for way, route in routes.items()}
 
 
 def main() -> None:
@@ -107,16 +108,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--rates', nargs='+', type=float, default=[100.0, 500.0])
     parser.add_argument('--seconds', type=float, default=6.0, help='of streaming each way')
+    parser.add_argument('--without-tf', action='store_true', help='link poses and joint states')
     options = parser.parse_args()
-    played = two_arms()
+    played, with_tf = two_arms(), not options.without_tf
     print(f'{"rate [Hz]":>10}{"way":>26}{"p50":>9}{"p99":>9}{"mean":>9}{"lost":>6}   [ms]')
     with Processes() as processes:
-        start_nodes(processes, played)
+        start_nodes(processes, played, with_tf=with_tf)
         for rate in options.rates:
             rclpy.init()
             driver = rclpy.create_node('driver')
-            found = measure(driver, played, rate, options.seconds)
-            for way, (delays, lost) in zip(WAYS, found, strict=True):
+            found = measure(driver, played, rate, options.seconds, with_tf=with_tf)
+            for way, (delays, lost) in found.items():
                 p50, p99 = np.percentile(delays, (50, 99)) * 1e3 if delays else (np.nan, np.nan)
                 mean = np.mean(delays) * 1e3 if delays else np.nan
                 print(f'{rate:10g}{way:>26}{p50:9.2f}{p99:9.2f}{mean:9.2f}{lost:6}', flush=True)

@@ -169,17 +169,17 @@ class ProximityMonitor:
         if is_older and message.scene_version <= self._version:  # of a new node it is greater
             return  # events that came already say more, and states follow them
         self._standing = {
-            rule.name: RuleStanding(
-                rule.name,
-                LEVELS[rule.level],
+            name: RuleStanding(
+                name,
+                LEVELS[message.rules.level[k]],
                 message.entered[k],
                 WHY.get(message.why[k], ''),
-                _seconds(message.since[k]),
+                message.since[k],
                 message.pairs[k],
                 message.left_out_pairs[k],
                 message.trouble[k],
             )
-            for k, rule in enumerate(message.rules)
+            for k, name in enumerate(message.rules.name)
         }
         # States may come after later events; only a server that began anew takes numbers back.
         if self._next == 0 or message.next_sequence < self._stated:

@@ -228,6 +228,7 @@ def _report(options: argparse.Namespace) -> int:
     if compared is not None and _comes_nearer(compared, options):
         return NEARER
     is_whole = not found.reservations() and not counts.get(Outcome.NOT_REPRODUCIBLE)
+    is_whole &= compared is None or all(each.is_whole.all() for each in compared)
     return 0 if is_whole else NOT_WHOLE
 
 

@@ -46,6 +46,11 @@ class GeometryNames(NamedTuple):
         return (*of_others, self.name, self.short_name, self.full_name)
 
 
+def is_plain(pattern: str) -> bool:
+    """Return whether a pattern stands for one name, itself."""
+    return not {'*', '?'}.intersection(pattern)
+
+
 def matches(names: Iterable[str], pattern: str) -> bool:
     """Return whether one of the names is ``pattern``, which may hold ``*`` and ``?``.
 

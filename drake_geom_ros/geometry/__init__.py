@@ -2,7 +2,7 @@
 
 In: registrations, poses and questions, by public names.
 Out: the public names of all rooms below.
-May import: ``math``; numpy.
+May import: ``math``, ``_proximity``; numpy.
 """
 
 from typing import TYPE_CHECKING

@@ -2,11 +2,13 @@
 
 In: rules, names and filters of a scene, what a cycle measured.
 Out: events, the state of each rule, the scale of speed.
-May import: ``math``, ``common``; numpy.
+May import: ``math``, ``common``, ``geometry``; numpy.
 """
 
-from drake_geom_ros.proximity_rules.decisions import Measured, Poses
-from drake_geom_ros.proximity_rules.monitor import Event, RuleMonitor, RuleState
+from drake_geom_ros.proximity_rules.decisions import Poses
+from drake_geom_ros.proximity_rules.events import Event
+from drake_geom_ros.proximity_rules.measured import Measured
+from drake_geom_ros.proximity_rules.monitor import RuleMonitor, RuleState
 from drake_geom_ros.proximity_rules.rule import (
     Level,
     ProximityRule,

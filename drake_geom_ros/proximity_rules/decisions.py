@@ -14,26 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.proximity_rules.rule import ProximityRule, Why
-from drake_geom_ros.proximity_rules.watched_pairs import Incidences, WatchedPairs
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Ids = NDArray[np.int64]
 Whys = NDArray[np.uint8]
-
-
-class Measured(NamedTuple):
-    """What a cycle knows of pairs (k,): all that are nearer than it looked, and not filtered."""
-
-    id_A: Ids
-    id_B: Ids
-    distance: Floats  # [m]
-    error_bound: Floats  # [m]
-    p_WCa: Floats  # (k, 3) [m]
-    p_WCb: Floats
-    closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: nobody watches
-    # (n,), in the order of ``WatchedPairs.ids``: nobody knows how it moves now; None: no such one.
-    unpredicted: Flags | None = None
 
 
 class Poses(NamedTuple):
@@ -93,44 +77,3 @@ class Limits:
         """
         far = (reasons.lowest >= self.leave) & (reasons.soonest >= self.least_time)
         return far & ~reasons.stale & ~reasons.absent & ~reasons.unpredicted
-
-
-class Lowest(NamedTuple):
-    """Lower bounds [m] and times to contact [s] of pairs, and the groups that these concern."""
-
-    lower: Floats  # (k,) of pairs
-    times: Floats | None  # None: nobody watches how bodies move
-    concerned: Incidences
-
-    def pair_of(self, group: int, *, soonest: bool) -> int:
-        """Return which pair of a group is the nearest, or would touch first; -1: there is none."""
-        pairs = self.concerned.pairs[self.concerned.groups == group]
-        if not len(pairs):
-            return -1
-        values = self.times if soonest and self.times is not None else self.lower
-        of_rule = values[pairs]
-        return int(pairs[of_rule == of_rule.min()].min())  # the first of several: in no order here
-
-    def of_groups(self, count: int) -> tuple[Floats, Floats]:
-        """Return the least bound [m] and time [s] of each of so many groups; inf: of no pair."""
-        lowest, soonest = np.full(count, math.inf), np.full(count, math.inf)
-        pairs, groups = self.concerned
-        np.minimum.at(lowest, groups, self.lower[pairs])
-        if self.times is not None:
-            np.minimum.at(soonest, groups, self.times[pairs])
-        return lowest, soonest
-
-
-def look(watched: WatchedPairs, measured: Measured, farthest: float = math.inf) -> Lowest:
-    """Return the bounds of what was measured, and which rules that concerns that may be near."""
-    lower = measured.distance - measured.error_bound
-    # What is not a number is a doubt, and no rule may take it for free.
-    lower[np.isnan(lower)] = -math.inf
-    times = None
-    if measured.closing_speed is not None:
-        times = np.full(len(lower), math.inf)
-        closes = measured.closing_speed > 0.0
-        times[closes] = np.maximum(lower[closes], 0.0) / measured.closing_speed[closes]
-    near = np.flatnonzero(lower <= farthest)
-    pairs, groups = watched.incidences(measured.id_A[near], measured.id_B[near])
-    return Lowest(lower, times, Incidences(near[pairs], groups))

@@ -4,53 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.proximity_rules.decisions import (
-    Limits,
-    Lowest,
-    Measured,
-    Poses,
-    Reasons,
-    look,
-)
+from drake_geom_ros.proximity_rules.decisions import Limits, Poses, Reasons
 from drake_geom_ros.proximity_rules.entered import Entered
-from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, RuleError, Why
+from drake_geom_ros.proximity_rules.events import Event, Seen, events_of, events_of_gone
+from drake_geom_ros.proximity_rules.measured import Measured
+from drake_geom_ros.proximity_rules.rule import ProximityRule, RuleError, Why
 from drake_geom_ros.proximity_rules.speed_scale import SpeedScale
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPairs
-
-_NOBODY = np.full(3, math.nan)
-
-
-class Event(NamedTuple):
-    """One change of one rule.
-
-    The pair is the nearest of the rule's, for SOON the one that would touch first; ids of 0, a
-    distance of inf and points of NaN: none was near enough to be looked at. For STALE and NO_POSE
-    ``id_A`` is a geometry whose pose is missing, and nothing is known of a distance (NaN).
-
-    What the lower bound was held against is ``limit_distance``: ``enter`` of the rule, and
-    ``leave`` where it is left.
-    """
-
-    sequence: int
-    rule: str
-    level: Level
-    is_entered: bool
-    why: Why
-    id_A: int = 0
-    id_B: int = 0
-    distance: float = math.inf  # [m]
-    error_bound: float = 0.0  # [m]
-    p_WCa: NDArray[np.float64] = _NOBODY  # (3,) [m]
-    p_WCb: NDArray[np.float64] = _NOBODY
-    closing_speed: float = math.nan  # [m/s] NaN: not known
-    limit_distance: float = math.nan  # [m]
-    limit_time: float = 0.0  # [s] ``min_time_to_contact`` of the rule
 
 
 class RuleState(NamedTuple):
@@ -66,13 +32,6 @@ class RuleState(NamedTuple):
     trouble: str  # why it can never be entered as the scene is; empty where it can
     lacking: tuple[str, ...]  # names that it goes on without, for they stand for nothing any more
     unpredicted: bool  # times count for it, and nobody knows how all that it needs moves
-
-
-class _Seen(NamedTuple):
-    """What the last cycle that measured saw."""
-
-    measured: Measured
-    lowest: Lowest
 
 
 class RuleMonitor:
@@ -135,7 +94,8 @@ class RuleMonitor:
 
     def _end(self, numbers: Sequence[int]) -> list[Event]:
         """Forget rules; return the events of that."""
-        gone = [self._event(n, is_entered=False, why=Why.GONE) for n in numbers]
+        gone = events_of_gone(self._sequence, [self.rules[n] for n in numbers])
+        self._sequence += len(gone)
         if numbers:
             kept = [n for n in range(len(self.rules)) if n not in numbers]
             self._set(tuple(self.rules[n] for n in kept), self._entered.of(kept))
@@ -151,7 +111,7 @@ class RuleMonitor:
         self._speed = SpeedScale(rules, self._watched)
         far, no = np.full(len(rules), math.inf), np.zeros(len(rules), dtype=np.bool_)
         self._reasons = Reasons(far, far, no, no, no)
-        self._seen: _Seen | None = None
+        self._seen: Seen | None = None
         self.is_measured = False  # whether the distances of these pairs were looked at
 
     # Cycles.
@@ -185,13 +145,13 @@ class RuleMonitor:
         entered for want of poses only, and none is left.
         """
         if measured is not None:
-            lowest = look(self._watched, measured, farthest)
-            least, soonest = lowest.of_groups(self._watched.group_count)
-            of = self._watched.group_of
+            nearest = self._watched.nearest(measured, farthest)
             self._reasons = self._reasons._replace(
-                lowest=least[of], soonest=soonest[of], unpredicted=self._unpredicted(measured)
+                lowest=nearest.lowest,
+                soonest=nearest.soonest,
+                unpredicted=self._unpredicted(measured),
             )
-            self._seen, self.is_measured = _Seen(measured, lowest), True
+            self._seen, self.is_measured = Seen(measured, nearest), True
         self._reasons = self._reasons._replace(
             stale=self._watched.needs(poses.stale),
             absent=self._watched.needs(poses.absent) | self._watched.is_unknown,
@@ -200,7 +160,11 @@ class RuleMonitor:
         may_leave = limits.may_leave(reasons) & self.is_measured
         near, blind = limits.near(reasons), limits.blind(reasons)
         changed = self._entered.step(now, near, blind, may_leave, limits)
-        return [self._changed(number, poses) for number in changed.tolist()]
+        if not len(changed):
+            return []
+        first, entered = self._sequence, self._entered
+        self._sequence += len(changed)
+        return events_of(first, self.rules, changed, entered, self._watched, poses, self._seen)
 
     def _unpredicted(self, measured: Measured) -> NDArray[np.bool_]:
         """Return the rules (r,) that need to know a motion which nobody knows."""
@@ -220,62 +184,16 @@ class RuleMonitor:
     def states(self) -> list[RuleState]:
         """Return the states of all rules, in the order in which they came."""
         entered, watched = self._entered, self._watched
-        return [
-            RuleState(
-                rule,
-                bool(entered.is_entered[n]),
-                Why(int(entered.why[n])) if entered.is_entered[n] else None,
-                float(entered.since[n]),
-                float(self._reasons.lowest[n]),
-                int(watched.pairs[n]),
-                int(watched.left_out[n]),
-                watched.unknown[n] or watched.unwatched[n],
-                watched.lacking[n],
-                bool(self._reasons.unpredicted[n]),
-            )
-            for n, rule in enumerate(self.rules)
-        ]
-
-    # Events.
-
-    def _changed(self, number: int, poses: Poses) -> Event:
-        """Return the event of a rule that was entered or left."""
-        rule = self.rules[number]
-        is_entered, why = bool(self._entered.is_entered[number]), Why(self._entered.why[number])
-        limits = {
-            'limit_distance': rule.enter if is_entered else rule.leave,
-            'limit_time': rule.min_time_to_contact,
-        }
-        if is_entered and why in (Why.STALE, Why.NO_POSE):
-            without = poses.stale if why == Why.STALE else poses.absent
-            ids = self._watched.ids[self._watched.needed[number] & without]
-            about = int(ids[0]) if len(ids) else 0
-            return self._event(number, is_entered, why, id_A=about, distance=math.nan, **limits)
-        # Of what is left, the pair that it is nearest to be entered for again.
-        pair = self._pair(number, soonest=is_entered and why == Why.SOON)
-        return self._event(number, is_entered, why, **pair, **limits)
-
-    def _pair(self, number: int, *, soonest: bool) -> dict[str, Any]:
-        """Return the fields of an event that tell its pair; none where no pair is near."""
-        if self._seen is None:
-            return {}
-        measured, lowest = self._seen
-        k = lowest.pair_of(int(self._watched.group_of[number]), soonest=soonest)
-        if k < 0:
-            return {}
-        speeds = measured.closing_speed
-        return {
-            'closing_speed': math.nan if speeds is None else float(speeds[k]),
-            'id_A': int(measured.id_A[k]),
-            'id_B': int(measured.id_B[k]),
-            'distance': float(measured.distance[k]),
-            'error_bound': float(measured.error_bound[k]),
-            'p_WCa': measured.p_WCa[k].copy(),
-            'p_WCb': measured.p_WCb[k].copy(),
-        }
-
-    def _event(self, number: int, is_entered: bool, why: Why, **pair: Any) -> Event:
-        """Return an event, with the next number."""
-        rule, sequence = self.rules[number], self._sequence
-        self._sequence += 1
-        return Event(sequence, rule.name, rule.level, is_entered, why, **pair)
+        is_entered, why = entered.is_entered.tolist(), entered.why.tolist()
+        columns = (
+            is_entered,
+            [Why(w) if e else None for e, w in zip(is_entered, why, strict=True)],
+            entered.since.tolist(),
+            self._reasons.lowest.tolist(),
+            watched.pairs.tolist(),
+            watched.left_out.tolist(),
+            [a or b for a, b in zip(watched.unknown, watched.unwatched, strict=True)],
+            watched.lacking,
+            self._reasons.unpredicted.tolist(),
+        )
+        return list(map(RuleState, self.rules, *columns))

@@ -1,12 +1,13 @@
 """Which pairs of a scene each rule is about: made when the scene changes, asked each cycle.
 
 Rules that name the same sets, such as a stop and a warning, are a group, and groups are bits. Of
-each geometry there is a row of bits for the groups in whose ``set_a`` it is, and
-one for ``set_b``; those of a pair are ``A[a] & B[b]`` and ``A[b] & B[a]``, for all pairs at once.
+each geometry there is a row of bits for the groups in whose ``set_a`` it is, and one for
+``set_b``; those of a pair are ``A[a] & B[b]`` and ``A[b] & B[a]``.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from itertools import islice
 from typing import NamedTuple
@@ -15,15 +16,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.geometry_names import GeometryNames, matches
+from drake_geom_ros.common.geometry_names import GeometryNames, is_plain, matches
 from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.proximity_rules.measured import NOTHING, Measured
+from drake_geom_ros.proximity_rules.nearest_pairs import (
+    WORD,
+    NearestPairs,
+    SetBits,
+    nearest_pairs,
+)
 from drake_geom_ros.proximity_rules.rule import ProximityRule
 
 Ids = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
-_MOST_ROOM = 16  # numbers in a table for each id of it
-_WORD = 64  # bits; a pair's rules are looked for a word at a time
 
 
 class ScenePairs(NamedTuple):
@@ -32,16 +38,6 @@ class ScenePairs(NamedTuple):
     ids: Ids  # (n,), ascending
     names: Sequence[GeometryNames]  # of each
     reported: Flags  # (n, n), symmetric: whether a pair may be reported
-
-
-class Incidences(NamedTuple):
-    """Which pair concerns which group of rules: ``groups[k]`` is one of ``pairs[k]``.
-
-    In no order, and some twice.
-    """
-
-    pairs: Ids
-    groups: Ids
 
 
 class WatchedPairs:
@@ -56,7 +52,7 @@ class WatchedPairs:
         of a set do; the other where no pair is ever reported. ``lacking`` are of each
         rule in ``met`` the names that it goes on without.
         """
-        self.ids = scene.ids
+        self.ids: Ids = np.array(scene.ids, dtype=np.int64)
         finder = _Finder(scene)
         sets = [finder.sets_of(rule, may_lack=rule.name in met) for rule in rules]
         shape = len(rules), len(scene.ids)
@@ -78,16 +74,12 @@ class WatchedPairs:
         for number, each in enumerate(sets_of):
             firsts.setdefault(each, number)
         groups = {each: number for number, each in enumerate(firsts)}
-        self.group_of: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
-        self.group_count, of_groups = len(groups), list(firsts.values())
-        bits_a, self._bits_b = _words(self._in_a[of_groups].T), _words(self._in_b[of_groups].T)
-        self._table = _table(self.ids)
-        # Of the first set most geometries have few words with any bit: those alone, one after
-        # the other, and where those of each geometry begin.
-        rows, self._filled = np.nonzero(bits_a)
-        self._of_a = bits_a[rows, self._filled]
-        self._counts = np.bincount(rows, minlength=len(scene.ids))
-        self._begins = np.cumsum(self._counts) - self._counts
+        self._group_of: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
+        of_groups = list(firsts.values())
+        sets_of_groups = self._in_a[of_groups], self._in_b[of_groups]
+        self._groups, self._bits = len(groups), _bits(self.ids, *sets_of_groups)
+        if rules:
+            self.nearest(NOTHING)  # compiled now, and not in a cycle
 
     def _count(self, reported: Flags) -> None:
         """Count pairs {i, j} with i in A and j in B: ordered ones, less those that count twice."""
@@ -106,27 +98,14 @@ class WatchedPairs:
 
     def needs(self, flags: Flags) -> Flags:
         """Return which rules (r,) need the pose of any of the geometries (n,) that are flagged."""
+        if not flags.any():  # as in most cycles
+            return np.zeros(len(self.needed), dtype=np.bool_)
         return np.asarray(self.needed[:, flags].any(axis=1))
 
-    def incidences(self, id_A: Ids, id_B: Ids) -> Incidences:
-        """Return which of the pairs (k,) concern which groups of rules."""
-        # Each pair both ways round: which is of the first set, and which of the second.
-        first = self._rows_of(np.concatenate((id_A, id_B)))
-        second = np.roll(first, len(id_A))
-        begin, counts = self._begins[first], self._counts[first]
-        ways = np.repeat(np.arange(len(first)), counts)
-        # The words of one after those of the other: begin, begin + 1, ...
-        filled = np.arange(len(ways)) + np.repeat(begin - (np.cumsum(counts) - counts), counts)
-        words = self._filled[filled]
-        bits = self._of_a[filled] & self._bits_b[second[ways], words]
-        some = np.flatnonzero(bits)
-        return _one_by_one(ways[some] % len(id_A), words[some] * _WORD, bits[some])
-
-    def _rows_of(self, ids: Ids) -> Ids:
-        """Return where in ``self.ids`` ids (k,) are."""
-        if self._table is None:
-            return np.searchsorted(self.ids, ids)
-        return np.asarray(self._table[ids - self.ids[0]])
+    def nearest(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
+        """Return the nearest pairs of each rule (r,), of those within ``farthest`` [m]."""
+        found = nearest_pairs(measured, farthest, self._bits, self._groups)
+        return found.of(self._group_of)
 
     def watched(self) -> Flags:
         """Return which pairs (n, n) concern any rule; symmetric."""
@@ -141,42 +120,20 @@ class WatchedPairs:
         return bool(straight or crossed)
 
 
-def _table(ids: Ids) -> Ids | None:
-    """Return the rows of ids (n,) by id, from the first one on; None where ids are too far apart.
-
-    A look into it is several times as fast as a search.
-    """
-    span = int(ids[-1] - ids[0]) + 1 if len(ids) else 0
-    if not 0 < span <= _MOST_ROOM * len(ids):
-        return None
-    rows = np.zeros(span, dtype=np.int64)
-    rows[ids - ids[0]] = np.arange(len(ids))
-    return rows
-
-
-def _one_by_one(pairs: Ids, firsts: Ids, words: NDArray[np.uint64]) -> Incidences:
-    """Return an incidence for each bit of words, whose bits begin at groups ``firsts``.
-
-    The lowest bit of each word in turn: most pairs concern few groups.
-    """
-    found: list[Incidences] = []
-    while len(words):
-        lowest = words & (~words + np.uint64(1))
-        # A power of two is a float without error, and its exponent is the number of the bit.
-        bit = np.frexp(lowest.astype(np.float64))[1] - 1
-        found.append(Incidences(pairs, firsts + bit))
-        words = words ^ lowest
-        left = words != 0
-        pairs, firsts, words = pairs[left], firsts[left], words[left]
-    if not found:
-        return Incidences(pairs, firsts)
-    return Incidences(*(np.concatenate(each) for each in zip(*found, strict=True)))
+def _bits(ids: Ids, in_a: Flags, in_b: Flags) -> SetBits:
+    """Return which groups (g, n) have geometries (n,) in their first and in their second set."""
+    words_a, words_b = _words(in_a.T), _words(in_b.T)
+    rows, places = np.nonzero(words_a)
+    begins = np.zeros(in_a.shape[1] + 1, dtype=np.int64)
+    np.cumsum(np.bincount(rows, minlength=in_a.shape[1]), out=begins[1:])
+    # A copy, for one in several pieces: another version would be compiled.
+    return SetBits(ids, begins, np.array(places), words_a[rows, places], words_b)
 
 
 def _words(flags: Flags) -> NDArray[np.uint64]:
     """Return flags (n, r) as rows of whole words of bits."""
     bits = np.packbits(flags, axis=1, bitorder='little')
-    filled = np.zeros((len(flags), -(-flags.shape[1] // _WORD) * (_WORD // 8)), dtype=np.uint8)
+    filled = np.zeros((len(flags), -(-flags.shape[1] // WORD) * (WORD // 8)), dtype=np.uint8)
     filled[:, : bits.shape[1]] = bits
     return filled.view(np.uint64)
 
@@ -194,7 +151,11 @@ class _Finder:
     """Finds the geometries that patterns stand for; rules ask for the same again and again."""
 
     def __init__(self, scene: ScenePairs) -> None:
-        self._called = [names.found_by for names in scene.names]
+        self._count = len(scene.names)
+        self._rows: dict[str, list[int]] = {}  # by name; of most a geometry or a few
+        for row, names in enumerate(scene.names):
+            for name in dict.fromkeys(names.found_by):
+                self._rows.setdefault(name, []).append(row)
         self._found: dict[str, Flags] = {}
 
     def sets_of(self, rule: ProximityRule, *, may_lack: bool) -> _Sets:
@@ -212,20 +173,29 @@ class _Finder:
         return _Sets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
 
     def _members(self, patterns: Sequence[str]) -> Flags:
-        members = np.zeros(len(self._called), dtype=np.bool_)
+        members = np.zeros(self._count, dtype=np.bool_)
         for pattern in patterns:
             if pattern not in self._found:
-                each = [matches(names, pattern) for names in self._called]
-                self._found[pattern] = np.array(each, dtype=np.bool_)
+                self._found[pattern] = self._members_of(pattern)
             members |= self._found[pattern]
         return members
 
+    def _members_of(self, pattern: str) -> Flags:
+        """Return the geometries that ``matches`` finds by a pattern."""
+        members = np.zeros(self._count, dtype=np.bool_)
+        if is_plain(pattern):
+            members[self._rows.get(pattern, [])] = True
+            return members
+        for name, rows in self._rows.items():
+            if matches([name], pattern):
+                members[rows] = True
+        return members
+
     def _unknown(self, rule: ProximityRule, pattern: str) -> str:
-        known = dict.fromkeys(name for names in self._called for name in names)
-        like = nearest(pattern, islice(known, _MOST_LOOKED_AT))
+        like = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
         return (
             f'proximity rule {rule.name[:80]!r}: {pattern[:80]!r} stands for no geometry that '
-            f'queries report{like}. The scene has {counted(len(self._called), "geometry")} with '
+            f'queries report{like}. The scene has {counted(self._count, "geometry")} with '
             'the proximity role; see ~/scene'
         )
 

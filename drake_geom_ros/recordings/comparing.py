@@ -73,31 +73,44 @@ def compare_runs(run: Clearances, other: Clearances, by: str = 'time') -> list[S
     if by == 'time':
         end = max(run.duration, other.duration)
         places = [each.times / (end or 1.0) for each in (run, other)]
+        holds = [each.stale_after / (end or 1.0) for each in (run, other)]
     else:
         end = 1.0
         places = [each.travelled / (each.travelled[-1] or 1.0) for each in (run, other)]
+        holds = [1.0, 1.0]  # between two states nothing else was passed
     ends = np.linspace(0.0, end, _PARTS + 1)
-    return [_compared(ends, run.sets[name], other.sets[name], places) for name in run.sets]
+    return [_compared(ends, run.sets[n], other.sets[n], places, holds) for n in run.sets]
 
 
 def _compared(
-    ends: Floats, run: SetClearance, other: SetClearance, places: Sequence[Floats]
+    ends: Floats,
+    run: SetClearance,
+    other: SetClearance,
+    places: Sequence[Floats],
+    holds: Sequence[float],
 ) -> SetComparison:
-    (first, whole), (second, both) = (
-        _by_part(each, place) for each, place in zip((run, other), places, strict=True)
-    )
-    return SetComparison(run.name, ends, first, second, whole & both, _by_pair(run, other))
+    both = zip((run, other), places, holds, strict=True)
+    (first, whole), (second, others) = (_by_part(*each) for each in both)
+    return SetComparison(run.name, ends, first, second, whole & others, _by_pair(run, other))
 
 
-def _by_part(pairs: SetClearance, places: Floats) -> tuple[Floats, Flags]:
-    """Return of each part the least distance that is known, and whether all of it is known."""
+def _by_part(pairs: SetClearance, places: Floats, holds: float) -> tuple[Floats, Flags]:
+    """Return of each part the least distance that is known, and whether all of it is known.
+
+    A part without a state has the one before it, as long as that ``holds``.
+    """
     parts = np.minimum((places * _PARTS).astype(np.int64), _PARTS - 1)
-    least, seen = np.full(_PARTS, np.nan), np.zeros(_PARTS, dtype=np.bool_)
+    least, last = np.full(_PARTS, np.nan), np.full(_PARTS, -1)
     np.fmin.at(least, parts, pairs.known_distance)
-    seen[parts] = True
+    np.maximum.at(last, parts, np.arange(len(parts)))
     lost = np.zeros(_PARTS, dtype=np.bool_)
     lost[parts[~pairs.is_whole]] = True
-    return least, seen & ~lost
+    own, last = last >= 0, np.maximum.accumulate(last)
+    age = np.arange(1, _PARTS + 1) / _PARTS - places[np.maximum(last, 0)]
+    held = ~own & (last >= 0) & (age <= holds)
+    least[held] = pairs.known_distance[last[held]]
+    lost[held] = ~pairs.is_whole[last[held]]
+    return least, (own | held) & ~lost
 
 
 def _by_pair(run: SetClearance, other: SetClearance) -> tuple[PairDifference, ...]:

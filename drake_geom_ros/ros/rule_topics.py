@@ -28,7 +28,7 @@ def rule_events(
     """Open the topics on ``surface``, and return what publishes on them."""
     types = SimpleNamespace(
         ProximityEvents=msg.ProximityEvents,
-        ProximityRule=msg.ProximityRule,
+        ProximityRules=msg.ProximityRules,
         ProximityStates=msg.ProximityStates,
         Float64=Float64,
     )

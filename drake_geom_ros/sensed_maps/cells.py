@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,10 +81,9 @@ class Cells:
         return np.asarray((self.keys() + 0.5) * self.resolution, dtype=np.float64)
 
     def coarser(self, resolution: float) -> Cells:
-        """Return the cells of another grid that hold a centre of these.
+        """Return the cells of another grid that cover these: all that one of these reaches into.
 
-        Where the new edge is a multiple of the old one these cover all of the old cells. Raises
-        MapError for a finer grid, whose cells would not.
+        Raises MapError for a finer grid, for what is seen is known to these cells only.
         """
         check_resolution(resolution)
         if resolution < self.resolution:
@@ -91,7 +91,15 @@ class Cells:
                 f'resolution {resolution:g} m is finer than the map, whose cells are '
                 f'{self.resolution:g} m; it must be at least that'
             )
-        return Cells.of_points(self.centres(), resolution)
+        keys, times = self.keys(), resolution / self.resolution
+        whole = round(times)
+        if abs(whole * self.resolution - resolution) <= math.ulp(resolution):  # 0.3 and 0.1
+            return Cells.of_keys(keys // whole, resolution)
+        first = np.floor(keys / times).astype(np.int64)
+        last = np.ceil((keys + 1) / times).astype(np.int64) - 1  # next to the first one at most
+        corners = np.indices((2, 2, 2)).reshape(3, -1).T
+        covering = first + corners[:, np.newaxis] * (last - first)
+        return Cells.of_keys(covering.reshape(-1, 3), resolution)
 
 
 def check_resolution(resolution: float) -> None:

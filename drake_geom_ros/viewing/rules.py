@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drake_geom_ros.proximity_rules import Level, WatchedPairs
+from drake_geom_ros.proximity_rules import Level, Measured, WatchedPairs
 from drake_geom_ros.viewing.pairs import Pairs
 
 # Of levels, 0 to 255: of the lines between the pairs of rules that are entered, and of words.
@@ -31,14 +31,20 @@ class ShownRule:
 
 
 def nearest_by_rule(watched: WatchedPairs, pairs: Pairs) -> dict[int, tuple[int, int]]:
-    """Return by the number of a rule its first pair (id values) of those that are shown."""
-    nearest: dict[int, tuple[int, int]] = {}
-    concerned = watched.incidences(pairs.ids[:, 0], pairs.ids[:, 1])
-    for row, group in sorted(zip(*map(np.ndarray.tolist, concerned), strict=True)):
-        a, b = pairs.ids[row].tolist()
-        nearest.setdefault(group, (a, b))
-    of_rules = enumerate(watched.group_of.tolist())
-    return {rule: nearest[group] for rule, group in of_rules if group in nearest}
+    """Return by the number of a rule the nearest pair (id values) of those that are shown."""
+    # The scene that is shown may be older than the pairs.
+    known = pairs.rows(np.flatnonzero(np.isin(pairs.ids, watched.ids).all(axis=1)))
+    measured = Measured(
+        id_A=known.ids[:, 0],
+        id_B=known.ids[:, 1],
+        distance=known.distance,
+        error_bound=known.error_bound,
+        p_WCa=known.p_WCas,
+        p_WCb=known.p_WCbs,
+    )
+    nearest = watched.nearest(measured).lowest_pair.tolist()
+    ids = list(map(tuple, known.ids.tolist()))
+    return {rule: ids[row] for rule, row in enumerate(nearest) if row >= 0}
 
 
 def rows_of_level(rules: Sequence[ShownRule], pairs: Pairs, level: Level) -> list[int]:

@@ -1,7 +1,6 @@
 """What a ProximityMonitor makes of what comes, in whatever order; without a node."""
 
 import pytest
-from builtin_interfaces.msg import Time
 from drake_geom_msgs import msg
 
 from drake_geom_ros.client import ProximityMonitor
@@ -39,9 +38,9 @@ def states(next_sequence, *entered, version=0):
     """Return the states of so many rules, the first of them called as that of the events."""
     n, message = len(entered), msg.ProximityStates(next_sequence=next_sequence)
     names = ['stop', 'other', 'third'][:n]
-    message.rules = [msg.ProximityRule(name=name, level=3) for name in names]
+    message.rules = msg.ProximityRules(name=names, level=[3] * len(names))
     message.entered, message.why = list(entered), [int(each) for each in entered]
-    message.since = [Time()] * n
+    message.since = [0.0] * n
     message.pairs = message.left_out_pairs = [1] * n
     message.trouble, message.scene_version = [''] * n, version
     return message

@@ -66,7 +66,7 @@ _QUERIES = (*_RENDER, 'geometry/queries')
 _SCENE = (*_QUERIES, 'autodiffutils', 'geometry/scene')
 
 GEOMETRY_ROOMS = {
-    'geometry': (('math', 'geometry'), ('numpy',)),
+    'geometry': (('math', 'geometry', 'geometry/_proximity/runtime'), ('numpy',)),
     'geometry/meshes': (
         (*_MESHES, *_SHAPES, f'{_K}/trees', f'{_K}/solids'),
         ('numpy',),
@@ -132,7 +132,7 @@ LAYERS = {
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),
     'sensors': (('math', 'sensors'), ('numpy',)),
-    'proximity_rules': (('math', 'common', 'proximity_rules'), ('numpy',)),
+    'proximity_rules': (('math', 'common', 'geometry', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'sensed_maps': (('math', 'common', 'geometry', 'geometry/meshes', 'sensed_maps'), ('numpy',)),

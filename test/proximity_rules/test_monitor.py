@@ -18,7 +18,9 @@ from drake_geom_ros.proximity_rules import (
     RuleError,
     RuleMonitor,
     ScenePairs,
+    WatchedPairs,
     Why,
+    nearest_pairs,
 )
 
 NAMES = [
@@ -308,6 +310,30 @@ def test_speed_is_the_least_where_a_pose_never_came():
 def test_without_a_rule_that_scales_nothing_is_said_of_speed():
     assert monitor(rule(level=Level.WARN)).speed_scale() is None
     assert RuleMonitor(scene()).speed_scale() is None
+
+
+def test_a_pair_of_another_scene_is_no_pair_of_no_rule():
+    watch = monitor(rule())
+    with pytest.raises(ValueError, match=r'pair \(11, 17\) is not of the scene'):
+        watch.decide(0.0, FRESH, measured((0, 6, 0.15, 0.0)))
+
+
+def test_one_compiled_version_serves_all_rules():
+    for count in (1, 7):
+        watch = monitor(*(rule(f'{k}', (PATTERNS[k],), ('*',)) for k in range(count)))
+        for saw in (NOTHING, measured((0, 4, 0.15, 0.0)), measured((0, 4, 1, 0), (1, 4, 1, 0))):
+            watch.decide(0.0, FRESH, saw)
+    assert len(getattr(nearest_pairs._find, 'signatures', [0])) == 1  # no cycle waits for another
+
+
+@given(st.text('hand*?l/:[]', min_size=1, max_size=6) | st.sampled_from(PATTERNS))
+def test_a_set_is_all_that_its_pattern_matches(pattern):
+    where = scene()._replace(reported=np.ones((6, 6), bool))
+    watched = WatchedPairs([rule(set_a=(pattern,), set_b=('*',))], where)
+    found = [matches(names.found_by, pattern) for names in NAMES]
+    assert bool(watched.unknown[0]) == (not any(found))
+    if any(found):
+        assert (watched.watched() == np.logical_or.outer(found, found)).all()
 
 
 def test_bits_of_many_rules_are_told_apart():

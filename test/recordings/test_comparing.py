@@ -56,6 +56,11 @@ def test_what_came_nearer_is_told_and_is_an_exit_code(tmp_path, balls, capsys): 
     assert (tmp_path / 'out' / 'comparison.png').exists()
     assert report(new, old, '--tolerance', '0.1') == 0
     assert report(old, new) == 0
+    short = run_past(tmp_path / 'short', times[:20], x[:20])
+    assert report(old, short) == 1  # of what the other one does not have nobody knows
+    (found,) = compare_runs(*(clearance(r, balls, between=['a:b']) for r in (old, short)))
+    assert 0.3 < found.is_whole.mean() < 0.7  # a state holds for a second
+    assert not found.is_whole[-1]
     with pytest.raises(ArgumentError, match='other sets'):
         compare_runs(clearance(new, balls), clearance(old, balls, between=['a:b']))
     with pytest.raises(ArgumentError, match='one of time, phase'):

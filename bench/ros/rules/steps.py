@@ -147,7 +147,7 @@ class Steps(Talk):
         self.start(path)
         now.sent = time.time()
         states = self.states()
-        entered = dict(zip([r.name for r in states.rules], states.entered, strict=True))
+        entered = dict(zip(states.rules.name, states.entered, strict=True))
         self.referee.begin_anew(states.next_sequence, entered)
         if set(entered) != set(self.facts.rules):
             self.problems.append(f'began with the rules {sorted(entered)}')

@@ -61,7 +61,7 @@ def _snapped(height: float, rounding: float) -> float:
     return 0.0 if abs(height) <= rounding else height
 
 
-@compiled
+@inlined
 def meet(
     bodies: Bodies,
     a: int,
@@ -80,7 +80,7 @@ def meet(
         _meet_tetrahedron(bodies, a, b, e, f, between, work, out, pair)
 
 
-@compiled
+@inlined
 def _meet_tetrahedron(
     bodies: Bodies,
     a: int,
@@ -149,7 +149,7 @@ def vector_at_plane(bodies: Bodies, f: int, k: int) -> Vector:
     return bodies.planes[f, k, 0], bodies.planes[f, k, 1], bodies.planes[f, k, 2]
 
 
-@compiled
+@inlined
 def cut_by(
     bodies: Bodies,
     a: int,
@@ -186,7 +186,7 @@ def cut_by(
     return not (zeros == 3 and bodies.beyond[e, face] < 0)
 
 
-@compiled
+@inlined
 def _meet_triangle(
     bodies: Bodies,
     a: int,
@@ -227,7 +227,7 @@ def _meet_triangle(
         emit(work, at, count, nhat, (g, bodies.fields[e, 3]), zero, between, out, pair)
 
 
-@compiled
+@inlined
 def meet_half_space(
     bodies: Bodies,
     a: int,

@@ -23,7 +23,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, ve
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 ROUNDING = 8.0 * EPS  # of the sizes of both bodies: how wrong a height above a plane may be
-FIRST_POLYGONS = 64  # there is room for, and for CORNERS_EACH corners of each
+FIRST_POLYGONS = 1024  # there is room for, and for CORNERS_EACH corners of each
 CORNERS_EACH = 5
 
 

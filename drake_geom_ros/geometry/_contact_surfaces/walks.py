@@ -49,7 +49,7 @@ def _spread_back(R: Floats, k: int, half: Vector) -> float:
     return spread
 
 
-@compiled
+@inlined
 def _apart(bodies: Bodies, a: int, i: int, b: int, j: int, between: Between) -> bool:
     """Tell whether the boxes of two nodes are kept apart by a side of either."""
     middle, half = _box(bodies, a, i)

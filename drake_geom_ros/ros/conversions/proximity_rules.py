@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from drake_geom_ros.proximity_rules import (
     Why,
     scale_points,
 )
-from drake_geom_ros.ros.conversions.fields import floats, uint8s, unsigned
+from drake_geom_ros.ros.conversions.fields import floats, uint8s, uint32s, unsigned
 
 _NUMBERS = ('enter', 'leave', 'hold', 'enter_after', 'min_time_to_contact')
 
@@ -41,15 +41,52 @@ def rule_from_message(message: Any) -> ProximityRule:
     )
 
 
-def fill_rule(message: Any, rule: ProximityRule) -> Any:
-    """Fill a ProximityRule message, and return it."""
-    for field in fields(rule):
-        if field.name not in ('scale', 'set_a', 'set_b', 'level'):
-            setattr(message, field.name, getattr(rule, field.name))
-    message.level = int(rule.level)
-    message.set_a, message.set_b = list(rule.set_a), list(rule.set_b)
-    message.scale = floats(np.array(rule.scale).reshape(-1))
-    return message
+def rules_from_message(message: Any) -> list[ProximityRule]:
+    """Return the rules of a ProximityRules message; raises RuleError for what cannot be."""
+    sets_a = _parts(message, 'set_a', message.set_a)
+    sets_b = _parts(message, 'set_b', message.set_b)
+    scales = _parts(message, 'scale', scale_points(message.scale))
+    return [
+        ProximityRule(
+            name,
+            sets_a[k],
+            sets_b[k],
+            message.level[k],
+            **{field: float(getattr(message, field)[k]) for field in _NUMBERS},
+            when_stale=message.when_stale[k],
+            scale=scales[k],
+        )
+        for k, name in enumerate(message.name)
+    ]
+
+
+def _parts(message: Any, field: str, values: Sequence[Any]) -> list[tuple[Any, ...]]:
+    """Return the part of a flat field that is each rule's; raises RuleError for false counts."""
+    counts = np.array(getattr(message, f'{field}_count'), dtype=np.int64)
+    ends = np.cumsum(counts).tolist()
+    if len(counts) != len(message.name) or counts.sum() != len(values):
+        raise RuleError(
+            f'{len(message.name)} rules have {len(values)} {field}, and {field}_count is '
+            f'{counts.tolist()[:20]}'
+        )
+    begins = [0, *ends]
+    return [tuple(values[begin:end]) for begin, end in zip(begins, ends, strict=False)]
+
+
+def fill_rules(message: Any, rules: Sequence[ProximityRule]) -> None:
+    """Fill a ProximityRules message."""
+    message.name = [rule.name for rule in rules]
+    message.level = uint8s(np.array([rule.level for rule in rules]))
+    message.when_stale = [rule.when_stale for rule in rules]
+    for field in _NUMBERS:
+        setattr(message, field, floats(np.array([getattr(rule, field) for rule in rules])))
+    for field in ('set_a', 'set_b', 'scale'):
+        lists = [getattr(rule, field) for rule in rules]
+        setattr(message, f'{field}_count', uint32s(np.array([len(each) for each in lists])))
+        if field != 'scale':
+            setattr(message, field, list(chain.from_iterable(lists)))
+    points = [number for rule in rules for point in rule.scale for number in point]
+    message.scale = floats(np.array(points))
 
 
 def fill_events(message: Any, events: Sequence[Event], names: Callable[[int], str]) -> None:
@@ -92,11 +129,10 @@ def fill_what_decided(
     message.limit_time = floats(np.where(stale, stale_after, times))
 
 
-def fill_states(message: Any, states: Sequence[RuleState], rule_type: Callable[[], Any]) -> None:
-    """Fill the arrays of a ProximityStates message, but for ``since``, which is of a clock."""
-    message.rules = [fill_rule(rule_type(), state.rule) for state in states]
+def fill_states(message: Any, states: Sequence[RuleState]) -> None:
+    """Fill the arrays of a ProximityStates message, but for the rules and ``since``."""
     message.entered = [state.is_entered for state in states]
-    message.why = uint8s(np.array([int(state.why or 0) for state in states]))
+    message.why = uint8s(np.array([state.why or 0 for state in states]))
     message.pairs = unsigned(np.array([state.pairs for state in states]))
     message.left_out_pairs = unsigned(np.array([state.left_out for state in states]))
     message.trouble = [state.trouble for state in states]

@@ -17,7 +17,7 @@ import numpy as np
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.geometry import ArgumentError, FramePoseVector
+from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import shortened, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
@@ -54,6 +54,7 @@ class JointInput:
         self._longest_gap = longest_gap
         self._by_default = by_default
         self._version = -1
+        self._carriers: dict[str, frozenset[int]] = {}  # of each robot
         # By topic and names: where each number goes, None for a joint of no robot here.
         self._known: dict[tuple[str, tuple[str, ...]], list[JointPlace | None]] = {}
 
@@ -91,13 +92,20 @@ class JointInput:
     def follow(self, scene: EditableScene) -> int:
         """Pose the robots whose base has moved, or that are new; return how many frames."""
         is_new, self._version = self._version != scene.version, scene.version
+        if is_new:
+            self._carriers = {r.name: carriers_of(scene, r) for r in scene.joints.robots.values()}
         stamp = scene.newest_stamp
         if stamp is None:  # nothing ever came
             return 0
+        moved, scene.moved = scene.moved, set()
         moves = [
             self._move(scene, robot, None)
             for robot in self._driven(scene)
-            if is_new or _bytes(base_of(scene, robot)) != _bytes(robot.base)
+            if is_new
+            or (
+                not moved.isdisjoint(self._carriers[robot.name])
+                and _bytes(base_of(scene, robot)) != _bytes(robot.base)
+            )
         ]
         return sum(self._pose(scene, move, stamp) for move in moves if move)
 
@@ -225,6 +233,18 @@ def base_of(scene: HeldScene, robot: DrivenRobot) -> Base | None:
     """Return where the root link of a robot stands; None where nobody knows."""
     since = None if robot.root is None else scene.posed_since(robot.root)
     return scene.joints.base(robot, scene.query, since)
+
+
+def carriers_of(scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
+    """Return the frames (values of ids) whose poses say where a robot's root link stands."""
+    if robot.root is None:
+        return frozenset()
+    inspector, found = scene.inspector, set[FrameId]()
+    for frame in (robot.root, inspector.GetHomeFrame(robot.root)):
+        while frame != inspector.world_frame_id() and frame not in found:
+            found.add(frame)
+            frame = inspector.GetParentFrame(frame)
+    return frozenset(frame.get_value() for frame in found)
 
 
 def _tell_twists(scene: EditableScene, move: _Move, stamp: int) -> None:

@@ -23,7 +23,7 @@ from drake_geom_ros.geometry import FrameId, FramePoseVector
 from drake_geom_ros.ros.inputs.joint_input import JointInput, base_of
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
-from drake_geom_ros.ros.scene.driven_robot import DrivenRobot, oldest
+from drake_geom_ros.ros.scene.driven_robot import DrivenRobot, oldest, or_zero
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 
@@ -164,7 +164,7 @@ class _Telling:
             positions = np.tile(robot.positions(), (len(self._last[0]), 1))
             for column, (number, k) in led.items():
                 positions[:, column] = self._numbers(number, k)
-            X_PLs = robot.tree.link_poses(np.nan_to_num(positions), base.X_PB)
+            X_PLs = robot.tree.link_poses(or_zero(positions), base.X_PB)
             self._ids.append(np.array([robot.links[row] for row in rows], dtype=np.int64))
             self._rows.append(X_PLs[:, rows])
         return all(any(k in group.senders for group in self._groups) for k in range(self._count))

@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import SignedDistanceResults
-from drake_geom_ros.proximity_rules import Event
-from drake_geom_ros.ros.conversions.proximity_rules import fill_events, fill_what_decided
+from drake_geom_ros.proximity_rules import Event, ProximityRule
+from drake_geom_ros.ros.conversions.proximity_rules import (
+    fill_events,
+    fill_rules,
+    fill_what_decided,
+)
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.rule_states import fill_rule_states
 
@@ -37,6 +41,13 @@ class RuleSettings(NamedTuple):
     time_budget: float = 0.0  # [s] of a narrow phase; 0: it has none
 
 
+class _Listed(NamedTuple):
+    """Rules, and a message that was filled with them, which takes as long as all their states."""
+
+    rules: Sequence[ProximityRule] | None
+    message: Any
+
+
 class RuleEvents:
     """Decides about the rules of the live scene and tells what became of them."""
 
@@ -56,6 +67,7 @@ class RuleEvents:
         self._decided = -math.inf  # [s] of steady time
         self._told = -1  # the revision of the states that were published last
         self._stated = -math.inf  # [s] of steady time, when that was
+        self._listed = _Listed(None, None)
 
     def look_at(
         self, scene: HeldScene, distances: SignedDistanceResults | None, reach: float
@@ -110,8 +122,11 @@ class RuleEvents:
         now = scene.clocks.steady()
         if scene.rules.revision != self._told and now - self._stated >= PERIOD:
             self._told, self._stated = scene.rules.revision, now
+            if scene.rules.rules is not self._listed.rules:
+                self._listed = _Listed(scene.rules.rules, self._types.ProximityRules())
+                fill_rules(self._listed.message, scene.rules.rules)
             states = self._types.ProximityStates()
-            fill_rule_states(states, scene, self._types)
+            fill_rule_states(states, scene, self._listed.message)
             self._topics.states.publish(states)
         scale = scene.rules.speed_scale()
         if scale is not None and self._topics.speed_scale.get_subscription_count():

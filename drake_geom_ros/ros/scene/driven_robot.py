@@ -160,7 +160,7 @@ class DrivenRobot:
     def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:
         """Return where links stand at joint values (c,)."""
         chosen = sorted(rows)
-        X_PLs = self.tree.link_poses(np.nan_to_num(positions)[np.newaxis], base.X_PB)[0]
+        X_PLs = self.tree.link_poses(or_zero(positions)[np.newaxis], base.X_PB)[0]
         ids = np.array([self.links[row] for row in chosen], dtype=np.int64)
         return LinkPoses(ids, X_PLs[chosen], X_PLs)
 
@@ -171,7 +171,7 @@ class DrivenRobot:
     def twists(self, X_PLs: Floats, V_PB: Floats) -> dict[int, Floats]:
         """Return V_PL (6,) by frame of the links whose joints' speeds are all known."""
         speeds = self.speeds()
-        V_PLs = self.tree.link_twists(np.nan_to_num(speeds), X_PLs, V_PB)
+        V_PLs = self.tree.link_twists(or_zero(speeds), X_PLs, V_PB)
         unknown = np.any(self._needs & np.isnan(speeds), axis=1).tolist()
         return {frame: V_PLs[row] for row, frame in self.links.items() if not unknown[row]}
 
@@ -204,6 +204,11 @@ class DrivenRobot:
 
 
 Moments = Mapping[Since, Collection[int]]
+
+
+def or_zero(values: Floats) -> Floats:
+    """Return values with 0 for nan: of joints of which nothing was heard, whose links wait."""
+    return np.where(np.isnan(values), 0.0, values)
 
 
 def oldest(*moments: Since) -> Since:

@@ -207,6 +207,7 @@ class EditableScene(ChangingScene):
         if self.attached:
             poses, posed = self.without_attached(poses, posed)
         self._context.UpdateFramePoses(poses)
+        self.moved.update(poses.id_values().tolist())
         self.rules.measure_again()
         if welded and (gone := set(welded).difference(manager.welded_frames())):
             self._tell_of_welds(gone)

@@ -80,6 +80,7 @@ class HeldScene:
         self.warned: list[str] = []  # what is to be logged as a warning, each once
         # Called when an answer is to name the scene, whose names must be told then.
         self.tell_named: Callable[[HeldScene], object] = lambda _: None
+        self.moved = set[int]()  # frames that were posed since the robots on them followed
         # Called with the id values (n,) of frames and the poses (n, 7) that came for them.
         self.keep_rows: Callable[[NDArray[np.int64], NDArray[np.float64]], object] | None = None
         # Where frames were, if somebody has to know.

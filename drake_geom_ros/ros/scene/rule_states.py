@@ -5,21 +5,25 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from drake_geom_ros.ros.conversions.fields import stamp_seconds
-from drake_geom_ros.ros.conversions.proximity_rules import fill_states
+import numpy as np
+
+from drake_geom_ros.ros.conversions.fields import floats, stamp_seconds
+from drake_geom_ros.ros.conversions.proximity_rules import fill_rules, fill_states
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 
 
-def fill_rule_states(message: Any, scene: HeldScene, types: Any) -> None:
-    """Fill a ProximityStates message; ``types`` holds the class of ProximityRule."""
+def fill_rule_states(message: Any, scene: HeldScene, rules: Any = None) -> None:
+    """Fill a ProximityStates message; ``rules`` is a ProximityRules of now that was filled."""
     node, steady = scene.clocks.node(), scene.clocks.steady()
     message.header.frame_id = scene.world_frame
     stamp_seconds(message.header.stamp, node)
     message.scene_version, message.next_sequence = scene.version, scene.rules.next_sequence
+    if rules is None:
+        fill_rules(message.rules, scene.rules.rules)
+    else:
+        message.rules = rules
     states = scene.rules.states()
-    fill_states(message, states, types.ProximityRule)
-    for state in states:
-        since = type(message.header.stamp)()
-        if state.since > -math.inf:
-            stamp_seconds(since, max(0.0, node - (steady - state.since)))
-        message.since.append(since)
+    fill_states(message, states)
+    since = np.array([state.since for state in states])
+    never = since == -math.inf
+    message.since = floats(np.where(never, 0.0, np.maximum(0.0, node - (steady - since))))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.joints import Arm, Joints
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.scene.driven_robot import or_zero
 from drake_geom_ros.ros.scene.live_scene import LiveScene, refuse_twice_posed
 from drake_geom_ros.ros.scene.robot_joints import JointPlace, RobotJoints
 from drake_geom_ros.ros.scene.scene_view import SceneView
@@ -106,7 +107,7 @@ def joints_of(
         needed = [c for c in robot.joints_of(robot.links) if columns[c] < 0]
         robots.require_values(robot, now, needed)
         rows = np.array(sorted(robot.links), dtype=np.int64)
-        tree = robot.tree.driven_by(columns, np.nan_to_num(now))
+        tree = robot.tree.driven_by(columns, or_zero(now))
         arms.append(Arm(tree, robots.known_base(robot, view.query).X_PB, rows))
         ids += [robot.links[row] for row in rows.tolist()]
     limits = [

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from drake_geom_msgs import msg
-
 from drake_geom_ros.proximity_rules import RuleError
 from drake_geom_ros.ros.conversions.proximity_rules import rule_from_message
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
@@ -36,4 +34,4 @@ def remove_proximity_rule(scene: EditableScene, request: Any, response: Any) -> 
 def list_proximity_rules(live: LiveScene, request: Any, response: Any) -> None:
     """Tell the rules and their states."""
     with live.reading() as scene:
-        fill_rule_states(response.states, scene, msg)
+        fill_rule_states(response.states, scene)

@@ -21,7 +21,7 @@ from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import ScenePairs, WatchedPairs, Why
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.conversions.names import some_of
-from drake_geom_ros.ros.conversions.proximity_rules import rule_from_message
+from drake_geom_ros.ros.conversions.proximity_rules import rules_from_message
 from drake_geom_ros.ros.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.ros.conversions.shapes import shape_from_message
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
@@ -191,7 +191,7 @@ class NodeScene:
         message = self._rules
         if message is None or self._known < 0:
             return []
-        rules = [rule_from_message(rule) for rule in message.rules]
+        rules = rules_from_message(message.rules)
         if self._watched is None:
             ids, count = np.array(list(self._bodies), dtype=np.int64), len(self._bodies)
             every = np.ones((count, count), dtype=np.bool_)

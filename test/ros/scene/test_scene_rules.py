@@ -31,7 +31,7 @@ proximity_rules:
 """
 TYPES = Plain(
     ProximityEvents=msg.ProximityEvents,
-    ProximityRule=msg.ProximityRule,
+    ProximityRules=msg.ProximityRules,
     ProximityStates=msg.ProximityStates,
     Float64=Float64,
 )
@@ -210,4 +210,4 @@ def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):
     numbers = [n for message in ruled.topics.events.published for n in message.sequence]
     assert numbers == list(range(1, len(numbers) + 1))
     last = ruled.topics.states.published[-1]
-    assert (last.rules, last.next_sequence) == ([], len(numbers) + 1)
+    assert (last.rules.name, last.next_sequence) == ([], len(numbers) + 1)

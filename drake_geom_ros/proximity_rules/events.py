@@ -1,0 +1,121 @@
+"""What changes of rules, as events."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.proximity_rules.decisions import Poses
+from drake_geom_ros.proximity_rules.entered import Entered
+from drake_geom_ros.proximity_rules.measured import Measured
+from drake_geom_ros.proximity_rules.nearest_pairs import NearestPairs
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
+from drake_geom_ros.proximity_rules.watched_pairs import WatchedPairs
+
+Flags = NDArray[np.bool_]
+Ids = NDArray[np.int64]
+_NOBODY = np.full(3, math.nan)
+
+
+class Event(NamedTuple):
+    """One change of one rule.
+
+    The pair is the nearest of the rule's, for SOON the one that would touch first; ids of 0, a
+    distance of inf and points of NaN: none was near enough to be looked at. For STALE and NO_POSE
+    ``id_A`` is a geometry whose pose is missing, and nothing is known of a distance (NaN).
+
+    What the lower bound was held against is ``limit_distance``: ``enter`` of the rule, and
+    ``leave`` where it is left.
+    """
+
+    sequence: int
+    rule: str
+    level: Level
+    is_entered: bool
+    why: Why
+    id_A: int = 0
+    id_B: int = 0
+    distance: float = math.inf  # [m]
+    error_bound: float = 0.0  # [m]
+    p_WCa: NDArray[np.float64] = _NOBODY  # (3,) [m]
+    p_WCb: NDArray[np.float64] = _NOBODY
+    closing_speed: float = math.nan  # [m/s] NaN: not known
+    limit_distance: float = math.nan  # [m]
+    limit_time: float = 0.0  # [s] ``min_time_to_contact`` of the rule
+
+
+class Seen(NamedTuple):
+    """What the last cycle that measured saw, and the nearest pairs of each rule in it."""
+
+    measured: Measured
+    nearest: NearestPairs
+
+
+class _Pair(NamedTuple):
+    """The fields of an event that tell its pair."""
+
+    id_A: int = 0
+    id_B: int = 0
+    distance: float = math.inf
+    error_bound: float = 0.0
+    p_WCa: NDArray[np.float64] = _NOBODY
+    p_WCb: NDArray[np.float64] = _NOBODY
+    closing_speed: float = math.nan
+
+
+def events_of_gone(first: int, rules: Sequence[ProximityRule]) -> list[Event]:
+    """Return the events, numbered from ``first`` on, of rules that are no more."""
+    gone = enumerate(rules, first)
+    return [Event(k, rule.name, rule.level, False, Why.GONE) for k, rule in gone]
+
+
+def events_of(
+    first: int,
+    rules: Sequence[ProximityRule],
+    changed: Ids,
+    entered: Entered,
+    watched: WatchedPairs,
+    poses: Poses,
+    seen: Seen | None,
+) -> list[Event]:
+    """Return the events, numbered from ``first`` on, of the rules (r,) that ``changed``."""
+    is_entered, whys = entered.is_entered[changed], entered.why[changed]
+    # Of what is left, the pair that it is nearest to be entered for again.
+    pairs = _pairs(seen, changed, is_entered & (whys == Why.SOON))
+    told = zip(changed.tolist(), is_entered.tolist(), map(Why, whys.tolist()), pairs, strict=True)
+    events = []
+    for sequence, (number, enters, why, pair) in enumerate(told, first):
+        rule = rules[number]
+        if enters and why in (Why.STALE, Why.NO_POSE):
+            without = poses.stale if why == Why.STALE else poses.absent
+            ids = watched.ids[watched.needed[number] & without]
+            pair = _Pair(id_A=int(ids[0]) if len(ids) else 0, distance=math.nan)
+        limit = rule.enter if enters else rule.leave
+        limits = limit, rule.min_time_to_contact
+        events.append(Event(sequence, rule.name, rule.level, enters, why, *pair, *limits))
+    return events
+
+
+def _pairs(seen: Seen | None, rules: Ids, soonest: Flags) -> Iterator[_Pair]:
+    """Return the nearest pair of each of some rules, or the one that would touch first."""
+    if seen is None:
+        return iter([_Pair()] * len(rules))
+    measured, nearest = seen
+    found = np.where(soonest, nearest.soonest_pair[rules], nearest.lowest_pair[rules])
+    there = found >= 0
+    rows, speeds = found[there], measured.closing_speed
+    each = map(
+        _Pair,
+        measured.id_A[rows].tolist(),
+        measured.id_B[rows].tolist(),
+        measured.distance[rows].tolist(),
+        measured.error_bound[rows].tolist(),
+        measured.p_WCa[rows],
+        measured.p_WCb[rows],
+        [math.nan] * len(rows) if speeds is None else speeds[rows].tolist(),
+    )
+    return (next(each) if is_there else _Pair() for is_there in there.tolist())

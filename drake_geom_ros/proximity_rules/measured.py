@@ -1,0 +1,30 @@
+"""What a cycle measured: what rules are decided by."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Ids = NDArray[np.int64]
+
+
+class Measured(NamedTuple):
+    """What a cycle knows of pairs (k,): all that are nearer than it looked, and not filtered."""
+
+    id_A: Ids
+    id_B: Ids
+    distance: Floats  # [m]
+    error_bound: Floats  # [m]
+    p_WCa: Floats  # (k, 3) [m]
+    p_WCb: Floats
+    closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: nobody watches
+    # (n,), in the order of ``WatchedPairs.ids``: nobody knows how it moves now; None: no such one.
+    unpredicted: Flags | None = None
+
+
+_NO_IDS, _NO_NUMBERS, _NO_POINTS = np.empty(0, dtype=np.int64), np.empty(0), np.empty((0, 3))
+NOTHING = Measured(_NO_IDS, _NO_IDS, _NO_NUMBERS, _NO_NUMBERS, _NO_POINTS, _NO_POINTS)
