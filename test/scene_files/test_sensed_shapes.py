@@ -77,8 +77,11 @@ def test_what_is_saved_is_loaded_with_its_margin_and_to_the_bit(folder, count):
         ('type: occupied_cells, uri: scene.yaml, resolution: 1', 'suffix'),
         ('type: occupied_cells, centres: [[0, 0, 0]]', 'resolution'),
         ('type: occupied_cells, resolution: 1, centres: "AAA="', 'base64'),
-        ('type: occupied_cells, resolution: 1, centres: [], uri: a.bt', 'uri: cannot be given'),
-        ('type: mesh, vertices: [], uri: a.obj', 'uri: cannot be given'),
+        (
+            'type: occupied_cells, resolution: 1, centres: [], uri: a.bt',
+            'cannot be given together',
+        ),
+        ('type: mesh, vertices: [], uri: a.obj', 'cannot be given together'),
         ('type: point_cloud, uri: a.bt', 'radius'),
         ('type: point_cloud, radius: 1, positions: []', 'must be|were given'),
         ('type: point_cloud, radius: 0, uri: a.bt', 'radius'),

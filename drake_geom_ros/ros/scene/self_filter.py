@@ -22,6 +22,8 @@ from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+_CUBE = 0.1  # [m]
+_FAR = 100_000  # cubes from the origin
 _ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
 
 
@@ -94,19 +96,19 @@ class SelfFilter:
 
     def _may_be_near(self, query: QueryObject, p_WQs: Floats, padding: float) -> Flags:
         """Return which points lie in the boxes around balls around the bodies."""
-        may = np.zeros(len(p_WQs), dtype=np.bool_)
-        low, high = p_WQs.min(axis=0), p_WQs.max(axis=0)
-        x, y, z = np.ascontiguousarray(p_WQs.T)
+        # Points in the same coarse cube are looked at together: bodies are many, cubes few.
+        with np.errstate(over='ignore', invalid='ignore'):
+            steps = np.clip(np.floor(p_WQs / _CUBE), -_FAR, _FAR).astype(np.int64) + _FAR
+        packed = (steps[:, 0] * (2 * _FAR + 1) + steps[:, 1]) * (2 * _FAR + 1) + steps[:, 2]
+        _, first, cube = np.unique(packed, return_index=True, return_inverse=True)
+        # Beyond the last cube all counts as near.
+        may = ((steps[first] == 0) | (steps[first] == 2 * _FAR)).any(axis=1)
+        p_WCs = (steps[first] - _FAR + 0.5) * _CUBE
         for frame, p_FC, radius in self._boxes:
-            reach = radius + padding
             p_WC = query.X_WF(frame).multiply(p_FC).ravel()
-            if not (np.all(p_WC + reach >= low) and np.all(p_WC - reach <= high)):
-                continue
-            inside = np.abs(x - p_WC[0]) <= reach
-            inside &= np.abs(y - p_WC[1]) <= reach
-            inside &= np.abs(z - p_WC[2]) <= reach
-            may |= inside
-        return may
+            reach = radius + padding + 0.5 * _CUBE
+            may |= (np.abs(p_WCs - p_WC) <= reach).all(axis=1)
+        return np.asarray(may[cube])
 
 
 def _ball(
