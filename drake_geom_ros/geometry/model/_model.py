@@ -284,8 +284,8 @@ class Model:
                 self.owned_frame(source_id, of)
             records = [r for r in self.geometries_on(of) if r.source_id == source_id]
         losing = [record for record in records if record.properties(role) is not None]
-        changed: dict[str, None] = {ROLE_FIELDS[role]: None}
-        for record in losing:
+        for record in losing:  # kUnassigned nothing can lose
+            changed: dict[str, None] = {ROLE_FIELDS[role]: None}
             del self.geometry_names[record.frame_id, role, record.name]
             self.geometries[record.id] = record.changed(**changed)
         if losing:
