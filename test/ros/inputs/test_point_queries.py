@@ -90,7 +90,7 @@ def test_points_that_are_not_finite_are_skipped_and_counted(scene, queries):
 def test_blocks_of_points_answer_as_all_at_once(scene, queries, monkeypatch):
     points = cloud(np.random.default_rng(4).uniform(-1, 1, (50, 3)))
     whole = queries.answer(points)
-    monkeypatch.setattr(point_blocks, '_ROWS_AT_ONCE', 7)
+    monkeypatch.setattr(point_blocks, 'ROWS_AT_ONCE', 7)
     blocks = queries.answer(points)
     assert len(whole.point_index) > 20
     for name in ('point_index', 'id_g', 'p_gn', 'distance', 'grad_w', 'is_grad_w_unique'):
@@ -144,7 +144,7 @@ def test_what_waits_for_a_pose_is_left_out(done):
 
 
 def test_more_distances_than_an_answer_holds_are_refused(queries, monkeypatch):
-    monkeypatch.setattr(point_blocks, '_ROWS_AT_ONCE', 4)
+    monkeypatch.setattr(point_blocks, 'ROWS_AT_ONCE', 4)
     monkeypatch.setattr(point_blocks, '_MOST_ROWS', 6)
     queries._threshold = lambda: 100.0
     assert len(queries.answer(cloud(np.zeros((3, 3)))).distance) == 6

@@ -71,6 +71,10 @@ class Asked:
         return self._scene.rules
 
     @property
+    def maps(self):
+        return self._scene.maps
+
+    @property
     def query(self):
         self.times += 1
         return self._scene.query
