@@ -103,7 +103,7 @@ class JointInput:
             for robot in self._driven(scene)
             if is_new
             or (
-                not moved.isdisjoint(self._carriers[robot.name])
+                (robot.base is None or not moved.isdisjoint(self._carriers[robot.name]))
                 and _bytes(base_of(scene, robot)) != _bytes(robot.base)
             )
         ]
