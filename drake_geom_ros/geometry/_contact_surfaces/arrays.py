@@ -63,9 +63,20 @@ class Surfaces(NamedTuple):
     counts: Indices  # (2,): polygons, points
 
 
-class Between(NamedTuple):
-    """Where two bodies are: the pose of the second in the first, and of the first in World."""
+class Scratch(NamedTuple):
+    """Room to compute in: for polygons, for the walk, and for the pose of a body in another."""
 
+    work: Floats
+    stack: Indices
+    R: Floats  # (3, 3)
+
+
+class Between(NamedTuple):
+    """Two bodies, and where they are: the second in the first, and the first in World."""
+
+    pair: int  # the row of ``Surfaces.sums``
+    a: int  # the rows of the bodies; the first has tetrahedra, or b is a half space
+    b: int
     R: Floats  # (3, 3)
     p: Vector
     R_W: Floats  # (3, 3)

@@ -10,7 +10,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Between,
     Bodies,
     Floats,
-    Indices,
+    Scratch,
     Surfaces,
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
@@ -82,17 +82,9 @@ def _first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
 
 
 @compiled
-def meet_bodies(
-    bodies: Bodies,
-    a: int,
-    b: int,
-    between: Between,
-    work: Floats,
-    stack: Indices,
-    out: Surfaces,
-    pair: int,
-) -> None:
-    """Put out where the tetrahedra of body a meet the elements of body b."""
+def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> None:
+    """Put out where the tetrahedra of the first body meet the elements of the second."""
+    a, b, stack = between.a, between.b, scratch.stack
     last_a, last_b = bodies.table[a, LEAVES] - 1, bodies.table[b, LEAVES] - 1
     stack[0, 0] = stack[0, 1] = 0
     top = 1
@@ -109,7 +101,7 @@ def meet_bodies(
                     _first_in_leaf(bodies, b, j - last_b),
                     _first_in_leaf(bodies, b, j - last_b + 1),
                 ):
-                    meet(bodies, a, b, e, f, between, work, out, pair)
+                    meet(bodies, e, f, between, scratch.work, out)
             continue
         split_a = j >= last_b or (i < last_a and _size(bodies, a, i) >= _size(bodies, b, j))
         for k in (2, 1):
@@ -120,16 +112,10 @@ def meet_bodies(
 
 @compiled
 def meet_plane(
-    bodies: Bodies,
-    a: int,
-    slope: float,
-    between: Between,
-    work: Floats,
-    stack: Indices,
-    out: Surfaces,
-    pair: int,
+    bodies: Bodies, slope: float, between: Between, scratch: Scratch, out: Surfaces
 ) -> None:
-    """Put out where the elements of body a meet a half space."""
+    """Put out where the elements of the first body meet a half space."""
+    a, stack = between.a, scratch.stack
     last = bodies.table[a, LEAVES] - 1
     up = between.R[0, 2], between.R[1, 2], between.R[2, 2]
     stack[0, 0] = 0
@@ -147,7 +133,7 @@ def meet_plane(
             for e in range(
                 _first_in_leaf(bodies, a, i - last), _first_in_leaf(bodies, a, i - last + 1)
             ):
-                meet_half_space(bodies, a, e, slope, between, work, out, pair)
+                meet_half_space(bodies, e, slope, between, scratch.work, out)
             continue
         for k in (2, 1):
             stack[top, 0] = 2 * i + k

@@ -199,6 +199,50 @@ def test_both_representations_say_the_same(drawn):
         )
 
 
+FLUSH = {
+    'boxes on one another': (('Box', (1.0, 1.0, 1.0)), ('Box', (1.0, 1.0, 1.0)), 0.7),
+    'a box under a wider one': (('Box', (1.0, 1.0, 1.0)), ('Box', (2.0, 1.0, 1.0)), 0.7),
+    'cylinders on one another': (('Cylinder', (0.5, 1.0)), ('Cylinder', (0.5, 1.0)), 0.7),
+    'a box in a slab': (('HalfSpace', ()), ('Box', (1.0, 1.0, 1.0)), 0.2),
+}
+
+
+@pytest.mark.parametrize('name', FLUSH)
+def test_a_common_motion_of_flush_bodies_changes_nothing(name):
+    # Where sides are flush both pressures are the same in a whole volume: turned, they differ by
+    # rounding, which must not count as a direction.
+    first, second, height = FLUSH[name]
+    bodies = [Body(*first, 1e5, 0.5), Body(*second, 1e5)]
+    offset = np.array([0, 0, height])
+    still = one(bodies, [(UPRIGHT, np.zeros(3)), (UPRIGHT, offset)])
+    random = np.random.default_rng(42)
+    for _ in range(40):
+        R, p = random_rotation(random), random.normal(size=3)
+        moved = one(bodies, [(R, p), (R, R @ offset + p)])
+        assert moved.num_faces() == still.num_faces()
+        assert moved.total_area() == pytest.approx(still.total_area(), rel=1e-10)
+        np.testing.assert_allclose(
+            moved.force_on_M_W(), R @ still.force_on_M_W(), rtol=0.0, atol=1e-9 * 21900
+        )
+
+
+def test_far_from_the_origin_nothing_is_lost():
+    # Positions and shift are sums of few powers of two: the poses in each other are the same.
+    bodies = [Body('Sphere', (0.5,), 1e5), Body('Box', (0.5, 0.25, 0.5), 1e5)]
+    turned = random_rotation(np.random.default_rng(7))
+    near = [(turned, np.zeros(3)), (UPRIGHT, np.array([0.25, 0.125, 0.375]))]
+    shift = np.array([2.0**20, -(2.0**21), 2.0**19])
+    a, b = one(bodies, near), one(bodies, [(R, p + shift) for R, p in near])
+    assert b.num_faces() == a.num_faces()
+    assert b.total_area() == pytest.approx(a.total_area(), rel=1e-13)
+    size = np.linalg.norm(a.force_on_M_W())
+    np.testing.assert_allclose(b.force_on_M_W(), a.force_on_M_W(), rtol=0.0, atol=1e-13 * size)
+    # A position in World is rounded to 2^-32 m there, once.
+    for of in ('centroid', 'centre_of_pressure'):
+        moved = getattr(b, of)() - shift
+        np.testing.assert_allclose(moved, getattr(a, of)(), rtol=0.0, atol=2.0**-30)
+
+
 # On the edge.
 
 
