@@ -188,8 +188,8 @@ class HeldScene:
         """Raise ArgumentError for the source of sensed maps, which only messages change."""
         if source == self.maps_source:
             raise ArgumentError(
-                f'the source {MAPS!r} holds sensed maps, which messages of sensors, load_obstacles '
-                'and clear_obstacles alone change; register a source of another name'
+                f'the source {MAPS!r} holds sensed maps, which only messages of sensors, '
+                'load_obstacles and clear_obstacles change; register a source of another name'
             )
 
     def is_mounted(self, frame: FrameId) -> bool:

@@ -41,7 +41,7 @@ def test_walls_of_a_source_called_as_that_of_maps_are_no_map():
 
 
 def test_no_map_is_put_into_a_source_of_that_name():
-    with pytest.raises(RuntimeError, match="has a source 'obstacles'.*another name"):
+    with pytest.raises(RuntimeError, match=r"has a source 'obstacles'.*another name"):
         Node(scene=WALLS)
     node = Node()
     for change in (
