@@ -21,7 +21,7 @@ from drake_geom_ros.recordings.recorded_pairs import (
     recorded_pairs,
 )
 from drake_geom_ros.recordings.recording import Recorded
-from drake_geom_ros.recordings.storages import NANOSECONDS
+from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.replay import Finding, Judge, RecordedEvent, events_of
 from drake_geom_ros.ros.scene.pose_ages import time_of
@@ -52,6 +52,16 @@ class Audit:
     """What is true of all that a node said in a recording."""
 
     entries: list[Audited] = field(default_factory=list)
+    heard: dict[str, int] = field(default_factory=dict)  # messages by topic
+    damage: tuple[Damage, ...] = ()  # what could not be read
+
+    def reservations(self) -> list[str]:
+        """Return in words what was not audited; empty where all that was recorded is judged."""
+        told = [f'{each.file}: {each.reason}' for each in self.damage]
+        told += [f'no message of {topic} was recorded' for topic, n in self.heard.items() if not n]
+        if not self.entries:
+            told.append('nothing: no result and no event was recorded')
+        return told
 
     def counts(self) -> dict[Outcome, int]:
         """Return how often there was which outcome."""
@@ -103,7 +113,11 @@ def audit(
             'proximity events was recorded'
         )
     tables = [topic.name for topic in recorded if topic.type == SCENE]
-    return _Auditor(opened, [*said, *tables]).run()
+    auditor = _Auditor(opened, [*said, *tables])
+    auditor.audit.heard = dict.fromkeys(said, 0)
+    found = auditor.run()
+    found.damage = tuple(opened.recording.damage)
+    return found
 
 
 class _State(NamedTuple):
@@ -156,6 +170,7 @@ class _Auditor:
             self._states.popleft()
 
     def _judge(self, said: Recorded) -> None:
+        self.audit.heard[said.topic.name] += 1
         if said.message is None:
             self._tell(said, 'a message', Compared(Outcome.NOT_REPRODUCIBLE, said.reason))
             return

@@ -56,6 +56,15 @@ def _of_folder(folder: Path) -> list[Path]:
     raise RecordingError(f'{folder} holds no recording: no file {" or ".join(SUFFIXES)}')
 
 
+def files_read(places: Iterable[Path]) -> list[Path]:
+    """Return the files that decide what is read of a recording's storage files and folders."""
+    found: list[Path] = []
+    for place in places:
+        beside = place.with_name(f'{place.name}-wal'), place.with_name(METADATA)
+        found += sorted(place.iterdir()) if place.is_dir() else [place, *beside]
+    return [path for path in dict.fromkeys(found) if path.is_file()]
+
+
 def runs_in(folder: Path) -> list[Path]:
     """Return the folders of runs in a folder, which is no run itself, by their names."""
     if not folder.is_dir() or _holds(folder.iterdir()):

@@ -17,7 +17,7 @@ from recordings.test_clearance import CELL, HERE, balls, poses, random_rows  # n
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.recordings import clearance, highlights, tables
 
-FILES = ['clearance.csv', 'clearance.npz', 'clearance.png', 'report.html']
+FILES = ['clearance.csv', 'clearance.npz', 'clearance.png', 'report.html', 'report.json']
 
 
 def approach(times, nearest=0.15):
