@@ -94,8 +94,11 @@ class JointInput:
         return sum(self._pose(scene, move, message.header.stamp) for move in moves if move)
 
     def follow(self, scene: EditableScene) -> int:
-        """Pose the robots whose base has moved, or that are new; return how many frames."""
-        is_new, self._version = self._version != scene.version, scene.version
+        """Pose the robots whose base has moved, or that are new; return how many frames.
+
+        What others posed since is left to them where the base stands: joint values are older.
+        """
+        is_new, self._version = self._version != scene.model_version, scene.model_version
         if is_new:
             self._carriers = {r.name: carriers_of(scene, r) for r in scene.joints.robots.values()}
         stamp = scene.newest_stamp
@@ -103,7 +106,7 @@ class JointInput:
             return 0
         moved, scene.moved = scene.moved, set()
         moves = [
-            self._move(scene, robot, None)
+            self._move(scene, robot, None, leave_out=self._are_others(scene, robot))
             for robot in self._driven(scene)
             if is_new
             or (
@@ -115,7 +118,7 @@ class JointInput:
 
     def has_followed(self, scene: HeldScene) -> bool:
         """Return whether ``follow`` has seen this version of the scene."""
-        return self._version == scene.version
+        return self._version == scene.model_version
 
     def troubles(self, scene: HeldScene, stale_after: float) -> list[str]:
         """Return what is wrong with the joints, in words."""
@@ -162,7 +165,7 @@ class JointInput:
         self, scene: HeldScene, topic: str, names: tuple[str, ...]
     ) -> list[JointPlace | None]:
         """Return where the numbers of a message go; raises ArgumentError where none goes."""
-        if self._version != scene.version:
+        if self._version != scene.model_version:
             self._known.clear()
         places = self._known.get((topic, names))
         if places is None:
@@ -193,12 +196,16 @@ class JointInput:
         return JointValue(value.position, speed, value.stamp, since)
 
     def _move(
-        self, scene: HeldScene, robot: DrivenRobot, changed: set[int] | None
+        self,
+        scene: HeldScene,
+        robot: DrivenRobot,
+        changed: set[int] | None,
+        leave_out: frozenset[int] = frozenset(),
     ) -> _Move | None:
         """Return where links stand that changed columns move, all for None; raises RuntimeError.
 
         Links that no joint moves move only where they wait, or with the base. None: no link of
-        the robot can be posed.
+        the robot can be posed. Rows of ``leave_out`` move with the base alone.
         """
         base = base_of(scene, robot)
         if base is None:
@@ -211,7 +218,7 @@ class JointInput:
                 some = frozenset(row for row in some if robot.links[row] in waiting)
             elif columns and changed is not None and not moved and changed.isdisjoint(columns):
                 continue
-            rows[columns] = some
+            rows[columns] = some if moved else some - leave_out
         moments = robot.since(base, rows)
         if not moments:
             return None
@@ -223,6 +230,11 @@ class JointInput:
             if since != UNKNOWN
         }
         return _Move(robot, base, links, posed, FramePoseVector.FromArrays(links.ids, links.rows))
+
+    def _are_others(self, scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
+        """Return the rows of links that somebody else posed last."""
+        by_others = scene.feeders.is_fed_by_others
+        return frozenset(row for row, f in robot.links.items() if by_others(JOINTS, f))
 
     def _pose(self, scene: EditableScene, move: _Move, stamp: Any) -> int:
         """Pose links; return how many."""

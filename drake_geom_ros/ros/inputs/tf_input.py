@@ -124,13 +124,13 @@ class TfInput:
 
     def follow(self, scene: EditableScene) -> int:
         """Pose the frames of a changed scene by what is known; return how many were posed."""
-        if self._version != scene.version or self._moved(self._ends(scene)):
+        if self._version != scene.model_version or self._moved(self._ends(scene)):
             return self._pose(scene, set())
         return 0
 
     def hangs_on_any(self, scene: HeldScene, frames: Collection[int]) -> bool:
         """Return whether a chain may end in one of some frames, or was not followed yet."""
-        if self._version != scene.version and self._edges:
+        if self._version != scene.model_version and self._edges:
             return True
         loose = self._loose_parents()
         names = self._names_of_frames(scene) if loose else ()
@@ -178,8 +178,8 @@ class TfInput:
     def _pose(self, scene: EditableScene, changed: set[str]) -> int:
         """Pose the frames of the scene whose chains hold a changed transform; return how many."""
         heard = changed
-        if self._version != scene.version:
-            changed, self._version = set(self._edges), scene.version
+        if self._version != scene.model_version:
+            changed, self._version = set(self._edges), scene.model_version
         ends = self._ends(scene)
         moved = dict.fromkeys(self._moved(ends), True)
         self._footing = {name: _footing(end) for name, end in ends.items()}
@@ -257,7 +257,7 @@ class TfInput:
 
     def _names_of_frames(self, scene: HeldScene) -> list[tuple[FrameId, tuple[str, ...]]]:
         """Return the frames of the scene and the TF names that each answers to."""
-        if self._named_version != scene.version:
+        if self._named_version != scene.model_version:
             names = scene.names
             claims = names.tf_claims
             # A name that two frames answer to poses neither: see tf_troubles.shared.
@@ -265,7 +265,7 @@ class TfInput:
                 (frame, tuple(n for n in names.tf_names(frame) if claims[n] == [frame]))
                 for frame in names.labels
             ]
-            self._named_version = scene.version
+            self._named_version = scene.model_version
         return self._scene_frames
 
     def _followed(self, names: tuple[str, ...]) -> str | None:

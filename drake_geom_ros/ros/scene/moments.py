@@ -31,6 +31,7 @@ class Moment(NamedTuple):
     X_WF: RigidTransform  # of the frame that was asked about
     since: Since
     stamp: Any
+    replaced: int  # of the scene that it is of
 
 
 # Where a frame is that may be none of the scene: one of the scene, and its pose X_PF in that; or
@@ -97,6 +98,7 @@ def _look(
         assert scene.history is not None, 'who takes what sensors saw has it kept'
         then = scene.history.at(held, wanted)
         names = {f.get_value(): name for f, name in scene.names.frame_names.items()}
+        replaced = scene.replaced
     if then.lost:
         lost = some_of(sorted(names[value] for value in then.lost))
         raise ArgumentError(
@@ -107,7 +109,7 @@ def _look(
         return some_of(sorted(names[value] for value in then.later))
     view.context.UpdateFramePoses(FramePoseVector.FromArrays(then.ids, then.rows))
     X_WF = view.query.X_WF(frame) @ X_PF
-    return Moment(view.query, X_WF, ALWAYS, header.stamp)
+    return Moment(view.query, X_WF, ALWAYS, header.stamp, replaced)
 
 
 def _moving(scene: HeldScene, frames: Collection[FrameId]) -> set[int]:
