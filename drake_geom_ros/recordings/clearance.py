@@ -132,19 +132,19 @@ class _Run:
     """One pass through a recording."""
 
     def __init__(self, opened: Opened, pairs: tuple[PairSet, ...], stale_after: float) -> None:
-        self.recording, self.playback, self.roles = opened
+        self.opened = opened
         self.pairs, self.stale_after = pairs, stale_after
 
     def blocks(self, rate: float) -> Iterator[Block]:
         """Yield the states in blocks; raises RecordingError where there are none."""
-        states = StateBlocks(self.playback, self.pairs)
-        self.player = Player(self.playback, states, self.roles, rate)
-        yield from self.player.blocks(self.recording.batches(list(self.roles)))
+        recording, playback, roles = self.opened
+        self.player = Player(self.opened, StateBlocks(playback, self.pairs), rate)
+        yield from self.player.blocks()
         if not self.player.count:
-            troubles = [trouble.words for trouble in self.playback.troubles][:5]
+            troubles = [trouble.words for trouble in playback.troubles][:5]
             raise RecordingError(
                 'nothing that was recorded poses anything of the scene; '
-                + '; '.join([told_nothing(self.recording.topics, self.roles), *troubles])
+                + '; '.join([told_nothing(recording.topics, roles), *troubles])
             )
 
     def result(
@@ -166,8 +166,9 @@ class _Run:
             begin=begin,
             end=end,
             gaps=_gaps(times, (end - begin) / NANOSECONDS, self.stale_after),
-            damage=tuple(self.recording.damage),
-            troubles=tuple(self.playback.troubles),
+            damage=tuple(self.opened.recording.damage),
+            refused=tuple(self.opened.playback.refused),
+            troubles=tuple(self.opened.playback.troubles),
             stale_after=self.stale_after,
             max_distance=max_distance,
             seconds_reading=seconds[0],
