@@ -57,7 +57,8 @@ def clearance(
     parameters, ``threads`` and ``max_distance`` [m] what ``batch.evaluate`` has.
 
     With ``certify`` [m] the motion between states is proved, too: see ``SetClearance``. Its bounds
-    are no farther than that below what was seen.
+    are no farther than that below what was seen. It takes a state with each message: motions from
+    one moment of a ``rate`` to the next would leave out what was recorded between them.
 
     ``executor`` computes distances in the place of threads, as of ``batch.cluster_executor``.
     ``progress`` is called with the states so far, and the seconds of the recording.
@@ -77,12 +78,17 @@ def clearance(
         raise ArgumentError(
             f'stale_after={stale_after} must be > 0 [s], max_distance={max_distance} no nan [m]'
         )
+    if not 0.0 <= certify < math.inf:
+        raise ArgumentError(f'certify={certify} must be a distance >= 0 [m]; 0: not')
+    if certify and rate:
+        raise ArgumentError(
+            f'certify={certify} proves motions from message to message, rate={rate} leaves out '
+            'poses between its moments: give one of the two'
+        )
     sets = pair_sets(between)
     opened = opened_recording(
         *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
     )
-    if not 0.0 <= certify < math.inf:
-        raise ArgumentError(f'certify={certify} must be a distance >= 0 [m]; 0: not')
     motions = [
         Motions(k, certify, accuracy, stale_after, threads) if certify else None
         for k in range(len(sets))
