@@ -176,6 +176,8 @@ def run(options: argparse.Namespace) -> int:
     Of a folder of runs there is a folder with the report of each, and the gravest exit code.
     """
     runs = runs_in(Path(options.recording[0])) if len(options.recording) == 1 else []
+    folder = Path(options.out).resolve()
+    runs = [each for each in runs if not folder.is_relative_to(each.resolve())]
     scene = None
     if options.scene:
         scene = read_and_tell(options.scene, package_roots=options.package_root)

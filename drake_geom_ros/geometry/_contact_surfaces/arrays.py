@@ -42,6 +42,7 @@ class Bodies(NamedTuple):
 
     table: Indices  # (b, 6)
     numbers: Floats  # (b, 2): farthest from the origin [m]; pressure slope of a half space [Pa/m]
+    inner: Floats  # (b, 3): a point well inside [m]; of a surface, a corner
     points: Floats  # (p, 3) [m]
     elements: Indices  # (e, 4), the last column of no meaning for triangles
     fields: Floats  # (e, 5): pressure gradient, pressure at the origin, length of the gradient
@@ -60,6 +61,9 @@ class Surfaces(NamedTuple):
     ends: Indices  # (f,)
     faces: Floats  # (f, 13)
     sums: Floats  # (pairs, 14)
+    pair_ends: Indices  # (pairs,): where the polygons of each pair end
+    # (pairs,): without polygons, though the bodies overlap: one is deep within the other.
+    swallowed: NDArray[np.bool_]
     counts: Indices  # (2,): polygons, points
 
 

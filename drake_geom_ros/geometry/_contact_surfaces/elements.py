@@ -108,7 +108,7 @@ def _meet_tetrahedron(
     for i in range(count):
         corner = unrotate(between.R, sub(vector_in(work, i), between.p))
         for k in range(4):
-            height = dot(vector_at_plane(bodies, f, k), corner) - bodies.planes[f, k, 3]
+            height = height_above_face(bodies, f, k, corner)
             work[i, HEIGHT + k] = _snapped(height, rounding)
     at, count, face = clipped(work, 0, count, 4, -1)
     if face >= 0:
@@ -140,6 +140,13 @@ def corners_of(bodies: Bodies, first: int, e: int) -> tuple[Vector, Vector, Vect
 def vector_at_plane(bodies: Bodies, f: int, k: int) -> Vector:
     """Return the outward normal of a tetrahedron's face."""
     return bodies.planes[f, k, 0], bodies.planes[f, k, 1], bodies.planes[f, k, 2]
+
+
+@inlined
+def height_above_face(bodies: Bodies, f: int, k: int, point: Vector) -> float:
+    """Return how high [m] a point in the body's frame is above a tetrahedron's face."""
+    height: float = dot(vector_at_plane(bodies, f, k), point) - bodies.planes[f, k, 3]
+    return height
 
 
 @inlined
@@ -194,7 +201,7 @@ def _meet_triangle(
         corner = add(rotate(between.R, corner), between.p)
         work[i, 0], work[i, 1], work[i, 2] = corner
         for k in range(4):
-            height = dot(vector_at_plane(bodies, e, k), corner) - bodies.planes[e, k, 3]
+            height = height_above_face(bodies, e, k, corner)
             work[i, HEIGHT + k] = _snapped(height, between.rounding)
     at, count, face = clipped(work, 0, 3, 4, -1)
     if face >= 0:

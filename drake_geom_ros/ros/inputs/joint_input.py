@@ -32,6 +32,10 @@ _NANOSECONDS = 1e-9  # [s]
 _MOST_LISTS = 64  # lists of names of which it is kept which joints they mean
 
 
+class NothingOfOursError(ArgumentError):
+    """A message of joint values that names no joint of a robot here: it is of another robot."""
+
+
 class _Move(NamedTuple):
     """The links of a robot where joint values put them, and since when."""
 
@@ -284,11 +288,11 @@ def _are_others(robots: Sequence[DrivenRobot], names: Sequence[str]) -> bool:
     return bool(names) and others.issuperset(names)
 
 
-def _nothing_of_ours(robots: Sequence[DrivenRobot], names: Sequence[str]) -> ArgumentError:
+def _nothing_of_ours(robots: Sequence[DrivenRobot], names: Sequence[str]) -> NothingOfOursError:
     known = [alias for r in robots for alias in (*r.joint_names, *r.full_names)]
     shown = some_of([repr(name) for name in names]) or 'no joints at all'
     hint = nearest(names[0], known) if names else ''
-    return ArgumentError(
+    return NothingOfOursError(
         f'no joint of a robot here is in the message{hint}: it names {shown}; there are '
         f'{some_of(known) or "none, for no robot of the scene listens to this topic"}'
     )
