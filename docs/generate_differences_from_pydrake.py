@@ -67,7 +67,10 @@ _IN_WORDS = """
 - The property `('mesh', 'solid')` makes a Mesh a body that need not be convex.
 - Contact surfaces: each polygon has its own vertices, where pydrake shares those in a half space;
   a compliant half space and a compliant body have a surface; `ComputeContactSurfaces` raises for
-  a pair that can have none only where it overlaps; touching is no contact; a `margin` is refused.
+  a pair that can have none only where it overlaps, and for one of which a body is so deep within
+  the other that it has none, where pydrake's answer is empty; `ComputeContactSurfacesWithFallback`
+  gives both as points. A closed Mesh that is inside out is turned. Touching is no contact; a
+  `margin` is refused. There are none of poses that are AutoDiffXd.
   See [contact surfaces](contact_surfaces.md).
 """
 

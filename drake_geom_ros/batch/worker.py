@@ -29,11 +29,11 @@ _NEVER = np.zeros(1, dtype=np.int64)
 
 
 @functools.cache
-def version() -> str:
-    """Return the package's version with a digest of its sources, which decide about every bit."""
+def version(rooms: tuple[str, ...] = ('math', 'geometry', 'batch')) -> str:
+    """Return the package's version with a digest of the sources that decide about every bit."""
     digest = hashlib.sha256()
     folder = Path(__file__).parents[1]
-    for room in ('math', 'geometry', 'batch'):
+    for room in rooms:
         for path in sorted((folder / room).rglob('*.py')):
             digest.update(str(path.relative_to(folder)).encode())
             digest.update(path.read_bytes())

@@ -3,41 +3,46 @@
 import argparse
 import math
 import sys
-import time
 from contextlib import ExitStack
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from drake_geom_ros.batch import cluster_executor
+from drake_geom_ros.command_line.inputs import files_of
+from drake_geom_ros.command_line.report_telling import (
+    progress,
+    tell,
+    tell_of_audit,
+    tell_of_comparison,
+)
 from drake_geom_ros.command_line.scene_input import read_and_tell
+from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.recordings import (
     Audit,
     Clearances,
-    IncompleteRecordingError,
     Outcome,
-    RecordingError,
     SetComparison,
     Topics,
     audit,
     clearance,
     compare_runs,
 )
-from drake_geom_ros.recordings.clearance import STALE_AFTER, Progress
+from drake_geom_ros.recordings.clearance import STALE_AFTER
 from drake_geom_ros.recordings.comparing import WAYS
 from drake_geom_ros.recordings.comparison_report import write_comparison
-from drake_geom_ros.recordings.files import places_of, runs_in
+from drake_geom_ros.recordings.files import files_read, places_of, runs_in
 from drake_geom_ros.recordings.highlights import closest
 from drake_geom_ros.recordings.moment_pictures import Wanted, pictures_of
-from drake_geom_ros.recordings.opened import opened_recording
-from drake_geom_ros.recordings.report import PAGE, check_folder, write_report
+from drake_geom_ros.recordings.opened import Opened, opened_recording
+from drake_geom_ros.recordings.report import PAGE, check_folder, leave_only, write_report
+from drake_geom_ros.recordings.report_record import code_of, forget, made_of, write_record
 from drake_geom_ros.recordings.tolerances import CERTIFIED, NEARER_BY
 from drake_geom_ros.scene_files import SceneDescription
 
 NOT_WHOLE, UNREADABLE, REFUTED, NEARER = 1, 2, 3, 4  # exit codes
-_MOST_PAIRS = 5  # that are told of two runs
+_BY_GRAVITY = REFUTED, NEARER, UNREADABLE, NOT_WHOLE, 0
+_NO_MATTER = 'run', 'out', 'resume', 'cluster'  # options on which no report depends
 _THRESHOLDS = (0.0, 0.01, 0.05)  # [m]
 
 
@@ -48,8 +53,10 @@ def add_to(commands: Any) -> None:
         help='how near things came in a recording of ROS (MCAP or sqlite3)',
         description='Plays a recording as a node would have taken it, computes the least '
         'distances over its time, and writes clearance.csv, clearance.npz, clearance.png and '
-        'report.html. Exit code 0 where every state tells of all pairs, and 1 where something is '
-        'stale, left out, damaged or missing: what is said on standard output.',
+        'report.html. Exit code 0: every state tells of all pairs; 1: something is stale, left '
+        'out, damaged, missing or not reproducible, which is said on standard output; 2: what was '
+        'asked cannot be; 3: --audit refutes what a node said; 4: --compare finds the run nearer. '
+        'Of a folder of runs it is the gravest one: 3, then 4, 2, 1.',
     )
     parser.add_argument(
         'recording', nargs='+', metavar='RUN', help='files or folders of one recording'
@@ -126,7 +133,10 @@ def _add_judgements(parser: argparse.ArgumentParser) -> None:
         '--cluster', metavar='ADDRESS', help='compute on a Dask cluster, as tcp://host:8786'
     )
     parser.add_argument(
-        '--resume', action='store_true', help='leave out runs of a folder that have a report'
+        '--resume',
+        action='store_true',
+        help='leave out what has a report of the same files, options and version; its exit code '
+        'counts',
     )
     parser.add_argument(
         '--audit',
@@ -163,37 +173,84 @@ def _add_options_of_a_node(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write the report and return the exit code; raises GeometryError or OSError for bad input.
 
-    Of a folder of runs there is a folder with the report of each, and the worst exit code.
+    Of a folder of runs there is a folder with the report of each, and the gravest exit code.
     """
     runs = runs_in(Path(options.recording[0])) if len(options.recording) == 1 else []
+    folder = Path(options.out).resolve()
+    runs = [each for each in runs if not folder.is_relative_to(each.resolve())]
+    scene = None
+    if options.scene:
+        scene = read_and_tell(options.scene, package_roots=options.package_root)
     if not runs:
-        return _report(options)
+        return _report(options, scene)
     codes = []
     for place in runs:
         out = Path(options.out) / place.name
-        if options.resume and (out / PAGE).exists():
-            print(f'{place.name}: there is a report')
-            continue
         print(f'{place.name}:')
         of_run = argparse.Namespace(
             **{**vars(options), 'recording': [str(place)], 'out': str(out)}
         )
         try:
-            codes.append(_report(of_run))
-        except RecordingError as error:
-            print(f'{place.name}: {error}', file=sys.stderr)
+            codes.append(_report(of_run, scene))
+        except (GeometryError, OSError) as error:
+            older = (
+                ' (the report that is there is an earlier one)' if (out / PAGE).exists() else ''
+            )
+            print(f'{place.name}: {error}{older}', file=sys.stderr)
             codes.append(UNREADABLE)
-    return max(codes, default=0)
+    return min(codes, key=_BY_GRAVITY.index)
 
 
-def _report(options: argparse.Namespace) -> int:
-    """Write the report of one run, the page last of all."""
-    places, folder = places_of(options.recording), Path(options.out)
-    thresholds = sorted(options.threshold or _THRESHOLDS)
-    scene = None
-    if options.scene:
-        scene = read_and_tell(options.scene, package_roots=options.package_root)
-    check_folder(folder, [*places, options.scene])
+def _report(options: argparse.Namespace, scene: SceneDescription | None) -> int:
+    """Write the report of one run and return the exit code; what it is made of is written last."""
+    folder = Path(options.out)
+    inputs = _inputs(options, scene)
+    check_folder(folder, inputs)
+    asked = made_of(inputs, {n: v for n, v in vars(options).items() if n not in _NO_MATTER})
+    if options.resume and (code := code_of(folder, asked)) is not None:
+        print(f'{folder.name}: there is a report of the same, whose exit code is {code}')
+        return code
+    found = _found(options, scene)
+    forget(folder)
+    written = _write(options, scene, found, folder)
+    leave_only(folder, written)
+    _tell(options, found)
+    code = _exit_code(options, found)
+    written.append(write_record(folder, asked, code, written))
+    print(*(f'wrote {path}' for path in written), sep='\n')
+    return code
+
+
+class _Found(NamedTuple):
+    """What was found of a run."""
+
+    run: Clearances
+    compared: list[SetComparison] | None
+    audited: Audit | None
+
+
+def _inputs(options: argparse.Namespace, scene: SceneDescription | None) -> list[Path]:
+    """Return all files that decide about the report."""
+    found = [Path(options.scene)] if options.scene else []
+    for paths in filter(None, (options.recording, options.compare)):
+        opened = _opened(options, paths, scene)
+        found += files_read(places_of(paths))
+        with opened.playback.live.editing() as live:
+            found += files_of(live.scene_graph, () if scene is None else scene.robots)
+    return list(dict.fromkeys(found))
+
+
+def _opened(
+    options: argparse.Namespace, paths: str | list[str], scene: SceneDescription | None
+) -> Opened:
+    return opened_recording(
+        *(paths, scene, Topics.of(options.topic), options.stale_after, 'exact'),
+        *(options.world_frame, options.package_root),
+    )
+
+
+def _found(options: argparse.Namespace, scene: SceneDescription | None) -> _Found:
+    """Compute all that is asked."""
     of_a_node: dict[str, Any] = {
         'topics': Topics.of(options.topic),
         'stale_after': options.stale_after,
@@ -212,23 +269,45 @@ def _report(options: argparse.Namespace) -> int:
         other = clearance(options.compare, scene, **asked)
         compared = compare_runs(found, other, options.by)
     audited = audit(options.recording, scene, **of_a_node) if options.audit else None
+    return _Found(found, compared, audited)
+
+
+def _write(
+    options: argparse.Namespace, scene: SceneDescription | None, found: _Found, folder: Path
+) -> list[Path]:
+    """Write the files of the report; return them."""
+    places = places_of(options.recording)
     title = f'Clearance of {places[0].parent.name if len(places) > 1 else places[0].name}'
-    pictures = _pictures(options, scene, found)
-    files = [str(place) for place in places]
-    written = write_report(found, folder, title, files, thresholds, audited, pictures)
-    if compared is not None:
-        written += write_comparison(compared, folder, options.by)
-    _tell(found)
-    if audited is not None:
-        _tell_of_audit(audited)
-    print(*(f'wrote {path}' for path in written), sep='\n')
-    counts = {} if audited is None else audited.counts()
+    thresholds = sorted(options.threshold or _THRESHOLDS)
+    written = []
+    if found.compared is not None:
+        written += write_comparison(found.compared, folder, options.by)
+    return written + write_report(
+        *(found.run, folder, title, [str(place) for place in places], thresholds),
+        audited=found.audited,
+        pictures=_pictures(options, scene, found.run),
+        compared=found.compared,
+    )
+
+
+def _tell(options: argparse.Namespace, found: _Found) -> None:
+    tell(found.run)
+    if found.audited is not None:
+        tell_of_audit(found.audited)
+    if found.compared is not None:
+        tell_of_comparison(found.compared, options.compare, options.by)
+
+
+def _exit_code(options: argparse.Namespace, found: _Found) -> int:
+    counts = {} if found.audited is None else found.audited.counts()
     if counts.get(Outcome.REFUTED):
         return REFUTED
-    if compared is not None and _comes_nearer(compared, options):
+    compared = found.compared or ()
+    if any(each.nearer(allow_incomplete=True)[0] > options.tolerance for each in compared):
         return NEARER
-    is_whole = not found.reservations() and not counts.get(Outcome.NOT_REPRODUCIBLE)
-    is_whole &= compared is None or all(each.is_whole.all() for each in compared)
+    is_whole = not found.run.reservations() and not counts.get(Outcome.NOT_REPRODUCIBLE)
+    is_whole &= found.audited is None or not found.audited.reservations()
+    is_whole &= all(each.is_known for each in compared)
     return 0 if is_whole else NOT_WHOLE
 
 
@@ -244,22 +323,9 @@ def _clearance(
             *(options.recording, scene),
             certify=options.certify,
             executor=executor,
-            progress=_progress() if sys.stderr.isatty() else None,
+            progress=progress() if sys.stderr.isatty() else None,
             **asked,
         )
-
-
-def _progress() -> Progress:
-    """Return what tells on standard error how far it is, once a second."""
-    shown = time.monotonic()
-
-    def tell(states: int, seconds: float) -> None:
-        nonlocal shown
-        if time.monotonic() - shown >= 1.0:
-            shown = time.monotonic()
-            print(f'\r{states} states, {seconds:.0f} s', end='', file=sys.stderr, flush=True)
-
-    return tell
 
 
 def _pictures(
@@ -270,57 +336,4 @@ def _pictures(
     for name, pairs in found.sets.items():
         for number, state in enumerate(closest(found, pairs, options.pictures), 1):
             wanted.setdefault(state, []).append(Wanted(name, number, pairs.at(state)))
-    opened = opened_recording(
-        *(options.recording, scene, Topics.of(options.topic), options.stale_after, 'exact'),
-        *(options.world_frame, options.package_root),
-    )
-    return pictures_of(opened, wanted, options.rate)
-
-
-def _comes_nearer(compared: list[SetComparison], options: argparse.Namespace) -> bool:
-    """Tell how much nearer the run comes than the other one; return whether it is too much."""
-    unit = ' s' if options.by == 'time' else ' of the motion'
-    for each in compared:
-        much, where = each.nearer()
-        print(
-            f'{each.name}: {much:.6g} m nearer than in {options.compare} at most, at '
-            f'{where:.3f}{unit}; {int(np.count_nonzero(~each.is_whole))} of {len(each.run)} parts '
-            'are not known of both'
-        )
-        for pair in each.pairs[:_MOST_PAIRS]:
-            print(f'  {pair.name_A} and {pair.name_B}: {pair.run:.6g} m, there {pair.other:.6g} m')
-    return any(each.nearer()[0] > options.tolerance for each in compared)
-
-
-def _tell_of_audit(audited: Audit) -> None:
-    counts = audited.counts().items()
-    print('audit: ' + ', '.join(f'{count} {outcome.value}' for outcome, count in counts))
-    for topic, first, count in audited.by_reason():
-        print(
-            f'{first.outcome.value}: {count} of {topic}, the first at {first.time:.3f} s, '
-            f'{first.what}: {first.because}'
-        )
-
-
-def _tell(found: Clearances) -> None:
-    print(f'states {len(found.times)}, {found.duration:.3f} s')
-    for name in found.sets:
-        try:
-            least = found.least(name, allow_incomplete=True)
-            print(
-                f'{name}: distance {least.distance:.9g} m within {least.error_bound:.2g} m at '
-                f'{least.time:.3f} s between {least.name_A} {least.name_B}'
-            )
-        except IncompleteRecordingError as error:
-            print(f'{name}: {error}')
-        if found[name].motion is not None:
-            proved = found[name].certified()
-            print(
-                f'{name}: motions between states: certified {proved.lower_bound:.9g} m where '
-                f'clear; {proved.clear} clear, {proved.contact} contact, {proved.unknown} unknown'
-            )
-    print(f'read in {found.seconds_reading:.2f} s, computed in {found.seconds_computing:.2f} s')
-    for told in found.reservations():
-        print(f'not known: {told}')
-    for trouble in found.troubles:
-        print(f'wrong: {trouble.words}')
+    return pictures_of(_opened(options, options.recording, scene), wanted, options.rate)

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry import GeometryError, GeometryId, QueryObject
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
 from drake_geom_ros.recordings.opened import Opened, opened_recording
+from drake_geom_ros.recordings.playback import Refused
 from drake_geom_ros.recordings.recorded_pairs import (
     Compared,
     Outcome,
@@ -21,7 +22,7 @@ from drake_geom_ros.recordings.recorded_pairs import (
     recorded_pairs,
 )
 from drake_geom_ros.recordings.recording import Recorded
-from drake_geom_ros.recordings.storages import NANOSECONDS
+from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.replay import Finding, Judge, RecordedEvent, events_of
 from drake_geom_ros.ros.scene.pose_ages import time_of
@@ -52,6 +53,18 @@ class Audit:
     """What is true of all that a node said in a recording."""
 
     entries: list[Audited] = field(default_factory=list)
+    heard: dict[str, int] = field(default_factory=dict)  # messages by topic
+    damage: tuple[Damage, ...] = ()  # what could not be read
+    refused: tuple[Refused, ...] = ()  # messages of which no pose was taken
+
+    def reservations(self) -> list[str]:
+        """Return in words what was not audited; empty where all that was recorded is judged."""
+        told = [f'{each.file}: {each.reason}' for each in self.damage]
+        told += [each.in_words() for each in self.refused]
+        told += [f'no message of {topic} was recorded' for topic, n in self.heard.items() if not n]
+        if not self.entries:
+            told.append('nothing: no result and no event was recorded')
+        return told
 
     def counts(self) -> dict[Outcome, int]:
         """Return how often there was which outcome."""
@@ -103,7 +116,12 @@ def audit(
             'proximity events was recorded'
         )
     tables = [topic.name for topic in recorded if topic.type == SCENE]
-    return _Auditor(opened, [*said, *tables]).run()
+    auditor = _Auditor(opened, [*said, *tables])
+    auditor.audit.heard = dict.fromkeys(said, 0)
+    found = auditor.run()
+    found.damage = tuple(opened.recording.damage)
+    found.refused = tuple(opened.playback.refused)
+    return found
 
 
 class _State(NamedTuple):
@@ -125,14 +143,14 @@ class _Auditor:
         self._waiting: deque[Recorded] = deque()
         self._names: dict[int, dict[int, str]] = {}  # by names_version
         self._sequences: dict[str, int] = {}  # the last event of each topic
-        self._begin = 0
+        self._begin, self._first = opened.recording.begin, 0
         self.audit = Audit()
 
     def run(self) -> Audit:
         """Return what is true of all."""
         self._keep(0, '')
         for message in self._messages:
-            self._begin = self._begin or message.time
+            self._first = self._first or message.time
             while self._waiting and message.time - self._waiting[0].time > _WAITS:
                 self._judge(self._waiting.popleft())
             if message.topic.type in _KINDS:
@@ -156,6 +174,7 @@ class _Auditor:
             self._states.popleft()
 
     def _judge(self, said: Recorded) -> None:
+        self.audit.heard[said.topic.name] += 1
         if said.message is None:
             self._tell(said, 'a message', Compared(Outcome.NOT_REPRODUCIBLE, said.reason))
             return
@@ -199,7 +218,7 @@ class _Auditor:
         """Return what was found; what the recording does not tell nobody can refute."""
         if found.outcome != Outcome.REFUTED:
             return found
-        if age > (said.time - self._begin) / NANOSECONDS:
+        if age > (said.time - self._first) / NANOSECONDS:
             why = 'it used a pose from before the recording, or of unknown age'
             return Compared(Outcome.NOT_REPRODUCIBLE, why)
         for state in states:

@@ -57,7 +57,8 @@ def clearance(
     parameters, ``threads`` and ``max_distance`` [m] what ``batch.evaluate`` has.
 
     With ``certify`` [m] the motion between states is proved, too: see ``SetClearance``. Its bounds
-    are no farther than that below what was seen.
+    are no farther than that below what was seen. It takes a state with each message: motions from
+    one moment of a ``rate`` to the next would leave out what was recorded between them.
 
     ``executor`` computes distances in the place of threads, as of ``batch.cluster_executor``.
     ``progress`` is called with the states so far, and the seconds of the recording.
@@ -77,12 +78,17 @@ def clearance(
         raise ArgumentError(
             f'stale_after={stale_after} must be > 0 [s], max_distance={max_distance} no nan [m]'
         )
+    if not 0.0 <= certify < math.inf:
+        raise ArgumentError(f'certify={certify} must be a distance >= 0 [m]; 0: not')
+    if certify and rate:
+        raise ArgumentError(
+            f'certify={certify} proves motions from message to message, rate={rate} leaves out '
+            'poses between its moments: give one of the two'
+        )
     sets = pair_sets(between)
     opened = opened_recording(
         *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
     )
-    if not 0.0 <= certify < math.inf:
-        raise ArgumentError(f'certify={certify} must be a distance >= 0 [m]; 0: not')
     motions = [
         Motions(k, certify, accuracy, stale_after, threads) if certify else None
         for k in range(len(sets))
@@ -132,19 +138,19 @@ class _Run:
     """One pass through a recording."""
 
     def __init__(self, opened: Opened, pairs: tuple[PairSet, ...], stale_after: float) -> None:
-        self.recording, self.playback, self.roles = opened
+        self.opened = opened
         self.pairs, self.stale_after = pairs, stale_after
 
     def blocks(self, rate: float) -> Iterator[Block]:
         """Yield the states in blocks; raises RecordingError where there are none."""
-        states = StateBlocks(self.playback, self.pairs)
-        self.player = Player(self.playback, states, self.roles, rate)
-        yield from self.player.blocks(self.recording.batches(list(self.roles)))
+        recording, playback, roles = self.opened
+        self.player = Player(self.opened, StateBlocks(playback, self.pairs), rate)
+        yield from self.player.blocks()
         if not self.player.count:
-            troubles = [trouble.words for trouble in self.playback.troubles][:5]
+            troubles = [trouble.words for trouble in playback.troubles][:5]
             raise RecordingError(
                 'nothing that was recorded poses anything of the scene; '
-                + '; '.join([told_nothing(self.recording.topics, self.roles), *troubles])
+                + '; '.join([told_nothing(recording.topics, roles), *troubles])
             )
 
     def result(
@@ -166,8 +172,9 @@ class _Run:
             begin=begin,
             end=end,
             gaps=_gaps(times, (end - begin) / NANOSECONDS, self.stale_after),
-            damage=tuple(self.recording.damage),
-            troubles=tuple(self.playback.troubles),
+            damage=tuple(self.opened.recording.damage),
+            refused=tuple(self.opened.playback.refused),
+            troubles=tuple(self.opened.playback.troubles),
             stale_after=self.stale_after,
             max_distance=max_distance,
             seconds_reading=seconds[0],

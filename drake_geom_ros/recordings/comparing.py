@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.recordings.errors import IncompleteRecordingError
 from drake_geom_ros.recordings.results import Clearances, SetClearance
 
 Floats = NDArray[np.float64]
@@ -38,6 +39,13 @@ class SetComparison:
     other: Floats  # (m,) [m]
     is_whole: Flags  # (m,) both have states there, and all of these tell of all pairs
     pairs: tuple[PairDifference, ...]  # by how much nearer they came in the run
+    not_known_of_run: tuple[str, ...] = ()  # ``Clearances.reservations()``
+    not_known_of_other: tuple[str, ...] = ()
+
+    @property
+    def is_known(self) -> bool:
+        """Whether both runs are known in all parts, and have no reservations."""
+        return bool(self.is_whole.all()) and not self.not_known_of_run + self.not_known_of_other
 
     @property
     def difference(self) -> Floats:
@@ -47,8 +55,20 @@ class SetComparison:
         both_far = np.isinf(self.run) & np.isinf(self.other)
         return np.where(both_far, 0.0, found)
 
-    def nearer(self) -> tuple[float, float]:
-        """Return by how much [m] the run comes nearer at most, and where; 0 where it does not."""
+    def nearer(self, *, allow_incomplete: bool = False) -> tuple[float, float]:
+        """Return by how much [m] the run comes nearer at most, and where; 0 where it does not.
+
+        Raises IncompleteRecordingError where not all is known of both, unless
+        ``allow_incomplete``: then only parts count of which both tell something.
+        """
+        if not (allow_incomplete or self.is_known):
+            unknown = int(np.count_nonzero(~self.is_whole))
+            told = [f'{unknown} of {len(self.run)} parts are not known of both runs']
+            told += [f'this run: {each}' for each in self.not_known_of_run]
+            told += [f'the other run: {each}' for each in self.not_known_of_other]
+            raise IncompleteRecordingError(
+                f'{self.name}: {"; ".join(told)}. allow_incomplete=True takes what is known'
+            )
         found = np.nan_to_num(-self.difference, nan=-np.inf)
         k = int(np.argmax(found))
         return max(0.0, float(found[k])), float(self.ends[k])
@@ -79,19 +99,31 @@ def compare_runs(run: Clearances, other: Clearances, by: str = 'time') -> list[S
         places = [each.travelled / (each.travelled[-1] or 1.0) for each in (run, other)]
         holds = [1.0, 1.0]  # between two states nothing else was passed
     ends = np.linspace(0.0, end, _PARTS + 1)
-    return [_compared(ends, run.sets[n], other.sets[n], places, holds) for n in run.sets]
+    not_known = tuple(run.reservations()), tuple(other.reservations())
+    return [
+        _compared(ends, (run.sets[name], other.sets[name]), places, holds, not_known)
+        for name in run.sets
+    ]
 
 
 def _compared(
     ends: Floats,
-    run: SetClearance,
-    other: SetClearance,
+    both: tuple[SetClearance, SetClearance],
     places: Sequence[Floats],
     holds: Sequence[float],
+    not_known: tuple[tuple[str, ...], tuple[str, ...]],
 ) -> SetComparison:
-    both = zip((run, other), places, holds, strict=True)
-    (first, whole), (second, others) = (_by_part(*each) for each in both)
-    return SetComparison(run.name, ends, first, second, whole & others, _by_pair(run, other))
+    run, other = (_by_part(*each) for each in zip(both, places, holds, strict=True))
+    return SetComparison(
+        name=both[0].name,
+        ends=ends,
+        run=run[0],
+        other=other[0],
+        is_whole=run[1] & other[1],
+        pairs=_by_pair(*both),
+        not_known_of_run=not_known[0],
+        not_known_of_other=not_known[1],
+    )
 
 
 def _by_part(pairs: SetClearance, places: Floats, holds: float) -> tuple[Floats, Flags]:

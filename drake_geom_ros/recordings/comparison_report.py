@@ -11,6 +11,7 @@ import numpy as np
 
 from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.recordings.comparing import SetComparison
+from drake_geom_ros.recordings.plot import plain
 
 TABLE, PICTURE = 'comparison.csv', 'comparison.png'
 _COLUMNS = 'set', 'from', 'to', 'distance_m', 'other_m', 'difference_m', 'all_known'
@@ -53,7 +54,7 @@ def _draw(found: Sequence[SetComparison], by: str) -> bytes:
             lw=0,
             label='this run is nearer',
         )
-        place.set_title(each.name, loc='left', fontsize='medium')
+        place.set_title(plain(each.name), loc='left', fontsize='medium')
         place.set_ylabel('least distance [m]')
         place.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0))
     axes[-1].set_xlabel('time since the recording began [s]' if by == 'time' else 'phase')

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -27,6 +28,18 @@ def places_of(paths: str | Path | Sequence[str | Path]) -> list[Path]:
     if not places:
         raise RecordingError('no recording was given')
     return list(dict.fromkeys(places))
+
+
+def missing_files(paths: str | Path | Sequence[str | Path]) -> list[Path]:
+    """Return the storage files that the metadata of folders name, and that are not there."""
+    given = [Path(paths)] if isinstance(paths, (str, Path)) else [Path(path) for path in paths]
+    folders = [path.parent if path.name == METADATA else path for path in given]
+    return [
+        folder / name
+        for folder in dict.fromkeys(folders)
+        for name in _named_files(folder)
+        if not any((folder / each).exists() for each in (name, name.removesuffix(_COMPRESSED)))
+    ]
 
 
 def _places(path: Path) -> list[Path]:
@@ -56,22 +69,45 @@ def _of_folder(folder: Path) -> list[Path]:
     raise RecordingError(f'{folder} holds no recording: no file {" or ".join(SUFFIXES)}')
 
 
+def files_read(places: Iterable[Path]) -> list[Path]:
+    """Return the files that decide what is read of a recording's storage files and folders."""
+    found: list[Path] = []
+    for place in places:
+        beside = place.with_name(f'{place.name}-wal'), place.with_name(METADATA)
+        found += sorted(place.iterdir()) if place.is_dir() else [place, *beside]
+    return [path for path in dict.fromkeys(found) if path.is_file()]
+
+
 def runs_in(folder: Path) -> list[Path]:
-    """Return the folders of runs in a folder, which is no run itself, by their names."""
+    """Return the folders in a folder that is no run itself, by their names; none without a run.
+
+    One that holds no recording is among them: its run was lost, and is to be told of.
+    """
     if not folder.is_dir() or _holds(folder.iterdir()):
         return []
     inside = sorted(folder.iterdir(), key=_by_numbers)
-    return [each for each in inside if each.is_dir() and _holds(each.iterdir())]
+    folders = [each for each in inside if each.is_dir() and not each.name.startswith('.')]
+    return folders if any(_holds(each.iterdir()) for each in folders) else []
 
 
 def _compresses_messages(folder: Path) -> bool:
     """Return whether the metadata say so, without which such messages cannot be read."""
+    return str(_metadata(folder).get('compression_mode')).lower() == 'message'
+
+
+def _named_files(folder: Path) -> list[str]:
+    """Return the names of the files that the metadata name, without folders."""
+    told = _metadata(folder).get('relative_file_paths')
+    return [Path(str(each)).name for each in told] if isinstance(told, list) else []
+
+
+def _metadata(folder: Path) -> dict[str, Any]:
     try:
         text = (folder / METADATA).read_text(encoding='utf-8')
-        told = yaml.safe_load(text)['rosbag2_bagfile_information']['compression_mode']
-        return str(told).lower() == 'message'
+        told = yaml.safe_load(text)['rosbag2_bagfile_information']
+        return told if isinstance(told, dict) else {}
     except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
-        return False  # they may be lost, or be those of ROS 2 Dashing
+        return {}  # they may be lost, or be those of ROS 2 Dashing
 
 
 def _holds(paths: Iterable[Path]) -> bool:

@@ -86,17 +86,18 @@ class Layouts:
     """The layouts that were seen so far."""
 
     def __init__(self) -> None:
-        self._known: dict[tuple[str, str, int], list[Layout]] = {}
-        self._counts: dict[str, int] = {}
+        # By the whole topic: with another definition the same bytes are other numbers.
+        self._known: dict[tuple[Topic, int], list[Layout]] = {}
+        self._counts: dict[Topic, int] = {}
 
     def may_know(self, topic: Topic, size: int, count: int) -> bool:
         """Return whether messages of a size [bytes] are such as may share a layout."""
-        known = (topic.name, topic.type, size) in self._known
+        known = (topic, size) in self._known
         return topic.type in _FIELDS and size <= _MOST_BYTES and (known or count > 1)
 
     def of(self, topic: Topic, rows: Bytes) -> list[tuple[Layout, NDArray[np.int64]]]:
         """Return which messages (n, bytes) of one length share a layout; others are left out."""
-        known = self._known.setdefault((topic.name, topic.type, rows.shape[1]), [])
+        known = self._known.setdefault((topic, rows.shape[1]), [])
         left, found = np.arange(len(rows)), []
         for layout in known:
             same = layout.of(rows[left])
@@ -104,8 +105,8 @@ class Layouts:
                 found.append((layout, left[same]))
                 left = left[~same]
         # What comes once is not worth it, and of what never repeats nothing is learnt.
-        while len(left) > 1 and self._counts.get(topic.name, 0) < _MOST_LAYOUTS:
-            self._counts[topic.name] = self._counts.get(topic.name, 0) + 1
+        while len(left) > 1 and self._counts.get(topic, 0) < _MOST_LAYOUTS:
+            self._counts[topic] = self._counts.get(topic, 0) + 1
             try:
                 layout = Layout(topic, rows[left[0]].tobytes())
                 same = layout.of(rows[left])

@@ -34,12 +34,12 @@ def pictures_of(
 
     Of states in which a frame waits for a pose there is none: nobody knows where that is.
     """
-    player = Player(opened.playback, StateBlocks(opened.playback, ()), opened.roles, rate)
+    player = Player(opened, StateBlocks(opened.playback, ()), rate)
     found: dict[tuple[str, int], bytes] = {}
     first, last = 0, max(wanted, default=-1)
     if last < 0:
         return found
-    for block in player.blocks(opened.recording.batches(list(opened.roles))):
+    for block in player.blocks():
         for state in range(first, first + len(block.times)):
             for each in wanted.get(state, ()):
                 if not block.waits:

@@ -41,9 +41,10 @@ def opened_recording(
         scene = read_scene(str(scene), package_roots=[str(root) for root in package_roots])
     alone = scene is None
     roles = roles_of(recording.topics, asked, with_robots=alone)
+    silent = _silent_clocks(recording, roles)
     playback = Playback(
         *(scene, stale_after),
-        simulated='clock' in roles.values(),
+        simulated='clock' in roles.values() and not silent,
         world_frame=world_frame,
         package_roots=package_roots,
         accuracy=accuracy,
@@ -53,11 +54,22 @@ def opened_recording(
             'no scene was given, and no robot_description was recorded: give a scene file, or '
             f'say which topic it is by {_ROBOT}=TOPIC'
         )
+    for topic in silent:
+        playback.note(f'{topic} has no message: the time of recording counts', recording.begin)
     _take_robots(recording, playback, roles)
     robots = playback.robots_topics()
-    return Opened(
-        recording, playback, roles_of(recording.topics, asked, robots, with_robots=alone)
-    )
+    roles = roles_of(recording.topics, asked, robots, with_robots=alone)
+    return Opened(recording, playback, {t: role for t, role in roles.items() if t not in silent})
+
+
+def _silent_clocks(recording: Recording, roles: dict[str, str]) -> list[str]:
+    """Return the topics of clocks that nobody ticks: by them time would stand still."""
+    clocks = [topic for topic, role in roles.items() if role == 'clock']
+    return [
+        topic
+        for topic in clocks
+        if all(each.message is None for each in recording.messages([topic]))
+    ]
 
 
 def _take_robots(recording: Recording, playback: Playback, roles: dict[str, str]) -> None:
@@ -69,6 +81,9 @@ def _take_robots(recording: Recording, playback: Playback, roles: dict[str, str]
         if recorded.topic.name in missing and recorded.message is not None:
             missing.discard(recorded.topic.name)
             is_semantic = roles[recorded.topic.name] != _ROBOT
-            playback.take_robot(recorded.message.data, is_semantic=is_semantic)
+            try:
+                playback.take_robot(recorded.message.data, is_semantic=is_semantic)
+            except RuntimeError as error:
+                raise RecordingError(f'{recorded.topic.name}: {error}') from None
         if not missing:
             return

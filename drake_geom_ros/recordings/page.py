@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.recordings.audit import Audit
+from drake_geom_ros.recordings.comparing import SetComparison
 from drake_geom_ros.recordings.highlights import below, closest, contacts, held
 from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance
 from drake_geom_ros.recordings.storages import NANOSECONDS
@@ -38,6 +39,7 @@ def page(
     plot: bytes,
     audited: Audit | None = None,
     pictures: Pictures | None = None,
+    compared: Sequence[SetComparison] | None = None,
 ) -> str:
     """Return the report as HTML, the plot (a PNG) in it."""
     begin = datetime.fromtimestamp(found.begin / NANOSECONDS, timezone.utc)
@@ -45,13 +47,14 @@ def page(
         f'<h1>{escape(title)}</h1>',
         f'<p>{begin:%Y-%m-%d %H:%M:%S} UTC, {found.duration:.3f} s, {len(found.times)} states. '
         f'Files: {escape(", ".join(files))}.</p>',
-        _reservations(found),
+        _reservations(found.reservations()),
         f'<img alt="least distances over time" src="{_data(plot)}">',
     ]
     for pairs in found.sets.values():
         parts += _of_set(found, pairs, thresholds, pictures or {})
     parts += _troubles(found)
     parts += [] if audited is None else _audited(audited)
+    parts += [] if compared is None else _compared(compared)
     parts.append(
         f'<p>Read and played in {found.seconds_reading:.2f} s, computed in '
         f'{found.seconds_computing:.2f} s.</p>'
@@ -68,12 +71,15 @@ def _data(picture: bytes) -> str:
     return f'data:image/png;base64,{b64encode(picture).decode()}'
 
 
-def _reservations(found: Clearances) -> str:
-    told = found.reservations()
+def _reservations(told: Sequence[str], of: str = '') -> str:
     if not told:
-        return '<p class="good">Every state tells of all pairs, by fresh poses.</p>'
+        return f'<p class="good">{of}Every state tells of all pairs, by fresh poses.</p>'
+    return _warning(f'{of}Not all is known:', told)
+
+
+def _warning(head: str, told: Sequence[str]) -> str:
     listed = ''.join(f'<li>{escape(each)}</li>' for each in told)
-    return f'<div class="warn">Not all is known:<ul>{listed}</ul></div>'
+    return f'<div class="warn">{head}<ul>{listed}</ul></div>'
 
 
 def _of_set(
@@ -170,6 +176,7 @@ def _audited(audited: Audit) -> list[str]:
     heads = 'topic', 'outcome', 'how many', 'the first at [s]', 'what', 'because'
     return [
         '<h2>What the node said, computed again</h2>',
+        *([_warning('Not audited:', told)] if (told := audited.reservations()) else []),
         _table(('', 'results and events'), [(outcome.value, n) for outcome, n in counts]),
         _table(
             heads,
@@ -178,6 +185,20 @@ def _audited(audited: Audit) -> list[str]:
                 for topic, e, count in audited.by_reason()
             ),
         ),
+    ]
+
+
+def _compared(compared: Sequence[SetComparison]) -> list[str]:
+    """Return how much nearer the run comes than another one, and what is not known of that."""
+    rows = []
+    for each in compared:
+        much, where = each.nearer(allow_incomplete=True)
+        unknown = int(np.count_nonzero(~each.is_whole))
+        rows.append((each.name, f'{much:.9g}', f'{where:.3f}', f'{unknown} of {len(each.run)}'))
+    return [
+        '<h2>Beside the other run</h2>',
+        _reservations(compared[0].not_known_of_other, 'The other run: '),
+        _table(('pairs', 'nearer by [m]', 'at', 'parts not known of both'), rows),
     ]
 
 

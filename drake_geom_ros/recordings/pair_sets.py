@@ -32,7 +32,7 @@ class PairSet(NamedTuple):
 def pair_sets(between: Sequence[Between]) -> tuple[PairSet, ...]:
     """Return the sets that ``'left:right'`` or ``('left', 'right')`` say; without any, all pairs.
 
-    Raises ArgumentError for other texts, and for one that is there twice.
+    Raises ArgumentError for other texts, and for a name that is there twice.
     """
     found = []
     for text in between:
@@ -43,8 +43,8 @@ def pair_sets(between: Sequence[Between]) -> tuple[PairSet, ...]:
                 'sources, frames (source::frame) or geometries'
             )
         found.append(PairSet(':'.join(sides), *sides))
-    if len(set(found)) < len(found):
-        raise ArgumentError(f'between={list(between)} names a set of pairs twice')
+    if len({pairs.name for pairs in found}) < len(found):
+        raise ArgumentError(f'between={list(between)} has two sets of pairs of one name')
     return tuple(found) or (PairSet(ALL),)
 
 

@@ -11,10 +11,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.recording import Recorded
 from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
-from drake_geom_ros.ros.inputs.joint_input import JointInput
+from drake_geom_ros.ros.inputs.joint_input import JointInput, NothingOfOursError
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
@@ -37,6 +38,18 @@ class Trouble(NamedTuple):
     first: int
     last: int
     seen: int
+
+
+class Refused(NamedTuple):
+    """Messages of a topic that were refused, in whole or in part."""
+
+    topic: str
+    seen: int  # how many there were
+    reason: str  # of the first one
+
+    def in_words(self) -> str:
+        """Return it in words."""
+        return f'{counted(self.seen, "message")} of {self.topic} refused, first: {self.reason}'
 
 
 class Moment(NamedTuple):
@@ -90,6 +103,7 @@ class Playback:
         )
         self._robot = RobotInput(self.live)
         self._told: dict[str, Trouble] = {}
+        self._refused: dict[str, Refused] = {}
         self._looked = -math.inf
         if description is not None:
             with self.live.editing() as scene:
@@ -117,9 +131,17 @@ class Playback:
             return False
         try:
             return self._take(recorded, role)
+        except NothingOfOursError as error:
+            self._note_refusal(recorded, str(error))  # another robot's: nothing is lost of ours
+            return False
         except RuntimeError as error:
             self._refuse(recorded, str(error))
             return False
+
+    @property
+    def refused(self) -> list[Refused]:
+        """What was refused of messages that may have said something of the scene, by topic."""
+        return list(self._refused.values())
 
     @property
     def next_look(self) -> float:
@@ -150,7 +172,7 @@ class Playback:
             troubles += filter(None, [scene.waiting().in_words(), *scene.warned])
             scene.warned = []
         for words in troubles:
-            self._note(words, time)
+            self.note(words, time)
 
     @property
     def troubles(self) -> list[Trouble]:
@@ -190,12 +212,19 @@ class Playback:
             return
         self.clocks.begin_anew()
         if before:
-            self._note('the recorded clock jumped: ages were unknown until new poses came', time)
+            self.note('the recorded clock jumped: ages were unknown until new poses came', time)
 
     def _refuse(self, recorded: Recorded, reason: str) -> None:
-        self._note(f'a message of {recorded.topic.name} was refused: {reason}', recorded.time)
+        topic = recorded.topic.name
+        known = self._refused.get(topic, Refused(topic, 0, reason))
+        self._refused[topic] = known._replace(seen=known.seen + 1)
+        self._note_refusal(recorded, reason)
 
-    def _note(self, words: str, time: int) -> None:
+    def _note_refusal(self, recorded: Recorded, reason: str) -> None:
+        self.note(f'a message of {recorded.topic.name} was refused: {reason}', recorded.time)
+
+    def note(self, words: str, time: int) -> None:
+        """Note what was wrong at a time [ns]."""
         known = self._told.get(words)
         if known is None and len(self._told) >= _MOST_TOLD:
             words = 'more was wrong than is told here'

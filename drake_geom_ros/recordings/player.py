@@ -6,18 +6,19 @@ says. What is not known to be that simple is played message by message.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from drake_geom_ros.recordings.layouts import Layouts
 from drake_geom_ros.recordings.message_types import CLOCK, POSES
-from drake_geom_ros.recordings.playback import Moment, Playback
+from drake_geom_ros.recordings.opened import Opened
+from drake_geom_ros.recordings.playback import Moment
 from drake_geom_ros.recordings.recording import Recorded, recorded
 from drake_geom_ros.recordings.repeats import Batch, Stretch
 from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
-from drake_geom_ros.recordings.storages import NANOSECONDS, Raw
+from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
 
@@ -27,26 +28,27 @@ _SHORTEST = 8  # messages of a run: to tell one takes as long as some messages
 class Player:
     """Plays batches of messages, and yields the states in blocks."""
 
-    def __init__(
-        self, playback: Playback, states: StateBlocks, roles: Mapping[str, str], rate: float
-    ) -> None:
-        """``roles`` as of ``roles_of``; a state with each message, or at a ``rate`` [Hz]."""
-        self._playback, self._states, self._roles, self._rate = playback, states, roles, rate
+    def __init__(self, opened: Opened, states: StateBlocks, rate: float) -> None:
+        """``rate`` [Hz] of states; 0: one with each message that poses something."""
+        self._recording, self._playback, self._roles = opened
+        self._states, self._rate = states, rate
         self._layouts = Layouts()
         # What the senders pose whose last message was taken, by layout: nothing else came since.
         self._taken: dict[int, frozenset[Any]] = {}
         self._first = -1  # the first pose's time [ns]
         self.count = 0  # of states
-        self.begin = self.end = 0  # [ns]
+        # [ns] of the whole recording: a sender that fell silent before its end is to be seen.
+        self.begin, self.end = opened.recording.begin, opened.recording.end
 
-    def blocks(self, batches: Iterable[Sequence[Raw]]) -> Iterator[Block]:
+    def blocks(self) -> Iterator[Block]:
         """Yield the states of all messages."""
-        for raws in batches:
-            self.begin = self.begin or raws[0].time
+        for raws in self._recording.batches(list(self._roles)):
             yield from self._play(Batch(raws, self._layouts))
-        if self._rate and self._first >= 0 and self._due() <= self.end:
+        while self._is_due(self.end + 1):
+            self._playback.wait_until(self._due())
             yield from self._take(self._due())
         yield from self._states.rest()
+        self._playback.wait_until(self.end)
         self._playback.look(self.end)
 
     def _due(self) -> int:

@@ -40,10 +40,16 @@ def draw(found: Clearances, thresholds: Sequence[float], title: str) -> bytes:
         _draw_set(place, found, pairs, thresholds)
     axes[-1].set_xlabel('time since the recording began [s]')
     axes[-1].set_xlim(0.0, max(found.duration, found.stale_after / 2))
-    figure.suptitle(title)
+    figure.suptitle(plain(title))
     picture = BytesIO()
     figure.savefig(picture, format='png')
     return picture.getvalue()
+
+
+def plain(name: str) -> str:
+    """Return a name so that matplotlib shows it as it is: no formula, no label to be hidden."""
+    escaped = name.replace('$', r'\$')
+    return f' {escaped}' if escaped.startswith('_') else escaped
 
 
 def _draw_set(
@@ -88,7 +94,7 @@ def _draw_set(
         axes.plot(*at, 'v', color='black', ms=7, zorder=5)
         axes.annotate(f'{number + 1}', at, (0, 9), textcoords='offset points', ha='center')
     axes.set_ylabel('least distance [m]')
-    axes.set_title(pairs.name, loc='left', fontsize='medium')
+    axes.set_title(plain(pairs.name), loc='left', fontsize='medium')
     axes.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0), frameon=False)
 
 
@@ -158,10 +164,16 @@ def _colour_pairs(axes: Any, pairs: SetClearance, states: NDArray[np.int64]) -> 
     for k, ((first, second), _) in enumerate(nearest):
         own = (pairs.geometry_A[states] == first) & (pairs.geometry_B[states] == second)
         left &= ~own
-        label = f'{pairs.names[first]} and {pairs.names[second]}' if first >= 0 else 'no pair'
+        both = f'{pairs.names[first]} and {pairs.names[second]}' if first >= 0 else 'no pair'
+        label = plain(both)
         at = states[own]
         axes.plot(
-            pairs.times[at], pairs.known_distance[at], '.', ms=3.5, color=f'C{k}', label=label
+            pairs.times[at],
+            pairs.known_distance[at],
+            '.',
+            ms=3.5,
+            color=f'C{k}',
+            label=label,
         )
     if left.any():
         at = states[left]

@@ -36,9 +36,9 @@ def recorded_poses(
 ) -> list[TimedPoses]:
     """Return the poses of a recording, so often a second [Hz]; raises as ``clearance``."""
     opened = opened_recording(path, scene, topics, 1.0, 'exact', 'world', package_roots)
-    player = Player(opened.playback, StateBlocks(opened.playback, ()), opened.roles, rate)
+    player = Player(opened, StateBlocks(opened.playback, ()), rate)
     found = []
-    for block in player.blocks(opened.recording.batches(list(opened.roles))):
+    for block in player.blocks():
         inspector = block.context_query().inspector()
         ids = [FrameId(value) for value in block.frames.tolist()]
         names = tuple((inspector.GetOwningSourceName(f), inspector.GetName(f)) for f in ids)

@@ -8,10 +8,11 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drake_geom_ros.recordings.files import places_of
+from drake_geom_ros.recordings.files import missing_files, places_of
 from drake_geom_ros.recordings.message_types import message_of
 from drake_geom_ros.recordings.storages import Damage, Raw, Storage, Topic
 
+_MISSING = 'metadata.yaml names it, and it is not there'
 _MOST_MESSAGES, _MOST_BYTES = 4096, 1 << 23  # of a batch
 
 
@@ -27,13 +28,18 @@ class Recorded(NamedTuple):
 class Recording:
     """The files of one recording, MCAP or sqlite3, whole or damaged.
 
-    ``topics`` are those of all files, ``damage`` is what could not be read so far. Raises
-    RecordingError where nothing can be read.
+    ``topics`` are those of all files, ``damage`` is what could not be read so far; from ``begin``
+    to ``end`` [ns] go the messages of all topics, used or not. Raises RecordingError where nothing
+    can be read.
     """
 
     def __init__(self, paths: str | Path | Sequence[str | Path]) -> None:
         """``paths``: a file, a folder that rosbag2 wrote, or several of these."""
         self._storages = [Storage(place) for place in places_of(paths)]
+        self._missing = [Damage(str(path), _MISSING, 0) for path in missing_files(paths)]
+        spans = [storage.span for storage in self._storages if storage.span is not None]
+        self.begin = min((first for first, _ in spans), default=0)
+        self.end = max((last for _, last in spans), default=0)
         found = (topic for storage in self._storages for topic in storage.topics)
         self.topics: list[Topic] = list(dict.fromkeys(found))
 
@@ -45,7 +51,8 @@ class Recording:
     @property
     def damage(self) -> list[Damage]:
         """What could not be read, as far as messages were asked for."""
-        return list(dict.fromkeys(each for s in self._storages for each in s.damage))
+        found = (each for storage in self._storages for each in storage.damage)
+        return list(dict.fromkeys([*self._missing, *found]))
 
     def messages(self, names: Collection[str]) -> Iterator[Recorded]:
         """Yield the messages of some topics in the order of their times, file by file merged."""

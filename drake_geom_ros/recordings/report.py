@@ -6,20 +6,33 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
+from drake_geom_ros.recordings import comparison_report
 from drake_geom_ros.recordings.audit import Audit
+from drake_geom_ros.recordings.comparing import SetComparison
 from drake_geom_ros.recordings.page import Pictures, page
 from drake_geom_ros.recordings.plot import draw
+from drake_geom_ros.recordings.report_record import RECORD
 from drake_geom_ros.recordings.results import Clearances
 from drake_geom_ros.recordings.tables import write_audit, write_csv, write_npz
 
 CSV, NPZ, PLOT, PAGE = 'clearance.csv', 'clearance.npz', 'clearance.png', 'report.html'
 AUDIT = 'audit.csv'
+_ALL = (
+    *(CSV, NPZ, PLOT, PAGE, AUDIT, RECORD),
+    *(comparison_report.TABLE, comparison_report.PICTURE),
+)
 
 
 def check_folder(folder: Path, inputs: Iterable[str | Path | None]) -> None:
     """Make the folder; raises FileExistsError where a file of it would replace an input."""
     folder.mkdir(parents=True, exist_ok=True)
-    check_outputs({name: folder / name for name in (CSV, NPZ, PLOT, PAGE, AUDIT)}, inputs)
+    check_outputs({name: folder / name for name in _ALL}, inputs)
+
+
+def leave_only(folder: Path, written: Iterable[Path]) -> None:
+    """Remove what an earlier report of other options left beside a new one."""
+    for name in {*_ALL} - {path.name for path in written}:
+        (folder / name).unlink(missing_ok=True)
 
 
 def write_report(
@@ -30,6 +43,7 @@ def write_report(
     thresholds: Sequence[float],
     audited: Audit | None = None,
     pictures: Pictures | None = None,
+    compared: Sequence[SetComparison] | None = None,
 ) -> list[Path]:
     """Write the files of a report about recorded ``files``; return them."""
     write_csv(found, folder / CSV)
@@ -38,7 +52,7 @@ def write_report(
     with whole_file(folder / PLOT, 'wb') as picture:
         picture.write(plot)
     with whole_file(folder / PAGE) as text:
-        text.write(page(found, thresholds, title, files, plot, audited, pictures))
+        text.write(page(found, thresholds, title, files, plot, audited, pictures, compared))
     names = [CSV, NPZ, PLOT, PAGE]
     if audited is not None:
         write_audit(audited, folder / AUDIT)

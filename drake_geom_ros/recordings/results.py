@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
-from drake_geom_ros.recordings.playback import Trouble
+from drake_geom_ros.recordings.playback import Refused, Trouble
 from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
 
 Floats = NDArray[np.float64]
@@ -144,8 +144,8 @@ class SetClearance:
 class Clearances:
     """Least distances of sets of pairs over the N states of a recording: ``found['all']``.
 
-    ``gaps`` are the times without a state for longer than ``stale_after``, between the first and
-    the last message that was recorded.
+    ``gaps`` are the times without a state for longer than ``stale_after``, from the first to the
+    last message of the recording, of whatever topic: a sender that died before the end leaves one.
     """
 
     times: Floats  # (N,) [s] since the recording began
@@ -153,10 +153,11 @@ class Clearances:
     # (N,) how far all frames went until then: [m] of their origins, and [rad] of their turns
     travelled: Floats
     sets: Mapping[str, SetClearance]
-    begin: int  # [ns] the first message that was used
+    begin: int  # [ns] the first message of the recording, used or not
     end: int  # [ns] the last one
     gaps: tuple[Span, ...]
     damage: tuple[Damage, ...]
+    refused: tuple[Refused, ...]  # messages that say nothing of use, by topic
     troubles: tuple[Trouble, ...]
     stale_after: float  # [s]
     max_distance: float  # [m]
@@ -177,7 +178,14 @@ class Clearances:
         told = [f'{each.file}: {each.reason}; {self._until(each)}' for each in self.damage]
         if self.gaps:
             lost = sum(gap.end - gap.begin for gap in self.gaps)
-            told.append(f'{counted(len(self.gaps), "gap")} without data, {lost:.3f} s in all')
+            ends = 'at the beginning' if self.gaps[0].begin <= 0.0 else ''
+            if self.gaps[-1].end >= self.duration:
+                ends += f'{" and " if ends else ""}at the end'
+            told.append(
+                f'{counted(len(self.gaps), "gap")} without data, {lost:.3f} s in all'
+                f'{f", also {ends} of the recording" if ends else ""}'
+            )
+        told += [each.in_words() for each in self.refused]
         for each in self.sets.values():
             if each.motion is not None and (unknown := each.certified().unknown):
                 told.append(f'{each.name}: nothing is proved of {counted(unknown, "motion")}')
@@ -194,7 +202,7 @@ class Clearances:
 
     def _until(self, damage: Damage) -> str:
         if damage.until < self.begin:
-            return 'it told nothing that was used'
+            return 'it told nothing'
         return f'it told something until {(damage.until - self.begin) / NANOSECONDS:.3f} s'
 
     def least(self, name: str = '', *, allow_incomplete: bool = False) -> Moment:

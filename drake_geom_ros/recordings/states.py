@@ -111,7 +111,9 @@ class Travelled:
             for sign in (1, -1)
         )
         half = np.arcsin(np.minimum(np.minimum(same, turned) / 2.0, 1.0))
-        self._parts.append(self._sum + np.cumsum((way + 4.0 * half).sum(axis=1)))
+        # One running sum of all states: that of each block by itself would round elsewhere.
+        steps = np.concatenate(([self._sum], (way + 4.0 * half).sum(axis=1)))
+        self._parts.append(np.cumsum(steps)[1:])
         self._sum = float(self._parts[-1][-1])
 
     def all(self) -> Floats:

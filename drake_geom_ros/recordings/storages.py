@@ -54,6 +54,7 @@ class Storage:
         self.path = path
         self.damage: list[Damage] = []
         self.topics: list[Topic] = []
+        self.span: tuple[int, int] | None = None  # [ns] of the messages of all topics
         self._is_whole = True
         self._look()
         log = path.with_name(f'{path.name}-wal')
@@ -92,17 +93,26 @@ class Storage:
         try:
             with Reader(self.path) as reader:
                 self.topics = [_topic(each) for each in reader.connections]
+                if reader.message_count:
+                    self.span = reader.start_time, reader.end_time - 1
         except Exception as error:
             if self.path.is_dir():
                 raise RecordingError(f'{self.path}: {_words(error)}') from None
             self._is_whole = False
             self._reason = _words(error)
-            found = dict.fromkeys(raw.topic for raw in self._rest((), tells=False))
-            self.topics = list(found)
-            if not found:
+            self._look_at_the_rest()
+            if not self.topics:
                 raise RecordingError(
                     f'{self.path}: nothing can be read of it: {self._reason}'
                 ) from None
+
+    def _look_at_the_rest(self) -> None:
+        found: dict[Topic, None] = {}
+        for raw in self._rest((), tells=False):
+            found[raw.topic] = None
+            first, last = self.span or (raw.time, raw.time)
+            self.span = min(first, raw.time), max(last, raw.time)
+        self.topics = list(found)
 
     def _whole(self, names: Collection[str]) -> Iterator[Raw]:
         from rosbags.rosbag2 import Reader

@@ -339,7 +339,6 @@ class ConfiguredNode:
         self._jumps.look()
         with self.live.editing() as scene:
             scene.expire_filters()
-            self._obstacles.follow(scene)
             self._guard.take('poses that hang on others', self._stream.follow, scene)
             self._guard.take('joint_states', self._joints.follow, scene)
         self._log_what_is_told()

@@ -23,10 +23,9 @@ from drake_geom_ros.ros.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
 from drake_geom_ros.ros.pose_stream import PoseStream
-from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.map_sources import MapSources
-from drake_geom_ros.ros.scene.seen_maps import stand
+from drake_geom_ros.ros.scene.seen_maps import stand_fed
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.together import MessageInfo, waited
 
@@ -52,10 +51,13 @@ class ObstacleListening:
         def now() -> ObstacleSettings:
             return obstacle_settings(settings.values)
 
-        self._margin = now().margin
         hanging = SensorFrames(lambda: stream.inputs.tf)
         self.inputs = {n: ObstacleInput(n, live, now, hanging, changed) for n in names}
         live.map_sources = MapSources(self.inputs, now().margin, lambda: now().resolution, changed)
+        if names:
+            with live.editing() as scene:
+                scene.stand_maps = partial(stand_fed, sources=live.map_sources)
+                scene.stand_maps(scene)
         if POINTS in names:
             points = self.inputs[POINTS]
             self._listen(PointCloud2, f'~/obstacles/{POINTS}', points.take_cloud)
@@ -67,13 +69,6 @@ class ObstacleListening:
             Octomap = importlib.import_module('octomap_msgs.msg').Octomap
             octomap = self.inputs[OCTOMAP]
             self._listen(Octomap, f'~/obstacles/{OCTOMAP}', octomap.take_octomap)
-
-    def follow(self, scene: EditableScene) -> None:
-        """Have a scene that took the place of another one hold the maps, which wait then."""
-        for name, each in self.inputs.items():
-            if name not in scene.maps:
-                each.forget()
-                stand(scene, name, self._margin)
 
     def tell(self, status: Any) -> None:
         """Add to a status of diagnostics what became of messages."""

@@ -49,7 +49,7 @@ PROXIMITY_ROOMS = {
         ('numpy', 'numba'),
     ),
     'geometry/_contact_surfaces': (
-        (*_GROUND, _K, 'geometry/_contact_surfaces'),
+        (*_GROUND, _K, f'{_K}/solids', 'geometry/_contact_surfaces'),
         ('numpy', 'numba'),
     ),
     'geometry/_rendering': ((*_GROUND, 'geometry/_rendering'), ('numpy', 'numba')),

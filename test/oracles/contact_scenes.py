@@ -20,6 +20,8 @@ class Body(NamedTuple):
 def shape_of(geometry, body):
     if body.kind == 'Convex':
         return geometry.Convex(points=np.array(body.sizes).T, label='hull')
+    if body.kind == 'Mesh':  # a box, of its corners and triangles
+        return geometry.Mesh.FromMeshData(geometry.MeshData(*body.sizes))
     return getattr(geometry, body.kind)(*body.sizes)
 
 
@@ -66,9 +68,9 @@ def query_of(bodies, poses, geometry=ours, order=None):
 
 
 def surfaces(bodies, poses, geometry=ours, representation='kPolygon'):
-    """Return the contact surfaces of bodies."""
+    """Return the contact surfaces of bodies; those deep within one another have none."""
     # pydrake's query lives no longer than scene and context.
     query, _, _scene_and_context = query_of(bodies, poses, geometry)
-    return query.ComputeContactSurfaces(
+    return query.ComputeContactSurfacesWithFallback(
         getattr(geometry.HydroelasticContactRepresentation, representation)
-    )
+    )[0]

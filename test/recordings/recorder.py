@@ -14,8 +14,9 @@ BEGIN = 1_700_000_000 * 10**9  # [ns]
 @cache
 def store():
     found = get_typestore(Stores.ROS2_JAZZY)
-    text = (MSGS / 'FramePoses.msg').read_text()
-    found.register(get_types_from_msg(text, 'drake_geom_msgs/msg/FramePoses'))
+    for name in ('FramePoses', 'SignedDistancePairs'):
+        text = (MSGS / f'{name}.msg').read_text()
+        found.register(get_types_from_msg(text, f'drake_geom_msgs/msg/{name}'))
     return found
 
 
@@ -68,10 +69,11 @@ def clock(seconds):
     return _type('rosgraph_msgs/msg/Clock')(_type('builtin_interfaces/msg/Time')(sec, nanosec))
 
 
-def record(folder, messages, *, sqlite=False, compressed=''):
+def record(folder, messages, *, sqlite=False, compressed='', silent=()):
     """Write (seconds, topic, message) in a folder; return the folder.
 
-    ``compressed`` is how, as rosbag2 has it: 'file', 'message' or, of MCAP, 'storage'.
+    ``compressed`` is how, as rosbag2 has it: 'file', 'message' or, of MCAP, 'storage'. ``silent``
+    are (topic, type) of which nobody published a message.
     """
     plugin = StoragePlugin.SQLITE3 if sqlite else StoragePlugin.MCAP
     writer = Writer(folder, version=9, storage_plugin=plugin)
@@ -80,6 +82,8 @@ def record(folder, messages, *, sqlite=False, compressed=''):
         writer.set_compression(mode, CompressionFormat.ZSTD)
     with writer:
         connections = {}
+        for topic, kind in silent:
+            writer.add_connection(topic, kind, typestore=store())
         for seconds, topic, message in messages:
             kind = message.__msgtype__
             if topic not in connections:

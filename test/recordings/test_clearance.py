@@ -123,6 +123,9 @@ def test_a_set_of_pairs_is_asked_alone(tmp_path, balls):
         clearance(run, balls, between=['a::b'])
     with pytest.raises(ArgumentError, match='no pair'):
         clearance(run, balls, between=['a:a'])
+    for twice in (['a:b', ('a', 'b')], [('a:b', 'c'), ('a', 'b:c')]):
+        with pytest.raises(ArgumentError, match='two sets of pairs of one name'):
+            clearance(run, balls, between=twice)
 
 
 def test_what_waits_is_never_free(tmp_path, balls):
@@ -233,11 +236,14 @@ def test_nothing_depends_on_where_a_block_ends(tmp_path, balls, monkeypatch):
     messages = poses(times, 'a', rows[:, 0]) + poses(times + 0.05, 'b', rows[:, 1])
     messages.sort(key=lambda entry: entry[0])
     run = recorder.record(tmp_path / 'run', messages)
-    found = clearance(run, balls)['all']
-    monkeypatch.setattr(states, '_MOST_STATES', 3)
-    small = clearance(run, balls, threads=1)['all']
-    np.testing.assert_array_equal(found.distance, small.distance)
-    np.testing.assert_array_equal(found.distance[1::2], directly(balls, 'ab', rows).distance)
+    found = clearance(run, balls)
+    for most in (1, 3, 7):
+        monkeypatch.setattr(states, '_MOST_STATES', most)
+        small = clearance(run, balls, threads=1)
+        np.testing.assert_array_equal(found['all'].distance, small['all'].distance)
+        np.testing.assert_array_equal(found.travelled, small.travelled)
+    expected = directly(balls, 'ab', rows).distance
+    np.testing.assert_array_equal(found['all'].distance[1::2], expected)
 
 
 def test_a_robot_that_stands_as_the_scene_file_says_is_of_unknown_age(tmp_path):

@@ -7,7 +7,7 @@ from recordings.test_clearance import HERE, balls, poses  # noqa: F401
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.recordings import clearance, compare_runs
+from drake_geom_ros.recordings import IncompleteRecordingError, clearance, compare_runs
 
 
 def run_past(folder, times, x):
@@ -65,3 +65,22 @@ def test_what_came_nearer_is_told_and_is_an_exit_code(tmp_path, balls, capsys): 
         compare_runs(clearance(new, balls), clearance(old, balls, between=['a:b']))
     with pytest.raises(ArgumentError, match='one of time, phase'):
         compare_runs(clearance(new, balls), clearance(old, balls), by='weather')
+
+
+def test_what_the_other_run_does_not_tell_is_said(tmp_path, balls, capsys):  # noqa: F811
+    times, x = 0.1 * np.arange(50), np.linspace(1.0, 2.0, 50)
+    run = run_past(tmp_path / 'run', times, x)
+    late = run_past(tmp_path / 'late', times + 5.0 * (times > 2.0), x)  # silent for 5 s
+    (found,) = compare_runs(
+        *(clearance(r, balls, between=['a:b']) for r in (run, late)), by='phase'
+    )
+    assert not found.not_known_of_run
+    assert found.not_known_of_other == ('1 gap without data, 5.100 s in all',)
+    with pytest.raises(IncompleteRecordingError, match='the other run: 1 gap'):
+        found.nearer()
+    assert found.nearer(allow_incomplete=True)[0] == 0.0
+    out = tmp_path / 'out'
+    asked = ['report', run, '--scene', balls, '--between', 'a:b', '--compare', late, '--by']
+    assert main([*map(str, asked), 'phase', '--pictures', '0', '--out', str(out)]) == 1
+    assert f'not known of {late}: 1 gap without data' in capsys.readouterr().out
+    assert 'The other run: Not all is known:<ul><li>1 gap' in (out / 'report.html').read_text()

@@ -81,3 +81,18 @@ def test_another_byte_order_is_no_model():
     with pytest.raises(ValueError, match='another way'):
         Layout(Topic('/t', JOINTS), big)
     assert Layouts().of(Topic('/t', JOINTS), rows_of([big, big])) == []
+
+
+def test_another_definition_of_a_type_is_another_layout():
+    rng = np.random.default_rng(0)
+    rows = rows_of([written(recorder.joint_state(1.0, ['a'], rng.normal(size=1))) for _ in 'ab'])
+    layouts = Layouts()
+    ((own, _),) = layouts.of(Topic('/t', JOINTS), rows)
+    text = 'std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n'
+    text += f'float64[] effort\n{"=" * 80}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\n'
+    text += (
+        f'string frame_id\n{"=" * 80}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n'
+    )
+    ((other, _),) = layouts.of(Topic('/t', JOINTS, 'ros2msg', text), rows)
+    assert other is not own
+    assert not layouts.may_know(Topic('/t', JOINTS, 'ros2msg', f'{text}\n'), rows.shape[1], 1)

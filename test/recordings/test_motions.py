@@ -30,6 +30,17 @@ def test_what_no_state_shows_is_found_between(tmp_path, balls):  # noqa: F811
         clearance(run, balls, certify=-1.0)
 
 
+def test_no_pose_between_the_moments_of_a_rate_is_left_out(tmp_path, balls):  # noqa: F811
+    # Through the box and back again, between two moments of 2 Hz.
+    x = [-0.5, 0.5, -0.5, -0.5]
+    rows = [[row, HERE] for row in rows_of([(each, 0, 0) for each in x])]
+    run = recorder.record(tmp_path / 'run', poses([0.0, 0.2, 0.4, 0.6], 'ab', rows))
+    with pytest.raises(ArgumentError, match=r'rate=2.0 leaves out poses'):
+        clearance(run, balls, between=['a:b'], certify=0.001, rate=2.0)
+    told = clearance(run, balls, between=['a:b'], certify=0.001)['a:b'].certified()
+    assert (told.clear, told.contact, told.unknown) == (1, 2, 0)
+
+
 def test_each_motion_is_that_of_check_motion(tmp_path, balls, monkeypatch):  # noqa: F811
     rows, times = random_rows(30, 2, seed=2), 0.1 * np.arange(30)
     rows[10:15] = rows[10]  # at rest

@@ -162,3 +162,27 @@ def test_recordings_without_definitions_are_read_by_those_of_ours(tmp_path):
     assert [line for line in bare if line] == [
         line.split() for line in message_types.FRAME_POSES.split('\n') if line
     ]
+
+
+def test_a_file_that_the_metadata_name_and_that_is_gone_is_told_of(run):
+    text = (run / 'metadata.yaml').read_text()
+    name = recorder.file_of(run).name
+    assert f'- {name}' in text
+    (run / 'metadata.yaml').write_text(text.replace(f'- {name}', f'- {name}\n  - other{name}'))
+    for given in (run, run / 'metadata.yaml'):
+        recording = Recording(given)
+        assert numbers(recording) == list(range(COUNT))
+        (damage,) = recording.damage
+        assert damage.file == str(run / f'other{name}')
+        assert 'metadata.yaml names it' in damage.reason
+    assert not Recording(recorder.file_of(run)).damage  # which is all that was asked for
+
+
+def test_it_goes_from_the_first_message_of_any_topic_to_the_last(run):
+    for recording in (Recording(run), Recording(recorder.file_of(run))):
+        assert (recording.begin, recording.end) == (BEGIN, BEGIN + (COUNT - 1) * 10**8)
+    file = recorder.file_of(run)
+    file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
+    recording = Recording(file)
+    count = len(numbers(recording))
+    assert (recording.begin, recording.end) == (BEGIN, BEGIN + (count - 1) * 10**8)

@@ -15,9 +15,9 @@ from recordings import recorder
 from recordings.test_clearance import CELL, HERE, balls, poses, random_rows  # noqa: F401
 
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.recordings import clearance, highlights, tables
+from drake_geom_ros.recordings import clearance, highlights, plot, tables
 
-FILES = ['clearance.csv', 'clearance.npz', 'clearance.png', 'report.html']
+FILES = ['clearance.csv', 'clearance.npz', 'clearance.png', 'report.html', 'report.json']
 
 
 def approach(times, nearest=0.15):
@@ -221,3 +221,27 @@ def test_an_executor_changes_no_bit(tmp_path, balls):  # noqa: F811
     expected = clearance(run, balls)['all']
     np.testing.assert_array_equal(found.distance, expected.distance)
     assert seen[-1] == (50, pytest.approx(4.9))
+
+
+def test_names_are_drawn_as_they_are(tmp_path):
+    from matplotlib.text import Text
+
+    names = '_$x', 'a$^', '$\\frac$', 'b_c'
+    assert [Text(text=plot.plain(n))._preprocess_math(plot.plain(n)) for n in names] == [
+        (f' {n}' if n.startswith('_') else n, False) for n in names
+    ]
+    frame = '_$\\frac$'  # which is no formula that could be set
+    scene = tmp_path / 'scene.yaml'
+    scene.write_text(f"""
+sources: ['{frame}']
+frames: [{{name: a, source: '{frame}'}}]
+geometries:
+- {{name: x, source: '{frame}', frame: a, shape: {{type: sphere, radius: 0.1}}}}
+- {{name: y, source: '{frame}', frame: world, shape: {{type: sphere, radius: 0.1}}}}
+""")
+    times = 0.1 * np.arange(20)
+    rows = [(1.0 + t, 0, 0, 0, 0, 0, 1) for t in times]
+    run = recorder.record(tmp_path / 'run$\\frac$', poses(times, [f'{frame}::a'], rows))
+    out = tmp_path / 'out'
+    asked = ['report', run, '--scene', scene, '--out', out, '--compare', run, '--between']
+    assert main([*map(str, asked), f'{frame}::a:y']) == 0

@@ -99,7 +99,7 @@ def same(found, expected):
         for field in fields(pairs):
             one, other = getattr(pairs, field.name), getattr(others, field.name)
             np.testing.assert_array_equal(one, other, err_msg=field.name)
-    for name in ('stamps', 'gaps', 'troubles', 'begin', 'end'):
+    for name in ('stamps', 'gaps', 'troubles', 'refused', 'begin', 'end', 'travelled'):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), err_msg=name)
 
 

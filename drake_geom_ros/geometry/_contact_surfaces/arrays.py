@@ -42,6 +42,7 @@ class Bodies(NamedTuple):
 
     table: Indices  # (b, 6)
     numbers: Floats  # (b, 2): farthest from the origin [m]; pressure slope of a half space [Pa/m]
+    inner: Floats  # (b, 3): a point well inside [m]; of a surface, a corner
     points: Floats  # (p, 3) [m]
     elements: Indices  # (e, 4), the last column of no meaning for triangles
     fields: Floats  # (e, 5): pressure gradient, pressure at the origin, length of the gradient
@@ -60,12 +61,26 @@ class Surfaces(NamedTuple):
     ends: Indices  # (f,)
     faces: Floats  # (f, 13)
     sums: Floats  # (pairs, 14)
+    pair_ends: Indices  # (pairs,): where the polygons of each pair end
+    # (pairs,): without polygons, though the bodies overlap: one is deep within the other.
+    swallowed: NDArray[np.bool_]
     counts: Indices  # (2,): polygons, points
 
 
-class Between(NamedTuple):
-    """Where two bodies are: the pose of the second in the first, and of the first in World."""
+class Scratch(NamedTuple):
+    """Room to compute in: for polygons, for the walk, and for the pose of a body in another."""
 
+    work: Floats
+    stack: Indices
+    R: Floats  # (3, 3)
+
+
+class Between(NamedTuple):
+    """Two bodies, and where they are: the second in the first, and the first in World."""
+
+    pair: int  # the row of ``Surfaces.sums``
+    a: int  # the rows of the bodies; the first has tetrahedra, or b is a half space
+    b: int
     R: Floats  # (3, 3)
     p: Vector
     R_W: Floats  # (3, 3)

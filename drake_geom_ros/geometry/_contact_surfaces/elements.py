@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._contact_surfaces.clipping import (
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._contact_surfaces.emitting import emit
+from drake_geom_ros.geometry._contact_surfaces.tolerances import SAME_GRADIENT
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     dot,
@@ -44,12 +45,18 @@ def _agrees(nhat: Vector, gradient: Vector, length: float) -> bool:
     return length == 0.0 or dot(nhat, gradient) > COSINE * length
 
 
+@inlined
+def _differ(length: float, g_length: float, h_length: float) -> bool:
+    """Tell whether the difference of two gradients, of this length, is more than rounding."""
+    return length > SAME_GRADIENT * (g_length + h_length)
+
+
 @compiled
 def _both_agree(g: Vector, g_length: float, h: Vector, h_length: float) -> bool:
     """Tell whether the normal where two pressures are equal agrees with both of them."""
     n = sub(g, h)
     length = norm(n)
-    if length == 0.0:
+    if not _differ(length, g_length, h_length):
         return False
     nhat = scale(1.0 / length, n)
     return _agrees(nhat, g, g_length) and _agrees(scale(-1.0, nhat), h, h_length)
@@ -62,35 +69,17 @@ def _snapped(height: float, rounding: float) -> float:
 
 
 @inlined
-def meet(
-    bodies: Bodies,
-    a: int,
-    b: int,
-    e: int,
-    f: int,
-    between: Between,
-    work: Floats,
-    out: Surfaces,
-    pair: int,
-) -> None:
-    """Put out where element e of body a, a tetrahedron, meets element f of body b."""
-    if bodies.table[b, KIND] == SURFACE:
-        _meet_triangle(bodies, a, b, e, f, between, work, out, pair)
+def meet(bodies: Bodies, e: int, f: int, between: Between, work: Floats, out: Surfaces) -> None:
+    """Put out where element e of the first body, a tetrahedron, meets element f of the second."""
+    if bodies.table[between.b, KIND] == SURFACE:
+        _meet_triangle(bodies, e, f, between, work, out)
     else:
-        _meet_tetrahedron(bodies, a, b, e, f, between, work, out, pair)
+        _meet_tetrahedron(bodies, e, f, between, work, out)
 
 
 @inlined
 def _meet_tetrahedron(
-    bodies: Bodies,
-    a: int,
-    b: int,
-    e: int,
-    f: int,
-    between: Between,
-    work: Floats,
-    out: Surfaces,
-    pair: int,
+    bodies: Bodies, e: int, f: int, between: Between, work: Floats, out: Surfaces
 ) -> None:
     """Put out where two tetrahedra have the same pressure.
 
@@ -102,7 +91,11 @@ def _meet_tetrahedron(
     constant = bodies.fields[e, 3] - bodies.fields[f, 3] + dot(h, between.p)
     n = sub(g, h)
     length = norm(n)
-    if length == 0.0 or not cut_by(bodies, a, e, n, constant, length, between.rounding, work):
+    if not _differ(length, bodies.fields[e, 4], bodies.fields[f, 4]):
+        return
+    # Both pressures are rounded: the plane is the less sharp, the less their gradients differ.
+    rounding = between.rounding * ((bodies.fields[e, 4] + bodies.fields[f, 4]) / length)
+    if not cut_by(bodies, between.a, e, n, constant, length, rounding, work):
         return
     nhat = scale(1.0 / length, n)
     if not _agrees(nhat, g, bodies.fields[e, 4]):
@@ -115,8 +108,8 @@ def _meet_tetrahedron(
     for i in range(count):
         corner = unrotate(between.R, sub(vector_in(work, i), between.p))
         for k in range(4):
-            height = dot(vector_at_plane(bodies, f, k), corner) - bodies.planes[f, k, 3]
-            work[i, HEIGHT + k] = _snapped(height, between.rounding)
+            height = height_above_face(bodies, f, k, corner)
+            work[i, HEIGHT + k] = _snapped(height, rounding)
     at, count, face = clipped(work, 0, count, 4, -1)
     if face >= 0:
         twin = bodies.beyond[f, face]
@@ -127,9 +120,9 @@ def _meet_tetrahedron(
             return
         at, count, face = clipped(work, at, count, 4, face)
     if count:
-        count = without_twins(work, at, count, between.rounding)
+        count = without_twins(work, at, count, rounding)
     if count:
-        emit(work, at, count, nhat, (g, bodies.fields[e, 3]), h, between, out, pair)
+        emit(work, at, count, nhat, (g, bodies.fields[e, 3]), h, between, out)
 
 
 @inlined
@@ -147,6 +140,13 @@ def corners_of(bodies: Bodies, first: int, e: int) -> tuple[Vector, Vector, Vect
 def vector_at_plane(bodies: Bodies, f: int, k: int) -> Vector:
     """Return the outward normal of a tetrahedron's face."""
     return bodies.planes[f, k, 0], bodies.planes[f, k, 1], bodies.planes[f, k, 2]
+
+
+@inlined
+def height_above_face(bodies: Bodies, f: int, k: int, point: Vector) -> float:
+    """Return how high [m] a point in the body's frame is above a tetrahedron's face."""
+    height: float = dot(vector_at_plane(bodies, f, k), point) - bodies.planes[f, k, 3]
+    return height
 
 
 @inlined
@@ -188,28 +188,20 @@ def cut_by(
 
 @inlined
 def _meet_triangle(
-    bodies: Bodies,
-    a: int,
-    b: int,
-    e: int,
-    f: int,
-    between: Between,
-    work: Floats,
-    out: Surfaces,
-    pair: int,
+    bodies: Bodies, e: int, f: int, between: Between, work: Floats, out: Surfaces
 ) -> None:
     """Put out which part of a rigid triangle is in a tetrahedron."""
     nhat = rotate(between.R, vector_at_plane(bodies, f, 0))
     g = vector_in(bodies.fields, e)
     if not _agrees(nhat, g, bodies.fields[e, 4]):
         return
-    first = bodies.table[b, FIRST_POINT]
+    first = bodies.table[between.b, FIRST_POINT]
     for i in range(3):
         corner = vector_in(bodies.points, first + bodies.elements[f, i])
         corner = add(rotate(between.R, corner), between.p)
         work[i, 0], work[i, 1], work[i, 2] = corner
         for k in range(4):
-            height = dot(vector_at_plane(bodies, e, k), corner) - bodies.planes[e, k, 3]
+            height = height_above_face(bodies, e, k, corner)
             work[i, HEIGHT + k] = _snapped(height, between.rounding)
     at, count, face = clipped(work, 0, 3, 4, -1)
     if face >= 0:
@@ -224,21 +216,14 @@ def _meet_triangle(
         count = without_twins(work, at, count, between.rounding)
     if count:
         zero = (0.0, 0.0, 0.0)
-        emit(work, at, count, nhat, (g, bodies.fields[e, 3]), zero, between, out, pair)
+        emit(work, at, count, nhat, (g, bodies.fields[e, 3]), zero, between, out)
 
 
 @inlined
 def meet_half_space(
-    bodies: Bodies,
-    a: int,
-    e: int,
-    slope: float,
-    between: Between,
-    work: Floats,
-    out: Surfaces,
-    pair: int,
+    bodies: Bodies, e: int, slope: float, between: Between, work: Floats, out: Surfaces
 ) -> None:
-    """Put out where element e of body a meets a half space, the second of both.
+    """Put out where element e of the first body meets a half space, the second.
 
     One of slope 0 is rigid: the tetrahedron is cut by its plane. Else its pressure grows by the
     slope with the depth; a rigid triangle is clipped by the plane, a tetrahedron cut where the
@@ -246,24 +231,27 @@ def meet_half_space(
     """
     up = between.R[0, 2], between.R[1, 2], between.R[2, 2]
     offset = dot(up, between.p)
-    h, constant = scale(-slope, up), slope * offset
-    if bodies.table[a, KIND] == SURFACE:
+    h, constant, rounding = scale(-slope, up), slope * offset, between.rounding
+    if bodies.table[between.a, KIND] == SURFACE:
         nhat = vector_at_plane(bodies, e, 0)
         # The rigid surface is N and the half space M, the reverse of tetrahedra on a rigid one.
         if not _agrees(nhat, h, slope):
             return
-        first = bodies.table[a, FIRST_POINT]
+        first = bodies.table[between.a, FIRST_POINT]
         for i in range(3):
             corner = vector_in(bodies.points, first + bodies.elements[e, i])
             work[i, 0], work[i, 1], work[i, 2] = corner
         count, field, other = 3, (h, constant), (0.0, 0.0, 0.0)
     else:
         g = vector_in(bodies.fields, e)
-        n, level = sub(g, h), bodies.fields[e, 3] - constant
-        if slope == 0.0:
-            n, level = up, -offset
-        length = norm(n)
-        if length == 0.0 or not cut_by(bodies, a, e, n, level, length, between.rounding, work):
+        n, level, length = up, -offset, 1.0
+        if slope > 0.0:
+            n, level = sub(g, h), bodies.fields[e, 3] - constant
+            length = norm(n)
+            if not _differ(length, bodies.fields[e, 4], slope):
+                return
+            rounding *= (bodies.fields[e, 4] + slope) / length
+        if not cut_by(bodies, between.a, e, n, level, length, rounding, work):
             return
         nhat = scale(1.0 / length, n)
         agree = _agrees(nhat, g, bodies.fields[e, 4]) and _agrees(scale(-1.0, nhat), h, slope)
@@ -274,11 +262,11 @@ def meet_half_space(
     if slope > 0.0 and count:
         for i in range(count):
             height = dot(up, vector_in(work, i)) - offset
-            work[i, HEIGHT] = _snapped(height, between.rounding)
+            work[i, HEIGHT] = _snapped(height, rounding)
         at, count, face = clipped(work, 0, count, 1, -1)
         if face >= 0:
             return
     if count:
-        count = without_twins(work, at, count, between.rounding)
+        count = without_twins(work, at, count, rounding)
     if count:
-        emit(work, at, count, nhat, field, other, between, out, pair)
+        emit(work, at, count, nhat, field, other, between, out)

@@ -56,7 +56,6 @@ def emit(
     other: Vector,
     between: Between,
     surfaces: Surfaces,
-    pair: int,
 ) -> None:
     """Put a polygon out, in World, if there is room for it, and count it.
 
@@ -72,53 +71,80 @@ def emit(
         moment = add_scaled(moment, twice / 6.0, add(side, next_side))
     if not area > between.rounding * between.rounding:
         return
-    faces, points = surfaces.counts[0], surfaces.counts[1]
+    pair, faces, points = between.pair, surfaces.counts[0], surfaces.counts[1]
     surfaces.counts[0], surfaces.counts[1] = faces + 1, points + count
     if faces >= len(surfaces.ends) or points + count > len(surfaces.points):
         return
     surfaces.ends[faces] = points + count
-    gradient, constant = field
     for i in range(count):
         corner = vector_in(work, at + (count - 1 - i if between.flip else i))
-        surfaces.pressures[points + i] = max(dot(gradient, corner) + constant, 0.0)
+        surfaces.pressures[points + i] = _pressure(field, corner)
         _put(surfaces.points, points + i, 0, add(rotate(between.R_W, corner), between.p_W))
-    sign = -1.0 if between.flip else 1.0
-    normal_W = scale(sign, rotate(between.R_W, nhat))
-    middle = add_scaled(origin, 1.0 / area, moment)
-    _put(surfaces.faces, faces, NORMAL, normal_W)
+    normal = scale(-1.0, nhat) if between.flip else nhat
+    _put(surfaces.faces, faces, NORMAL, rotate(between.R_W, normal))
     surfaces.faces[faces, FACE_AREA] = area
+    middle = add_scaled(origin, 1.0 / area, moment)
     _put(surfaces.faces, faces, CENTROID, add(rotate(between.R_W, middle), between.p_W))
     own, others = (GRAD_N, GRAD_M) if between.flip else (GRAD_M, GRAD_N)
-    _put(surfaces.faces, faces, own, rotate(between.R_W, gradient))
+    _put(surfaces.faces, faces, own, rotate(between.R_W, field[0]))
     _put(surfaces.faces, faces, others, rotate(between.R_W, other))
-    _sum(surfaces, pair, faces, points, count)
+    _add(surfaces.sums, pair, AREA, area, add_scaled(moment, area, origin))
+    force, pressed = _pressed(work, at, count, nhat, field)
+    _increase(surfaces.sums, pair, FORCE, scale(force, nhat))
+    _add(surfaces.sums, pair, PRESSURE, force, pressed)
+    _increase(surfaces.sums, pair, TORQUE, cross(pressed, nhat))
 
 
 @compiled
-def _sum(surfaces: Surfaces, pair: int, face: int, first: int, count: int) -> None:
-    """Add the integrals over a polygon to those of its pair.
+def sums_in_world(sums: Floats, between: Between) -> None:
+    """Put the integrals of a pair, which are summed up in the first body's frame, into World.
 
-    The pressure is linear: over a triangle its integral is the mean of its corners' times the
-    area, and that of pressure times position area / 12 (sum p sum x + sum p x).
+    Once a pair: far from World's origin positions in it are coarse, and many of them add up.
     """
-    sums, nhat = surfaces.sums, vector_in(surfaces.faces, face, NORMAL)
-    area = surfaces.faces[face, FACE_AREA]
-    origin = vector_in(surfaces.points, first)
+    pair, sign = between.pair, -1.0 if between.flip else 1.0
+    for k in (FIRST_MOMENT, PRESSURE_MOMENT):
+        moment = rotate(between.R_W, vector_in(sums, pair, k))
+        weight = sums[pair, k - 1]
+        _put(sums, pair, k, add_scaled(moment, weight, between.p_W))
+    force = scale(sign, rotate(between.R_W, vector_in(sums, pair, FORCE)))
+    torque = scale(sign, rotate(between.R_W, vector_in(sums, pair, TORQUE)))
+    _put(sums, pair, FORCE, force)
+    _put(sums, pair, TORQUE, add(torque, cross(between.p_W, force)))
+
+
+@inlined
+def _add(sums: Floats, pair: int, column: int, weight: float, moment: Vector) -> None:
+    """Add to an integral, and to that of it times position in the columns behind it."""
+    sums[pair, column] += weight
+    _increase(sums, pair, column + 1, moment)
+
+
+@inlined
+def _pressure(field: tuple[Vector, float], corner: Vector) -> float:
+    """Return the pressure at a corner: less than none is rounding."""
+    pressure: float = max(dot(field[0], corner) + field[1], 0.0)
+    return pressure
+
+
+@compiled
+def _pressed(
+    work: Floats, at: int, count: int, nhat: Vector, field: tuple[Vector, float]
+) -> tuple[float, Vector]:
+    """Return the integrals of pressure, and of pressure times position, over a polygon.
+
+    In the first body's frame: positions in World are coarse far from its origin. The pressure is
+    linear: over a triangle its integral is the mean of its corners' times the area, and that of
+    pressure times position area / 12 (sum p sum x + sum p x).
+    """
+    origin = vector_in(work, at)
+    p = _pressure(field, origin)
     force, moment = 0.0, (0.0, 0.0, 0.0)
-    for i in range(first + 1, first + count - 1):
-        a, b = (
-            sub(vector_in(surfaces.points, i), origin),
-            sub(vector_in(surfaces.points, i + 1), origin),
-        )
+    for i in range(at + 1, at + count - 1):
+        one, two = vector_in(work, i), vector_in(work, i + 1)
+        a, b = sub(one, origin), sub(two, origin)
         third = dot(cross(a, b), nhat) / 6.0
-        p, q, r = surfaces.pressures[first], surfaces.pressures[i], surfaces.pressures[i + 1]
+        q, r = _pressure(field, one), _pressure(field, two)
         force += third * (p + q + r)
         moment = add_scaled(moment, 0.25 * third * (p + 2.0 * q + r), a)
         moment = add_scaled(moment, 0.25 * third * (p + q + 2.0 * r), b)
-    moment = add_scaled(moment, force, origin)
-    sums[pair, AREA] += area
-    _increase(sums, pair, FIRST_MOMENT, scale(area, vector_in(surfaces.faces, face, CENTROID)))
-    _increase(sums, pair, FORCE, scale(force, nhat))
-    sums[pair, PRESSURE] += force
-    _increase(sums, pair, PRESSURE_MOMENT, moment)
-    _increase(sums, pair, TORQUE, cross(moment, nhat))
+    return force, add_scaled(moment, force, origin)

@@ -25,6 +25,7 @@ class PackedBody(NamedTuple):
 
     kind: int
     numbers: tuple[float, float]
+    inner: Floats
     points: Floats
     elements: Indices
     fields: Floats
@@ -58,7 +59,8 @@ def packed_volume(
         inside = (planes[:, k, :3] * points[elements[:, k]]).sum(axis=1) > planes[:, k, 3]
         planes[inside, k] *= -1.0
     numbers = float(np.linalg.norm(points, axis=1).max()), 0.0
-    return PackedBody(VOLUME, numbers, points, elements, fields, planes, beyond, nodes)
+    inner = points[pressures == pressures.max()].mean(axis=0)
+    return PackedBody(VOLUME, numbers, inner, points, elements, fields, planes, beyond, nodes)
 
 
 def packed_surface(points: Floats, triangles: Indices) -> PackedBody:
@@ -75,6 +77,7 @@ def packed_surface(points: Floats, triangles: Indices) -> PackedBody:
     return PackedBody(
         SURFACE,
         numbers,
+        points[elements[0, 0]] if count else np.zeros(3),
         points,
         elements,
         np.zeros((count, 5)),
@@ -89,6 +92,7 @@ def packed_half_space(pressure_slope: float) -> PackedBody:
     return PackedBody(
         HALF_SPACE,
         (0.0, pressure_slope),
+        np.zeros(3),
         np.zeros((0, 3)),
         np.zeros((0, 4), dtype=np.int64),
         np.zeros((0, 5)),
@@ -117,6 +121,7 @@ def packed(bodies: Sequence[PackedBody]) -> Bodies:
     return Bodies(
         np.array(table, dtype=np.int64).reshape(-1, 6),
         np.array([body.numbers for body in bodies]).reshape(-1, 2),
+        inner=np.array([body.inner for body in bodies]).reshape(-1, 3),
         points=np.concatenate([body.points for body in bodies]),
         elements=np.concatenate([body.elements for body in bodies]),
         fields=np.concatenate([body.fields for body in bodies]),

@@ -14,31 +14,30 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Bodies,
     Floats,
     Indices,
+    Scratch,
     Surfaces,
 )
 from drake_geom_ros.geometry._contact_surfaces.clipping import COLUMNS, ROWS
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled
+from drake_geom_ros.geometry._contact_surfaces.emitting import sums_in_world
+from drake_geom_ros.geometry._contact_surfaces.swallowed import one_is_swallowed
+from drake_geom_ros.geometry._contact_surfaces.tolerances import ROUNDING
 from drake_geom_ros.geometry._contact_surfaces.walks import DEEPEST, meet_bodies, meet_plane
 from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, vector_in
-from drake_geom_ros.geometry._proximity.tolerances import EPS
 
-ROUNDING = 8.0 * EPS  # of the sizes of both bodies: how wrong a height above a plane may be
 FIRST_POLYGONS = 1024  # there is room for, and for CORNERS_EACH corners of each
 CORNERS_EACH = 5
 
 
-def surfaces_of(
-    bodies: Bodies, pairs: Indices, R_WBs: Floats, p_WBs: Floats
-) -> tuple[Surfaces, Indices]:
-    """Return the surfaces of pairs (k, 2) of bodies, and where each pair's polygons end (k,).
+def surfaces_of(bodies: Bodies, pairs: Indices, R_WBs: Floats, p_WBs: Floats) -> Surfaces:
+    """Return the surfaces of pairs (k, 2) of bodies.
 
     ``R_WBs`` (b, 3, 3) and ``p_WBs`` (b, 3) pose the bodies in World. The first of a pair is M.
     Of each pair one at least is compliant, and not both are half spaces.
     """
     faces, corners = FIRST_POLYGONS, CORNERS_EACH * FIRST_POLYGONS
-    ends = np.zeros(len(pairs), dtype=np.int64)
-    work, stack = np.zeros((ROWS, COLUMNS)), np.zeros((DEEPEST, 2), dtype=np.int64)
-    R = np.zeros((3, 3))
+    stack = np.zeros((DEEPEST, 2), dtype=np.int64)
+    scratch = Scratch(np.zeros((ROWS, COLUMNS)), stack, np.zeros((3, 3)))
     while True:
         out = Surfaces(
             np.empty((corners, 3)),
@@ -46,22 +45,21 @@ def surfaces_of(
             np.empty(faces, dtype=np.int64),
             np.empty((faces, FACE)),
             np.zeros((len(pairs), SUMS)),
+            np.zeros(len(pairs), dtype=np.int64),
+            np.zeros(len(pairs), dtype=np.bool_),
             np.zeros(2, dtype=np.int64),
         )
-        _all_pairs(bodies, pairs, R_WBs, p_WBs, work, stack, R, out, ends)
+        _all_pairs(bodies, pairs, R_WBs, p_WBs, scratch, out)
         needed_faces, needed_corners = out.counts.tolist()
         if needed_faces <= faces and needed_corners <= corners:
             break
         faces, corners = max(faces, needed_faces), max(corners, needed_corners)
-    trimmed = Surfaces(
-        out.points[:needed_corners],
-        out.pressures[:needed_corners],
-        out.ends[:needed_faces],
-        out.faces[:needed_faces],
-        out.sums,
-        out.counts,
+    return out._replace(
+        points=out.points[:needed_corners],
+        pressures=out.pressures[:needed_corners],
+        ends=out.ends[:needed_faces],
+        faces=out.faces[:needed_faces],
     )
-    return trimmed, ends
 
 
 @compiled
@@ -70,13 +68,11 @@ def _all_pairs(
     pairs: Indices,
     R_WBs: Floats,
     p_WBs: Floats,
-    work: Floats,
-    stack: Indices,
-    R: Floats,
+    scratch: Scratch,
     out: Surfaces,
-    ends: Indices,
 ) -> None:
-    """Put out the surfaces of all pairs; ``work``, ``stack`` and ``R`` are room to do it in."""
+    """Put out the surfaces of all pairs."""
+    R = scratch.R
     for pair in range(len(pairs)):
         a, b = pairs[pair, 0], pairs[pair, 1]
         # First comes a tetrahedral body, before a surface, before a half space.
@@ -96,9 +92,13 @@ def _all_pairs(
             size = bodies.numbers[a, 0] + abs(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
             # A rigid surface in a soft half space is N.
             flip = flip != (bodies.table[a, KIND] != VOLUME)
-        between = Between(R, p, R_WBs[a], p_W, ROUNDING * size, flip)
+        between = Between(pair, a, b, R, p, R_WBs[a], p_W, ROUNDING * size, flip)
         if half_space:
-            meet_plane(bodies, a, bodies.numbers[b, 1], between, work, stack, out, pair)
+            meet_plane(bodies, bodies.numbers[b, 1], between, scratch, out)
         else:
-            meet_bodies(bodies, a, b, between, work, stack, out, pair)
-        ends[pair] = out.counts[0]
+            meet_bodies(bodies, between, scratch, out)
+        sums_in_world(out.sums, between)
+        out.pair_ends[pair] = out.counts[0]
+        before = out.pair_ends[pair - 1] if pair > 0 else 0
+        if out.counts[0] == before:
+            out.swallowed[pair] = one_is_swallowed(bodies, between, scratch)

@@ -10,7 +10,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Between,
     Bodies,
     Floats,
-    Indices,
+    Scratch,
     Surfaces,
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
@@ -29,7 +29,7 @@ DEEPEST = 128  # of a walk: twice the depth of trees that fit into memory
 
 
 @inlined
-def _box(bodies: Bodies, body: int, k: int) -> tuple[Vector, Vector]:
+def box_of(bodies: Bodies, body: int, k: int) -> tuple[Vector, Vector]:
     """Return middle and half size of the box of a body's node k."""
     row = bodies.table[body, FIRST_NODE] + k
     return vector_in(bodies.nodes, row), vector_in(bodies.nodes, row, 3)
@@ -52,8 +52,8 @@ def _spread_back(R: Floats, k: int, half: Vector) -> float:
 @inlined
 def _apart(bodies: Bodies, a: int, i: int, b: int, j: int, between: Between) -> bool:
     """Tell whether the boxes of two nodes are kept apart by a side of either."""
-    middle, half = _box(bodies, a, i)
-    other, other_half = _box(bodies, b, j)
+    middle, half = box_of(bodies, a, i)
+    other, other_half = box_of(bodies, b, j)
     R, near = between.R, between.rounding
     d = sub(add(rotate(R, other), between.p), middle)
     for k in range(3):
@@ -69,12 +69,12 @@ def _apart(bodies: Bodies, a: int, i: int, b: int, j: int, between: Between) -> 
 @inlined
 def _size(bodies: Bodies, body: int, k: int) -> float:
     """Return how large the box of a node is, for comparison."""
-    _, half = _box(bodies, body, k)
+    _, half = box_of(bodies, body, k)
     return half[0] + half[1] + half[2]
 
 
 @inlined
-def _first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
+def first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
     """Return the first element of a leaf; that of the next one is behind its last."""
     table = bodies.table
     first: int = table[body, FIRST_ELEMENT] + leaf * table[body, ELEMENTS] // table[body, LEAVES]
@@ -82,17 +82,9 @@ def _first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
 
 
 @compiled
-def meet_bodies(
-    bodies: Bodies,
-    a: int,
-    b: int,
-    between: Between,
-    work: Floats,
-    stack: Indices,
-    out: Surfaces,
-    pair: int,
-) -> None:
-    """Put out where the tetrahedra of body a meet the elements of body b."""
+def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> None:
+    """Put out where the tetrahedra of the first body meet the elements of the second."""
+    a, b, stack = between.a, between.b, scratch.stack
     last_a, last_b = bodies.table[a, LEAVES] - 1, bodies.table[b, LEAVES] - 1
     stack[0, 0] = stack[0, 1] = 0
     top = 1
@@ -103,13 +95,13 @@ def meet_bodies(
             continue
         if i >= last_a and j >= last_b:
             for e in range(
-                _first_in_leaf(bodies, a, i - last_a), _first_in_leaf(bodies, a, i - last_a + 1)
+                first_in_leaf(bodies, a, i - last_a), first_in_leaf(bodies, a, i - last_a + 1)
             ):
                 for f in range(
-                    _first_in_leaf(bodies, b, j - last_b),
-                    _first_in_leaf(bodies, b, j - last_b + 1),
+                    first_in_leaf(bodies, b, j - last_b),
+                    first_in_leaf(bodies, b, j - last_b + 1),
                 ):
-                    meet(bodies, a, b, e, f, between, work, out, pair)
+                    meet(bodies, e, f, between, scratch.work, out)
             continue
         split_a = j >= last_b or (i < last_a and _size(bodies, a, i) >= _size(bodies, b, j))
         for k in (2, 1):
@@ -120,16 +112,10 @@ def meet_bodies(
 
 @compiled
 def meet_plane(
-    bodies: Bodies,
-    a: int,
-    slope: float,
-    between: Between,
-    work: Floats,
-    stack: Indices,
-    out: Surfaces,
-    pair: int,
+    bodies: Bodies, slope: float, between: Between, scratch: Scratch, out: Surfaces
 ) -> None:
-    """Put out where the elements of body a meet a half space."""
+    """Put out where the elements of the first body meet a half space."""
+    a, stack = between.a, scratch.stack
     last = bodies.table[a, LEAVES] - 1
     up = between.R[0, 2], between.R[1, 2], between.R[2, 2]
     stack[0, 0] = 0
@@ -137,7 +123,7 @@ def meet_plane(
     while top > 0:
         top -= 1
         i = stack[top, 0]
-        middle, half = _box(bodies, a, i)
+        middle, half = box_of(bodies, a, i)
         height = dot(up, sub(middle, between.p))
         spread = abs(up[0]) * half[0] + abs(up[1]) * half[1] + abs(up[2]) * half[2]
         below_all = slope == 0.0 and height < -spread - between.rounding
@@ -145,9 +131,9 @@ def meet_plane(
             continue
         if i >= last:
             for e in range(
-                _first_in_leaf(bodies, a, i - last), _first_in_leaf(bodies, a, i - last + 1)
+                first_in_leaf(bodies, a, i - last), first_in_leaf(bodies, a, i - last + 1)
             ):
-                meet_half_space(bodies, a, e, slope, between, work, out, pair)
+                meet_half_space(bodies, e, slope, between, scratch.work, out)
             continue
         for k in (2, 1):
             stack[top, 0] = 2 * i + k

@@ -34,6 +34,7 @@ from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
 from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
 from drake_geom_ros.geometry.queries.query_object import QueryObject
+from drake_geom_ros.math.missing import refuse_missing_member
 
 if TYPE_CHECKING:
     from drake_geom_ros.autodiffutils.transforms import RigidTransformAutoDiffXd
@@ -59,6 +60,9 @@ class QueryObjectAutoDiffXd:
         self._state = (
             cast(ContextStateAutoDiffXd, NO_SCENE) if context is None else state_of(context)
         )
+
+    if not TYPE_CHECKING:  # mypy would take any method for one that is there
+        __getattr__ = refuse_missing_member
 
     def __copy__(self) -> QueryObjectAutoDiffXd:
         return QueryObjectAutoDiffXd(self._context and self._context.copy())

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError, MeshFileError
 from drake_geom_ros.geometry.hydroelastic._cells import CutBody
 from drake_geom_ros.geometry.hydroelastic._meshing import (
     box_body,
@@ -18,6 +18,7 @@ from drake_geom_ros.geometry.hydroelastic._meshing import (
     ellipsoid_body,
     pyramids,
 )
+from drake_geom_ros.geometry.meshes._welding import closed_surface
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.meshes.volume_surface import ConvertVolumeToSurfaceMesh
@@ -103,12 +104,26 @@ def _rigid(shape: Shape, material: HydroelasticMaterial) -> RigidBody | HalfSpac
     if isinstance(shape, HalfSpace):
         return HalfSpaceBody(0.0)
     if isinstance(shape, Mesh):
-        vertices, triangles = shape.surface()
-        return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
+        return RigidBody(TriangleSurfaceMesh.FromArrays(*_outward(*shape.surface())))
     if isinstance(shape, Convex):
         vertices, triangles = shape.hull_surface()
         return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
     return RigidBody(ConvertVolumeToSurfaceMesh(_cut(shape, material).mesh))
+
+
+def _outward(vertices: Floats, triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats]:
+    """Return triangles and vertices of a mesh; one that is inside out as a whole is turned.
+
+    One that is not closed has no inside: it stays as it is.
+    """
+    try:
+        closed = closed_surface(vertices, triangles, 'the mesh')
+    except MeshFileError:
+        return triangles, vertices
+    a, b, c = np.moveaxis(closed.vertices[closed.triangles], 1, 0)
+    origin = closed.vertices.mean(axis=0)
+    volume = (np.cross(a - origin, b - origin) * (c - origin)).sum()
+    return (triangles[:, ::-1] if volume < 0.0 else triangles), vertices
 
 
 def _compliant(shape: Shape, material: HydroelasticMaterial) -> CompliantBody | HalfSpaceBody:

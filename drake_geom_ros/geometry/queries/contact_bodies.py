@@ -59,11 +59,13 @@ class ContactBodies(NamedTuple):
         return able
 
     def why_not(self, a: int, b: int) -> str:
-        """Return why two rows have no surface."""
+        """Return why two rows that overlap have no surface, and what can be done."""
         if a < 0 or b < 0:
-            return 'one of them has no hydroelastic properties'
+            return 'one of them has no hydroelastic properties; give it some'
         if not (self.is_compliant[a] or self.is_compliant[b]):
-            return 'both are rigid'
+            return 'both are rigid; make one of them compliant'
+        if self.have_a_surface(np.array([a]), np.array([b]))[0]:
+            return 'one is so deep within the other that their pressures are equal nowhere'
         return 'both are half spaces'
 
 

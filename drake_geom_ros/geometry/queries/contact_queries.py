@@ -50,21 +50,15 @@ class ContactQueries:
         2019): a surface is where both are equal, or where a rigid one is in a compliant one.
         Touching is no contact. Padding is no part of it. Sorted by (id_M, id_N).
 
-        Raises GeometryError where a pair overlaps that can have no surface: one without
-        hydroelastic properties, two rigid ones, two half spaces; ``collision filters`` leave pairs
-        out, and ``ComputeContactSurfacesWithFallback`` answers for them by points.
+        Raises GeometryError, which names the pair, where one overlaps that can have no surface:
+        one without hydroelastic properties, two rigid ones, two half spaces (their padding counts,
+        as in ComputePointPairPenetration); and where one body is so deep within the other that
+        their pressures are equal nowhere. Collision filters leave pairs out, and
+        ``ComputeContactSurfacesWithFallback`` answers for them by points.
         """
         surfaces, others = self._surfaces_and_others(representation)
         if others:
-            bodies = self._state.contact_bodies()
-            pair = others[0].id_A, others[0].id_B
-            rows = bodies.rows(np.array([id.get_value() for id in pair])).tolist()
-            names = ' and '.join(named(self._state.model.geometry(id)) for id in pair)
-            raise GeometryError(
-                f'ComputeContactSurfaces: {names} overlap and have no surface: '
-                f'{bodies.why_not(*rows)}. Give them hydroelastic properties, one of them '
-                'compliant, filter the pair, or use ComputeContactSurfacesWithFallback.'
-            )
+            raise self._refusal('ComputeContactSurfaces', others[0].id_A, others[0].id_B)
         return surfaces
 
     def ComputeContactSurfacesWithFallback(
@@ -73,7 +67,10 @@ class ContactQueries:
             HydroelasticContactRepresentation.kPolygon
         ),
     ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
-        """Return the contact surfaces, and the penetration of pairs that can have none."""
+        """Return the contact surfaces, and the penetration of pairs that overlap and have none.
+
+        These are the pairs for which ``ComputeContactSurfaces`` raises.
+        """
         return self._surfaces_and_others(representation)
 
     def contact_surfaces(
@@ -85,20 +82,37 @@ class ContactQueries:
         """Return the surfaces of pairs that can have one; nothing is said of the others.
 
         What ``ComputeContactSurfacesWithFallback`` returns first, without the work of the rest.
+        Raises GeometryError where one body is so deep within the other that they have none.
         """
         candidates, rows, able = self._candidates()
-        return self._surfaces(candidates[able], rows[able], representation)
+        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
+        if swallowed.any():
+            a, b = candidates[able][int(np.argmax(swallowed))].tolist()
+            raise self._refusal('contact_surfaces', GeometryId(a), GeometryId(b))
+        return surfaces
 
     def _surfaces_and_others(
         self, representation: HydroelasticContactRepresentation
     ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
         candidates, rows, able = self._candidates()
-        surfaces = self._surfaces(candidates[able], rows[able], representation)
-        if able.all():
+        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
+        left = ~able
+        left[able] = swallowed
+        if not left.any():
             return surfaces, []
-        left = {(GeometryId(a), GeometryId(b)) for a, b in candidates[~able].tolist()}
+        pairs = {(GeometryId(a), GeometryId(b)) for a, b in candidates[left].tolist()}
         points = self.ComputePointPairPenetration()
-        return surfaces, [each for each in points if (each.id_A, each.id_B) in left]
+        return surfaces, [each for each in points if (each.id_A, each.id_B) in pairs]
+
+    def _refusal(self, call: str, M: GeometryId, N: GeometryId) -> GeometryError:
+        """Return what is raised for a pair that overlaps and has no surface."""
+        bodies = self._state.contact_bodies()
+        rows = bodies.rows(np.array([id.get_value() for id in (M, N)])).tolist()
+        names = ' and '.join(named(self._state.model.geometry(id)) for id in (M, N))
+        return GeometryError(
+            f'{call}: {names} overlap and have no surface: {bodies.why_not(*rows)}. Filter the '
+            'pair, or use ComputeContactSurfacesWithFallback.'
+        )
 
     def _candidates(self) -> tuple[Indices, Indices, NDArray[np.bool_]]:
         """Return pairs of ids (k, 2), M first, their bodies, and whether they can have one."""
@@ -115,18 +129,19 @@ class ContactQueries:
         ids: Indices,
         rows: Indices,
         representation: HydroelasticContactRepresentation,
-    ) -> ContactSurfaceResults:
-        """Return the surfaces of pairs that can have one."""
+    ) -> tuple[ContactSurfaceResults, NDArray[np.bool_]]:
+        """Return the surfaces of pairs (k, 2) that can have one, and which overlap without."""
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
         bodies: ContactBodies = self._state.contact_bodies()
         world = self._state.posed_world()
         world.update()
         places = world.geometry_rows(bodies.ids)
-        out, ends = surfaces_of(
+        out = surfaces_of(
             bodies.bodies,
             np.ascontiguousarray(rows),
             np.ascontiguousarray(world.R_WGs[places]),
             np.ascontiguousarray(world.p_WGs[places]),
         )
         compliant = bodies.is_compliant[rows].reshape(-1, 2)
-        return ContactSurfaceResults(ids.reshape(-1, 2), compliant, ends, out, representation)
+        surfaces = ContactSurfaceResults(ids.reshape(-1, 2), compliant, out, representation)
+        return surfaces, out.swallowed

@@ -273,10 +273,10 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         self,
         ids: Indices,
         is_compliant: NDArray[np.bool_],
-        face_ends: Indices,
         surfaces: Surfaces,
         representation: HydroelasticContactRepresentation,
     ) -> None:
+        face_ends = surfaces.pair_ends
         begins = np.concatenate(([0], face_ends[:-1]))[: len(face_ends)]
         there = face_ends > begins
         self._begins, self._ends = begins[there], face_ends[there]

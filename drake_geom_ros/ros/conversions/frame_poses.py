@@ -99,6 +99,10 @@ class FramePosesReader:
                 raise ArgumentError(f"frame '{full}' does not belong to source '{source}'")
             if frame == names.world:
                 raise ArgumentError('the world frame cannot be posed')
+            if frame in names.of_maps:
+                raise ArgumentError(
+                    f"frame '{full}' is that of a sensed map, which stands where it was seen"
+                )
         if len(set(frames)) != len(frames):
             twice = next(f for k, f in enumerate(frames) if f in frames[:k])
             raise ArgumentError(f"frame '{names.frame_names[twice]}' is named twice")

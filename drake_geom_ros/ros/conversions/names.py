@@ -55,16 +55,20 @@ class NameTable:
         inspector: SceneGraphInspector,
         world_frame: str = WORLD,
         prefixes: Mapping[str, str] = MappingProxyType({}),
+        maps: SourceId | None = None,
     ) -> None:
         """``world_frame`` is what the world is called in answers; ``world`` means it too.
 
-        ``prefixes`` are what TF puts before the names of a source's frames, where it does.
+        ``prefixes`` are what TF puts before the names of a source's frames, where it does. Frames
+        of the source ``maps`` of sensed maps have no names but full ones, and none that TF has:
+        what sensors see moves by no transform.
         """
         self._prefixes = prefixes
         self._sources = {inspector.GetName(s): s for s in inspector.GetAllSourceIds()}
         self._frames: dict[str, list[FrameId]] = defaultdict(list)
         # Names may hold `::` and `/`: they are compared as pairs or whole, and never split.
         self.labels: dict[FrameId, tuple[str, str]] = {}  # source and name, not of the world
+        self.of_maps: set[FrameId] = set()
         self._owners: dict[FrameId | GeometryId, str] = {}
         self._called: dict[str, list[FrameId]] = defaultdict(list)
         self._geometries: dict[str, list[GeometryId]] = defaultdict(list)
@@ -83,9 +87,13 @@ class NameTable:
             full = f'{source}::{name}'
             self.labels[frame] = source, name
             self._owners[frame] = source
-            self._called[name].append(frame)
             short[frame] = name
             self.frame_names[frame] = full
+            if maps is not None and inspector.GetOwningSourceId(frame) == maps:
+                self.of_maps.add(frame)
+                self._frames[full].append(frame)
+                continue
+            self._called[name].append(frame)
             for alias in {name, full}:
                 self._frames[alias].append(frame)
         for geometry in inspector.GetAllGeometryIds():
@@ -165,7 +173,9 @@ class NameTable:
         return dict(claims)
 
     def tf_names(self, frame: FrameId) -> tuple[str, ...]:
-        """Return what TF may call a frame, the name that counts more first."""
+        """Return what TF may call a frame, the name that counts more first; none of a map."""
+        if frame in self.of_maps:
+            return ()
         source, name = self.labels[frame]
         if prefix := self._prefixes.get(source):
             return (f'{prefix}{name}'.removeprefix('/'),)

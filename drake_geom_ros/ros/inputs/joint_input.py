@@ -32,6 +32,10 @@ _NANOSECONDS = 1e-9  # [s]
 _MOST_LISTS = 64  # lists of names of which it is kept which joints they mean
 
 
+class NothingOfOursError(ArgumentError):
+    """A message of joint values that names no joint of a robot here: it is of another robot."""
+
+
 class _Move(NamedTuple):
     """The links of a robot where joint values put them, and since when."""
 
@@ -87,11 +91,17 @@ class JointInput:
             for name, values in before.items():
                 robots[name].values = values
             raise
+        if scene.history is not None:
+            for name, columns in changed.items():
+                scene.joints.pasts[name].note(columns)
         return sum(self._pose(scene, move, message.header.stamp) for move in moves if move)
 
     def follow(self, scene: EditableScene) -> int:
-        """Pose the robots whose base has moved, or that are new; return how many frames."""
-        is_new, self._version = self._version != scene.version, scene.version
+        """Pose the robots whose base has moved, or that are new; return how many frames.
+
+        What others posed since is left to them where the base stands: joint values are older.
+        """
+        is_new, self._version = self._version != scene.model_version, scene.model_version
         if is_new:
             self._carriers = {r.name: carriers_of(scene, r) for r in scene.joints.robots.values()}
         stamp = scene.newest_stamp
@@ -99,7 +109,7 @@ class JointInput:
             return 0
         moved, scene.moved = scene.moved, set()
         moves = [
-            self._move(scene, robot, None)
+            self._move(scene, robot, None, leave_out=self._are_others(scene, robot))
             for robot in self._driven(scene)
             if is_new
             or (
@@ -111,7 +121,7 @@ class JointInput:
 
     def has_followed(self, scene: HeldScene) -> bool:
         """Return whether ``follow`` has seen this version of the scene."""
-        return self._version == scene.version
+        return self._version == scene.model_version
 
     def troubles(self, scene: HeldScene, stale_after: float) -> list[str]:
         """Return what is wrong with the joints, in words."""
@@ -158,7 +168,7 @@ class JointInput:
         self, scene: HeldScene, topic: str, names: tuple[str, ...]
     ) -> list[JointPlace | None]:
         """Return where the numbers of a message go; raises ArgumentError where none goes."""
-        if self._version != scene.version:
+        if self._version != scene.model_version:
             self._known.clear()
         places = self._known.get((topic, names))
         if places is None:
@@ -189,12 +199,16 @@ class JointInput:
         return JointValue(value.position, speed, value.stamp, since)
 
     def _move(
-        self, scene: HeldScene, robot: DrivenRobot, changed: set[int] | None
+        self,
+        scene: HeldScene,
+        robot: DrivenRobot,
+        changed: set[int] | None,
+        leave_out: frozenset[int] = frozenset(),
     ) -> _Move | None:
         """Return where links stand that changed columns move, all for None; raises RuntimeError.
 
         Links that no joint moves move only where they wait, or with the base. None: no link of
-        the robot can be posed.
+        the robot can be posed. Rows of ``leave_out`` move with the base alone.
         """
         base = base_of(scene, robot)
         if base is None:
@@ -207,7 +221,7 @@ class JointInput:
                 some = frozenset(row for row in some if robot.links[row] in waiting)
             elif columns and changed is not None and not moved and changed.isdisjoint(columns):
                 continue
-            rows[columns] = some
+            rows[columns] = some if moved else some - leave_out
         moments = robot.since(base, rows)
         if not moments:
             return None
@@ -220,10 +234,16 @@ class JointInput:
         }
         return _Move(robot, base, links, posed, FramePoseVector.FromArrays(links.ids, links.rows))
 
+    def _are_others(self, scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
+        """Return the rows of links that somebody else posed last."""
+        by_others = scene.feeders.is_fed_by_others
+        return frozenset(row for row, f in robot.links.items() if by_others(JOINTS, f))
+
     def _pose(self, scene: EditableScene, move: _Move, stamp: Any) -> int:
         """Pose links; return how many."""
         move.robot.base = move.base
-        scene.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows)
+        past = scene.joints.pasts[move.robot.name]
+        scene.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows, past)
         if scene.watches_motion and stamp_of(stamp):
             _tell_twists(scene, move, stamp_of(stamp))
         return len(move.poses)
@@ -268,11 +288,11 @@ def _are_others(robots: Sequence[DrivenRobot], names: Sequence[str]) -> bool:
     return bool(names) and others.issuperset(names)
 
 
-def _nothing_of_ours(robots: Sequence[DrivenRobot], names: Sequence[str]) -> ArgumentError:
+def _nothing_of_ours(robots: Sequence[DrivenRobot], names: Sequence[str]) -> NothingOfOursError:
     known = [alias for r in robots for alias in (*r.joint_names, *r.full_names)]
     shown = some_of([repr(name) for name in names]) or 'no joints at all'
     hint = nearest(names[0], known) if names else ''
-    return ArgumentError(
+    return NothingOfOursError(
         f'no joint of a robot here is in the message{hint}: it names {shown}; there are '
         f'{some_of(known) or "none, for no robot of the scene listens to this topic"}'
     )

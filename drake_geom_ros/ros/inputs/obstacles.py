@@ -19,7 +19,6 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.depth_image import points_from_depth
 from drake_geom_ros.ros.conversions.octomap import cells_from_octomap
 from drake_geom_ros.ros.conversions.point_cloud import points_from_cloud
-from drake_geom_ros.ros.scene.held_scene import MAPS
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.moments import Hanging, Moment, moment_of
 from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
@@ -58,6 +57,17 @@ class MapCounts:
     out_of_reach: int = 0
     on_bodies: int = 0
     cells: int = 0
+
+
+class _Seen(NamedTuple):
+    """What a message showed, which may be refused yet."""
+
+    cells: Cells
+    X_WM: RigidTransform
+    counts: MapCounts
+    start: float  # [s] when its taking began
+    generation: int  # of the map, then
+    kept: KeptCells | None = None  # with the next ones
 
 
 class ObstacleInput:
@@ -124,12 +134,12 @@ class ObstacleInput:
         if not len(cells):
             raise ArgumentError('the tree has no occupied cell: it shows nothing')
         moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda query: ())
-        self._put(moment, cells, moment.X_WF, generation)
-        self._count(start, MapCounts(points=len(cells), cells=len(cells)))
+        counts = MapCounts(points=len(cells), cells=len(cells))
+        self._put(moment, _Seen(cells, moment.X_WF, counts, start, generation))
 
     def _take_points(self, points: Floats, header: Any, waited: float) -> None:
         start = time.perf_counter()
-        settings = self._settings()
+        generation, settings = self._generation, self._settings()
         is_finite = np.isfinite(points).all(axis=1)
         p_CQs = points[is_finite]
         if not len(p_CQs):
@@ -153,10 +163,7 @@ class ObstacleInput:
         if not len(cells):
             cells = Cells.of_points(seen, settings.resolution)
         origin = moment.X_WF.translation()
-        generation = self._generation
         kept = self._with_kept(moment, cells, origin, settings)
-        self._put(moment, kept.cells, RigidTransform(), generation)
-        self._kept = kept
         counts = MapCounts(
             points=len(points),
             not_finite=len(points) - len(p_CQs),
@@ -164,7 +171,7 @@ class ObstacleInput:
             on_bodies=int(np.count_nonzero(on_bodies)),
             cells=len(kept.cells),
         )
-        self._count(start, counts)
+        self._put(moment, _Seen(kept.cells, RigidTransform(), counts, start, generation, kept))
 
     def _with_kept(
         self, moment: Moment, cells: Cells, origin: Floats, settings: ObstacleSettings
@@ -179,17 +186,20 @@ class ObstacleInput:
         """Return the geometries on which points are left out."""
         if which == 'none':
             return []
-        if which == 'scene':
-            return bodies_of(query, None, MAPS)
         with self._live.reading() as scene:
-            return bodies_of(query, scene.robot_names(), MAPS)
+            sources = scene.robot_names() if which == 'robots' else None
+            return bodies_of(query, sources, scene.maps_source)
 
-    def _put(self, moment: Moment, cells: Cells, X_WM: RigidTransform, generation: int) -> None:
+    def _put(self, moment: Moment, seen: _Seen) -> None:
+        """Have the scene hold what was seen; what is kept and counted changes with it."""
         margin = self._settings().margin
-        sighting = Sighting(cells, shape_of(cells, margin), X_WM, moment.since, moment.stamp)
+        shape = shape_of(seen.cells, margin)
+        sighting = Sighting(seen.cells, shape, seen.X_WM, moment.since, moment.stamp)
         with self._live.editing() as scene:
-            if generation != self._generation:
+            if seen.generation != self._generation:
                 raise ArgumentError('the map was cleared while the message was taken')
+            if moment.replaced != scene.replaced:
+                raise ArgumentError('the scene was replaced while the message was taken')
             known = scene.maps.get(self.name)
             since = None if known is None else scene.posed_since(known.frame)
             if since is not None and since.epoch == moment.since.epoch:
@@ -199,8 +209,7 @@ class ObstacleInput:
                         f'its stamp is {behind:.3f} s before that of the map that is there'
                     )
             put(scene, self.name, sighting, margin)
+            self._kept = seen.kept
+            taken, seconds = self.counts.taken + 1, time.perf_counter() - seen.start
+            self.counts = replace(seen.counts, taken=taken, seconds=seconds)
         self._changed()
-
-    def _count(self, start: float, counts: MapCounts) -> None:
-        taken, seconds = self.counts.taken + 1, time.perf_counter() - start
-        self.counts = replace(counts, taken=taken, seconds=seconds)

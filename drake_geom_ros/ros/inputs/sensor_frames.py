@@ -36,9 +36,13 @@ class SensorFrames:
         if not name:
             raise ArgumentError('header.frame_id is empty; it names the frame of the sensor')
         try:
-            return scene.names.frame(name), RigidTransform()
+            frame = scene.names.frame(name)
         except UnknownNameError as unknown:
             told = str(unknown)
+        else:
+            if frame not in scene.names.of_maps:
+                return frame, RigidTransform()
+            told = f'{name[:80]!r} is the frame of a sensed map, which no sensor is on'
         tf = self._tf()
         ends = _ends(scene)
         here = plain_name(name)

@@ -71,7 +71,7 @@ class SceneTopic:
                 self._publish(view)
             if (now := time.monotonic()) > self._next:
                 with self._live.reading() as scene:
-                    model = scene.version - scene.map_changes
+                    model = scene.model_version
                     if self._version == scene.version:
                         return
                     if self._model == model and now < self._next_maps:

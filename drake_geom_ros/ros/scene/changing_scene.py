@@ -17,7 +17,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES
-from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene
+from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, warm_up
 
@@ -34,7 +34,22 @@ class ChangingScene(HeldScene):
     """What may go, and whom a frame follows. What raises RuntimeError has changed nothing."""
 
     def remove_source(self, source: SourceId) -> tuple[int, int]:
-        """Remove a source and all that is its; return frames, geometries removed."""
+        """Remove a source and all that is its; return frames, geometries removed.
+
+        In place of sensed maps that topics feed, others wait for their first message then.
+        """
+        had_maps = source == self.maps_source
+        removed = self._remove(source)
+        if had_maps and self.stand_maps is not None:
+            self.stand_maps(self)
+        return removed
+
+    def remove_maps(self) -> None:
+        """Remove the source of sensed maps, if there is one."""
+        if self.maps_source is not None:
+            self._remove(self.maps_source)
+
+    def _remove(self, source: SourceId) -> tuple[int, int]:
         name, geometries = self.inspector.GetName(source), self.inspector.num_geometries()
         frames = self._scene_graph.RemoveSource(source)
         gone = [frame.get_value() for frame in frames]
@@ -45,8 +60,8 @@ class ChangingScene(HeldScene):
         self._cameras = {n: c for n, c in self._cameras.items() if c[0] not in set(frames)}
         self.awaited.forget(name)
         self._robots = [robot for robot in self._robots if robot.name != name]
-        if name == MAPS:
-            self.maps = {}
+        if source == self.maps_source:
+            self.maps, self.maps_source = {}, None
         return len(frames), geometries - self.inspector.num_geometries()
 
     def in_order_of_removal(self, sources: Iterable[SourceId]) -> list[SourceId]:
@@ -107,6 +122,7 @@ class ChangingScene(HeldScene):
         self._scene_graph.AttachFrame(source, frame, parent, X_PF)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
+        self._hang_elsewhere(frame)
         self._ages.rest(frame.get_value())
         self._let_go(frame)
         return X_PF
@@ -125,10 +141,15 @@ class ChangingScene(HeldScene):
         self._scene_graph.DetachFrame(self.inspector.GetOwningSourceId(frame), frame, X_PF)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
+        self._hang_elsewhere(frame)
         self._ages.rest_no_more(frame.get_value(), since)
         # TF leaves it there until a transform of this very frame comes.
         self.feeders.note(MESSAGES, frozenset([frame.get_value()]))
         return X_PF
+
+    def _hang_elsewhere(self, frame: FrameId) -> None:
+        if self.history is not None:
+            self.history.begin_anew([frame.get_value()], self._clocks.node())
 
     def _since_of_line(self, frame: FrameId) -> Since:
         """Return since when the pose of a frame in the world holds, with all that it hangs on."""

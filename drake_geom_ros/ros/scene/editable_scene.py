@@ -24,7 +24,9 @@ from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.changing_scene import ChangingScene
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
+from drake_geom_ros.ros.scene.held_scene import MAPS
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
+from drake_geom_ros.ros.scene.pose_history import Parts
 from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
     CameraDescription,
@@ -94,7 +96,13 @@ class EditableScene(ChangingScene):
             if frame is not None and self.inspector.GetOwningSourceId(frame) not in sources:
                 self._refuse_taken(camera.name)
         self._refuse_cameras(description.cameras)
+        if self.maps_source is not None and MAPS in description.sources:
+            raise ArgumentError(
+                f'the scene has a source {MAPS!r}, which is that of sensed maps; give it another '
+                'name'
+            )
         kept = self.make_room(sources, description)  # which rehearses it
+        self.replaced += 1
         loaded = register_rehearsed(self._scene_graph, description)
         added = self._take(loaded)
         self.stay(kept, loaded)
@@ -125,8 +133,16 @@ class EditableScene(ChangingScene):
     def replace(self, other: PreparedScene) -> tuple[int, int]:
         """Put another scene in the place of this one; versions go on growing."""
         self._refuse_cameras(camera for _, camera in other.loaded.cameras)
+        if self.stand_maps is not None and MAPS in other.loaded.sources:
+            raise ArgumentError(
+                f'the scene has a source {MAPS!r}, which is that of the sensed maps of this node; '
+                'give it another name'
+            )
         other.scene_graph.set_default_accuracy(self.accuracy)
         self._adopt(other.scene_graph, self.version + 1)
+        self.replaced += 1
+        if self.stand_maps is not None:
+            self.stand_maps(self)  # before rules are bound: those about maps go on
         return self._take(other.loaded)
 
     def _take(self, loaded: LoadedScene) -> tuple[int, int]:
@@ -193,19 +209,22 @@ class EditableScene(ChangingScene):
         stamp: Any,
         feeder: str,
         rows: NDArray[np.float64] | None = None,
+        parts: Parts | None = None,
     ) -> None:
         """Pose frames; ``posed`` says since when these hold.
 
-        ``rows`` (n, 7) are what the poses were read from, for who keeps them.
+        ``rows`` (n, 7) are what the poses were read from, for who keeps them; ``parts`` are what
+        they were made of, where these have times of their own.
         """
+        ids = poses.id_values()
         if self.keep_rows is not None and rows is not None:
-            self.keep_rows(poses.id_values(), rows)
+            self.keep_rows(ids, rows)
         manager = self._scene_graph.collision_filter_manager()
         welded = manager.welded_frames()
-        if self.history is not None and rows is not None:
-            self.history.note(poses.id_values(), rows, posed)
         if self.attached:
             poses, posed = self.without_attached(poses, posed)
+        if self.history is not None and rows is not None:
+            self.history.note((ids, rows), posed, feeder, self._clocks.node(), parts)
         self._context.UpdateFramePoses(poses)
         self.moved.update(poses.id_values().tolist())
         self.rules.measure_again()

@@ -88,6 +88,9 @@ class HeldScene:
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
         self.camera_limits = CameraLimits()
         self.rules = SceneRules()  # they outlive a scene that is replaced
+        self.replaced = 0  # how often another scene, or other sources, took the place of these
+        # Called where the sensed maps that topics feed have gone, to have them there again.
+        self.stand_maps: Callable[[Any], object] | None = None
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
@@ -99,7 +102,8 @@ class HeldScene:
         self.feeders = Feeders(self._clocks.steady)
         self._robots: list[RobotDescription] = []
         self.awaited = AwaitedFilters()
-        self.maps: dict[str, SeenMap] = {}  # by name, of the source MAPS
+        self.maps_source: SourceId | None = None  # None: there is no map
+        self.maps: dict[str, SeenMap] = {}  # by name, of that source
         self.map_changes = 0  # versions that nothing but their cells differ in
         # By name: the frame that a camera is on, and what it is.
         self._cameras: dict[str, tuple[FrameId, CameraDescription]] = {}
@@ -116,6 +120,11 @@ class HeldScene:
     def version(self) -> int:
         """The version of the scene: it grows with every change of sources, frames, geometries."""
         return self._version_base + self._scene_graph.model_version()
+
+    @property
+    def model_version(self) -> int:
+        """The version since which at most the cells of sensed maps changed."""
+        return self.version - self.map_changes
 
     @property
     def names_version(self) -> int:
@@ -175,6 +184,14 @@ class HeldScene:
             self._attached = self.names_version, frozenset(f.get_value() for f in frames)
         return self._attached[1]
 
+    def refuse_maps(self, source: SourceId) -> None:
+        """Raise ArgumentError for the source of sensed maps, which only messages change."""
+        if source == self.maps_source:
+            raise ArgumentError(
+                f'the source {MAPS!r} holds sensed maps, which only messages of sensors, '
+                'load_obstacles and clear_obstacles change; register a source of another name'
+            )
+
     def is_mounted(self, frame: FrameId) -> bool:
         """Return whether the home of a frame is one of another source."""
         inspector = self.inspector
@@ -193,13 +210,15 @@ class HeldScene:
         return self._reader.listed_in(message)
 
     def _refresh(self) -> None:
-        if self._named_version != self.version:
+        if self._named_version != self.model_version:
             prefixes = {robot.name: robot.frame_prefix for robot in self._robots}
-            self._names = NameTable(self.inspector, self.world_frame, prefixes)
+            self._names = NameTable(
+                self.inspector, self.world_frame, prefixes, maps=self.maps_source
+            )
             self._reader = FramePosesReader(self._names)
             frames = {label: frame for frame, label in self._names.labels.items()}
             self._joints = RobotJoints(self._robots, frames, self._joints)
-            self._named_version = self.version
+            self._named_version = self.model_version
 
     def pose_ages(self) -> dict[str, float]:
         """Return the age [s] of the pose of every frame by name; inf for one that is unknown."""
@@ -340,6 +359,6 @@ class HeldScene:
         now = {name: robot.configuration() for name, robot in self.joints.robots.items()}
         robots = [replace(r, configuration=now.get(r.name, r.configuration)) for r in self._robots]
         described = describe(self._scene_graph, poses, robots, known, cameras)
-        if self.maps:  # what was seen is no model of anything
+        if self.maps_source is not None:  # what was seen is no model of anything
             described = without_source(described, MAPS)
         return replace(described, awaited=self.awaited.waiting(), rules=self.rules.rules)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.geometry import (
+    ArgumentError,
     FramePoseVector,
     GeometryFrame,
     GeometryInstance,
@@ -20,13 +21,13 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     SceneGraph,
     SceneGraphContext,
-    SourceId,
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import OBSTACLES
 from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene, SeenMap
+from drake_geom_ros.ros.scene.map_sources import MapSources
 from drake_geom_ros.sensed_maps import Cells
 
 GEOMETRY = 'map'
@@ -52,14 +53,22 @@ def shape_of(cells: Cells, margin: float) -> OccupiedCells:
 
 
 def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
-    """Return a map of the scene; one that is not there is registered, and waits."""
+    """Return a map of the scene; one that is not there is registered, and waits.
+
+    Raises ArgumentError where the scene has a source of its own that is called as that of maps.
+    """
     known = scene.maps.get(name)
     if known is not None:
         return known
     graph = scene.scene_graph
-    source = _source(scene)
+    source = scene.maps_source
     if source is None:
-        source = graph.RegisterSource(MAPS)
+        if MAPS in map(scene.inspector.GetName, scene.inspector.GetAllSourceIds()):
+            raise ArgumentError(
+                f'the scene has a source {MAPS!r}, which is what that of sensed maps is called; '
+                'give it another name, or remove it'
+            )
+        source = scene.maps_source = graph.RegisterSource(MAPS)
     frame = graph.RegisterFrame(source, GeometryFrame(name))
     # Nobody sees it: the frame has no pose.
     some = OccupiedCells(1.0, np.zeros((1, 3)))
@@ -73,6 +82,14 @@ def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
     found = SeenMap(frame, geometry, None)
     scene.maps[name] = found
     return found
+
+
+def stand_fed(scene: EditableScene, sources: MapSources) -> None:
+    """Have a scene hold the maps that topics feed where they have gone; they wait then."""
+    for name, feeder in sources.fed.items():
+        if name not in scene.maps:
+            feeder.forget()
+            stand(scene, name, sources.margin)
 
 
 def rehearse(graph: SceneGraph, context: SceneGraphContext, shape: OccupiedCells) -> None:
@@ -105,12 +122,9 @@ def forget(scene: EditableScene, names: list[str], again: list[str], margin: flo
 
     The others stay what they are; all have new ids.
     """
-    source = _source(scene)
-    if source is None:
-        return 0
     gone = sum(len(scene.maps[n].cells or ()) for n in names if n in scene.maps)
     kept = {name: _sighting(scene, name) for name in scene.maps if name not in names}
-    scene.remove_source(source)
+    scene.remove_maps()
     for name in again:
         stand(scene, name, margin)
     for name, sighting in kept.items():
@@ -141,8 +155,3 @@ def _sighting(scene: EditableScene, name: str) -> Sighting | None:
         return None
     X_WM = scene.query.X_WF(known.frame)
     return Sighting(known.cells, shape, X_WM, since, scene.newest_stamp)
-
-
-def _source(scene: HeldScene) -> SourceId | None:
-    inspector = scene.inspector
-    return next((s for s in inspector.GetAllSourceIds() if inspector.GetName(s) == MAPS), None)

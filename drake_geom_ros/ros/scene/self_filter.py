@@ -17,6 +17,7 @@ from drake_geom_ros.geometry import (
     QueryObject,
     Role,
     SceneGraph,
+    SourceId,
 )
 from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
 
@@ -129,12 +130,15 @@ def _ball(
     return frame, np.array(X_FB.translation()), _ROOM * radius
 
 
-def bodies_of(query: QueryObject, sources: set[str] | None, leave_out: str) -> list[GeometryId]:
+def bodies_of(
+    query: QueryObject, sources: set[str] | None, leave_out: SourceId | None
+) -> list[GeometryId]:
     """Return the geometries with the proximity role of some sources; None: of all but one."""
     inspector = query.inspector()
 
     def counts(geometry: GeometryId) -> bool:
-        source = inspector.GetOwningSourceName(geometry)
-        return source != leave_out and (sources is None or source in sources)
+        if inspector.GetOwningSourceId(geometry) == leave_out:
+            return False
+        return sources is None or inspector.GetOwningSourceName(geometry) in sources
 
     return [g for g in inspector.GetAllGeometryIds(Role.kProximity) if counts(g)]

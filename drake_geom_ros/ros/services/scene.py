@@ -26,6 +26,7 @@ def register_frame(scene: EditableScene, request: Any, response: Any) -> None:
     if request.name.strip() in (WORLD, scene.world_frame):
         raise ArgumentError(f'name is {request.name!r}, which is the name of the world frame')
     source = scene.names.source(request.source)
+    scene.refuse_maps(source)
     frame = GeometryFrame(request.name, request.frame_group)
     if request.parent in ('', WORLD, scene.world_frame):
         frame_id = scene.scene_graph.RegisterFrame(source, frame)
@@ -54,6 +55,8 @@ def attach(scene: EditableScene, request: Any, response: Any) -> None:
     frame, parent = names.frame(request.frame), names.frame(request.parent)
     if frame == names.world:
         raise ArgumentError(f'frame is {request.frame!r}, the world frame, which follows nothing')
+    for each in (frame, parent):
+        scene.refuse_maps(scene.inspector.GetOwningSourceId(each))
     fill_pose(response.pose, scene.attach(frame, parent, _given_pose(request)))
 
 
@@ -69,4 +72,6 @@ def _given_pose(request: Any) -> RigidTransform | None:
 
 def remove_geometry(scene: EditableScene, request: Any, response: Any) -> None:
     """Remove a geometry."""
-    scene.scene_graph.RemoveGeometry(*scene.owned_geometry(request.geometry))
+    source, geometry = scene.owned_geometry(request.geometry)
+    scene.refuse_maps(source)
+    scene.scene_graph.RemoveGeometry(source, geometry)

@@ -60,6 +60,7 @@ def _registered(
             instances.append(_instance(live, message))
     with live.reading() as scene:
         source = scene.names.source(source_name)
+        scene.refuse_maps(source)
         parents: list[FrameId | GeometryId] = []
         is_new = False
         for k, (message, instance) in enumerate(zip(messages, instances, strict=True)):
@@ -151,6 +152,7 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
     shape = shape_from_message(request.shape, live.files)
     with live.reading() as scene:
         source, geometry = scene.owned_geometry(request.geometry)
+        scene.refuse_maps(source)
         inspector = scene.inspector
         proximity = inspector.GetProximityProperties(geometry) is not None
         is_new = proximity and _is_new(inspector, geometry, shape)

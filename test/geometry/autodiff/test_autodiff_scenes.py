@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import (
     GeometryFrame,
     GeometryInstance,
     ProximityProperties,
+    QueryObject_,
     SceneGraph_,
     SceneGraphInspector_,
     Sphere,
@@ -149,3 +150,10 @@ def test_pydrakes_numbers_and_poses_are_taken_and_given_back():
     expected = script(*ours())
     np.testing.assert_allclose(values, expected[0], atol=1e-14)
     np.testing.assert_allclose(gradients, expected[1], atol=1e-14)
+
+
+@pytest.mark.parametrize('name', ['ComputeContactSurfaces', 'ComputeContactSurfacesWithFallback'])
+def test_what_has_no_derivatives_says_where_to_look(name):
+    query = QueryObject_[AutoDiffXd]()
+    with pytest.raises(AttributeError, match=f'{name}.*differences_from_pydrake'):
+        getattr(query, name)()

@@ -14,6 +14,8 @@ from drake_geom_ros.geometry import (
     GeometryError,
     GeometrySet,
     HydroelasticContactRepresentation,
+    ProximityProperties,
+    RoleAssign,
 )
 
 TRIANGLES = HydroelasticContactRepresentation.kTriangle
@@ -146,9 +148,10 @@ def same(a, b, size=1.0):
 @settings(max_examples=60, deadline=None)
 def test_the_order_of_the_bodies_changes_nothing(drawn):
     bodies, poses = drawn
-    a = query_of(bodies, poses)[0].ComputeContactSurfaces()
-    b = query_of(bodies, poses, order=[1, 0])[0].ComputeContactSurfaces()
+    a, swallowed = query_of(bodies, poses)[0].ComputeContactSurfacesWithFallback()
+    b, also = query_of(bodies, poses, order=[1, 0])[0].ComputeContactSurfacesWithFallback()
     same(a, b)
+    assert len(swallowed) == len(also)
     for x, y in zip(a, b, strict=True):
         np.testing.assert_allclose(x.force_on_M_W(), -y.force_on_M_W(), rtol=1e-8, atol=1e-6)
         np.testing.assert_allclose(
@@ -163,9 +166,9 @@ def test_a_common_motion_moves_the_surface(drawn, seed):
     random = np.random.default_rng(seed)
     R, p = random_rotation(random), random.normal(size=3)
     moved = [(R @ R_WB, R @ p_WB + p) for R_WB, p_WB in poses]
-    a = query_of(bodies, poses)[0].ComputeContactSurfaces()
-    b = query_of(bodies, moved)[0].ComputeContactSurfaces()
-    assert len(a) == len(b)
+    a, swallowed = query_of(bodies, poses)[0].ComputeContactSurfacesWithFallback()
+    b, also = query_of(bodies, moved)[0].ComputeContactSurfacesWithFallback()
+    assert (len(a), len(swallowed)) == (len(b), len(also))
     for x, y in zip(a, b, strict=True):
         assert x.total_area() == pytest.approx(y.total_area(), rel=1e-8, abs=1e-10)
         np.testing.assert_allclose(R @ x.centroid() + p, y.centroid(), atol=1e-7)
@@ -177,8 +180,8 @@ def test_a_common_motion_moves_the_surface(drawn, seed):
 def test_both_representations_say_the_same(drawn):
     query = query_of(*drawn)[0]
     for polygons, triangles in zip(
-        query.ComputeContactSurfaces(POLYGONS),
-        query.ComputeContactSurfaces(TRIANGLES),
+        query.ComputeContactSurfacesWithFallback(POLYGONS)[0],
+        query.ComputeContactSurfacesWithFallback(TRIANGLES)[0],
         strict=True,
     ):
         assert triangles.num_faces() == polygons.num_vertices()
@@ -197,6 +200,50 @@ def test_both_representations_say_the_same(drawn):
         np.testing.assert_allclose(
             mesh.face_normal(largest), triangles.face_normal(largest), atol=1e-6
         )
+
+
+FLUSH = {
+    'boxes on one another': (('Box', (1.0, 1.0, 1.0)), ('Box', (1.0, 1.0, 1.0)), 0.7),
+    'a box under a wider one': (('Box', (1.0, 1.0, 1.0)), ('Box', (2.0, 1.0, 1.0)), 0.7),
+    'cylinders on one another': (('Cylinder', (0.5, 1.0)), ('Cylinder', (0.5, 1.0)), 0.7),
+    'a box in a slab': (('HalfSpace', ()), ('Box', (1.0, 1.0, 1.0)), 0.2),
+}
+
+
+@pytest.mark.parametrize('name', FLUSH)
+def test_a_common_motion_of_flush_bodies_changes_nothing(name):
+    # Where sides are flush both pressures are the same in a whole volume: turned, they differ by
+    # rounding, which must not count as a direction.
+    first, second, height = FLUSH[name]
+    bodies = [Body(*first, 1e5, 0.5), Body(*second, 1e5)]
+    offset = np.array([0, 0, height])
+    still = one(bodies, [(UPRIGHT, np.zeros(3)), (UPRIGHT, offset)])
+    random = np.random.default_rng(42)
+    for _ in range(40):
+        R, p = random_rotation(random), random.normal(size=3)
+        moved = one(bodies, [(R, p), (R, R @ offset + p)])
+        assert moved.num_faces() == still.num_faces()
+        assert moved.total_area() == pytest.approx(still.total_area(), rel=1e-10)
+        np.testing.assert_allclose(
+            moved.force_on_M_W(), R @ still.force_on_M_W(), rtol=0.0, atol=1e-9 * 21900
+        )
+
+
+def test_far_from_the_origin_nothing_is_lost():
+    # Positions and shift are sums of few powers of two: the poses in each other are the same.
+    bodies = [Body('Sphere', (0.5,), 1e5), Body('Box', (0.5, 0.25, 0.5), 1e5)]
+    turned = random_rotation(np.random.default_rng(7))
+    near = [(turned, np.zeros(3)), (UPRIGHT, np.array([0.25, 0.125, 0.375]))]
+    shift = np.array([2.0**20, -(2.0**21), 2.0**19])
+    a, b = one(bodies, near), one(bodies, [(R, p + shift) for R, p in near])
+    assert b.num_faces() == a.num_faces()
+    assert b.total_area() == pytest.approx(a.total_area(), rel=1e-13)
+    size = np.linalg.norm(a.force_on_M_W())
+    np.testing.assert_allclose(b.force_on_M_W(), a.force_on_M_W(), rtol=0.0, atol=1e-13 * size)
+    # A position in World is rounded to 2^-32 m there, once.
+    for of in ('centroid', 'centre_of_pressure'):
+        moved = getattr(b, of)() - shift
+        np.testing.assert_allclose(moved, getattr(a, of)(), rtol=0.0, atol=2.0**-30)
 
 
 # On the edge.
@@ -229,7 +276,10 @@ def test_boxes_flush_touching_and_within_each_other(scale, modulus):
                 poses = [(R, np.zeros(3)), (R, R @ np.array(offset) * scale)]
                 if bodies[0] is small:
                     poses.reverse()
-                results = query_of(bodies, poses)[0].ComputeContactSurfaces()
+                query = query_of(bodies, poses)[0]
+                results, swallowed = query.ComputeContactSurfacesWithFallback()
+                # Bodies that overlap have a surface, or are told.
+                assert len(results) + len(swallowed) == (area != 0.0)
                 assert np.isfinite(all_numbers(results)).all()
                 if area == 0.0:
                     assert sum(results.areas) <= 1e-9 * scale**2
@@ -260,9 +310,79 @@ def test_balls_concentric_touching_and_apart(scale):
         for x in (0.0, 1e-17, 1e-9, 0.5, 1.5, 2.0, 3.0):
             poses = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([x * scale, 0, 0]))]
             query = query_of([ball, other], poses)[0]
-            assert np.isfinite(all_numbers(query.ComputeContactSurfaces())).all()
+            results, swallowed = query.ComputeContactSurfacesWithFallback()
+            assert np.isfinite(all_numbers(results)).all()
+            reach = 2.0 if other is ball else 1.5
+            assert len(results) + len(swallowed) == (x < reach)
     touching = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([2.0 * scale, 0, 0]))]
     assert len(query_of([ball, ball], touching)[0].ComputeContactSurfaces()) == 0
+
+
+def box_mesh(half, *, inside_out=False):
+    """Return corners and triangles of a cube."""
+    corners = half * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    squares = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = [t for a, b, c, d in squares for t in ((a, b, c), (a, c, d))]
+    return corners, [t[::-1] for t in triangles] if inside_out else triangles
+
+
+SMALL = Body('Sphere', (0.2,), 1e4, 0.1)
+SWALLOWED = {
+    'a ball in a rigid box': (Body('Box', (2.0, 2.0, 2.0), 0.0), SMALL, (0.5, 0.3, 0.1)),
+    'a ball in a rigid mesh': (Body('Mesh', box_mesh(1.0), 0.0), SMALL, (0.5, 0.3, 0.1)),
+    'a ball in a stiffer one': (Body('Sphere', (1.0,), 1e5), SMALL, (0.1, 0.0, 0.0)),
+    'a rigid ball about the middle of a soft one': (
+        Body('Sphere', (1.0,), 1e5),
+        Body('Sphere', (0.2,), 0.0, 0.1),
+        (0.0, 0.0, 0.0),
+    ),
+    'a ball under a rigid plane': (Body('HalfSpace', (), 0.0), SMALL, (3.0, 4.0, -0.3)),
+    'a ball in a stiff slab': (Body('HalfSpace', (), 1e6, 0.1), SMALL, (3.0, 4.0, -0.3)),
+    'a ball over its middle in a rigid box': (
+        Body('Box', (2.0, 2.0, 2.0), 0.0),
+        SMALL,
+        (0.85, 0.0, 0.0),
+    ),
+    'like balls in one place': (SMALL, SMALL, (0.0, 0.0, 0.0)),
+}
+
+
+@pytest.mark.parametrize('order', [(0, 1), (1, 0)])
+@pytest.mark.parametrize('name', SWALLOWED)
+def test_a_body_deep_within_another_is_not_free(name, order):
+    first, second, offset = SWALLOWED[name]
+    R, p = random_rotation(np.random.default_rng(3)), np.array([7.0, -3.0, 5.0])
+    poses = [(R, p), (R, R @ np.array(offset) + p)]
+    query, ids, (scene, context) = query_of([first, second], poses, order=order)
+    for ask in (query.ComputeContactSurfaces, query.contact_surfaces):
+        with pytest.raises(GeometryError, match='deep within') as refused:
+            ask()
+        assert all(repr(id) in str(refused.value) for id in ids)
+    surfaces, (point,) = query.ComputeContactSurfacesWithFallback()
+    assert len(surfaces) == 0
+    assert {point.id_A, point.id_B} == set(ids)
+    assert point.depth > 0.1
+    scene.collision_filter_manager(context).Apply(
+        CollisionFilterDeclaration().ExcludeBetween(GeometrySet(ids[0]), GeometrySet(ids[1]))
+    )
+    assert len(query.ComputeContactSurfaces()) == 0
+    # Bounds that meet are no contact.
+    bound = 1.0 if first.kind != 'HalfSpace' else 0.0
+    away = np.array([bound + 0.19, bound + 0.19, bound + 0.19])
+    apart = query_of([first, second], [(UPRIGHT, np.zeros(3)), (UPRIGHT, away)], order=order)[0]
+    if bound == 1.0:
+        assert len(apart.ComputeContactSurfaces()) == 0
+
+
+@pytest.mark.parametrize('inside_out', [False, True])
+def test_a_rigid_mesh_may_be_inside_out(inside_out):
+    # Its faces are turned outward: those that look into the ball count.
+    mesh = Body('Mesh', box_mesh(0.5, inside_out=inside_out), 0.0)
+    box, ball = Body('Box', (1.0, 1.0, 1.0), 0.0), Body('Sphere', (0.5,), 1e5, 0.1)
+    poses = [(UPRIGHT, np.zeros(3)), (random_rotation(np.random.default_rng(2)), [0.0, 0.1, 0.9])]
+    a, b = one([box, ball], poses), one([mesh, ball], poses)
+    assert a.total_area() == pytest.approx(b.total_area(), rel=1e-12)
+    np.testing.assert_allclose(a.force_on_M_W(), b.force_on_M_W(), rtol=1e-12, atol=1e-9)
 
 
 def test_a_corner_on_a_plane_is_no_contact():
@@ -353,3 +473,20 @@ def test_an_answer_depends_on_the_moment_alone():
     np.testing.assert_array_equal(
         first.face_offsets, np.cumsum([0, *(s.num_faces() for s in first)])
     )
+
+
+def test_padding_is_no_part_of_a_surface_but_of_a_penetration():
+    near = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([1.05, 0, 0]))]
+    for modulus, raises in ((1e5, False), (0.0, True)):
+        query, ids, (scene, context) = query_of([Body('Sphere', (0.5,), modulus)] * 2, near)
+        assert len(query.ComputeContactSurfaces()) == 0
+        source = scene.model_inspector().GetAllSourceIds()[-1]
+        for id in ids:
+            properties = ProximityProperties(query.inspector().GetProximityProperties(id))
+            properties.AddProperty('proximity', 'padding', 0.05)
+            scene.AssignRole(context, source, id, properties, RoleAssign.kReplace)
+        if raises:
+            with pytest.raises(GeometryError, match='both are rigid'):
+                query.ComputeContactSurfaces()
+        else:
+            assert len(query.ComputeContactSurfaces()) == 0

@@ -67,7 +67,7 @@ def their_sums(surface):
 
 
 def test_on_its_meshes_it_is_the_same_face_by_face():
-    compared = 0
+    compared = swallowed = 0
     for bodies, poses in cases(350, seed=42):
         query, ids, (scene, _context) = query_of(bodies, poses, theirs)
         expected = query.ComputeContactSurfaces(theirs.HydroelasticContactRepresentation.kPolygon)
@@ -79,18 +79,22 @@ def test_on_its_meshes_it_is_the_same_face_by_face():
             ]
         )
         Rs, ps = (np.array([pose[k] for pose in poses]) for k in (0, 1))
-        out, ends = surfaces_of(packed, np.array([[0, 1]]), Rs, ps)
-        assert bool(expected) == bool(ends[0])
+        out = surfaces_of(packed, np.array([[0, 1]]), Rs, ps)
+        assert bool(expected) == bool(out.pair_ends[0])
+        swallowed += bool(out.swallowed[0])
         for surface in expected:
             compared += 1
             sums, (force, total) = out.sums[0], their_sums(surface)
-            assert surface.num_faces() == ends[0]
+            assert surface.num_faces() == out.pair_ends[0]
             assert sums[AREA] == pytest.approx(surface.total_area(), rel=1e-12)
             assert sums[PRESSURE] == pytest.approx(total, rel=2e-12)
-            np.testing.assert_allclose(sums[FORCE : FORCE + 3], force, atol=2e-12 * total)
+            np.testing.assert_allclose(
+                sums[FORCE : FORCE + 3], force, rtol=0.0, atol=2e-12 * total
+            )
             centroid = sums[FIRST_MOMENT : FIRST_MOMENT + 3] / sums[AREA]
-            np.testing.assert_allclose(centroid, surface.centroid(), atol=1e-12 * 10)
+            np.testing.assert_allclose(centroid, surface.centroid(), rtol=0.0, atol=1e-11)
     assert compared > 250
+    assert swallowed > 0  # of which pydrake says nothing
 
 
 def test_on_our_meshes_areas_and_forces_are_the_same():
@@ -102,8 +106,8 @@ def test_on_our_meshes_areas_and_forces_are_the_same():
             compared += 1
             force, total = their_sums(a)
             assert b.total_area() == pytest.approx(a.total_area(), rel=1e-9, abs=1e-12)
-            np.testing.assert_allclose(b.force_on_M_W(), force, atol=1e-9 * total)
-            np.testing.assert_allclose(b.centroid(), a.centroid(), atol=1e-9)
+            np.testing.assert_allclose(b.force_on_M_W(), force, rtol=0.0, atol=1e-9 * total)
+            np.testing.assert_allclose(b.centroid(), a.centroid(), rtol=0.0, atol=1e-9)
             assert (b.HasGradE_M(), b.HasGradE_N()) == (a.HasGradE_M(), a.HasGradE_N())
     assert compared > 100
 

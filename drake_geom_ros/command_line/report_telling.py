@@ -1,0 +1,84 @@
+"""What ``report`` says on standard output, and how far it is on standard error."""
+
+import sys
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from drake_geom_ros.recordings import (
+    Audit,
+    Clearances,
+    IncompleteRecordingError,
+    SetComparison,
+)
+from drake_geom_ros.recordings.clearance import Progress
+
+_MOST_PAIRS = 5  # that are told of two runs
+
+
+def progress() -> Progress:
+    """Return what tells on standard error how far it is, once a second."""
+    shown = time.monotonic()
+
+    def tell(states: int, seconds: float) -> None:
+        nonlocal shown
+        if time.monotonic() - shown >= 1.0:
+            shown = time.monotonic()
+            print(f'\r{states} states, {seconds:.0f} s', end='', file=sys.stderr, flush=True)
+
+    return tell
+
+
+def tell_of_comparison(compared: Sequence[SetComparison], other: str, by: str) -> None:
+    """Tell how much nearer the run comes than the other one, and what is not known of both."""
+    unit = ' s' if by == 'time' else ' of the motion'
+    for each in compared:
+        much, where = each.nearer(allow_incomplete=True)
+        print(
+            f'{each.name}: {much:.6g} m nearer than in {other} at most, at '
+            f'{where:.3f}{unit}; {int(np.count_nonzero(~each.is_whole))} of {len(each.run)} parts '
+            'are not known of both'
+        )
+        for pair in each.pairs[:_MOST_PAIRS]:
+            print(f'  {pair.name_A} and {pair.name_B}: {pair.run:.6g} m, there {pair.other:.6g} m')
+    for told in compared[0].not_known_of_other:
+        print(f'not known of {other}: {told}')
+
+
+def tell_of_audit(audited: Audit) -> None:
+    """Tell what is true of what a node said, and what was not audited."""
+    counts = audited.counts().items()
+    print('audit: ' + ', '.join(f'{count} {outcome.value}' for outcome, count in counts))
+    for topic, first, count in audited.by_reason():
+        print(
+            f'{first.outcome.value}: {count} of {topic}, the first at {first.time:.3f} s, '
+            f'{first.what}: {first.because}'
+        )
+    for told in audited.reservations():
+        print(f'not audited: {told}')
+
+
+def tell(found: Clearances) -> None:
+    """Tell the least distances of a run, and what is not known of it."""
+    print(f'states {len(found.times)}, {found.duration:.3f} s')
+    for name in found.sets:
+        try:
+            least = found.least(name, allow_incomplete=True)
+            print(
+                f'{name}: distance {least.distance:.9g} m within {least.error_bound:.2g} m at '
+                f'{least.time:.3f} s between {least.name_A} {least.name_B}'
+            )
+        except IncompleteRecordingError as error:
+            print(f'{name}: {error}')
+        if found[name].motion is not None:
+            proved = found[name].certified()
+            print(
+                f'{name}: motions between states: certified {proved.lower_bound:.9g} m where '
+                f'clear; {proved.clear} clear, {proved.contact} contact, {proved.unknown} unknown'
+            )
+    print(f'read in {found.seconds_reading:.2f} s, computed in {found.seconds_computing:.2f} s')
+    for told in found.reservations():
+        print(f'not known: {told}')
+    for trouble in found.troubles:
+        print(f'wrong: {trouble.words}')

@@ -1,0 +1,215 @@
+"""Sensed maps keep to themselves: beside users' sources, other scenes, TF and joint values."""
+
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from ros.inputs.sensing_node import SCENE, Node, cloud, header
+from ros.inputs.tf_messages import at, message, transform
+from ros.live_scenes import live_scene
+
+from drake_geom_ros.proximity_rules import ProximityRule
+from drake_geom_ros.ros.inputs.joint_input import JointInput
+from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.services import obstacles, scene, shapes
+from drake_geom_ros.scene_files import read_scene
+
+WALLS = """
+sources: [obstacles]
+geometries:
+- {name: wall, source: obstacles, shape: {type: box, size: [1, 1, 1]}}
+"""
+ROBOT = """<robot name="r"><link name="base"/>
+<link name="l"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="j" type="prismatic"><parent link="base"/><child link="l"/><axis xyz="1 0 0"/>
+<limit lower="-5" upper="5" effort="1" velocity="1"/></joint></robot>"""
+MOVED = SCENE.replace('position: [0, 0, 2]', 'position: [5, 0, 2]')
+
+
+def test_walls_of_a_source_called_as_that_of_maps_are_no_map():
+    live = live_scene(WALLS)
+    with pytest.raises(RuntimeError, match='maps: none'):
+        obstacles.clear_obstacles(live, Plain(map='wall'), Plain())
+    response = Plain(cells=None)
+    obstacles.clear_obstacles(live, Plain(map=''), response)
+    assert response.cells == 0
+    with live.reading() as held:
+        assert held.names.geometry('obstacles::world/wall') is not None
+        assert 'obstacles' in held.description().sources
+
+
+def test_no_map_is_put_into_a_source_of_that_name():
+    with pytest.raises(RuntimeError, match=r"has a source 'obstacles'.*another name"):
+        Node(scene=WALLS)
+    node = Node()
+    for change in (
+        lambda held: held.replace(prepared(read_scene(WALLS))),
+        lambda held: held.add(read_scene(WALLS)),
+        lambda held: held.swap([held.names.source('s')], read_scene(WALLS)),
+    ):
+        with node.live.editing() as held, pytest.raises(RuntimeError, match='obstacles'):
+            change(held)
+    with node.live.reading() as held:
+        assert set(held.maps) == {'points'}
+        assert held.names.frame('s::arm') is not None
+
+
+def test_only_messages_change_what_is_the_maps():
+    node = Node()
+    shape = Plain(type=1, dimensions=[0.1])
+    asked = [
+        (scene.remove_geometry, Plain(geometry='obstacles::points/map')),
+        (scene.register_frame, Plain(source='obstacles', name='x', frame_group=0, parent='')),
+        (scene.attach, Plain(frame='obstacles::points', parent='s::mast', pose_given=False)),
+        (scene.attach, Plain(frame='s::mast', parent='obstacles::points', pose_given=False)),
+    ]
+    for serve, request in asked:
+        with node.live.editing() as held, pytest.raises(RuntimeError, match='sensed maps'):
+            serve(held, request, Plain())
+    with pytest.raises(RuntimeError, match='sensed maps'):
+        shapes.change_shape(
+            node.live, Plain(geometry='obstacles::points/map', shape=shape), Plain()
+        )
+
+
+def test_a_rule_about_a_map_goes_on_in_the_scene_that_takes_its_place():
+    node = Node()
+    node.move(100.0, [0, 0, 0])
+    node.input.take_cloud(cloud([[1, 0, 0]]))
+    rule = ProximityRule('r', ('s::arm',), ('obstacles::points',), enter=0.1, leave=0.2)
+    with node.live.editing() as held:
+        held.bind_rules()
+        held.rules.add([rule])
+        held.replace(prepared(read_scene(SCENE)))
+        assert held.rules.rules == (rule,)
+        assert held.rules.take_events() == []
+        # The map of the old scene is none of the new one: it waits, and answers say so.
+        assert 'obstacles::points' in held.waiting().frames
+        held.remove_source(held.maps_source)
+        assert 'obstacles::points' in held.waiting().frames
+    assert node.input.counts.taken == 0
+
+
+def in_between(node, change):
+    """Have something happen while the next cloud is taken."""
+    near = node.input._filter.near
+
+    def changed(*asked):
+        change()
+        return near(*asked)
+
+    node.input._filter.near = changed
+
+
+def test_a_cloud_of_the_old_scene_is_not_put_into_the_new_one():
+    for change in ('replace', 'swap'):
+        node = Node(self_filter='none')
+
+        def another_scene(node=node, change=change):
+            with node.live.editing() as held:
+                if change == 'replace':
+                    held.replace(prepared(read_scene(MOVED)))
+                else:
+                    held.swap([held.names.source('s')], read_scene(MOVED))
+
+        in_between(node, another_scene)
+        with pytest.raises(RuntimeError, match='while the message was taken'):
+            node.input.take_cloud(cloud([[1, 0, 0]]))
+        assert node.centres() is None
+
+
+def test_what_was_cleared_while_a_cloud_was_taken_stays_cleared():
+    node = Node(self_filter='none', keep=10.0)
+    node.input.take_cloud(cloud([[1, 0, 0]]))
+    clear = node.live, Plain(map='points'), Plain()
+    in_between(node, lambda: obstacles.clear_obstacles(*clear))
+    with pytest.raises(RuntimeError, match='cleared'):
+        node.input.take_cloud(cloud([[0, 2, 0]]))
+    assert node.centres() is None
+    del node.input._filter.near
+    node.input.take_cloud(cloud([[0, 2, 0]]))
+    assert len(node.centres()) == 1
+
+
+def test_what_others_posed_stays_where_it_is_when_a_map_comes(tmp_path):
+    """Joint values are older than the poses that came since, in whatever scene."""
+    (tmp_path / 'r.urdf').write_text(ROBOT)
+    (tmp_path / 's.yaml').write_text(
+        'sources: [s]\nframes: [{name: mast, source: s, pose: {}, static: true}]\n'
+        'robots: [{name: r, urdf: r.urdf, pose: {}}]'
+    )
+    node = Node(scene=str(tmp_path / 's.yaml'), self_filter='none')
+    inputs = PoseInputs(None, JointInput(node.live.clocks, 1.0, by_default=True))
+
+    def posed(*, pose=None, joint=None):
+        """Return where the link stands, and how old that is, once something came."""
+        told = Plain(
+            header=header('world', node.clock.now), source='', frame_names=['r::l'], frame_ids=[]
+        )
+        values = Plain(header=told.header, name=['j'], position=[joint], velocity=[])
+        with node.live.editing() as held:
+            if pose is not None:
+                told.poses = [pose, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+                inputs.take_poses(held, told)
+            elif joint is not None:
+                inputs.take_joint_states(held, values)
+            else:
+                inputs.follow(held)
+            link = held.names.frame('r::l')
+            return held.query.X_WF(link).translation()[0], held.pose_ages()['r::l']
+
+    assert posed(joint=0.7)[0] == 0.7
+    node.clock.now = 100.1
+    assert posed(pose=3.0) == (3.0, 0.0)
+    node.input.take_cloud(cloud([[1, 0, 0]], stamp=100.1))
+    assert posed() == (3.0, 0.0)
+    with node.live.editing() as held:  # a change of the model itself
+        held.scene_graph.RegisterSource('another')
+    assert posed() == (3.0, 0.0)
+    assert posed(joint=0.8)[0] == 0.8  # who comes last counts, as ever
+
+
+def test_a_map_makes_nobody_pose_anew_what_tf_told_before():
+    node = Node(tf=TfInput, self_filter='none')
+
+    def hear():
+        with node.live.editing() as held:
+            node.tf.hear(message(transform('world', 'arm', at(1.0), 99.0)), static=False)
+            return node.tf.pose(held)
+
+    assert hear() == 1
+    node.input.take_cloud(cloud([[0, 1, 0]]))
+    with node.live.editing() as held:
+        assert node.tf.follow(held) == 0
+        assert not node.tf.hangs_on_any(held, {held.names.frame('s::mast').get_value()})
+
+
+def test_the_frame_of_a_map_has_no_name_in_tf_nor_for_poses():
+    node = Node(tf=TfInput, self_filter='none')
+    node.input.take_cloud(cloud([[1, 0, 0]]))
+    before = node.centres()
+    with node.live.editing() as held:
+        for name in ('points', 'obstacles/points'):
+            told = message(transform('world', name, at(50.0), 100.0))
+            node.tf.hear(told, static=False)
+            node.tf.pose(held)
+        asked = Plain(
+            header=header('world', 100.0), source='', frame_names=['obstacles::points'],
+            frame_ids=[], poses=[9.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        )  # fmt: skip
+        with pytest.raises(RuntimeError, match='sensed map'):
+            held.take_poses(asked)
+        asked.frame_ids, asked.frame_names = [held.maps['points'].frame.get_value()], []
+        with pytest.raises(RuntimeError, match='sensed map'):
+            held.take_poses(asked)
+    np.testing.assert_array_equal(node.centres(), before)
+    with pytest.raises(RuntimeError, match='sensed map'):
+        node.input.take_cloud(cloud([[1, 0, 0]], frame='obstacles::points'))
+
+
+def test_a_frame_of_the_scene_called_as_a_map_keeps_its_name():
+    node = Node(scene=SCENE.replace('name: mast', 'name: points'), self_filter='none')
+    node.input.take_cloud(cloud([[0.01, 0.01, 0.01]], frame='points'))
+    assert np.allclose(node.centres(), [[0.05, 0.05, 2.05]])
