@@ -13,7 +13,7 @@ from drake_geom_ros.geometry.shapes.sensed_surfaces import surface_of_balls, sur
 
 Floats = NDArray[np.float64]
 
-MOST_CELLS = 2**23  # 8 388 608: 0.5 GB with their tree
+MOST_CELLS = 2**23  # 8 388 608: 0.6 GB with their tree
 FARTHEST_CELL = 1e9  # [m] the largest cell, and how far one may be
 
 
