@@ -62,7 +62,7 @@ def shown(page, time):
 
 
 def test_what_the_recording_does_not_pose_is_not_shown(tmp_path, monkeypatch, capsys):
-    """A robot stands nowhere, not even at rest, until its joint values come; also one goes back."""
+    """A robot stands nowhere, not even at rest, until its joint values come."""
     joints, tray = ('turn', 'bend', 'roll', 'slide'), (0.6, 0.1, 0.4, 0, 0, 0, 1)
     messages = poses(0.1 * np.arange(10), ['things::tray'], [tray] * 10)
     run = recorder.record(tmp_path / 'without', messages)
