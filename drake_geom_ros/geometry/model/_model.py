@@ -34,11 +34,11 @@ from drake_geom_ros.geometry.model._records import (
     named,
 )
 from drake_geom_ros.geometry.model._removed import Removed
+from drake_geom_ros.geometry.model.contact_defaults import HeldConfig
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 from drake_geom_ros.geometry.model.geometry_version import fresh_number
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign, frozen
-from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform
 
@@ -55,7 +55,7 @@ class Model:
         self.geometries: dict[GeometryId, GeometryRecord] = {}
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.renderers: dict[str, Renderer] = {}
-        self.config = SceneGraphConfig()  # a new one where it changes
+        self.config = HeldConfig()  # a new one where it changes
         self.versions = Versions()
         self.source_names = {INTERNAL_SOURCE_NAME}
         self.frame_names = {(internal, WORLD_NAME)}
@@ -211,7 +211,7 @@ class Model:
             X_PG=instance.pose(),
             X_FG=X_FG,
             shape=instance.shape(),
-            proximity=proximity and frozen(proximity),
+            proximity=proximity and frozen(self.config.filled(proximity)),
             illustration=illustration and frozen(illustration),
             perception=perception and frozen(perception),
         )
@@ -265,8 +265,7 @@ class Model:
             )
         if assign is RoleAssign.kNew:
             self._check_geometry_name(record, record.name, [role], 'AssignRole')
-        changed: dict[str, GeometryProperties] = {ROLE_FIELDS[role]: frozen(properties)}
-        record = record.changed(**changed)
+        record = record.changed(**{ROLE_FIELDS[role]: frozen(self.config.filled(properties))})
         if role is Role.kProximity:
             check_for_queries(record)
         self._store(record, roles=[role], names=assign is RoleAssign.kNew)

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticBody, body_of
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.model.contact_defaults import HeldConfig
 from drake_geom_ros.geometry.model.geometry_version import fresh_marks
 from drake_geom_ros.geometry.model.hydroelastic_properties import material_of
 from drake_geom_ros.geometry.model.properties import (
@@ -17,6 +18,7 @@ from drake_geom_ros.geometry.model.properties import (
     PerceptionProperties,
     ProximityProperties,
     Role,
+    frozen,
 )
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh, tell_if_open
 from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape, for_queries
@@ -127,6 +129,16 @@ class GeometryRecord:
         if packed and same and other.proximity is not None:
             vars(other)['queried_shape'] = packed
         return other
+
+    def filled(self, config: HeldConfig) -> GeometryRecord:
+        """Return the record with the properties that a context gives; the same one to the next."""
+        if self.proximity is None:
+            return self
+        known: tuple[HeldConfig, GeometryRecord] | None = vars(self).get('_filled')
+        if known is None or known[0] != config:
+            known = config, self.changed(proximity=frozen(config.filled(self.proximity)))
+            vars(self)['_filled'] = known
+        return known[1]
 
     def properties(self, role: Role) -> GeometryProperties | None:
         """Return the properties of a role, or None."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields, replace
 
+from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticType
 from drake_geom_ros.geometry.model.hydroelastic_properties import (
@@ -57,22 +58,47 @@ class SceneGraphConfig:
 
 def checked_config(config: SceneGraphConfig) -> SceneGraphConfig:
     """Return a copy of a config; raises ArgumentError for a value that a property cannot have."""
-    if not isinstance(config, SceneGraphConfig):
-        raise ArgumentError(f'SceneGraph: config = {config!r} is no SceneGraphConfig')
-    defaults = config.default_proximity_properties
+    checked_type(config, SceneGraphConfig, 'SceneGraph: config')
+    defaults = checked_type(
+        config.default_proximity_properties,
+        DefaultProximityProperties,
+        'SceneGraphConfig: default_proximity_properties',
+    )
     if defaults.compliance_type not in COMPLIANCE_TYPES:
         raise ArgumentError(
             f"SceneGraphConfig: 'compliance_type' is {defaults.compliance_type!r}; it must be one "
             f'of {", ".join(COMPLIANCE_TYPES)}'
         )
     for each in fields(defaults):
-        value = getattr(defaults, each.name)
-        if each.name == 'compliance_type' or value is None:
-            continue
-        may_be_zero = each.name not in (HINT, MODULUS, SLAB, 'point_stiffness')
-        if not (0.0 < value < math.inf or (may_be_zero and value == 0.0)):
-            raise ArgumentError(
-                f'SceneGraphConfig: {each.name!r} is {value}; it must be '
-                f'{">= 0" if may_be_zero else "> 0"} and finite'
-            )
+        if each.name != 'compliance_type':
+            _check_number(each.name, getattr(defaults, each.name))
+    _check_friction(defaults.static_friction, defaults.dynamic_friction)
     return replace(config, default_proximity_properties=replace(defaults))
+
+
+def _check_number(name: str, value: object) -> None:
+    """Raise ArgumentError for a value that a default property cannot have; None is no value."""
+    if value is None:
+        return
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ArgumentError(f'SceneGraphConfig: {name!r} is {value!r}; give a number or None')
+    may_be_zero = name not in (HINT, MODULUS, SLAB, 'point_stiffness')
+    if not (0.0 < value < math.inf or (may_be_zero and value == 0.0)):
+        raise ArgumentError(
+            f'SceneGraphConfig: {name!r} is {value}; it must be '
+            f'{">= 0" if may_be_zero else "> 0"} and finite'
+        )
+
+
+def _check_friction(static: float | None, dynamic: float | None) -> None:
+    """Raise ArgumentError for one coefficient alone, and where dynamic is more than static."""
+    if (static is None) != (dynamic is None):
+        raise ArgumentError(
+            f"SceneGraphConfig: 'static_friction' is {static} and 'dynamic_friction' {dynamic}; "
+            'give both or neither'
+        )
+    if static is not None and dynamic is not None and dynamic > static:
+        raise ArgumentError(
+            f"SceneGraphConfig: 'dynamic_friction' is {dynamic}; it must be at most "
+            f"'static_friction', {static}"
+        )

@@ -6,6 +6,7 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.model.scene_content import SceneHolder, content_of
 from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig, checked_config
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.scene._contact_defaults import configure
 
 
 class Configured(SceneHolder):
@@ -15,12 +16,14 @@ class Configured(SceneHolder):
         """Return a copy of the settings, of a context those that it was made with."""
         if context is not None:
             checked_type(context, SceneGraphContext, 'get_config: context')
-        return checked_config(content_of(context or self).model.config)
+        return checked_config(content_of(context or self).model.config.config)
 
     def set_config(self, config: SceneGraphConfig) -> None:
         """Set what geometries without properties of contact get in contexts made from now on.
 
-        Nothing, where the compliance type of the defaults is 'undefined'. Raises RuntimeError for
-        a value that a property cannot have.
+        So do those that are registered in such a context, or get the proximity role there.
+        Nothing, where the compliance type of the defaults is 'undefined'. A change of it is one of
+        the model, see ``model_version()``. Raises RuntimeError for a value that a property cannot
+        have, and for a compliance type where there is a context of ``CreateSharedContext``.
         """
-        self._state.model.config = checked_config(config)
+        configure(self._state.model, checked_config(config))

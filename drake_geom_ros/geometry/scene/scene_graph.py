@@ -29,7 +29,7 @@ from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.geometry.scene._attaching import Attaching
 from drake_geom_ros.geometry.scene._configured import Configured
-from drake_geom_ros.geometry.scene._contact_defaults import refuse_defaults, with_defaults
+from drake_geom_ros.geometry.scene._contact_defaults import share, with_defaults
 from drake_geom_ros.geometry.scene._older_names import OlderNames
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
@@ -271,7 +271,7 @@ class SceneGraph(Attaching, Configured, OlderNames):
         return SceneGraphInspector(self._state.model, self._state.filters)
 
     def model_version(self) -> int:
-        """Return a number that grows with every change of sources, frames and geometries."""
+        """Return a number that grows with each change of sources, frames, geometries, config."""
         return self._state.model.versions.any
 
     def names_version(self) -> int:
@@ -349,7 +349,7 @@ class SceneGraph(Attaching, Configured, OlderNames):
         on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
         Raises GeometryError for a config with a compliance type.
         """
-        refuse_defaults(self._state.model)
+        share(self._state.model)
         return self._context_type(
             self._state.model, self._state.filters, self._default_accuracy, partial
         )

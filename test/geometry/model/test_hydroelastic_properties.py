@@ -139,10 +139,84 @@ def test_own_properties_go_before_defaults():
     )
 
 
+def test_what_comes_into_a_context_gets_its_defaults():
+    config = SceneGraphConfig(DefaultProximityProperties(compliance_type='rigid'))
+    scene, source, _ = scene_of(Sphere(0.05), config=config)
+    context = scene.CreateDefaultContext()
+    inspector = scene.get_query_output_port().Eval(context).inspector()
+    scene.set_config(SceneGraphConfig())  # of contexts made from now on
+
+    def instance(name):
+        return GeometryInstance(RigidTransform(), Sphere(0.05), name)
+
+    late = instance('late')
+    late.set_proximity_properties(ProximityProperties())
+    ids = [scene.RegisterAnchoredGeometry(context, source, late)]
+    assert not late.proximity_properties().HasGroup('hydroelastic')
+    ids.append(scene.RegisterAnchoredGeometry(context, source, instance('later')))
+    scene.AssignRole(context, source, ids[1], ProximityProperties())
+    for _ in range(2):
+        for id in ids:
+            assert isinstance(inspector.maybe_get_hydroelastic_mesh(id), TriangleSurfaceMesh)
+        scene.AssignRole(context, source, ids[1], ProximityProperties(), RoleAssign.kReplace)
+    # A copy of the context goes on so, the scene does not.
+    copied = context.what_if().copy()
+    last = instance('last')
+    last.set_proximity_properties(ProximityProperties())
+    id = scene.RegisterAnchoredGeometry(copied, source, last)
+    query = scene.get_query_output_port().Eval(copied)
+    assert query.inspector().maybe_get_hydroelastic_mesh(id) is not None
+    id = scene.RegisterAnchoredGeometry(source, instance('own'))
+    scene.AssignRole(source, id, ProximityProperties())
+    assert scene.model_inspector().maybe_get_hydroelastic_mesh(id) is None
+
+
+def test_contexts_share_what_their_defaults_made():
+    config = SceneGraphConfig(DefaultProximityProperties(compliance_type='compliant'))
+    scene, _, id = scene_of(Sphere(0.05), config=config)
+    inspectors = [
+        scene.get_query_output_port().Eval(scene.CreateDefaultContext()).inspector()
+        for _ in range(2)
+    ]
+    a, b = (inspector.maybe_get_hydroelastic_mesh(id) for inspector in inspectors)
+    assert a is b
+    config.default_proximity_properties.resolution_hint = 0.1
+    scene.set_config(config)
+    query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())
+    assert query.inspector().maybe_get_hydroelastic_mesh(id).num_elements() < a.num_elements()
+
+
+def test_a_change_of_config_is_one_of_the_model():
+    scene, _, _ = scene_of(Sphere(0.05))
+    before, names = scene.model_version(), scene.names_version()
+    scene.set_config(SceneGraphConfig())
+    assert scene.model_version() == before
+    copied = scene.CreateSharedContext().copy()
+    scene.set_config(SceneGraphConfig(DefaultProximityProperties(margin=1.0)))
+    assert scene.model_version() > before
+    assert scene.names_version() == names
+    assert not scene.TakeOver(copied)  # which knows nothing of it
+    # The geometries that the shared context has are the scene's: they get no defaults.
+    with pytest.raises(GeometryError, match=r'set_config.*shares'):
+        scene.set_config(SceneGraphConfig(DefaultProximityProperties(compliance_type='rigid')))
+    assert scene.get_config().default_proximity_properties.margin == 1.0
+
+
 @pytest.mark.parametrize(
     ('name', 'value'),
     [
         ('compliance_type', 'soft'),
+        ('compliance_type', None),
+        ('resolution_hint', -0.1),
+        ('resolution_hint', '0.1'),
+        ('hydroelastic_modulus', True),
+        ('hydroelastic_modulus', math.nan),
+        ('dynamic_friction', 0.6),
+        ('dynamic_friction', None),
+        ('static_friction', -0.1),
+        ('hunt_crossley_dissipation', math.inf),
+        ('relaxation_time', -1),
+        ('point_stiffness', 0.0),
         ('resolution_hint', 0.0),
         ('margin', -1.0),
         ('slab_thickness', math.nan),
@@ -152,4 +226,12 @@ def test_a_bad_config_changes_nothing(name, value):
     scene = SceneGraph()
     with pytest.raises(RuntimeError, match=name):
         scene.set_config(SceneGraphConfig(DefaultProximityProperties(**{name: value})))
+    assert scene.get_config() == SceneGraphConfig()
+
+
+def test_a_config_of_another_kind_is_refused():
+    scene = SceneGraph()
+    for config in ('compliant', SceneGraphConfig(default_proximity_properties='compliant')):
+        with pytest.raises(RuntimeError):
+            scene.set_config(config)
     assert scene.get_config() == SceneGraphConfig()
