@@ -51,12 +51,8 @@ def AddCompliantHydroelasticProperties(
         >>> properties.GetProperty('hydroelastic', 'hydroelastic_modulus')
         1000000.0
     """
-    values = {
-        COMPLIANCE: HydroelasticType.kCompliant,
-        HINT: resolution_hint,
-        MODULUS: hydroelastic_modulus,
-    }
-    _add('AddCompliantHydroelasticProperties', properties, values)
+    values = {HINT: resolution_hint, MODULUS: hydroelastic_modulus}
+    _add_compliant('AddCompliantHydroelasticProperties', properties, values)
 
 
 def AddCompliantHydroelasticPropertiesForHalfSpace(
@@ -72,12 +68,13 @@ def AddCompliantHydroelasticPropertiesForHalfSpace(
         >>> properties.GetProperty('hydroelastic', 'slab_thickness')
         0.02
     """
-    values = {
-        COMPLIANCE: HydroelasticType.kCompliant,
-        SLAB: slab_thickness,
-        MODULUS: hydroelastic_modulus,
-    }
-    _add('AddCompliantHydroelasticPropertiesForHalfSpace', properties, values)
+    values = {SLAB: slab_thickness, MODULUS: hydroelastic_modulus}
+    _add_compliant('AddCompliantHydroelasticPropertiesForHalfSpace', properties, values)
+
+
+def _add_compliant(call: str, properties: ProximityProperties, values: dict[str, object]) -> None:
+    """Add what makes a geometry compliant, all or none."""
+    _add(call, properties, {COMPLIANCE: HydroelasticType.kCompliant, **values})
 
 
 def _add(call: str, properties: ProximityProperties | None, values: dict[str, object]) -> None:

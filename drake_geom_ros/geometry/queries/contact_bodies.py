@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,8 @@ from drake_geom_ros.geometry.model._model import Model
 Indices = NDArray[np.int64]
 
 
-class _Known(NamedTuple):
-    """A body, and how it is packed."""
-
-    body: HydroelasticBody
-    packed: PackedBody
+# How bodies are packed, while they live: the contexts of a scene share them.
+_PACKED: WeakKeyDictionary[HydroelasticBody, PackedBody] = WeakKeyDictionary()
 
 
 class ContactBodies(NamedTuple):
@@ -40,7 +38,6 @@ class ContactBodies(NamedTuple):
     ids: Indices
     is_compliant: NDArray[np.bool_]
     bodies: Bodies
-    known: dict[int, _Known]
 
     def rows(self, ids: Indices) -> Indices:
         """Return which body geometries (k,) are, by the values of their ids; -1 where none."""
@@ -70,29 +67,27 @@ class ContactBodies(NamedTuple):
 
 
 def contact_bodies(model: Model, before: ContactBodies | None) -> ContactBodies:
-    """Return the bodies of a model; what was packed before is taken over."""
+    """Return the bodies of a model, those from before where nothing has changed since."""
     version = model.versions.proximity
     if before is not None and before.version == version:
         return before
-    known: dict[int, _Known] = {}
+    parts: dict[int, PackedBody] = {}
     for id in sorted(model.geometries):
         body = model.geometries[id].hydroelastic_body
         if body is not None:
-            value = id.get_value()
-            old = before.known.get(value) if before is not None else None
-            known[value] = old if old and old.body is body else _Known(body, _packed(body))
-    parts = [each.packed for each in known.values()]
+            if body not in _PACKED:
+                _PACKED[body] = _packed(body)
+            parts[id.get_value()] = _PACKED[body]
     compliant = [
         part.kind == VOLUME or (part.kind == HALF_SPACE and part.numbers[1] > 0.0)
-        for part in parts
+        for part in parts.values()
     ]
     none = [packed_half_space(0.0)]  # arrays need something to be joined of
     return ContactBodies(
         version,
-        np.array(list(known), dtype=np.int64),
+        np.array(list(parts), dtype=np.int64),
         np.array(compliant, dtype=np.bool_),
-        packed(parts or none),
-        known,
+        packed(list(parts.values()) or none),
     )
 
 

@@ -1,5 +1,6 @@
 """Contact surfaces: closed forms, laws, cases on the edge, and what is refused."""
 
+import gc
 import math
 
 import numpy as np
@@ -17,6 +18,8 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     RoleAssign,
 )
+from drake_geom_ros.geometry._contact_surfaces import packing
+from drake_geom_ros.geometry.queries import contact_bodies
 
 TRIANGLES = HydroelasticContactRepresentation.kTriangle
 POLYGONS = HydroelasticContactRepresentation.kPolygon
@@ -490,3 +493,33 @@ def test_padding_is_no_part_of_a_surface_but_of_a_penetration():
                 query.ComputeContactSurfaces()
         else:
             assert len(query.ComputeContactSurfaces()) == 0
+
+
+def test_a_tree_covers_its_elements():
+    random = np.random.default_rng(42)
+    for count in (0, 1, 2, 3, 7, 8, 100, 1000):
+        corners = random.normal(size=(count, 4, 3))
+        order, nodes = packing._tree(corners)
+        leaves = (len(nodes) + 1) // 2
+        assert sorted(order.tolist()) == list(range(count))
+        low, high = nodes[:, :3] - nodes[:, 3:], nodes[:, :3] + nodes[:, 3:]
+        for k in range(leaves - 1):
+            for child in (2 * k + 1, 2 * k + 2):
+                assert (low[k] <= low[child] + 1e-12).all()
+                assert (high[k] >= high[child] - 1e-12).all()
+        for leaf in range(leaves if count else 0):
+            own = corners[order[leaf * count // leaves : (leaf + 1) * count // leaves]]
+            assert 1 <= len(own) <= 2
+            assert (own >= low[leaves - 1 + leaf] - 1e-12).all()
+            assert (own <= high[leaves - 1 + leaf] + 1e-12).all()
+
+
+def test_contexts_share_packed_bodies():
+    scene, context = query_of([Body('Sphere', (0.5,), 1e5)], [(UPRIGHT, np.zeros(3))])[2]
+    count = len(contact_bodies._PACKED)
+    for one_of in (context, scene.CreateDefaultContext()):
+        one_of._state.contact_bodies()
+        assert len(contact_bodies._PACKED) == count + 1
+    del scene, context, one_of
+    gc.collect()
+    assert len(contact_bodies._PACKED) <= count
