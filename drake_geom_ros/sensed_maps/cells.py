@@ -67,6 +67,29 @@ class Cells:
             raise MapError(f'a key must lie within {MOST_STEPS} cells of the origin')
         return cls(float(resolution), np.unique(_packed(keys)))
 
+    @classmethod
+    def touching(cls, low: Floats, high: Floats, resolution: float) -> Cells:
+        """Return the cells that boxes reach into, whose corners are ``low``, ``high`` (n, 3) [m].
+
+        Raises MapError where one would be too far away.
+        """
+        first, last = np.floor(low / resolution), np.ceil(high / resolution) - 1.0
+        if not ((first > -MOST_STEPS) & (last < MOST_STEPS)).all():
+            raise MapError(
+                f'cells of {resolution:g} m must lie within {MOST_STEPS} of them from the origin'
+            )
+        count, packed = int((last - first).max(initial=-1.0)) + 1, np.zeros(0, dtype=np.int64)
+        for step in np.ndindex(count, count, count):
+            keys = np.minimum(first + step, last).astype(np.int64)
+            packed = np.union1d(packed, _packed(keys))
+        return cls(float(resolution), packed)
+
+    def moved(self, R: Floats, p: Floats) -> Cells:
+        """Return the cells of the same grid that cover these, turned by R and moved by p."""
+        centres = self.centres() @ R.T + p
+        reach = 0.5 * self.resolution * np.abs(R).sum(axis=1)
+        return Cells.touching(centres - reach, centres + reach, self.resolution)
+
     def __len__(self) -> int:
         return len(self.packed)
 
@@ -95,11 +118,9 @@ class Cells:
         whole = round(times)
         if abs(whole * self.resolution - resolution) <= math.ulp(resolution):  # 0.3 and 0.1
             return Cells.of_keys(keys // whole, resolution)
-        first = np.floor(keys / times).astype(np.int64)
-        last = np.ceil((keys + 1) / times).astype(np.int64) - 1  # next to the first one at most
-        corners = np.indices((2, 2, 2)).reshape(3, -1).T
-        covering = first + corners[:, np.newaxis] * (last - first)
-        return Cells.of_keys(covering.reshape(-1, 3), resolution)
+        low = np.asarray(keys * self.resolution, dtype=np.float64)
+        high = np.asarray((keys + 1) * self.resolution, dtype=np.float64)
+        return Cells.touching(low, high, resolution)
 
 
 def check_resolution(resolution: float) -> None:

@@ -18,7 +18,7 @@ PROXIMITY_ROOMS = {
     'geometry/_proximity/filters': ((*_GROUND, 'geometry/_proximity/filters'), ('numpy',)),
     _K: ((*_GROUND, _K), ('numpy',)),
     f'{_K}/shapes': (_SHAPES, ('numpy', 'numba', 'llvmlite')),
-    f'{_K}/trees': ((*_GROUND, _K, f'{_K}/trees'), ('numpy',)),
+    f'{_K}/trees': ((*_SHAPES, f'{_K}/trees'), ('numpy',)),
     f'{_K}/calling': (_CALLING, ('numpy', 'numba')),
     f'{_K}/addresses': ((*_CALLING, f'{_K}/addresses'), ('numpy',)),
     f'{_K}/closed_forms': ((*_CALLING, f'{_K}/closed_forms'), ('numpy',)),

@@ -56,7 +56,7 @@ def test_a_scene_of_spheres_compiles_only_kernels_of_spheres(compiled):
     # Bounds are computed by one function for all shapes, and so are pairs of extreme sizes.
     assert modules == {
         *('addresses', 'vectors', 'calling.extremes', 'calling.pairs'),
-        *(f'shapes.{name}' for name in ('bounds', 'hulls', 'summit', 'supports')),
+        *(f'shapes.{name}' for name in ('bounds', 'hulls', 'maps', 'summit', 'supports')),
         *('closed_forms.points', 'closed_forms.spheres'),
     }
     names = {name for module, name in functions if module == f'{KERNELS}closed_forms.spheres'}

@@ -75,7 +75,8 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
             f'closed_forms.{name}'
             for name in ('spheres', 'points', 'ellipsoid_point', 'to_points')
         ),
-        *(f'shapes.{name}' for name in ('bounds', 'hull_packing', 'hulls', 'summit', 'supports')),
+        *(f'shapes.{name}' for name in ('bounds', 'hull_packing', 'hulls', 'maps')),
+        *(f'shapes.{name}' for name in ('summit', 'supports')),
         # Imported, and not compiled before somebody asks for derivatives.
         *('shapes.features', 'shapes.feature_borders'),
     }

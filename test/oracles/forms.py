@@ -43,11 +43,18 @@ def kernel_form(body):
     return body.form
 
 
+def in_order(*bodies):
+    """Return bodies in the order in which the pair table has their types."""
+    return sorted(bodies, key=lambda body: kernel_form(body)[0])
+
+
 def row_of(a, b, tolerance=1e-9, cutoff=np.inf, hint=(0.0, 0.0, 0.0), kernel=None):
     """Return the result row of two bodies, the lower type first; by the pair table's kernel."""
     (kind_A, shape_A), (kind_B, shape_B) = kernel_form(a), kernel_form(b)
     if kernel is None:
-        kernel = ALL_ROWS[ROW_OF_TYPES[kind_A * TYPE_COUNT + kind_B]].load_kernel()
+        number = ROW_OF_TYPES[kind_A * TYPE_COUNT + kind_B]
+        assert number >= 0, f'no kernel answers for types {kind_A} and {kind_B} in this order'
+        kernel = ALL_ROWS[number].load_kernel()
     out = np.full(calling.PAIR_WIDTH, np.nan)
     out[calling.NORMAL : calling.NORMAL + 3] = hint
     asked = b.p - a.p, tolerance, cutoff, out

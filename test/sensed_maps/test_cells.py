@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.sensed_maps.cells import MOST_STEPS, Cells, MapError
 
@@ -13,6 +14,21 @@ resolutions = st.sampled_from([0.01, 0.05, 0.1, 0.3, 1.0, 7.5])
 def test_a_multiple_to_within_rounding_joins_whole_cells():
     fine = Cells.of_keys(np.indices((6, 3, 3)).reshape(3, -1).T, 0.1)
     assert fine.coarser(0.3).keys().tolist() == [[0, 0, 0], [1, 0, 0]]
+
+
+@given(points.filter(len), st.integers(0, 2**32))
+@settings(max_examples=50)
+def test_cells_that_are_moved_are_covered(cloud, seed):
+    rng = np.random.default_rng(seed)
+    R = Rotation.random(random_state=rng).as_matrix()
+    p, cells = rng.uniform(-1, 1, 3), Cells.of_points(cloud, 0.25)
+    moved = cells.moved(R, p)
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    inside = cells.centres()[:, np.newaxis] + 0.125 * rng.uniform(-0.999, 0.999, (20, 3))
+    at_corners = cells.centres()[:, np.newaxis] + 0.125 * 0.999 * corners
+    for places in (inside, at_corners):
+        seen = Cells.of_points(places.reshape(-1, 3) @ R.T + p, 0.25)
+        assert np.isin(seen.packed, moved.packed).all()
 
 
 @given(points, resolutions, st.randoms(use_true_random=False))

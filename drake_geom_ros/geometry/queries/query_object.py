@@ -260,7 +260,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
 
         A point is (3,), or a column (3, 1).
         Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
-        (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
+        (point_index, id_G). Answers are exact at each accuracy level, whatever the shape is.
         On an edge or a corner of a box and on a rim of a cylinder, within rounding, the gradient
         is the mean of the outward normals that adjoin there, at unit length.
         Raises ArgumentError for points that are not finite, not of these shapes or beyond 1e302 m,

@@ -91,6 +91,9 @@ class JointInput:
             for name, values in before.items():
                 robots[name].values = values
             raise
+        if scene.history is not None:
+            for name, columns in changed.items():
+                scene.joints.pasts[name].note(columns)
         return sum(self._pose(scene, move, message.header.stamp) for move in moves if move)
 
     def follow(self, scene: EditableScene) -> int:
@@ -239,7 +242,8 @@ class JointInput:
     def _pose(self, scene: EditableScene, move: _Move, stamp: Any) -> int:
         """Pose links; return how many."""
         move.robot.base = move.base
-        scene.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows)
+        past = scene.joints.pasts[move.robot.name]
+        scene.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows, past)
         if scene.watches_motion and stamp_of(stamp):
             _tell_twists(scene, move, stamp_of(stamp))
         return len(move.poses)

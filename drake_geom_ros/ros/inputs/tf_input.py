@@ -29,7 +29,7 @@ from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.ros.inputs.tf_edges import Edge, Refusal, plain_name, read_edges
-from drake_geom_ros.ros.inputs.tf_past import TfPast
+from drake_geom_ros.ros.inputs.tf_past import Chain, TfPast
 from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, loop_of, shared, unlinked
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
@@ -63,13 +63,14 @@ class TfInput:
         self._edges: dict[str, Edge] = {}
         self._changed: set[str] = set()  # the TF frames of which was heard since the last time
         self._claims = Claims()
-        self._past = TfPast()
+        self._past = TfPast(self.edge)
         self._loops: list[str] = []
         self._stamp: Any = None
         self._version = self._named_version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
         self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
         self._loose: frozenset[str] | None = None  # parents that are no child; None: to be found
+        self._chained: dict[FrameId, str] = {}  # of whose chains the past is kept
         self._footing: dict[str, tuple[bytes, Since]] = {}  # as chains were followed last
 
     def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> Refusal:
@@ -91,7 +92,7 @@ class TfInput:
                     now = self._clocks.steady()
                     self._claims.notice(child, edge.parent, known.parent, now)
                 if known is None or known.parent != edge.parent:
-                    self._loose = None
+                    self._loose, self._chained = None, {}
                 if known is not None and known.stamp == edge.stamp != 0.0:
                     edge = edge._replace(since=edge.since.said_again(known.since))
                 self._edges[child] = edge
@@ -159,7 +160,8 @@ class TfInput:
             known = self._edges.get(child)
             if known and known.stamp < math.inf and edge.stamp < known.stamp - _REWIND:
                 self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
-                self._loose = None
+                self._loose, self._chained = None, {}
+                self._past.forget()
                 return
 
     def troubles(self, scene: HeldScene) -> list[str]:
@@ -180,12 +182,14 @@ class TfInput:
         heard = changed
         if self._version != scene.model_version:
             changed, self._version = set(self._edges), scene.model_version
+            self._chained = {}
         ends = self._ends(scene)
         moved = dict.fromkeys(self._moved(ends), True)
         self._footing = {name: _footing(end) for name, end in ends.items()}
         placed: dict[str, _Placed | None] = {**ends}
         self._loops = []
         found: dict[FrameId, _Placed] = {}
+        followed: dict[FrameId, str] = {}
         affected = set()
         for frame, names in self._names_of_frames(scene):
             name = self._followed(names)
@@ -195,7 +199,7 @@ class TfInput:
             if name not in heard and scene.feeders.is_fed_by_others(TF, frame.get_value()):
                 continue
             if name is not None and (here := self._place(name, placed)) is not None:
-                found[frame] = here
+                found[frame], followed[frame] = here, name
                 if self._hangs_on(name, changed, moved):
                     affected.add(frame)
         inspector = scene.inspector
@@ -220,8 +224,31 @@ class TfInput:
             for frame in to_pose:
                 since.setdefault(found[frame].since, []).append(frame.get_value())
             posed = {frozenset(frames): moment for moment, frames in since.items()}
-            scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp, TF, rows)
+            poses = FramePoseVector.FromArrays(ids, rows)
+            scene.pose(poses, posed, self._stamp, TF, rows, self._past)
+            if scene.history is not None:
+                unkept = {f for f in to_pose if self._chained.get(f) != followed[f]}
+                if unkept:
+                    self._keep_chains(scene, unkept, ends)
         return len(to_pose)
+
+    def _keep_chains(
+        self, scene: HeldScene, frames: Collection[FrameId], ends: Collection[str]
+    ) -> None:
+        """Have the past of the transforms kept that pose frames of the scene."""
+        names = self._names_of_frames(scene)
+        called = {name: f for f, own in names for name in own}
+        called[scene.world_frame] = scene.names.world
+        for frame, own in names:
+            first = self._followed(own)
+            if frame not in frames or first is None:
+                continue
+            children, here = list[str](), first
+            while here not in ends:
+                children.append(here)
+                here = self._edges[here].parent
+            self._past.follow(frame.get_value(), Chain(tuple(children), called[here]))
+            self._chained[frame] = first
 
     def _ends(self, scene: HeldScene) -> dict[str, _Placed]:
         """Return where chains of TF may end, by TF name: the world frame comes first.

@@ -122,6 +122,7 @@ class ChangingScene(HeldScene):
         self._scene_graph.AttachFrame(source, frame, parent, X_PF)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
+        self._hang_elsewhere(frame)
         self._ages.rest(frame.get_value())
         self._let_go(frame)
         return X_PF
@@ -140,10 +141,15 @@ class ChangingScene(HeldScene):
         self._scene_graph.DetachFrame(self.inspector.GetOwningSourceId(frame), frame, X_PF)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
+        self._hang_elsewhere(frame)
         self._ages.rest_no_more(frame.get_value(), since)
         # TF leaves it there until a transform of this very frame comes.
         self.feeders.note(MESSAGES, frozenset([frame.get_value()]))
         return X_PF
+
+    def _hang_elsewhere(self, frame: FrameId) -> None:
+        if self.history is not None:
+            self.history.begin_anew([frame.get_value()], self._clocks.node())
 
     def _since_of_line(self, frame: FrameId) -> Since:
         """Return since when the pose of a frame in the world holds, with all that it hangs on."""

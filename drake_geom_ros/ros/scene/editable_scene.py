@@ -26,6 +26,7 @@ from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
 from drake_geom_ros.ros.scene.held_scene import MAPS
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
+from drake_geom_ros.ros.scene.pose_history import Parts
 from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
     CameraDescription,
@@ -208,19 +209,22 @@ class EditableScene(ChangingScene):
         stamp: Any,
         feeder: str,
         rows: NDArray[np.float64] | None = None,
+        parts: Parts | None = None,
     ) -> None:
         """Pose frames; ``posed`` says since when these hold.
 
-        ``rows`` (n, 7) are what the poses were read from, for who keeps them.
+        ``rows`` (n, 7) are what the poses were read from, for who keeps them; ``parts`` are what
+        they were made of, where these have times of their own.
         """
+        ids = poses.id_values()
         if self.keep_rows is not None and rows is not None:
-            self.keep_rows(poses.id_values(), rows)
+            self.keep_rows(ids, rows)
         manager = self._scene_graph.collision_filter_manager()
         welded = manager.welded_frames()
-        if self.history is not None and rows is not None:
-            self.history.note(poses.id_values(), rows, posed)
         if self.attached:
             poses, posed = self.without_attached(poses, posed)
+        if self.history is not None and rows is not None:
+            self.history.note((ids, rows), posed, feeder, self._clocks.node(), parts)
         self._context.UpdateFramePoses(poses)
         self.moved.update(poses.id_values().tolist())
         self.rules.measure_again()

@@ -10,13 +10,24 @@ import time
 from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
-from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector, QueryObject
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    FrameId,
+    FramePoseVector,
+    QueryObject,
+    SceneGraphInspector,
+)
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.pose_history import PosesAround
+from drake_geom_ros.ros.scene.tracks import UnknownThenError
 
 PATIENCE = 0.5  # [s] until a pose of a stamp has to be known
 _AHEAD = 0.1  # [s] by which a stamp may be later than the node's time: clocks differ
@@ -93,44 +104,76 @@ def _look(
         if isinstance(place, str):
             return place
         frame, X_PF = place
-        view = scene.view()
-        wanted = _moving(scene, {frame, *bodies(view.query)})
         assert scene.history is not None, 'who takes what sensors saw has it kept'
-        then = scene.history.at(held, wanted)
-        names = {f.get_value(): name for f, name in scene.names.frame_names.items()}
-        replaced = scene.replaced
-    if then.lost:
-        lost = some_of(sorted(names[value] for value in then.lost))
+        then = _Then(scene, scene.history.around(held))
+    # The scene moves on from here.
+    names = then.names.frame_names
+    later, lost = set[str](), set[str]()
+    for each in {frame, *bodies(then.view.query)}:
+        here = each
+        while here != then.names.world:
+            try:
+                then.X_PF(here)
+            except UnknownThenError as unknown:
+                (later if unknown.is_later else lost).add(names[here])
+            here = then.inspector.GetParentFrame(here)
+    if lost:
         raise ArgumentError(
-            f'where {lost} was at the stamp of the message is not known: it is before the poses '
-            'that are kept, or in a gap between them'
+            f'where {some_of(sorted(lost))} was at the stamp of the message is not known: it is '
+            'before the poses that are kept, in a gap between them, or before the frame was '
+            'posed by another sender or hung on another frame'
         )
-    if then.later:
-        return some_of(sorted(names[value] for value in then.later))
-    view.context.UpdateFramePoses(FramePoseVector.FromArrays(then.ids, then.rows))
-    X_WF = view.query.X_WF(frame) @ X_PF
-    return Moment(view.query, X_WF, ALWAYS, header.stamp, replaced)
+    if later:
+        return some_of(sorted(later))
+    ids = np.array([f.get_value() for f in then.moving], dtype=np.int64)
+    rows = np.array(list(then.moving.values())).reshape(-1, 7)
+    then.view.context.UpdateFramePoses(FramePoseVector.FromArrays(ids, rows))
+    X_WF = then.view.query.X_WF(frame) @ X_PF
+    return Moment(then.view.query, X_WF, ALWAYS, header.stamp, then.replaced)
 
 
-def _moving(scene: HeldScene, frames: Collection[FrameId]) -> set[int]:
-    """Return the frames, and those that they hang on, whose poses do not hold for good.
+class _Then:
+    """Where frames were at a time, each as far as it is known."""
 
-    Raises ArgumentError where one never had a pose.
-    """
-    inspector, world = scene.inspector, scene.names.world
-    found: set[int] = set()
-    seen: set[FrameId] = set()
-    for start in frames:
-        frame = start
-        while frame != world and frame not in seen:
-            seen.add(frame)
-            since = scene.posed_since(frame)
-            if since is None or not scene.query.is_placed(frame):
-                raise ArgumentError(
-                    f'{scene.names.frame_names[frame]} has no pose yet, so nobody knows where '
-                    'what was seen is'
-                )
-            if since != ALWAYS:
-                found.add(frame.get_value())
-            frame = inspector.GetParentFrame(frame)
-    return found
+    def __init__(self, scene: HeldScene, around: PosesAround) -> None:
+        self.view = scene.view()
+        self.names, self.replaced = scene.names, scene.replaced
+        self.moving: dict[FrameId, NDArray[np.float64]] = {}  # X_PF (7,) of those that do
+        self._around = around
+        self._since = {frame: scene.posed_since(frame) for frame in scene.names.labels}
+        self._known: dict[FrameId, RigidTransform] = {}
+        self._asked: list[FrameId] = []
+
+    @property
+    def inspector(self) -> SceneGraphInspector:
+        return self.view.query.inspector()
+
+    def X_WF(self, frame: FrameId) -> RigidTransform:
+        if frame == self.names.world:
+            return RigidTransform()
+        return self.X_WF(self.inspector.GetParentFrame(frame)) @ self.X_PF(frame)
+
+    def X_PF(self, frame: FrameId) -> RigidTransform:
+        """Return the pose in the parent; raises ArgumentError for what never had one."""
+        if frame not in self._known:
+            if frame in self._asked:  # a robot that stands on its own link
+                raise UnknownThenError(is_later=False)
+            self._asked.append(frame)
+            try:
+                self._known[frame] = self._found(frame)
+            finally:
+                self._asked.pop()
+        return self._known[frame]
+
+    def _found(self, frame: FrameId) -> RigidTransform:
+        since, query = self._since[frame], self.view.query
+        if since is None or not query.is_placed(frame):
+            raise ArgumentError(
+                f'{self.names.frame_names[frame]} has no pose yet, so nobody knows where what was '
+                'seen is'
+            )
+        if since == ALWAYS and not self._around.was_another(frame.get_value()):
+            return query.X_PF(frame)
+        row = self._around.row(frame.get_value(), self)
+        self.moving[frame] = row
+        return RigidTransform.FromArray(row)

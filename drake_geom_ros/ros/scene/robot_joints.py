@@ -24,6 +24,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.ros.conversions.names import shortened, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.driven_robot import UNKNOWN, Base, DrivenRobot, JointEntry
+from drake_geom_ros.ros.scene.joint_past import JointPast
 from drake_geom_ros.scene_files import RobotDescription
 
 Floats = NDArray[np.float64]
@@ -47,6 +48,7 @@ class RobotJoints:
     ) -> None:
         """``frames`` by source and name; values of ``before`` go on where names are the same."""
         self.robots: dict[str, DrivenRobot] = {}
+        self.pasts: dict[str, JointPast] = {}  # of these, filled where somebody has to know
         self.refused: dict[str, str] = {}  # robots that no joint values can pose, and why
         for robot in robots:
             if robot.tree is None:
@@ -55,9 +57,13 @@ class RobotJoints:
             heard = () if known is None else zip(known.joint_names, known.values, strict=True)
             values = {n: value for n, value in heard if value and value.since != UNKNOWN}
             try:
-                self.robots[robot.name] = DrivenRobot(robot, frames, values)
+                driven = DrivenRobot(robot, frames, values)
             except ValueError as error:
                 self.refused[robot.name] = str(error)
+                continue
+            past = None if before is None else before.pasts.get(robot.name)
+            self.robots[robot.name] = driven
+            self.pasts[robot.name] = JointPast(driven, past)
 
     @cached_property
     def entries(self) -> tuple[JointEntry, ...]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import ArgumentError, SceneGraph, SceneGraphContext
 from drake_geom_ros.math import RigidTransform
@@ -16,7 +14,7 @@ from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.map_sources import FILE
 from drake_geom_ros.ros.scene.seen_maps import Sighting, forget, put, rehearse, shape_of
 from drake_geom_ros.ros.services.saved_file import MAP_FILE, SavedFile
-from drake_geom_ros.sensed_maps import MAP_SUFFIXES, Cells, map_bytes, read_map
+from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 from drake_geom_ros.sensed_maps.map_files import MapFile
 
 
@@ -72,8 +70,7 @@ def save_obstacles(live: LiveScene, request: Any, response: Any) -> None:
         cells, X_WM = scene.maps[name].cells, scene.query.X_WF(scene.maps[name].frame)
     assert cells is not None, 'a map that waits is refused'
     if not X_WM.IsExactlyIdentity():
-        p_WCs = X_WM.multiply(cells.centres().T).T
-        cells = Cells.of_points(np.asarray(p_WCs), cells.resolution)
+        cells = cells.moved(X_WM.rotation().matrix(), X_WM.translation())
     target.write(map_bytes(MapFile(cells.centres(), cells), '.bt'))
     response.cells = len(cells)
 

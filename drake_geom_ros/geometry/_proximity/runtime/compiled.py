@@ -197,6 +197,28 @@ def inlined(function: _F) -> _F:
     return dispatcher
 
 
+class Room:
+    """The decorators of a room whose caches are in a folder of their own, named after its sources.
+
+    So a change of it leaves all other kernels as they are, and who needs none of it compiles none.
+    There is a version of a function for each constant that it is called with.
+    """
+
+    def __init__(self, name: str, sources: Iterable[Path]) -> None:
+        self.folder = CACHE_FOLDER and str(Path(CACHE_FOLDER) / f'{name}-{digest_of(sources)}')
+
+    def compiled(self, function: _F) -> _F:
+        """Return the function compiled on its first call, without the GIL; it makes no arrays."""
+        dispatcher: _F = _compiled(function, folder=self.folder, constants=True)
+        return dispatcher
+
+    def inlined(self, function: _F) -> _F:
+        """Return the function compiled into whoever calls it."""
+        options = {'forceinline': True, 'constants': True}
+        dispatcher: _F = _compiled(function, folder=self.folder, **options)
+        return dispatcher
+
+
 def allocating(function: _F) -> _F:
     """Return the function compiled as ``compiled`` does, for one that makes arrays."""
     dispatcher: _F = _compiled(function, counted=True)
@@ -268,18 +290,20 @@ def _compiled(
     counted: bool = False,
     kept: bool = True,
     nogil: bool = True,
+    folder: str = CACHE_FOLDER,
+    constants: bool = False,
 ) -> Any:
     before = config.CACHE_DIR
-    config.CACHE_DIR = CACHE_FOLDER
+    config.CACHE_DIR = folder
     try:
         dispatcher = njit(
-            cache=kept and bool(CACHE_FOLDER),
+            cache=kept and bool(folder),
             nogil=nogil,
             error_model='numpy',
             forceinline=forceinline,
             **options(counted=counted),
         )(function)
-        return for_compiled_callers(dispatcher, constants=False)
+        return for_compiled_callers(dispatcher, constants=constants)
     finally:
         config.CACHE_DIR = before
 

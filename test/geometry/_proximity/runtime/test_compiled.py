@@ -14,6 +14,7 @@ from numba import config
 from numba.core import event
 
 import drake_geom_ros
+from drake_geom_ros.geometry._contact_surfaces import compiled as contact_surfaces
 from drake_geom_ros.geometry._proximity.runtime import compiled
 from drake_geom_ros.geometry._rendering import compiled as rendering
 
@@ -95,9 +96,9 @@ READING = """
 import numpy as np
 from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER
 from drake_geom_ros.geometry._proximity.world.pose_rows import read_poses
-from drake_geom_ros.geometry._rendering.compiled import cache_folder
+from drake_geom_ros.geometry._rendering.compiled import ROOM
 count = read_poses(np.array([[0, 0, 0, 0, 0, 0, 1.01]]), np.empty((1, 12)))
-print(count, CACHE_FOLDER, cache_folder())
+print(count, CACHE_FOLDER, ROOM.folder)
 """
 
 
@@ -150,6 +151,7 @@ def test_another_source_is_another_cache(copied, of_images):
     [
         ('_proximity', compiled.SOURCES),
         ('_rendering', (*compiled.SOURCES, *rendering.SOURCES)),
+        ('_contact_surfaces', (*compiled.SOURCES, *contact_surfaces.SOURCES)),
     ],
 )
 def test_all_that_compiled_code_imports_is_looked_at(folder, sources):

@@ -22,9 +22,9 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.maps import (
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     bounding_radius,
     core_radius,
-    local_support,
 )
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NodeBox, box_between
+from drake_geom_ros.geometry._proximity.kernels.trees.core_boxes import box_of_core
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     column,
@@ -47,7 +47,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry._proximity.runtime.addresses import Address
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 
@@ -90,23 +90,6 @@ def towards(p: Vector) -> Vector:
     return n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)
 
 
-@compiled
-def _box_of_core(kind: int, shape: Floats) -> NodeBox:
-    """Return the box around the core of a shape, in its frame; of a solid that of its hull."""
-    hull = CONVEX if kind == SOLID else kind
-    above = (
-        local_support(hull, shape, (1.0, 0.0, 0.0), 0.0)[0],
-        local_support(hull, shape, (0.0, 1.0, 0.0), 0.0)[1],
-        local_support(hull, shape, (0.0, 0.0, 1.0), 0.0)[2],
-    )
-    below = (
-        local_support(hull, shape, (-1.0, 0.0, 0.0), 0.0)[0],
-        local_support(hull, shape, (0.0, -1.0, 0.0), 0.0)[1],
-        local_support(hull, shape, (0.0, 0.0, -1.0), 0.0)[2],
-    )
-    return box_between(below, above)
-
-
 @allocating
 def body_of(kind: int, shape: Floats, R_W: Floats) -> MapBody:
     """Return a shape as a body of a pair."""
@@ -116,7 +99,8 @@ def body_of(kind: int, shape: Floats, R_W: Floats) -> MapBody:
         box, radius, half = NodeBox((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), 0.0, 0.0
         reach = 0.0
         if kind != HALF_SPACE:
-            box, radius = _box_of_core(kind, shape), core_radius(kind, shape)
+            box = box_of_core(CONVEX if kind == SOLID else kind, shape)
+            radius = core_radius(kind, shape)
             reach = bounding_radius(kind, shape)
         if kind == CONVEX or kind == SOLID:
             half = hull_defect(shape)
@@ -141,6 +125,12 @@ def map_pair(
     if A.kind != HALF_SPACE:
         size += bounding_radius(A.kind, A.shape)
     return MapPair(mine, its, R, address, aim, size)
+
+
+@allocating
+def moved_away(pair: MapPair, away: float) -> MapPair:
+    """Return a pair of origins at one place as one whose origins are so far [m] apart."""
+    return MapPair(pair.A, pair.B, pair.R, pair.address, pair.aim, pair.size + away)
 
 
 @inlined

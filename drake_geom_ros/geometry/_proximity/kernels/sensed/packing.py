@@ -125,6 +125,51 @@ def _sort_by_digit(shift: int, keys: Indices, to: Indices, counts: Indices) -> N
         counts[k] += 1
 
 
+@inlined
+def _comes_before(given: Floats, i: int, j: int) -> bool:
+    """Tell whether a centre comes before another by its coordinates."""
+    for k in range(3):
+        if given[i, k] != given[j, k]:
+            return bool(given[i, k] < given[j, k])
+    return False
+
+
+@compiled
+def _sift_down(given: Floats, keys: Indices, first: int, at: int, count: int) -> None:
+    """Let key ``at`` of a heap of so many, from ``first`` on, sink to where it belongs."""
+    mask = (1 << NUMBER_BITS) - 1
+    while 2 * at + 1 < count:
+        child = first + 2 * at + 1
+        if child + 1 < first + count and _comes_before(
+            given, keys[child] & mask, keys[child + 1] & mask
+        ):
+            child += 1
+        if not _comes_before(given, keys[first + at] & mask, keys[child] & mask):
+            return
+        keys[first + at], keys[child] = keys[child], keys[first + at]
+        at = child - first
+
+
+@compiled
+def _sort_ties(given: Floats, keys: Indices) -> None:
+    """Put centres at one place of the curve in the order of their coordinates (a heap sort).
+
+    So a map is the same in whatever order its cells are given.
+    """
+    first = 0
+    while first < keys.size:
+        last = first + 1
+        while last < keys.size and keys[last] >> NUMBER_BITS == keys[first] >> NUMBER_BITS:
+            last += 1
+        count = last - first
+        for at in range(count // 2 - 1, -1, -1):
+            _sift_down(given, keys, first, at, count)
+        for end in range(count - 1, 0, -1):
+            keys[first], keys[first + end] = keys[first + end], keys[first]
+            _sift_down(given, keys, first, 0, end)
+        first = last
+
+
 @compiled
 def _put_boxes(centres: Floats, nodes: Floats) -> None:
     """Write the boxes of the leaves, by the centres in them, and of all nodes above."""
@@ -153,6 +198,7 @@ def make_tree(given: Floats, centres: Floats, nodes: Floats) -> None:
     for turn in range(PASSES):
         _sort_by_digit(NUMBER_BITS + turn * DIGIT_BITS, keys, to, counts[turn])
         keys, to = to, keys
+    _sort_ties(given, keys)
     mask = (1 << NUMBER_BITS) - 1
     for i in range(n):
         at = keys[i] & mask

@@ -13,9 +13,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import types
 
-from drake_geom_ros.geometry._proximity.kernels.calling.extremes import SIGNATURE_BY_ADDRESS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -23,7 +21,6 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     UNIQUE,
     Aim,
     OrientedShape,
-    compiled_address,
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import (
@@ -76,6 +73,8 @@ def _write_open(pair: MapPair, found: Floats, way: WayOut, out: Floats) -> None:
 def answer_of(pair: MapPair, p: Vector, cutoff: float, out: Floats) -> None:
     """Write the row of a pair; ``p`` is Bo from Ao in World axes, and the cutoff is in metres."""
     found, noise = np.empty(FOUND_WIDTH), noise_of(pair)
+    if pair.A.kind != HALF_SPACE:  # a union may be deeper than each of its cells
+        cutoff = max(cutoff, 0.0)
     find_nearest(pair, p, cutoff, found)
     if found[DISTANCE] == math.inf:
         _write_beyond(pair, p, found[SKIPPED], out)
@@ -87,10 +86,12 @@ def answer_of(pair: MapPair, p: Vector, cutoff: float, out: Floats) -> None:
     if found[DISTANCE] - error < 0.0 and pair.A.kind != HALF_SPACE:
         way = way_out(pair, p, -found[DISTANCE], found.copy())
         more = way.length + found[DISTANCE]
-        if not more <= LOOSE * noise + 2.0 * error:
+        is_told = more <= LOOSE * noise + 2.0 * error
+        if not is_told and found[DISTANCE] < -error:
             _write_open(pair, found, way, out)
             return
-        found[ERROR_BOUND] = max(error, more)
+        # No cell surely overlaps: it may touch, however long the way out would be.
+        found[ERROR_BOUND] = max(error, more if is_told else more + noise)
     for c in range(PAIR_WIDTH):
         out[c] = found[c]
 
@@ -102,8 +103,3 @@ def over_map(
     """Write the row of a pair whose B is a map; ``address`` is that of the kernel for one cell."""
     p = vector_at(p_AB_W, 0)
     answer_of(map_pair(address, A, B, aim, norm(p)), p, aim.cutoff, out)
-
-
-def address_over_map() -> types.intp:
-    """Compile ``over_map`` and return its address."""
-    return compiled_address(over_map, SIGNATURE_BY_ADDRESS)

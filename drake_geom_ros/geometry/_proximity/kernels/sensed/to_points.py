@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     put_point,
     seen,
 )
-from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import map_pair
+from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import map_pair, moved_away
 from drake_geom_ros.geometry._proximity.kernels.sensed.pairs import answer_of
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, sub, unrotate, vector_at
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, SPHERE
@@ -42,16 +42,13 @@ def to_map(
     """Signed distance of points to a map; ``address`` is that of a ball's and a cell's kernel."""
     point = OrientedShape(SPHERE, np.zeros(1), np.eye(3))
     G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, threshold)
-    away = 0.0
-    for k in range(span.first, span.last):
-        away = max(away, norm(sub(vector_at(body.p_WG, 0), vector_at(p_WQs[k], 0))))
-    pair, out = map_pair(address, point, G, aim, away), np.zeros(PAIR_WIDTH)
+    pair, out = map_pair(address, point, G, aim, 0.0), np.zeros(PAIR_WIDTH)
     for k in range(span.first, span.last):
         near, _, rounding = seen(body, p_WQs, k, threshold)
         if not near:
             continue
         p = sub(vector_at(body.p_WG, 0), vector_at(p_WQs[k], 0))
-        answer_of(pair, p, threshold + rounding, out)
+        answer_of(moved_away(pair, norm(p)), p, threshold + rounding, out)
         bound = out[ERROR_BOUND] + rounding
         if out[METHOD] == BOUND_ONLY or out[DISTANCE] - bound > threshold:
             continue

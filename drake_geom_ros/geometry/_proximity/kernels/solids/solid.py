@@ -13,13 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import (
     NO_BOX,
     NODE_WIDTH,
     NodeBox,
-    box_between,
 )
+from drake_geom_ros.geometry._proximity.kernels.trees.core_boxes import box_of_core
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import Floats
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -157,28 +156,11 @@ def middle_of_triangle(shape: Floats, tree: Tree, j: int) -> Vector:
     return scale(1.0 / 3.0, add(ab, vector_at(shape, at + 6)))
 
 
-@compiled
-def box_of_core(kind: int, shape: Floats) -> NodeBox:
-    """Return the box of a core, in its frame; of a solid nothing is asked."""
-    if kind == SOLID:
-        return NO_BOX
-    above = (
-        local_support(kind, shape, (1.0, 0.0, 0.0), 0.0)[0],
-        local_support(kind, shape, (0.0, 1.0, 0.0), 0.0)[1],
-        local_support(kind, shape, (0.0, 0.0, 1.0), 0.0)[2],
-    )
-    below = (
-        local_support(kind, shape, (-1.0, 0.0, 0.0), 0.0)[0],
-        local_support(kind, shape, (0.0, -1.0, 0.0), 0.0)[1],
-        local_support(kind, shape, (0.0, 0.0, -1.0), 0.0)[2],
-    )
-    return box_between(below, above)
-
-
 @allocating
 def body_of(kind: int, shape: Floats, R: Floats) -> TreeBody:
     """Return a core or a solid of orientation R in B as A."""
-    return TreeBody(kind, shape, R, tree_of(kind, shape), box_of_core(kind, shape))
+    box = NO_BOX if kind == SOLID else box_of_core(kind, shape)
+    return TreeBody(kind, shape, R, tree_of(kind, shape), box)
 
 
 @allocating
