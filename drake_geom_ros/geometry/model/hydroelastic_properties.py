@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
@@ -72,7 +73,9 @@ def AddCompliantHydroelasticPropertiesForHalfSpace(
     _add_compliant('AddCompliantHydroelasticPropertiesForHalfSpace', properties, values)
 
 
-def _add_compliant(call: str, properties: ProximityProperties, values: dict[str, object]) -> None:
+def _add_compliant(
+    call: str, properties: ProximityProperties, values: Mapping[str, object]
+) -> None:
     """Add what makes a geometry compliant, all or none."""
     _add(call, properties, {COMPLIANCE: HydroelasticType.kCompliant, **values})
 

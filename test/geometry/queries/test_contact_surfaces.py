@@ -18,7 +18,7 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     RoleAssign,
 )
-from drake_geom_ros.geometry._contact_surfaces import packing
+from drake_geom_ros.geometry._contact_surfaces import packing, pairs
 from drake_geom_ros.geometry.queries import contact_bodies
 
 TRIANGLES = HydroelasticContactRepresentation.kTriangle
@@ -523,3 +523,17 @@ def test_contexts_share_packed_bodies():
     del scene, context, one_of
     gc.collect()
     assert len(contact_bodies._PACKED) <= count
+
+
+def test_what_there_is_room_for_changes_nothing(monkeypatch):
+    random = np.random.default_rng(8)
+    bodies = [Body('Sphere', (0.5,), 1e5, 0.2), Body('Box', (0.5, 0.6, 0.7), 1e5)] * 3
+    poses = [(random_rotation(random), 0.4 * random.normal(size=3)) for _ in bodies]
+    query = query_of(bodies, poses)[0]
+    whole = query.ComputeContactSurfacesWithFallback()[0]
+    assert len(whole) > 5
+    for room in (1, 7, 100):
+        monkeypatch.setattr(pairs, 'FIRST_POLYGONS', room)
+        again = query.ComputeContactSurfacesWithFallback()[0]
+        assert all(a.Equal(b) for a, b in zip(whole, again, strict=True))
+        np.testing.assert_array_equal(whole._sums, again._sums)
