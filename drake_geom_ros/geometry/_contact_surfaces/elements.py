@@ -237,6 +237,11 @@ def _meet_triangle(
     c0 = _corner_of_second(bodies, between, first + bodies.elements[f, 0])
     c1 = _corner_of_second(bodies, between, first + bodies.elements[f, 1])
     c2 = _corner_of_second(bodies, between, first + bodies.elements[f, 2])
+    own, at = corners_of(bodies, bodies.table[between.a, FIRST_POINT], e), dot(nhat, c0)
+    if _lowest(nhat, own) > at + between.rounding:
+        return
+    if _lowest(scale(-1.0, nhat), own) > between.rounding - at:
+        return
     if _are_beyond_a_face(bodies, e, (c0, c1, c2, c2), between.rounding):
         return
     corners = c0, c1, c2

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.arrays import HALF_SPACE, VOLUME, Bodies
+from drake_geom_ros.geometry._contact_surfaces.arrays import HALF_SPACE, KIND, VOLUME, Bodies
 from drake_geom_ros.geometry._contact_surfaces.packing import (
     PackedBody,
     packed,
@@ -40,19 +40,21 @@ class ContactBodies(NamedTuple):
     bodies: Bodies
 
     def rows(self, ids: Indices) -> Indices:
-        """Return which body geometries (k,) are, by the values of their ids; -1 where none."""
+        """Return which body geometries (...) are, by the values of their ids; -1 where none."""
         if not len(self.ids):
-            return np.full(len(ids), -1)
-        at = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
-        return np.where(self.ids[at] == ids, at, -1)
+            return np.full(ids.shape, -1)
+        at = self.ids.searchsorted(ids)
+        at[at == len(self.ids)] = 0
+        at[self.ids[at] != ids] = -1
+        return at
 
     def have_a_surface(self, a: Indices, b: Indices) -> NDArray[np.bool_]:
         """Tell for pairs of rows (k,) whether they can have a surface: see ``why_not``."""
-        kinds = np.append(self.bodies.table[:, 0], HALF_SPACE)
-        compliant = np.append(self.is_compliant, False)
-        both_infinite = (kinds[a] == HALF_SPACE) & (kinds[b] == HALF_SPACE)
-        able: NDArray[np.bool_] = (a >= 0) & (b >= 0) & (compliant[a] | compliant[b])
-        able &= ~both_infinite
+        able: NDArray[np.bool_] = self.is_compliant[a] | self.is_compliant[b]
+        able &= (a >= 0) & (b >= 0)
+        infinite = self.bodies.table[:, KIND] == HALF_SPACE
+        if infinite.any():
+            able &= ~(infinite[a] & infinite[b])
         return able
 
     def why_not(self, a: int, b: int) -> str:

@@ -59,8 +59,8 @@ def test_a_box_on_a_rigid_plane():
     np.testing.assert_allclose(surface.centroid(), [1, 2, 0], atol=1e-12)
 
 
-@pytest.mark.parametrize(('hint', 'error'), [(0.2, 0.3), (0.05, 0.025)])
-def test_a_ball_in_a_rigid_plane(hint, error):
+@pytest.mark.parametrize(('hint', 'error', 'missing'), [(0.2, 0.3, 0.182), (0.05, 0.025, 0.011)])
+def test_a_ball_in_a_rigid_plane(hint, error, missing):
     # p = E (1 - r / R) within a circle of radius c in a plane at height h: c^2 = R^2 - h^2, and
     # the force is 2 pi E times the integral of (1 - sqrt(s^2 + h^2) / R) s ds.
     R, h, modulus = 0.5, 0.4, 1e5
@@ -70,7 +70,8 @@ def test_a_ball_in_a_rigid_plane(hint, error):
     )
     area = math.pi * (R**2 - h**2)
     force = 2 * math.pi * modulus * ((R**2 - h**2) / 2 - (R**3 - h**3) / (3 * R))
-    assert surface.total_area() == pytest.approx(area, rel=error)
+    # As docs/contact_surfaces.md says.
+    assert surface.total_area() == pytest.approx((1.0 - missing) * area, rel=1e-3)
     assert -surface.force_on_M_W()[2] == pytest.approx(force, rel=error)
     np.testing.assert_allclose(surface.centre_of_pressure(), [0.1, -0.2, 0], atol=0.05 * error)
 
