@@ -121,7 +121,7 @@ class ContactQueries:
             candidates = self.collision_candidates()
             return candidates, np.full_like(candidates, -1), np.zeros(len(candidates), np.bool_)
         candidates = np.sort(self.collision_candidates(), axis=1)
-        rows = np.column_stack([bodies.rows(candidates[:, k]) for k in (0, 1)])
+        rows = bodies.rows(candidates)
         return candidates, rows, bodies.have_a_surface(rows[:, 0], rows[:, 1])
 
     def _surfaces(
@@ -137,10 +137,7 @@ class ContactQueries:
         world.update()
         places = world.geometry_rows(bodies.ids)
         out = surfaces_of(
-            bodies.bodies,
-            np.ascontiguousarray(rows),
-            np.ascontiguousarray(world.R_WGs[places]),
-            np.ascontiguousarray(world.p_WGs[places]),
+            bodies.bodies, np.ascontiguousarray(rows), world.R_WGs[places], world.p_WGs[places]
         )
         compliant = bodies.is_compliant[rows].reshape(-1, 2)
         surfaces = ContactSurfaceResults(ids.reshape(-1, 2), compliant, out, representation)
