@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
@@ -131,6 +130,9 @@ class ContactQueries:
         representation: HydroelasticContactRepresentation,
     ) -> tuple[ContactSurfaceResults, NDArray[np.bool_]]:
         """Return the surfaces of pairs (k, 2) that can have one, and which overlap without."""
+        # Only who asks for surfaces loads their kernels, and those of solids behind them.
+        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
         bodies: ContactBodies = self._state.contact_bodies()
         world = self._state.posed_world()
