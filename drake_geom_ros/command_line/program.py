@@ -31,7 +31,8 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
 
     0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
     still broken or the disagreement still there, ``report`` that not all is known; 2: what was
-    asked cannot be, said in one line on standard error.
+    asked cannot be, said in one line on standard error; 3: ``report --audit`` refutes what a node
+    said; 4: ``report --compare`` finds a run nearer than the other one.
     """
     parser = argparse.ArgumentParser(
         prog=prog,

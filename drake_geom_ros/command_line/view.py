@@ -89,19 +89,22 @@ def open_page(options: argparse.Namespace) -> Page:
     values = pose_joints(posed, options.joints)
     scene = LocalScene(posed.scene_graph, posed.context)
     motion = load_motion(options.motion, posed.description)
-    joints = JointSliders(motion.robots, scene.frames)
-    joints.take(values)
+    joints = None if options.of_recording else JointSliders(motion.robots, scene.frames)
+    if joints is not None:
+        joints.take(values)
     timeline = _timeline_of_recording(options, posed, scene) if options.of_recording else None
     if options.motion:
         timeline = Timeline.of_motion(motion, scene.frames)
     elif options.poses:
         timeline = _timeline(posed, read_poses(options.poses), options.poses)
-    elif options.states:
+    elif options.states and joints is not None:
         states = poses_of_states(posed, options.states)
         timeline = Timeline.of_moments(range(len(states.poses)), states.poses)
         joints.follow_states(states.values)
     if timeline is not None:
-        scene.pose(timeline.poses(timeline.start))
+        # Where a recording does not say where a robot is nobody knows it, at rest or elsewhere.
+        show = scene.pose_only if timeline.names_all else scene.pose
+        show(timeline.poses(timeline.start))
     return Page(
         open_server(options.host, options.port),
         scene,
@@ -117,18 +120,22 @@ def _timeline_of_recording(
     options: argparse.Namespace, posed: PosedScene, scene: LocalScene
 ) -> Timeline:
     """Return the time line of what was recorded."""
-    if options.motion or options.poses or options.states:
-        raise ArgumentError('a recording is played by itself: no --motion, --poses or --states')
+    if options.motion or options.poses or options.states or options.joints:
+        raise ArgumentError(
+            'a recording is played by itself: no --motion, --poses, --states or --joints'
+        )
     if not options.rate > 0.0:
         raise ArgumentError(f'--rate {options.rate} must be > 0 [Hz]')
     recorded = recorded_poses(
-        *(options.scene, posed.description, options.rate), package_roots=options.package_root
+        *(options.scene, posed.description, options.rate),
+        package_roots=options.package_root,
+        tell=lambda words: print(f'not known, or wrong: {words}', file=sys.stderr),
     )
     vectors = [
         FramePoseVector.FromArrays([scene.frames[frame] for frame in each.frames], each.rows)
         for each in recorded
     ]
-    return Timeline.of_moments([each.time for each in recorded], vectors)
+    return Timeline.of_moments([each.time for each in recorded], vectors, names_all=True)
 
 
 def _timeline(posed: PosedScene, moments: list[PoseSet], file: str) -> Timeline:

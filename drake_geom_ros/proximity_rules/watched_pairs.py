@@ -39,6 +39,10 @@ class ScenePairs(NamedTuple):
     names: Sequence[GeometryNames]  # of each
     reported: Flags  # (n, n), symmetric: whether a pair may be reported
 
+    def are(self, ids: Ids, reported: Flags) -> bool:
+        """Return whether geometries and pairs are the same."""
+        return np.array_equal(ids, self.ids) and np.array_equal(reported, self.reported)
+
 
 class WatchedPairs:
     """The pairs of one version of a scene that some rules are about."""

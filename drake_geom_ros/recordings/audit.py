@@ -30,7 +30,8 @@ from drake_geom_ros.ros.scene.scene_rules import geometry_names
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import SceneDescription
 
-_KINDS = DISTANCES, OVERLAPS, EVENTS
+_RESULTS = DISTANCES, OVERLAPS
+_KINDS = *_RESULTS, EVENTS
 _WAITS = NANOSECONDS // 2  # [ns] a pose that is recorded so much later may be one of a result
 _KEPT = 3 * NANOSECONDS  # [ns] a state stays known: a result is not recorded later than that
 _MOST_KEPT = 4096
@@ -53,7 +54,7 @@ class Audit:
     """What is true of all that a node said in a recording."""
 
     entries: list[Audited] = field(default_factory=list)
-    heard: dict[str, int] = field(default_factory=dict)  # messages by topic
+    silent: tuple[str, ...] = ()  # topics of results without a message
     damage: tuple[Damage, ...] = ()  # what could not be read
     refused: tuple[Refused, ...] = ()  # messages of which no pose was taken
 
@@ -61,7 +62,7 @@ class Audit:
         """Return in words what was not audited; empty where all that was recorded is judged."""
         told = [f'{each.file}: {each.reason}' for each in self.damage]
         told += [each.in_words() for each in self.refused]
-        told += [f'no message of {topic} was recorded' for topic, n in self.heard.items() if not n]
+        told += [f'no message of {topic} was recorded' for topic in self.silent]
         if not self.entries:
             told.append('nothing: no result and no event was recorded')
         return told
@@ -117,8 +118,10 @@ def audit(
         )
     tables = [topic.name for topic in recorded if topic.type == SCENE]
     auditor = _Auditor(opened, [*said, *tables])
-    auditor.audit.heard = dict.fromkeys(said, 0)
     found = auditor.run()
+    # A node tells of events when there are any, and of results in each cycle.
+    results = dict.fromkeys(topic.name for topic in recorded if topic.type in _RESULTS)
+    found.silent = tuple(topic for topic in results if topic not in auditor.heard)
     found.damage = tuple(opened.recording.damage)
     found.refused = tuple(opened.playback.refused)
     return found
@@ -144,6 +147,7 @@ class _Auditor:
         self._names: dict[int, dict[int, str]] = {}  # by names_version
         self._sequences: dict[str, int] = {}  # the last event of each topic
         self._begin, self._first = opened.recording.begin, 0
+        self.heard: set[str] = set()  # topics of messages that were judged
         self.audit = Audit()
 
     def run(self) -> Audit:
@@ -174,7 +178,7 @@ class _Auditor:
             self._states.popleft()
 
     def _judge(self, said: Recorded) -> None:
-        self.audit.heard[said.topic.name] += 1
+        self.heard.add(said.topic.name)
         if said.message is None:
             self._tell(said, 'a message', Compared(Outcome.NOT_REPRODUCIBLE, said.reason))
             return

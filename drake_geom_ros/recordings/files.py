@@ -74,7 +74,9 @@ def files_read(places: Iterable[Path]) -> list[Path]:
     found: list[Path] = []
     for place in places:
         beside = place.with_name(f'{place.name}-wal'), place.with_name(METADATA)
-        found += sorted(place.iterdir()) if place.is_dir() else [place, *beside]
+        inside = sorted(place.iterdir()) if place.is_dir() else []
+        found += [path for path in inside if path.name == METADATA or _holds([path])]
+        found += [place, *beside]
     return [path for path in dict.fromkeys(found) if path.is_file()]
 
 

@@ -42,7 +42,7 @@ def pictures_of(
     for block in player.blocks():
         for state in range(first, first + len(block.times)):
             for each in wanted.get(state, ()):
-                if not block.waits:
+                if not block.waiting:
                     pixels = _picture(block, state - first, each.moment)
                     found[each.name, each.number] = pixels
         first += len(block.times)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,16 +11,17 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import FrameId
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.player import Player
-from drake_geom_ros.recordings.states import StateBlocks
+from drake_geom_ros.recordings.states import Block, StateBlocks
 from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.recordings.topics import Topics
-from drake_geom_ros.scene_files import SceneDescription
+from drake_geom_ros.scene_files import SceneDescription, poses_in_parents
 
 
 class TimedPoses(NamedTuple):
-    """Poses that hold from a time on until the next: of the frames that were posed by then."""
+    """Poses that hold from a time on until the next: of all frames that have one by then."""
 
     time: float  # [s] since the recording began
     frames: tuple[Frame, ...]  # by source and name
@@ -33,15 +34,33 @@ def recorded_poses(
     rate: float,
     topics: Topics | None = None,
     package_roots: Sequence[str | Path] = (),
+    tell: Callable[[str], None] | None = None,
 ) -> list[TimedPoses]:
-    """Return the poses of a recording, so often a second [Hz]; raises as ``clearance``."""
+    """Return the poses of a recording, so often a second [Hz]; raises as ``clearance``.
+
+    ``tell`` is called with what is not known, was refused, or could not be read.
+    """
     opened = opened_recording(path, scene, topics, 1.0, 'exact', 'world', package_roots)
     player = Player(opened, StateBlocks(opened.playback, ()), rate)
     found = []
     for block in player.blocks():
+        still = _still(block)
         inspector = block.context_query().inspector()
-        ids = [FrameId(value) for value in block.frames.tolist()]
+        ids = [*(FrameId(value) for value in block.frames.tolist()), *still]
         names = tuple((inspector.GetOwningSourceName(f), inspector.GetName(f)) for f in ids)
+        rest = np.array([X_PF.ToArray() for X_PF in still.values()]).reshape(-1, 7)
         for stamp, rows in zip(block.times.tolist(), block.poses, strict=True):
-            found.append(TimedPoses((stamp - player.begin) / NANOSECONDS, names, rows))
+            time = (stamp - player.begin) / NANOSECONDS
+            found.append(TimedPoses(time, names, np.vstack((rows, rest))))
+    if tell is not None:
+        told = [f'{each.file}: {each.reason}' for each in opened.recording.damage]
+        for words in [*told, *(each.words for each in opened.playback.troubles)]:
+            tell(words)
     return found
+
+
+def _still(block: Block) -> dict[FrameId, RigidTransform]:
+    """Return the poses X_PF of the frames that have one, and are no part of a block's states."""
+    X_PFs = poses_in_parents(block.context_query())
+    others = {*map(FrameId, block.frames.tolist()), *block.waiting}
+    return {frame: X_PF for frame, X_PF in X_PFs.items() if frame not in others}

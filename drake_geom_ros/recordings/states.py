@@ -34,7 +34,7 @@ class Block:
     times: Indices  # (N,) [ns]
     poses: Floats  # (N, n, 7) X_PF, as they came
     ages: Floats  # (N, sets) [s] of the oldest pose that matters; inf: of unknown age
-    waits: bool  # whether any frame waits for its first pose
+    waiting: tuple[FrameId, ...]  # frames that wait for their first pose
 
     def context_query(self) -> QueryObject:
         """Return a query object of the still scene."""
@@ -213,7 +213,7 @@ class StateBlocks:
             times, self._times = np.array(self._times, dtype=np.int64), []
             yield Block(
                 *(self._context, self._asked, self._frames, times),
-                *(self._poses[:count].copy(), self._ages[:count].copy(), self._waits),
+                *(self._poses[:count].copy(), self._ages[:count].copy(), self._waiting),
             )
 
     def _watch(self, scene: EditableScene) -> None:
@@ -241,9 +241,9 @@ class StateBlocks:
         self._context = scene.view().context
         self._asked = tuple(asked_pairs(QueryObject(self._context), p) for p in self._pairs)
         # What waits is in no pair that is considered; any pose lets the others be asked about.
-        anywhere = {f: RigidTransform() for f in QueryObject(self._context).waiting_frames()}
-        self._waits = bool(anywhere)
-        self._context.UpdateFramePoses(FramePoseVector(anywhere))
+        self._waiting = tuple(QueryObject(self._context).waiting_frames())
+        anywhere = FramePoseVector({frame: RigidTransform() for frame in self._waiting})
+        self._context.UpdateFramePoses(anywhere)
         most = max(1, min(_MOST_STATES, _NUMBERS // max(1, 7 * len(moving))))
         self._poses = np.zeros((most, len(moving), 7))
         self._ages = np.zeros((most, len(self._pairs)))

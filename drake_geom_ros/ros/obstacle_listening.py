@@ -83,7 +83,9 @@ class ObstacleListening:
             told[f'obstacles {name}'] = (
                 f'{counts.taken} messages taken; of the last one {counts.points} points, '
                 f'{counts.not_finite} not finite, {counts.out_of_reach} out of reach, '
-                f'{counts.on_bodies} on bodies that the scene knows; {counts.cells} cells, '
+                f'{counts.on_bodies} on bodies that the scene knows, {counts.in_sparse_cells} in '
+                'cells with fewer points than obstacle_least_points, which are in no answer; '
+                f'{counts.cells} cells, {counts.held_cells} of them held from before, '
                 f'in {1e3 * counts.seconds:.1f} ms'
             )
         return told

@@ -39,11 +39,19 @@ class Cells:
     packed: Keys
 
     @classmethod
-    def of_points(cls, points: ArrayLike, resolution: float, least_points: int = 1) -> Cells:
-        """Return the cells that hold at least so many of points (n, 3) [m], in whatever order.
+    def of_points(cls, points: ArrayLike, resolution: float) -> Cells:
+        """Return the cells that hold points (n, 3) [m], in whatever order.
 
         Raises MapError for a point that is not finite or too far away, and for a resolution that
         is none.
+        """
+        return cls.counted(points, resolution)[0]
+
+    @classmethod
+    def counted(cls, points: ArrayLike, resolution: float) -> tuple[Cells, Keys]:
+        """Return the cells that hold points (n, 3) [m], and how many each (c,) holds.
+
+        Raises MapError as ``of_points``.
         """
         check_resolution(resolution)
         rows = np.asarray(points, dtype=np.float64).reshape(-1, 3)
@@ -57,7 +65,7 @@ class Cells:
                 f'must be finite and within {MOST_STEPS * resolution:g} m of the origin'
             )
         found, counts = np.unique(_packed(steps.astype(np.int64)), return_counts=True)
-        return cls(float(resolution), found[counts >= least_points])
+        return cls(float(resolution), found), np.asarray(counts, dtype=np.int64)
 
     @classmethod
     def of_keys(cls, keys: Keys, resolution: float) -> Cells:

@@ -33,13 +33,18 @@ class KeptCells:
         """Return no cells."""
         return cls(Cells(resolution, np.zeros(0, dtype=np.int64)), np.zeros(0))
 
+    def as_seen_at(self, now: float) -> KeptCells:
+        """Return these cells as if a point was last in each at ``now`` [s]."""
+        return KeptCells(self.cells, np.full(len(self.seen), now))
+
     def and_then(self, new: Cells, now: float, keep: float, free: Keys | None = None) -> KeptCells:
         """Return what is held once a cloud of time ``now`` [s] has come with cells ``new``.
 
         ``free`` are packed keys of cells that its rays went through. Of another resolution nothing
-        is held. Raises MapError where these are more than a map may have.
+        is held. What was seen later than ``now`` counts as seen then: clocks are set back. Raises
+        MapError where these are more than a map may have.
         """
-        old, seen = self.cells.packed, self.seen
+        old, seen = self.cells.packed, np.minimum(self.seen, now)
         if new.resolution != self.cells.resolution:
             old, seen = old[:0], seen[:0]
         held = now - seen <= keep if math.isfinite(keep) else np.ones(len(seen), dtype=np.bool_)

@@ -126,12 +126,18 @@ def _parse_npy(data: bytes) -> Floats:
         shape, in_columns, kind = readers[version](stream)
     except (ValueError, SyntaxError, TypeError) as error:
         raise MapError(f'it has no header of a NumPy array: {error}') from None
-    if len(shape) != 2 or shape[1] != 3 or kind.kind != 'f' or kind.itemsize > 8:
+    is_table = len(shape) == 2 and shape[0] >= 0 and shape[1] == 3
+    if not is_table or kind.kind != 'f' or kind.itemsize > 8:
         raise MapError(f'it is an array {shape} of {kind}; it must be (n, 3) of floats')
     needed = shape[0] * 3 * kind.itemsize
     body = memoryview(data)[stream.tell() :]
     if len(body) < needed:
         raise MapError(f'it is truncated: {len(body)} bytes of data of {needed}')
+    if len(body) > needed:
+        raise MapError(
+            f'{len(body) - needed} bytes follow its array {shape} of {kind}; it must hold nothing '
+            'else'
+        )
     table = np.frombuffer(body, kind, shape[0] * 3)
     rows = table.reshape(3, -1).T if in_columns else table.reshape(-1, 3)
     with np.errstate(invalid='ignore'):

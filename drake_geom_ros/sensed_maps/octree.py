@@ -29,6 +29,12 @@ _PAYLOADS = {'OcTree': 4, 'ColorOcTree': 7}
 KINDS = tuple(_PAYLOADS)
 
 
+def bytes_a_node(kind: str, *, binary: bool) -> int:
+    """Return how many bytes a node of a kind of tree has; raises MapError for another kind."""
+    check_kind(kind)
+    return 2 if binary else _PAYLOADS[kind] + 1
+
+
 def check_kind(kind: str) -> None:
     """Raise MapError for a kind of tree that is not read."""
     if kind not in _PAYLOADS:
@@ -59,8 +65,7 @@ def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTr
     Raises MapError for bytes that are no tree, and for log-odds that are not finite.
     """
     check_kind(kind)
-    payload = _PAYLOADS[kind]
-    step = payload + 1
+    payload, step = _PAYLOADS[kind], bytes_a_node(kind, binary=False)
     if len(data) % step:
         raise MapError(f'the tree has {len(data)} bytes; of a {kind} they are {step} a node')
     rows = np.frombuffer(data, dtype=np.uint8).reshape(-1, step)

@@ -41,8 +41,7 @@ def parse_pcd(data: bytes) -> Floats:
             for of, offset in zip(kinds, offsets, strict=True)
         ]
         return np.stack([column.astype(np.float64) for column in columns], axis=1)
-    if len(body) < row.itemsize * count:
-        raise _truncated(len(body), row.itemsize * count)
+    _refuse_other_rows(len(body), row.itemsize, count)
     rows = np.frombuffer(body, row, count)
     return np.stack([rows[axis].astype(np.float64) for axis in 'xyz'], axis=1)
 
@@ -127,23 +126,41 @@ def _whole(word: str, key: str) -> int:
     return int(word)
 
 
+def _refuse_other_rows(found: int, each: int, count: int) -> None:
+    """Raise MapError for fewer or more rows than the header tells of; a last newline is none."""
+    if found < each * count:
+        raise _truncated(found, each * count)
+    if found > each * count + 1:
+        raise MapError(
+            f'its header tells of {count} points of {each} bytes, and {found} bytes of data '
+            f'follow, not {each * count}'
+        )
+
+
 def _ascii(body: memoryview, row: np.dtype[np.void], count: int) -> Floats:
     names = row.names or ()
     before = np.cumsum([0, *(int(np.prod(row[name].shape)) for name in names)]).tolist()
     columns = [before[names.index(axis)] for axis in 'xyz']
-    if not count:
+    text = bytes(body).strip()
+    if not text:
+        if count:
+            raise MapError(f'its header tells of {count} points, and none follow')
         return np.zeros((0, 3))
-    if not bytes(body).strip():
-        raise MapError(f'its header tells of {count} points, and none follow')
+    first = len(text.split(b'\n', 1)[0].split())
+    if first != before[-1]:
+        raise MapError(f'its fields have {before[-1]} numbers, and the first row has {first}')
     try:
+        # The last column too: a row that ends early is none.
         points = np.loadtxt(
-            io.BytesIO(body), usecols=columns, max_rows=count, ndmin=2, comments=None
-        )
+            io.BytesIO(text), usecols=[*columns, before[-1] - 1], max_rows=count + 1, ndmin=2,
+            comments=None,
+        )  # fmt: skip
     except ValueError as error:
         raise MapError(f'its points cannot be read: {error}') from None
-    if len(points) < count:
-        raise MapError(f'its header tells of {count} points, and {len(points)} follow')
-    return points
+    if len(points) != count:
+        many = 'more' if len(points) > count else str(len(points))
+        raise MapError(f'its header tells of {count} points, and {many} follow')
+    return np.ascontiguousarray(points[:, :3])
 
 
 def _decompressed(body: memoryview, expected: int) -> bytes:

@@ -44,7 +44,7 @@ class LocalScene:
     def __init__(self, scene_graph: SceneGraph, context: SceneGraphContext) -> None:
         """``context`` comes from ``CreateSharedContext``, so that filters reach its answers."""
         self._lock = threading.RLock()
-        self._context = context
+        self._scene_graph, self._context = scene_graph, context
         self._filters = scene_graph.collision_filter_manager()
         self._query = QueryObject(context)
         self._changes = 0
@@ -102,6 +102,15 @@ class LocalScene:
         with self._lock:
             self._context.UpdateFramePoses(X_PFs)
             self._changes += 1
+
+    def pose_only(self, X_PFs: FramePoseVector) -> None:
+        """Pose frames, and let all others wait for a pose; raises PoseError as ``pose``."""
+        with self._lock:
+            named = set(X_PFs.ids())
+            if not named.issuperset(poses_in_parents(self._query)):
+                self._context = self._scene_graph.CreateSharedContext(partial=True)
+                self._query = QueryObject(self._context)
+            self.pose(X_PFs)
 
     def X_WF(self, frame: Frame) -> RigidTransform:
         """Return the pose of a frame by source and name; PoseError where it has none."""

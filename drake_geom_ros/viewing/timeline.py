@@ -29,15 +29,22 @@ _FARTHEST = 1000.0  # [m] what is farther apart is looked for without a limit
 class Timeline:
     """``times`` (n,) [s] of a motion, and ``poses(t)`` of its frames at any of them.
 
-    ``is_continuous`` tells whether frames move between these times, or stand until the next.
+    ``is_continuous`` tells whether frames move between these times, or stand until the next;
+    ``names_all``, whether a frame of which ``poses(t)`` says nothing has no pose then.
     """
 
     def __init__(
-        self, times: Floats, poses: Callable[[float], FramePoseVector], *, is_continuous: bool
+        self,
+        times: Floats,
+        poses: Callable[[float], FramePoseVector],
+        *,
+        is_continuous: bool,
+        names_all: bool = False,
     ) -> None:
         self.times = times
         self.poses = poses
         self.is_continuous = is_continuous
+        self.names_all = names_all
 
     @classmethod
     def of_motion(
@@ -55,7 +62,13 @@ class Timeline:
         return cls(np.linspace(0.0, motion.duration, moments), poses, is_continuous=True)
 
     @classmethod
-    def of_moments(cls, times: Sequence[float], moments: Sequence[FramePoseVector]) -> Timeline:
+    def of_moments(
+        cls,
+        times: Sequence[float],
+        moments: Sequence[FramePoseVector],
+        *,
+        names_all: bool = False,
+    ) -> Timeline:
         """Return that of poses at times [s], ascending, each of which holds until the next."""
         starts = np.array(times, dtype=np.float64)
         if len(starts) == 0 or (np.diff(starts) <= 0.0).any():
@@ -64,7 +77,7 @@ class Timeline:
         def poses(time: float) -> FramePoseVector:
             return moments[max(0, int(np.searchsorted(starts, time, side='right')) - 1)]
 
-        return cls(starts, poses, is_continuous=False)
+        return cls(starts, poses, is_continuous=False, names_all=names_all)
 
     @property
     def start(self) -> float:
@@ -87,11 +100,17 @@ def least_distances(timeline: Timeline, context: SceneGraphContext) -> Iterator[
 
 
 def least_pairs(timeline: Timeline, context: SceneGraphContext) -> Iterator[tuple[float, float]]:
-    """Yield ``least_pair`` at each time; poses ``context``, as ``least_distances``."""
+    """Yield ``least_pair`` at each time; poses ``context``, as ``least_distances``.
+
+    Of a time line that names all, nan where a pair waits for a pose.
+    """
     query = QueryObject(context)
     reach = _FIRST_REACH
     for time in timeline.times.tolist():
         context.UpdateFramePoses(timeline.poses(time))
+        if timeline.names_all and query.num_waiting_pairs():
+            yield np.nan, 0.0
+            continue
         distance, error_bound = least_pair(query, reach)
         # The next moment is like this one: look a little farther than its answer.
         reach = max(_FIRST_REACH, 2.0 * distance) if np.isfinite(distance) else reach

@@ -14,7 +14,7 @@ BEGIN = 1_700_000_000 * 10**9  # [ns]
 @cache
 def store():
     found = get_typestore(Stores.ROS2_JAZZY)
-    for name in ('FramePoses', 'SignedDistancePairs'):
+    for name in ('FramePoses', 'SignedDistancePairs', 'ProximityEvents'):
         text = (MSGS / f'{name}.msg').read_text()
         found.register(get_types_from_msg(text, f'drake_geom_msgs/msg/{name}'))
     return found

@@ -97,3 +97,13 @@ def test_a_run_that_fails_does_not_end_the_others(asked, tmp_path, capsys):
     taken.mkdir(parents=True)  # an OSError: a folder stands where the page is to be
     assert asked()[0] == 2
     assert (tmp_path / 'out' / 'run_1' / 'report.html').is_file()
+
+
+def test_a_report_beside_a_compressed_recording_is_made_again(tmp_path, balls):  # noqa: F811
+    rows = [[(0.01 * j, 0, 0.4, 0, 0, 0, 1), HERE] for j in range(5)]
+    told = poses(0.1 * np.arange(5), 'ab', rows)
+    run = recorder.record(tmp_path / 'run', told, compressed='file')
+    asked = ['report', run, '--scene', balls, '--between', 'a:b', '--out', run]
+    assert main(list(map(str, asked))) == 0
+    assert main([*map(str, asked), '--resume']) == 0
+    assert main(list(map(str, asked))) == 0

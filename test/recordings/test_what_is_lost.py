@@ -104,8 +104,9 @@ def distances(seconds):
 
 def test_an_audit_of_nothing_says_so(tmp_path, balls, capsys):  # noqa: F811
     messages = still(0.1 * np.arange(20))
-    topic = '/node/signed_distances'
-    run = recorder.record(tmp_path / 'run', messages, silent=[(topic, DISTANCES)])
+    topic, events = '/node/signed_distances', '/node/proximity_events'
+    silent = [(topic, DISTANCES), (events, 'drake_geom_msgs/msg/ProximityEvents')]
+    run = recorder.record(tmp_path / 'run', messages, silent=silent)
     found = audit(run, balls)
     assert found.reservations() == [
         f'no message of {topic} was recorded',
@@ -125,6 +126,7 @@ def test_an_audit_of_a_damaged_file_says_what_is_lost(tmp_path, balls):  # noqa:
     file = recorder.file_of(run)
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
     found = audit(run, balls)
+    assert not found.silent
     assert 2 < len(found.entries) < 15
     told = found.reservations()
     assert any(re.search(r'\.db3: .*malformed|breaks off', each) for each in told)

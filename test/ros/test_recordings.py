@@ -16,6 +16,7 @@ rosbags = pytest.importorskip('rosbags.rosbag2')
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E402
 
+from drake_geom_ros.command_line.program import main  # noqa: E402
 from drake_geom_ros.recordings import Outcome, RecordingError, audit, clearance  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,6 +29,7 @@ proximity_rules:
 DEEP = QoSProfile(depth=200)
 NODE = '/recorded_node'
 LONG = 600.0  # [s] a busy machine compiles and computes so long
+pytestmark = pytest.mark.timeout(2 * LONG)  # of a test with what it drives first
 STALE_AFTER = 60.0  # [s] so poses are fresh however long a busy machine takes
 APART = 0.03  # [s] poses of two topics within 20 ms are of an order that an audit does not know
 INPUTS = '/joint_states', '/frame_poses'
@@ -248,6 +250,14 @@ def test_what_is_false_is_refuted(run, folder, tmp_path):
     events = [e.outcome for e in entries if e.topic.endswith('events') and 'near' not in e.because]
     assert Outcome.REFUTED in events
     assert Outcome.SAME not in events
+    # Who goes on with it later is told so again, and not that there is a report.
+    asked = ['report', changed, '--scene', folder / 'cell.yaml', '--out', tmp_path / 'out']
+    asked = [*map(str, asked), '--audit', '--pictures', '0']
+    record = tmp_path / 'out' / 'report.json'
+    assert main(asked) == 3
+    made = record.stat().st_mtime_ns
+    assert main([*asked, '--resume']) == 3
+    assert record.stat().st_mtime_ns == made
 
 
 def test_what_was_not_recorded_is_told(run, folder, tmp_path):

@@ -75,10 +75,13 @@ def test_coarser_cells_cover_the_finer_ones_and_touch_no_others(cloud, times):
     assert covering.packed.tolist() == coarse.packed.tolist()
 
 
-def test_cells_of_few_points_are_left_out():
+def test_cells_tell_how_many_points_they_hold():
     cloud = [[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [3.1, 0.0, 0.0]]
-    assert len(Cells.of_points(cloud, 1.0)) == 2
-    assert Cells.of_points(cloud, 1.0, least_points=2).keys().tolist() == [[0, 0, 0]]
+    cells, counts = Cells.counted(cloud, 1.0)
+    assert cells.packed.tolist() == Cells.of_points(cloud, 1.0).packed.tolist()
+    found = dict(zip(map(tuple, cells.keys().tolist()), counts.tolist(), strict=True))
+    assert sum(found.values()) == len(cloud)
+    assert found[0, 0, 0] == 2
 
 
 @pytest.mark.parametrize('bad', [np.nan, np.inf, -np.inf, 1e300, 0.1 * MOST_STEPS])

@@ -145,6 +145,7 @@ _NPY = b"\x93NUMPY\x01\x00v\x00{'descr': '%s', 'fortran_order': False, 'shape': 
 _PLY = b'ply\nformat %s 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\n'
 _BT = b'# Octomap OcTree binary file\n'
 _MANY = f'1 1 1 {10**15}'
+_OTHER = 'x y z q', '4 4 4 4', 'F F F F', '1 1 1 1'
 
 
 def npy(kind, rows):
@@ -168,6 +169,12 @@ LIES = [
     ('.pcd', pcd(b'', fields='x y q'), 'must have x, y and z'),
     ('.pcd', pcd(struct.pack('<2I', 4, 2**31), 'binary_compressed'), 'unpacks to'),
     ('.pcd', pcd(struct.pack('<2I', 2**31, 36), 'binary_compressed'), 'truncated'),
+    ('.pcd', pcd(POINTS.astype('<f4').tobytes() + b'\0' * 12), 'and 48 bytes of data follow'),
+    ('.pcd', pcd(b'1 2 3\n' * 2, data='ascii'), 'tells of 3 points, and 2 follow'),
+    ('.pcd', pcd(b'1 2 3\n' * 4, data='ascii'), 'tells of 3 points, and more follow'),
+    ('.pcd', pcd(b'1 2 3\n', data='ascii', count=0), 'tells of 0 points, and more follow'),
+    ('.pcd', pcd(b'1 2 3 4\n' * 3, data='ascii'), '3 numbers, and the first row has 4'),
+    ('.pcd', pcd(b'1 2 3 4\n1 2 3\n1 2 3 4', 'ascii', *_OTHER), 'cannot be read'),
     ('.pcd', b'DATA binary\n', 'lacks FIELDS'),
     ('.pcd', b'x' * 100_000, 'no header'),
     ('.ply', _PLY % b'binary_little_endian' + b'property float z\nend_header\n', 'truncated'),
@@ -178,6 +185,13 @@ LIES = [
     ('.npy', b'\x93NUMPY\x01\x00', 'no header'),
     ('.npy', npy(b'<f8', 99999999999), 'truncated'),
     ('.npy', npy(b'|O', 3), 'of floats'),
+    ('.npy', npy(b'<f8', -1) + bytes(24), 'must be'),
+    ('.npy', npy(b'<f8', -2) + bytes(40), 'must be'),
+    ('.npy', npy(b'<f8', 1) + bytes(48), '24 bytes follow its array'),
+    ('.npy', npy(b'<f8', 1).replace(b'(1, 3)', b'(3,)  ') + bytes(24), 'must be'),
+    ('.npy', npy(b'<f8', 1).replace(b'(1, 3)', b'()    ') + bytes(8), 'must be'),
+    ('.npy', npy(b'<f8', 3).replace(b'(3, 3)', b'(3, 2)') + bytes(48), 'must be'),
+    ('.npy', npy(b'<c8', 1) + bytes(24), 'of floats'),
     ('.bt', bt(tree=b''), 'truncated'),
     ('.bt', bt(res=b'nan'), 'must lie in'),
     ('.bt', bt(), 'at most'),
@@ -235,3 +249,19 @@ def test_points_without_a_resolution_are_no_cells():
         map_bytes(MapFile(POINTS), '.bt')
     with pytest.raises(MapError, match=r"as '\.ot'"):
         map_bytes(MapFile(POINTS), '.ot')
+
+
+@pytest.mark.parametrize(
+    ('name', 'data'),
+    [
+        ('a.pcd', pcd(b'', count=0)),
+        ('a.pcd', pcd(b'', data='ascii', count=0)),
+        ('a.npy', npy(b'<f8', 0)),
+        ('a.pcd', pcd(POINTS.astype('<f4').tobytes() + b'\n')),
+        ('a.pcd', pcd(b'1 2 3\r\n' * 3 + b'\n\n', data='ascii')),
+    ],
+)
+def test_a_file_of_nothing_and_one_with_a_last_newline_are_whole(tmp_path, name, data):
+    (tmp_path / name).write_bytes(data)
+    found = read_map(tmp_path / name).points
+    assert found.shape in ((0, 3), (3, 3))

@@ -74,6 +74,8 @@ def clipped(work: Floats, at: int, count: int, planes: int, passed: int) -> tupl
     is on a plane that is not ``passed`` it is returned as it is then, with that plane: whose it
     is others say.
     """
+    if _are_above_one(work, at, count, planes):
+        return at, 0, -1
     for k in range(planes):
         below = above = 0
         for i in range(at, at + count):
@@ -91,6 +93,18 @@ def clipped(work: Floats, at: int, count: int, planes: int, passed: int) -> tupl
         if count < 3:
             return at, 0, -1
     return at, count, -1
+
+
+@inlined
+def _are_above_one(work: Floats, at: int, count: int, planes: int) -> bool:
+    """Tell whether a plane has no corner below it, and not all of them on it."""
+    for k in range(planes):
+        lowest = highest = work[at, HEIGHT + k]
+        for i in range(at + 1, at + count):
+            lowest, highest = min(lowest, work[i, HEIGHT + k]), max(highest, work[i, HEIGHT + k])
+        if lowest >= 0.0 and highest > 0.0:
+            return True
+    return False
 
 
 @compiled

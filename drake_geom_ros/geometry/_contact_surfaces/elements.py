@@ -84,8 +84,16 @@ def _meet_tetrahedron(
     """Put out where two tetrahedra have the same pressure.
 
     Both pressures are linear, so these points are on a plane: the first tetrahedron is cut by it,
-    and the polygon clipped by the faces of the second, in whose frame it is looked at.
+    and the polygon clipped by the faces of the second, in whose frame it is looked at. Most pairs
+    whose boxes meet are kept apart by a face of the first, or by that plane.
     """
+    first = bodies.table[between.b, FIRST_POINT]
+    c0 = _corner_of_second(bodies, between, first + bodies.elements[f, 0])
+    c1 = _corner_of_second(bodies, between, first + bodies.elements[f, 1])
+    c2 = _corner_of_second(bodies, between, first + bodies.elements[f, 2])
+    c3 = _corner_of_second(bodies, between, first + bodies.elements[f, 3])
+    if _are_beyond_a_face(bodies, e, (c0, c1, c2, c3), between.rounding):
+        return
     g = vector_in(bodies.fields, e)
     h = rotate(between.R, vector_in(bodies.fields, f))
     constant = bodies.fields[e, 3] - bodies.fields[f, 3] + dot(h, between.p)
@@ -95,6 +103,11 @@ def _meet_tetrahedron(
         return
     # Both pressures are rounded: the plane is the less sharp, the less their gradients differ.
     rounding = between.rounding * ((bodies.fields[e, 4] + bodies.fields[f, 4]) / length)
+    near = rounding * length
+    if _lowest(n, (c0, c1, c2, c3)) + constant > near:
+        return
+    if _lowest(scale(-1.0, n), (c0, c1, c2, c3)) - constant > near:
+        return
     if not cut_by(bodies, between.a, e, n, constant, length, rounding, work):
         return
     nhat = scale(1.0 / length, n)
@@ -123,6 +136,31 @@ def _meet_tetrahedron(
         count = without_twins(work, at, count, rounding)
     if count:
         emit(work, at, count, nhat, (g, bodies.fields[e, 3]), h, between, out)
+
+
+@inlined
+def _corner_of_second(bodies: Bodies, between: Between, row: int) -> Vector:
+    """Return a point of the second body in the first one's frame."""
+    return add(rotate(between.R, vector_in(bodies.points, row)), between.p)
+
+
+@inlined
+def _lowest(n: Vector, corners: tuple[Vector, Vector, Vector, Vector]) -> float:
+    """Return the least of the products of a vector with four corners."""
+    c0, c1, c2, c3 = corners
+    lowest: float = min(min(dot(n, c0), dot(n, c1)), min(dot(n, c2), dot(n, c3)))
+    return lowest
+
+
+@inlined
+def _are_beyond_a_face(
+    bodies: Bodies, e: int, corners: tuple[Vector, Vector, Vector, Vector], near: float
+) -> bool:
+    """Tell whether corners are all farther than ``near`` outside one face of a tetrahedron."""
+    for k in range(4):
+        if _lowest(vector_at_plane(bodies, e, k), corners) > bodies.planes[e, k, 3] + near:
+            return True
+    return False
 
 
 @inlined
@@ -196,9 +234,19 @@ def _meet_triangle(
     if not _agrees(nhat, g, bodies.fields[e, 4]):
         return
     first = bodies.table[between.b, FIRST_POINT]
+    c0 = _corner_of_second(bodies, between, first + bodies.elements[f, 0])
+    c1 = _corner_of_second(bodies, between, first + bodies.elements[f, 1])
+    c2 = _corner_of_second(bodies, between, first + bodies.elements[f, 2])
+    own, at = corners_of(bodies, bodies.table[between.a, FIRST_POINT], e), dot(nhat, c0)
+    if _lowest(nhat, own) > at + between.rounding:
+        return
+    if _lowest(scale(-1.0, nhat), own) > between.rounding - at:
+        return
+    if _are_beyond_a_face(bodies, e, (c0, c1, c2, c2), between.rounding):
+        return
+    corners = c0, c1, c2
     for i in range(3):
-        corner = vector_in(bodies.points, first + bodies.elements[f, i])
-        corner = add(rotate(between.R, corner), between.p)
+        corner = corners[i]
         work[i, 0], work[i, 1], work[i, 2] = corner
         for k in range(4):
             height = height_above_face(bodies, e, k, corner)

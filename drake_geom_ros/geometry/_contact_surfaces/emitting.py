@@ -63,7 +63,7 @@ def emit(
     those of the first body's frame. Nothing is put out, or counted, without area.
     """
     origin = vector_in(work, at)
-    area, moment, twice = 0.0, (0.0, 0.0, 0.0), 0.0
+    area, moment = 0.0, (0.0, 0.0, 0.0)
     for i in range(at + 1, at + count - 1):
         side, next_side = sub(vector_in(work, i), origin), sub(vector_in(work, i + 1), origin)
         twice = dot(cross(side, next_side), nhat)

@@ -171,8 +171,11 @@ def _tree(corners: Floats) -> tuple[Indices, Floats]:
         boxes[leaves - 1 :, 3:] = np.maximum.reduceat(corners.max(axis=1)[order], starts)
     else:
         boxes[0] = np.array([1.0] * 3 + [-1.0] * 3)
-    for k in range(leaves - 2, -1, -1):
-        both = boxes[2 * k + 1 : 2 * k + 3]
-        boxes[k, :3], boxes[k, 3:] = both[:, :3].min(axis=0), both[:, 3:].max(axis=0)
+    below = leaves - 1  # the first node of a level, and how many it and all above have
+    while below > 0:
+        children, above = boxes[below : 2 * below + 1], below // 2
+        boxes[above:below, :3] = np.minimum(children[::2, :3], children[1::2, :3])
+        boxes[above:below, 3:] = np.maximum(children[::2, 3:], children[1::2, 3:])
+        below = above
     low, high = boxes[:, :3], boxes[:, 3:]
     return order, np.hstack((0.5 * (low + high), 0.5 * (high - low)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
@@ -25,7 +27,7 @@ from drake_geom_ros.geometry._contact_surfaces.tolerances import ROUNDING
 from drake_geom_ros.geometry._contact_surfaces.walks import DEEPEST, meet_bodies, meet_plane
 from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, vector_in
 
-FIRST_POLYGONS = 1024  # there is room for, and for CORNERS_EACH corners of each
+FIRST_POLYGONS = 4096  # there is room for, and for CORNERS_EACH corners of each
 CORNERS_EACH = 5
 
 
@@ -38,42 +40,55 @@ def surfaces_of(bodies: Bodies, pairs: Indices, R_WBs: Floats, p_WBs: Floats) ->
     faces, corners = FIRST_POLYGONS, CORNERS_EACH * FIRST_POLYGONS
     stack = np.zeros((DEEPEST, 2), dtype=np.int64)
     scratch = Scratch(np.zeros((ROWS, COLUMNS)), stack, np.zeros((3, 3)))
-    while True:
-        out = Surfaces(
-            np.empty((corners, 3)),
-            np.empty(corners),
-            np.empty(faces, dtype=np.int64),
-            np.empty((faces, FACE)),
-            np.zeros((len(pairs), SUMS)),
-            np.zeros(len(pairs), dtype=np.int64),
-            np.zeros(len(pairs), dtype=np.bool_),
-            np.zeros(2, dtype=np.int64),
-        )
-        _all_pairs(bodies, pairs, R_WBs, p_WBs, scratch, out)
-        needed_faces, needed_corners = out.counts.tolist()
-        if needed_faces <= faces and needed_corners <= corners:
-            break
-        faces, corners = max(faces, needed_faces), max(corners, needed_corners)
+    out = Surfaces(
+        np.empty((corners, 3)),
+        np.empty(corners),
+        np.empty(faces, dtype=np.int64),
+        np.empty((faces, FACE)),
+        np.zeros((len(pairs), SUMS)),
+        np.zeros(len(pairs), dtype=np.int64),
+        np.zeros(len(pairs), dtype=np.bool_),
+        np.zeros(2, dtype=np.int64),
+    )
+    done = 0
+    while (done := _next_pairs(bodies, pairs, R_WBs, p_WBs, scratch, out, done)) < len(pairs):
+        out = _resized(out, 2 * len(out.ends), 2 * len(out.points))
+    return _resized(out, *out.counts.tolist())
+
+
+def _resized(out: Surfaces, faces: int, corners: int) -> Surfaces:
+    """Return surfaces with room for so many polygons and corners; what is there stays."""
     return out._replace(
-        points=out.points[:needed_corners],
-        pressures=out.pressures[:needed_corners],
-        ends=out.ends[:needed_faces],
-        faces=out.faces[:needed_faces],
+        points=_rows(out.points, corners),
+        pressures=_rows(out.pressures, corners),
+        ends=_rows(out.ends, faces),
+        faces=_rows(out.faces, faces),
     )
 
 
+def _rows(array: Any, count: int) -> Any:
+    """Return the first rows of an array, and room where it has fewer."""
+    more = np.empty((max(0, count - len(array)), *array.shape[1:]), array.dtype)
+    return np.concatenate((array, more)) if len(more) else array[:count]
+
+
 @compiled
-def _all_pairs(
+def _next_pairs(
     bodies: Bodies,
     pairs: Indices,
     R_WBs: Floats,
     p_WBs: Floats,
     scratch: Scratch,
     out: Surfaces,
-) -> None:
-    """Put out the surfaces of all pairs."""
+    done: int,
+) -> int:
+    """Put out the surfaces of pairs but those done; return for which one there was no room.
+
+    That pair is as if it had not been looked at. Where all are done it is their number.
+    """
     R = scratch.R
-    for pair in range(len(pairs)):
+    for pair in range(done, len(pairs)):
+        faces, points = out.counts[0], out.counts[1]
         a, b = pairs[pair, 0], pairs[pair, 1]
         # First comes a tetrahedral body, before a surface, before a half space.
         flip = bodies.table[b, KIND] < bodies.table[a, KIND]
@@ -97,8 +112,12 @@ def _all_pairs(
             meet_plane(bodies, bodies.numbers[b, 1], between, scratch, out)
         else:
             meet_bodies(bodies, between, scratch, out)
+        if out.counts[0] > len(out.ends) or out.counts[1] > len(out.points):
+            out.counts[0], out.counts[1] = faces, points
+            out.sums[pair] = 0.0
+            return pair
         sums_in_world(out.sums, between)
         out.pair_ends[pair] = out.counts[0]
-        before = out.pair_ends[pair - 1] if pair > 0 else 0
-        if out.counts[0] == before:
+        if out.counts[0] == faces:
             out.swallowed[pair] = one_is_swallowed(bodies, between, scratch)
+    return len(pairs)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -62,20 +63,23 @@ class HydroelasticMaterial(NamedTuple):
         return self.compliance is HydroelasticType.kCompliant
 
 
-class CompliantBody(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class CompliantBody:
     """Tetrahedra in the geometry's frame, and the pressure (n,) [Pa] at their vertices."""
 
     mesh: VolumeMesh
     pressures: Floats
 
 
-class RigidBody(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class RigidBody:
     """The surface in the geometry's frame, turned outward."""
 
     mesh: TriangleSurfaceMesh
 
 
-class HalfSpaceBody(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class HalfSpaceBody:
     """A half space: its pressure grows by ``pressure_slope`` [Pa/m] with the depth; 0: rigid."""
 
     pressure_slope: float

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import itertools
+from collections import defaultdict
 
 import numpy as np
 
@@ -96,43 +97,46 @@ def check_elements(mesh: VolumeMesh, what: str) -> None:
 
 
 def _refined(elements: Indices, p_MVs: Floats, corners: int) -> tuple[Indices, Floats]:
-    """Cut all inner simplices of so many corners that are all on the boundary, one by one."""
-    rows, points = elements.tolist(), list(p_MVs)
-    while True:
-        found = _inner_on_boundary(np.array(rows), len(points), corners)
-        if found is None:
-            return np.array(rows), np.array(points)
-        middle = len(points)
-        points.append(np.mean([points[v] for v in found], axis=0))
-        around = [row for row in rows if set(found) <= set(row)]
-        rows = [row for row in rows if not set(found) <= set(row)]
-        rows += [[middle if v == out else v for v in row] for row in around for out in found]
+    """Cut all inner simplices of so many corners that are all on the boundary, one by one.
+
+    What is cut is not on the boundary, nor is its middle: the boundary stays, and no other simplex
+    comes to be one that is to be cut.
+    """
+    found = _inner_on_boundary(elements, len(p_MVs), corners)
+    if not len(found):
+        return elements, p_MVs
+    rows = dict(enumerate(elements.tolist()))
+    rows_at: defaultdict[int, set[int]] = defaultdict(set)
+    for number, row in rows.items():
+        for v in row:
+            rows_at[v].add(number)
+    fresh = itertools.count(len(rows))
+    for middle, simplex in enumerate(found.tolist(), len(p_MVs)):
+        for number in sorted(set.intersection(*(rows_at[v] for v in simplex))):
+            row = rows.pop(number)
+            for v in row:
+                rows_at[v].remove(number)
+            for out, new in zip(simplex, fresh, strict=False):
+                rows[new] = [middle if v == out else v for v in row]
+                for v in rows[new]:
+                    rows_at[v].add(new)
+    return np.array(list(rows.values())), np.vstack((p_MVs, p_MVs[found].mean(axis=1)))
 
 
-def _inner_on_boundary(elements: Indices, count: int, corners: int) -> list[int] | None:
-    """Return the first simplex of so many corners that is inside and has all of them outside."""
+def _inner_on_boundary(elements: Indices, count: int, corners: int) -> Indices:
+    """Return the simplices (k, corners) that are inside and have all corners on the boundary."""
     outer = outer_faces(elements).reshape(-1, 3)[neighbours_of(elements).ravel() < 0]
     on_boundary = np.zeros(count, dtype=np.bool_)
     on_boundary[outer] = True
-    flagged = on_boundary[elements]
-    if corners == 4:
-        whole = np.flatnonzero(flagged.all(axis=1))
-        return elements[whole[0]].tolist() if len(whole) else None
-    boundary = {tuple(sorted(part)) for part in _parts(outer.tolist(), corners)}
-    candidates = elements[flagged.sum(axis=1) >= corners].tolist()
-    for part in _parts(candidates, corners):
-        if on_boundary[list(part)].all() and tuple(sorted(part)) not in boundary:
-            return list(part)
-    return None
+    parts = _parts(elements, corners)
+    inner = set(map(tuple, parts[on_boundary[parts].all(axis=1)].tolist()))
+    inner -= set(map(tuple, _parts(outer, corners).tolist()))
+    return np.array(sorted(inner), dtype=np.int64).reshape(-1, corners)
 
 
-def _parts(simplices: list[list[int]], corners: int) -> Iterable[tuple[int, ...]]:
-    """Yield the edges or faces of simplices."""
-    for simplex in simplices:
-        for k, a in enumerate(simplex):
-            for m in range(k + 1, len(simplex)):
-                if corners == 2:
-                    yield a, simplex[m]
-                    continue
-                for c in simplex[m + 1 :]:
-                    yield a, simplex[m], c
+def _parts(simplices: Indices, corners: int) -> Indices:
+    """Return the edges, faces or elements (k, corners) of simplices, each ascending."""
+    places = list(itertools.combinations(range(simplices.shape[1]), corners))
+    parts = simplices[:, np.array(places, dtype=np.int64).reshape(-1, corners)]
+    ascending: Indices = np.sort(parts.reshape(-1, corners), axis=1)
+    return ascending

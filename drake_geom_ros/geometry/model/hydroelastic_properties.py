@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
@@ -51,12 +52,8 @@ def AddCompliantHydroelasticProperties(
         >>> properties.GetProperty('hydroelastic', 'hydroelastic_modulus')
         1000000.0
     """
-    values = {
-        COMPLIANCE: HydroelasticType.kCompliant,
-        HINT: resolution_hint,
-        MODULUS: hydroelastic_modulus,
-    }
-    _add('AddCompliantHydroelasticProperties', properties, values)
+    values = {HINT: resolution_hint, MODULUS: hydroelastic_modulus}
+    _add_compliant('AddCompliantHydroelasticProperties', properties, values)
 
 
 def AddCompliantHydroelasticPropertiesForHalfSpace(
@@ -72,12 +69,15 @@ def AddCompliantHydroelasticPropertiesForHalfSpace(
         >>> properties.GetProperty('hydroelastic', 'slab_thickness')
         0.02
     """
-    values = {
-        COMPLIANCE: HydroelasticType.kCompliant,
-        SLAB: slab_thickness,
-        MODULUS: hydroelastic_modulus,
-    }
-    _add('AddCompliantHydroelasticPropertiesForHalfSpace', properties, values)
+    values = {SLAB: slab_thickness, MODULUS: hydroelastic_modulus}
+    _add_compliant('AddCompliantHydroelasticPropertiesForHalfSpace', properties, values)
+
+
+def _add_compliant(
+    call: str, properties: ProximityProperties, values: Mapping[str, object]
+) -> None:
+    """Add what makes a geometry compliant, all or none."""
+    _add(call, properties, {COMPLIANCE: HydroelasticType.kCompliant, **values})
 
 
 def _add(call: str, properties: ProximityProperties | None, values: dict[str, object]) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.arrays import HALF_SPACE, VOLUME, Bodies
+from drake_geom_ros.geometry._contact_surfaces.arrays import HALF_SPACE, KIND, VOLUME, Bodies
 from drake_geom_ros.geometry._contact_surfaces.packing import (
     PackedBody,
     packed,
@@ -26,11 +27,8 @@ from drake_geom_ros.geometry.model._model import Model
 Indices = NDArray[np.int64]
 
 
-class _Known(NamedTuple):
-    """A body, and how it is packed."""
-
-    body: HydroelasticBody
-    packed: PackedBody
+# How bodies are packed, while they live: the contexts of a scene share them.
+_PACKED: WeakKeyDictionary[HydroelasticBody, PackedBody] = WeakKeyDictionary()
 
 
 class ContactBodies(NamedTuple):
@@ -40,22 +38,23 @@ class ContactBodies(NamedTuple):
     ids: Indices
     is_compliant: NDArray[np.bool_]
     bodies: Bodies
-    known: dict[int, _Known]
 
     def rows(self, ids: Indices) -> Indices:
-        """Return which body geometries (k,) are, by the values of their ids; -1 where none."""
+        """Return which body geometries (...) are, by the values of their ids; -1 where none."""
         if not len(self.ids):
-            return np.full(len(ids), -1)
-        at = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
-        return np.where(self.ids[at] == ids, at, -1)
+            return np.full(ids.shape, -1)
+        at = self.ids.searchsorted(ids)
+        at[at == len(self.ids)] = 0
+        at[self.ids[at] != ids] = -1
+        return at
 
     def have_a_surface(self, a: Indices, b: Indices) -> NDArray[np.bool_]:
         """Tell for pairs of rows (k,) whether they can have a surface: see ``why_not``."""
-        kinds = np.append(self.bodies.table[:, 0], HALF_SPACE)
-        compliant = np.append(self.is_compliant, False)
-        both_infinite = (kinds[a] == HALF_SPACE) & (kinds[b] == HALF_SPACE)
-        able: NDArray[np.bool_] = (a >= 0) & (b >= 0) & (compliant[a] | compliant[b])
-        able &= ~both_infinite
+        able: NDArray[np.bool_] = self.is_compliant[a] | self.is_compliant[b]
+        able &= (a >= 0) & (b >= 0)
+        infinite = self.bodies.table[:, KIND] == HALF_SPACE
+        if infinite.any():
+            able &= ~(infinite[a] & infinite[b])
         return able
 
     def why_not(self, a: int, b: int) -> str:
@@ -70,29 +69,27 @@ class ContactBodies(NamedTuple):
 
 
 def contact_bodies(model: Model, before: ContactBodies | None) -> ContactBodies:
-    """Return the bodies of a model; what was packed before is taken over."""
+    """Return the bodies of a model, those from before where nothing has changed since."""
     version = model.versions.proximity
     if before is not None and before.version == version:
         return before
-    known: dict[int, _Known] = {}
+    parts: dict[int, PackedBody] = {}
     for id in sorted(model.geometries):
         body = model.geometries[id].hydroelastic_body
         if body is not None:
-            value = id.get_value()
-            old = before.known.get(value) if before is not None else None
-            known[value] = old if old and old.body is body else _Known(body, _packed(body))
-    parts = [each.packed for each in known.values()]
+            if body not in _PACKED:
+                _PACKED[body] = _packed(body)
+            parts[id.get_value()] = _PACKED[body]
     compliant = [
         part.kind == VOLUME or (part.kind == HALF_SPACE and part.numbers[1] > 0.0)
-        for part in parts
+        for part in parts.values()
     ]
     none = [packed_half_space(0.0)]  # arrays need something to be joined of
     return ContactBodies(
         version,
-        np.array(list(known), dtype=np.int64),
+        np.array(list(parts), dtype=np.int64),
         np.array(compliant, dtype=np.bool_),
-        packed(parts or none),
-        known,
+        packed(list(parts.values()) or none),
     )
 
 

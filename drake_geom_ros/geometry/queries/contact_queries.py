@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
@@ -121,7 +120,7 @@ class ContactQueries:
             candidates = self.collision_candidates()
             return candidates, np.full_like(candidates, -1), np.zeros(len(candidates), np.bool_)
         candidates = np.sort(self.collision_candidates(), axis=1)
-        rows = np.column_stack([bodies.rows(candidates[:, k]) for k in (0, 1)])
+        rows = bodies.rows(candidates)
         return candidates, rows, bodies.have_a_surface(rows[:, 0], rows[:, 1])
 
     def _surfaces(
@@ -131,16 +130,16 @@ class ContactQueries:
         representation: HydroelasticContactRepresentation,
     ) -> tuple[ContactSurfaceResults, NDArray[np.bool_]]:
         """Return the surfaces of pairs (k, 2) that can have one, and which overlap without."""
+        # Only who asks for surfaces loads their kernels, and those of solids behind them.
+        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
         bodies: ContactBodies = self._state.contact_bodies()
         world = self._state.posed_world()
         world.update()
         places = world.geometry_rows(bodies.ids)
         out = surfaces_of(
-            bodies.bodies,
-            np.ascontiguousarray(rows),
-            np.ascontiguousarray(world.R_WGs[places]),
-            np.ascontiguousarray(world.p_WGs[places]),
+            bodies.bodies, np.ascontiguousarray(rows), world.R_WGs[places], world.p_WGs[places]
         )
         compliant = bodies.is_compliant[rows].reshape(-1, 2)
         surfaces = ContactSurfaceResults(ids.reshape(-1, 2), compliant, out, representation)

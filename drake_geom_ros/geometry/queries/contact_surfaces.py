@@ -287,15 +287,24 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         self.areas = self._sums[:, AREA]
         self.forces_on_M_W = self._sums[:, FORCE : FORCE + 3]
         self.torques_on_M_Wo_W = self._sums[:, TORQUE : TORQUE + 3]
-        self.centroids = self._sums[:, FIRST_MOMENT : FIRST_MOMENT + 3] / self.areas[:, None]
-        pressures = self._sums[:, PRESSURE, None]
-        moments = self._sums[:, PRESSURE_MOMENT : PRESSURE_MOMENT + 3]
-        pressed = pressures > 0.0
-        means = moments / np.where(pressed, pressures, 1.0)
-        self.centres_of_pressure = np.where(pressed, means, self.centroids)
         for array in (*surfaces, *vars(self).values()):
             if isinstance(array, np.ndarray):
                 array.flags.writeable = False
+
+    @cached_property
+    def centroids(self) -> Floats:
+        """The centroids (k, 3) [m]."""
+        return _means(self._sums, FIRST_MOMENT, self.areas)
+
+    @cached_property
+    def centres_of_pressure(self) -> Floats:
+        """The centres of pressure (k, 3) [m]: the centroids where there is no pressure."""
+        pressures = self._sums[:, PRESSURE]
+        pressed = (pressures > 0.0)[:, None]
+        means = _means(self._sums, PRESSURE_MOMENT, np.where(pressed[:, 0], pressures, 1.0))
+        centres = np.where(pressed, means, self.centroids)
+        centres.flags.writeable = False
+        return centres
 
     def __len__(self) -> int:
         return len(self.id_M)
@@ -325,6 +334,13 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
 
     def __repr__(self) -> str:
         return f'<ContactSurfaceResults of {len(self)} surfaces>'
+
+
+def _means(sums: Floats, moment: int, weights: Floats) -> Floats:
+    """Return the moments (k, 3) over their weights (k,), not to be written to."""
+    means: Floats = sums[:, moment : moment + 3] / weights[:, None]
+    means.flags.writeable = False
+    return means
 
 
 def _over(sums: Floats, moment: int, weight: int) -> Floats:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError
 
 # sensor_msgs/Image: its encoding, how a pixel is written, and its unit [m] (REP 118).
+_MOST_COEFFICIENTS = 100  # no model of a lens has as many
 _ENCODINGS = {'16UC1': ('u2', 1.0 / 1000.0), '32FC1': ('f4', 1.0)}
 
 
@@ -61,6 +62,11 @@ def _intrinsics(camera: Any, width: int, height: int) -> tuple[float, float, flo
     is_part = any((region.x_offset, region.y_offset, region.width, region.height))
     if max(camera.binning_x, camera.binning_y) > 1 or is_part:
         raise ArgumentError('camera_info tells of binning or a region; whole images are taken')
+    if len(camera.d) > _MOST_COEFFICIENTS:
+        raise ArgumentError(
+            f'camera_info has {len(camera.d)} coefficients d of distortion; at most '
+            f'{_MOST_COEFFICIENTS} are read'
+        )
     P, K, distortion = (list(map(float, each)) for each in (camera.p, camera.k, camera.d))
     if len(P) == 12 and P[0] != 0.0:
         found = P[0], P[5], P[2], P[6]

@@ -4,8 +4,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from drake_geom_ros.sensed_maps.cells import Cells, check_resolution
-from drake_geom_ros.sensed_maps.octree import cells_of_binary, cells_of_full, check_kind
+from drake_geom_ros.sensed_maps.cells import Cells, MapError, check_resolution
+from drake_geom_ros.sensed_maps.octree import (
+    bytes_a_node,
+    cells_of_binary,
+    cells_of_full,
+    check_kind,
+)
+
+
+def refuse_too_many_nodes(message: Any, most: int) -> None:
+    """Raise MapError for a tree of more nodes than are taken, before any is read."""
+    each = bytes_a_node(message.id, binary=message.binary)
+    if len(message.data) > most * each:
+        raise MapError(
+            f'data holds {len(message.data)} bytes; at most {most * each} are taken, {most} nodes '
+            f'of {each} bytes'
+        )
 
 
 def cells_from_octomap(message: Any) -> Cells:

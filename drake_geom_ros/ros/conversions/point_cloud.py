@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
 
+_MOST_FIELDS = 1000
 _FORMATS = {7: 'f4', 8: 'f8'}  # sensor_msgs/PointField: FLOAT32, FLOAT64
 
 
@@ -18,6 +19,10 @@ def points_from_cloud(message: Any) -> NDArray[np.float64]:
     Takes any point_step, row_step, byte order and offsets; x, y and z are FLOAT32 or FLOAT64.
     Raises ArgumentError for a cloud without them, or with less data than it says.
     """
+    if len(message.fields) > _MOST_FIELDS:
+        raise ArgumentError(
+            f'it has {len(message.fields)} fields; at most {_MOST_FIELDS} are read'
+        )
     fields = {field.name: field for field in message.fields}
     if missing := [axis for axis in 'xyz' if axis not in fields]:
         raise ArgumentError(

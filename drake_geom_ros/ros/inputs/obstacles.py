@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.depth_image import points_from_depth
-from drake_geom_ros.ros.conversions.octomap import cells_from_octomap
+from drake_geom_ros.ros.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
 from drake_geom_ros.ros.conversions.point_cloud import points_from_cloud
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.moments import Hanging, Moment, moment_of
@@ -30,6 +30,7 @@ POINTS, DEPTH, OCTOMAP = 'points', 'depth', 'octomap'
 INPUTS = (POINTS, DEPTH, OCTOMAP)
 SELF_FILTERS = ('none', 'robots', 'scene')
 MOST_POINTS = 5_000_000  # of a message
+MOST_NODES = 3_000_000  # of a tree in a message: reading it costs a microsecond a node
 Floats = NDArray[np.float64]
 
 
@@ -56,7 +57,9 @@ class MapCounts:
     not_finite: int = 0
     out_of_reach: int = 0
     on_bodies: int = 0
+    in_sparse_cells: int = 0  # in cells with fewer points than make one occupied
     cells: int = 0
+    held_cells: int = 0  # of these, that the last one did not show
 
 
 class _Seen(NamedTuple):
@@ -90,6 +93,7 @@ class ObstacleInput:
         self._changed = changed
         self._filter = SelfFilter()
         self._kept: KeptCells | None = None
+        self._kept_epoch = -1.0  # of the node's time
         self._generation = 0  # how often it was cleared
         self._camera: Any = None
 
@@ -130,6 +134,7 @@ class ObstacleInput:
     def take_octomap(self, octomap: Any, waited: float = 0.0) -> None:
         """Take an Octomap in place of the map of before, as it is; raises RuntimeError."""
         start = time.perf_counter()
+        refuse_too_many_nodes(octomap, MOST_NODES)
         generation, cells = self._generation, cells_from_octomap(octomap)
         if not len(cells):
             raise ArgumentError('the tree has no occupied cell: it shows nothing')
@@ -159,9 +164,11 @@ class ObstacleInput:
         seen = p_WQs[~on_bodies]
         if not len(seen):
             raise ArgumentError('all of its points lie on bodies that the scene knows')
-        cells = Cells.of_points(seen, settings.resolution, settings.least_points)
-        if not len(cells):
-            cells = Cells.of_points(seen, settings.resolution)
+        cells, held = Cells.counted(seen, settings.resolution)
+        enough = held >= settings.least_points
+        if not enough.any():  # a thin cloud is no empty room
+            enough[:] = True
+        cells = Cells(cells.resolution, cells.packed[enough])
         origin = moment.X_WF.translation()
         kept = self._with_kept(moment, cells, origin, settings)
         counts = MapCounts(
@@ -169,14 +176,20 @@ class ObstacleInput:
             not_finite=len(points) - len(p_CQs),
             out_of_reach=len(p_CQs) - len(p_WQs),
             on_bodies=int(np.count_nonzero(on_bodies)),
+            in_sparse_cells=int(held[~enough].sum()),
             cells=len(kept.cells),
+            held_cells=len(kept.cells) - len(cells),
         )
         self._put(moment, _Seen(kept.cells, RigidTransform(), counts, start, generation, kept))
 
     def _with_kept(
         self, moment: Moment, cells: Cells, origin: Floats, settings: ObstacleSettings
     ) -> KeptCells:
-        before = self._kept or KeptCells.none(cells.resolution)
+        before, epoch = self._kept or KeptCells.none(cells.resolution), moment.since.epoch
+        if self._kept_epoch != epoch:
+            # The node's time jumped: nobody knows how long ago cells were seen, so they stay
+            # for as long as if that was now.
+            before, self._kept_epoch = before.as_seen_at(moment.since.held), epoch
         free = None
         if settings.rays and len(before.cells):
             free = seen_through(origin, cells)

@@ -106,25 +106,9 @@ def _look(
         frame, X_PF = place
         assert scene.history is not None, 'who takes what sensors saw has it kept'
         then = _Then(scene, scene.history.around(held))
-    # The scene moves on from here.
-    names = then.names.frame_names
-    later, lost = set[str](), set[str]()
-    for each in {frame, *bodies(then.view.query)}:
-        here = each
-        while here != then.names.world:
-            try:
-                then.X_PF(here)
-            except UnknownThenError as unknown:
-                (later if unknown.is_later else lost).add(names[here])
-            here = then.inspector.GetParentFrame(here)
-    if lost:
-        raise ArgumentError(
-            f'where {some_of(sorted(lost))} was at the stamp of the message is not known: it is '
-            'before the poses that are kept, in a gap between them, or before the frame was '
-            'posed by another sender or hung on another frame'
-        )
-    if later:
-        return some_of(sorted(later))
+    # The scene moves on from here. The sensor comes first: mostly it is what is waited for.
+    if later := then.know_all({frame}) or then.know_all(set(bodies(then.view.query))):
+        return later
     ids = np.array([f.get_value() for f in then.moving], dtype=np.int64)
     rows = np.array(list(then.moving.values())).reshape(-1, 7)
     then.view.context.UpdateFramePoses(FramePoseVector.FromArrays(ids, rows))
@@ -153,19 +137,47 @@ class _Then:
             return RigidTransform()
         return self.X_WF(self.inspector.GetParentFrame(frame)) @ self.X_PF(frame)
 
+    def know_all(self, frames: Collection[FrameId]) -> str:
+        """Find out where frames were, and what they hang on; return which are not known yet.
+
+        Raises ArgumentError for those that never had a pose, and of which nobody will know.
+        """
+        later, lost = set[str](), set[str]()
+        for each in frames:
+            here = each
+            while here != self.names.world:
+                try:
+                    self._know(here)
+                except UnknownThenError as unknown:
+                    (later if unknown.is_later else lost).add(self.names.frame_names[here])
+                here = self.inspector.GetParentFrame(here)
+        if lost:
+            raise ArgumentError(
+                f'where {some_of(sorted(lost))} was at the stamp of the message is not known: it '
+                'is before the poses that are kept, in a gap between them, or before the frame '
+                'was posed by another sender or hung on another frame'
+            )
+        return some_of(sorted(later))
+
     def X_PF(self, frame: FrameId) -> RigidTransform:
         """Return the pose in the parent; raises ArgumentError for what never had one."""
+        self._know(frame)
         if frame not in self._known:
-            if frame in self._asked:  # a robot that stands on its own link
-                raise UnknownThenError(is_later=False)
-            self._asked.append(frame)
-            try:
-                self._known[frame] = self._found(frame)
-            finally:
-                self._asked.pop()
+            self._known[frame] = RigidTransform.FromArray(self.moving[frame])
         return self._known[frame]
 
-    def _found(self, frame: FrameId) -> RigidTransform:
+    def _know(self, frame: FrameId) -> None:
+        if frame in self._known or frame in self.moving:
+            return
+        if frame in self._asked:  # a robot that stands on its own link
+            raise UnknownThenError(is_later=False)
+        self._asked.append(frame)
+        try:
+            self._find(frame)
+        finally:
+            self._asked.pop()
+
+    def _find(self, frame: FrameId) -> None:
         since, query = self._since[frame], self.view.query
         if since is None or not query.is_placed(frame):
             raise ArgumentError(
@@ -173,7 +185,6 @@ class _Then:
                 'seen is'
             )
         if since == ALWAYS and not self._around.was_another(frame.get_value()):
-            return query.X_PF(frame)
-        row = self._around.row(frame.get_value(), self)
-        self.moving[frame] = row
-        return RigidTransform.FromArray(row)
+            self._known[frame] = query.X_PF(frame)
+        else:
+            self.moving[frame] = self._around.row(frame.get_value(), self)

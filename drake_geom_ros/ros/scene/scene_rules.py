@@ -53,7 +53,9 @@ class SceneRules:
         self._version, self._frames_version = GeometryVersion(), -1
         self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
         self._frames: list[FrameId] = []  # of each geometry
-        self._extents: dict[FrameId, float] = {}  # [m] how far geometries reach from its origin
+        # [m] how far geometries reach from the origin of each frame; None: to be found
+        self._extents: dict[FrameId, float] | None = None
+        self._pairs = _NO_PAIRS
         self._narrowed: QueryObject | None = None
         self._happened: list[Event] = []  # that nobody was told of yet
         self.revision = 0  # changes with each rule, state and number of pairs
@@ -111,15 +113,23 @@ class SceneRules:
         is_same = version.IsSameAs(self._version, Role.kProximity)
         if is_same and frames_version == self._frames_version:
             return
+        have_same_names = frames_version == self._frames_version
         self._version, self._frames_version = version, frames_version
-        self._changed()
+        self._extents = None
         ids, reported = inspector.candidate_matrix()
+        if have_same_names and self._pairs.are(ids, reported):
+            # Shapes changed, as those of sensed maps do many times a second: rules are about the
+            # same pairs.
+            self._narrowed = None
+            self.measure_again()
+            return
+        self._changed()
         geometries = [GeometryId(value) for value in ids.tolist()]
         names = [geometry_names(inspector, geometry) for geometry in geometries]
-        self._happened += self._monitor.bind(ScenePairs(ids, names, reported))
+        self._pairs = ScenePairs(ids, names, reported)
+        self._happened += self._monitor.bind(self._pairs)
         self._hanging = hanging(inspector, geometries)
         self._frames = [inspector.GetFrameId(geometry) for geometry in geometries]
-        self._extents = _extents(inspector, geometries)
 
     def decide(
         self,
@@ -136,7 +146,7 @@ class SceneRules:
         has them: what rules need beyond is computed, of their pairs alone, within a
         ``time_budget`` [s] (0: without one).
         """
-        farthest = self._monitor.farthest(self._fastest(twists))
+        farthest = self._monitor.farthest(self._fastest(query.inspector(), twists))
         computed = 0
         if seen is not None and seen[1] >= farthest:
             results = seen[0]
@@ -235,13 +245,15 @@ class SceneRules:
             flags[self._hanging.get(frame, ())] = True
         return flags
 
-    def _fastest(self, twists: Twists | None) -> float:
+    def _fastest(self, inspector: SceneGraphInspector, twists: Twists | None) -> float:
         """Return a bound [m/s] of how fast any two geometries close.
 
         No point of a body is faster than its frame's origin and the turn about it.
         """
         if not twists or not any(rule.min_time_to_contact for rule in self.rules):
             return 0.0
+        if self._extents is None:
+            self._extents = _extents(inspector, list(map(GeometryId, self._pairs.ids.tolist())))
         speeds = []
         for frame, extent in self._extents.items():
             if frame in twists:

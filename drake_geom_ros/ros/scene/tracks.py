@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections import deque
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, TypeVar
 
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 
@@ -28,7 +28,8 @@ class UnknownThenError(Exception):
         self.is_later = is_later
 
 
-class Timed(NamedTuple, Generic[T]):
+@dataclass(frozen=True)
+class Timed(Generic[T]):
     """What held at a time [s]."""
 
     held: float

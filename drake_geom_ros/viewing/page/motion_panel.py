@@ -109,7 +109,11 @@ class MotionPanel:
     def _time_moved(self, event: Any) -> None:
         assert self._timeline is not None
         with self._lock:
-            self._scene.pose(self._timeline.poses(self.time.value))
+            X_PFs = self._timeline.poses(self.time.value)
+            if self._timeline.names_all:
+                self._scene.pose_only(X_PFs)
+            else:
+                self._scene.pose(X_PFs)
             if self._joints is not None:
                 self._joints.follow(self.time.value)
         self._touch()

@@ -100,6 +100,20 @@ def test_meshes_are_pydrakes():
     assert same == 80
 
 
+@needs_pydrake
+def test_a_box_with_two_least_sides_is_cut_into_fewer():
+    import pydrake.geometry as theirs
+
+    for sizes in ((1.0, 1.0, 3.0), (3.0, 1.0, 1.0), (1.0, 3.0, 1.0)):
+        mine, other = (mesh_of(geometry, geometry.Box(*sizes), 0.7) for geometry in (ours, theirs))
+        assert (mine.num_vertices(), mine.num_elements()) == (16, 32)
+        assert (other.num_vertices(), other.num_elements()) == (17, 40)
+    for sizes in ((1.0, 1.0, 1.0), (2.0, 2.0, 1.0), (1.0, 2.0, 3.0)):
+        mine, other = (mesh_of(geometry, geometry.Box(*sizes), 0.7) for geometry in (ours, theirs))
+        assert mine.num_vertices() == other.num_vertices()
+        assert mine.num_elements() == other.num_elements()
+
+
 def test_shapes_of_the_same_half_sizes_have_no_thin_cells():
     for shape in (
         ours.Box(1.0, 1.0, 1.0 + 1e-13),

@@ -112,6 +112,21 @@ def test_on_our_meshes_areas_and_forces_are_the_same():
     assert compared > 100
 
 
+def test_a_box_that_is_cut_otherwise_presses_as_hard():
+    random = np.random.default_rng(45)
+    bodies = [Body('Box', (1.0, 1.0, 3.0), 1e5), Body('Sphere', (0.8,), 1e5)]
+    compared = 0
+    for _ in range(20):
+        poses = [(random_rotation(random), random.normal(size=3) * 0.5) for _ in range(2)]
+        (expected, mine) = (surfaces(bodies, poses, geometry) for geometry in (theirs, ours))
+        for a, b in zip(expected, mine, strict=True):
+            compared += 1
+            force, total = their_sums(a)
+            assert b.total_area() == pytest.approx(a.total_area(), rel=1e-9)
+            np.testing.assert_allclose(b.force_on_M_W(), force, rtol=0.0, atol=1e-9 * total)
+    assert compared > 10
+
+
 def test_triangles_and_vertices_of_two_bodies():
     for bodies, poses in cases(21, seed=44):
         if 'HalfSpace' in [body.kind for body in bodies]:

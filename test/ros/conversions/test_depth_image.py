@@ -84,6 +84,11 @@ def test_an_image_that_lies_is_refused(told, info, reason):
         points_from_depth(told, info)
 
 
+def test_a_lens_of_countless_coefficients_is_refused():
+    with pytest.raises(ValueError, match='5000 coefficients d of distortion; at most'):
+        points_from_depth(image([[1.0]]), camera(1, 1, d=[0.0] * 5000))
+
+
 def test_without_p_the_matrix_k_counts():
     expected = points_from_depth(lie(), camera(3, 2))
     assert points_from_depth(lie(), camera(3, 2, p=[0.0] * 12, d=[0.0] * 5)).tolist() == (

@@ -8,11 +8,13 @@ from ros.inputs.sensing_node import SCENE, Node, cloud, header
 from ros.inputs.tf_messages import at, message, transform
 from ros.live_scenes import live_scene
 
-from drake_geom_ros.proximity_rules import ProximityRule
+from drake_geom_ros.geometry import Role
+from drake_geom_ros.proximity_rules import ProximityRule, RuleMonitor
 from drake_geom_ros.ros.inputs.joint_input import JointInput
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.scene.scene_rules import Blind
 from drake_geom_ros.ros.services import obstacles, scene, shapes
 from drake_geom_ros.scene_files import read_scene
 
@@ -213,3 +215,37 @@ def test_a_frame_of_the_scene_called_as_a_map_keeps_its_name():
     node = Node(scene=SCENE.replace('name: mast', 'name: points'), self_filter='none')
     node.input.take_cloud(cloud([[0.01, 0.01, 0.01]], frame='points'))
     assert np.allclose(node.centres(), [[0.05, 0.05, 2.05]])
+
+
+def test_rules_are_about_the_same_pairs_whatever_a_map_holds(monkeypatch):
+    node = Node(self_filter='none')
+    node.move(100.0, [0, 0, 0])
+    rule = ProximityRule('r', ('s::arm',), ('obstacles::points',), enter=0.1, leave=0.2)
+    bound = []
+    bind = RuleMonitor.bind
+
+    def counted(*asked):
+        bound.append(1)
+        return bind(*asked)
+
+    monkeypatch.setattr(RuleMonitor, 'bind', counted)
+    blind = Blind(frozenset(), frozenset())
+    nearest = []
+    with node.live.editing() as held:
+        held.bind_rules()
+        held.rules.add([rule])
+    bound.clear()
+    for distance in (0.35, 0.15, 0.55):
+        node.input.take_cloud(cloud([[distance + 0.01, 0.01, -1.99]]))
+        with node.live.editing() as held:
+            held.bind_rules()
+            assert not held.rules.is_measured
+            held.rules.decide(node.clock.now, held.query, blind)
+            nearest += [(s.why is not None) for s in held.rules.states()]
+    assert nearest == [False, True, False]
+    assert not bound
+    with node.live.editing() as held:  # what is reported changes, and then pairs do
+        geometry = held.names.geometry('s::arm/hand')
+        held.scene_graph.RemoveRole(held.names.source('s'), geometry, Role.kProximity)
+        held.bind_rules()
+    assert bound

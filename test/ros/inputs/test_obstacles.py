@@ -146,6 +146,48 @@ def test_cells_are_held_for_a_while_or_until_seen_free():
     assert near(node.centres(), [[0.05, 4.05, 2.05], [2.05, 0.05, 2.05]])
 
 
+def test_cells_are_held_neither_for_ever_nor_gone_when_the_clock_jumps():
+    node = Node(self_filter='none', keep=1.0)
+    node.input.take_cloud(cloud([[1, 0, 0]], stamp=100.0))
+    node.clock.now = 20.0  # simulated time begins anew
+    node.live.clocks.begin_anew()
+    node.input.take_cloud(cloud([[0, 2, 0]], stamp=20.0))
+    assert len(node.centres()) == 2
+    assert node.input.counts.held_cells == 1
+    node.clock.now = 20.8
+    node.input.take_cloud(cloud([[0, 2, 0]], stamp=20.8))
+    assert len(node.centres()) == 2
+    node.clock.now = 21.1
+    node.input.take_cloud(cloud([[0, 2, 0]], stamp=21.1))
+    assert near(node.centres(), [[0.05, 2.05, 2.05]])
+    node.clock.now = 900.0  # or jumps ahead
+    node.live.clocks.begin_anew()
+    node.input.take_cloud(cloud([[1, 0, 0]], stamp=900.0))
+    assert len(node.centres()) == 2
+
+
+def test_points_that_make_no_cell_are_counted():
+    node = Node(self_filter='none', least_points=2)
+    pair, alone = [[1.01, 0.01, 0.01], [1.02, 0.01, 0.01]], [[0.01, 2.01, 0.01]]
+    node.input.take_cloud(cloud(pair + alone))
+    assert (len(node.centres()), node.input.counts.in_sparse_cells) == (1, 1)
+    node.input.take_cloud(cloud(alone))  # a thin cloud is no empty room
+    assert (len(node.centres()), node.input.counts.in_sparse_cells) == (1, 0)
+
+
+def test_a_message_of_any_size_is_refused_before_it_is_read(monkeypatch):
+    monkeypatch.setattr(obstacles, 'MOST_NODES', 10)
+    node = Node('octomap')
+    full = Plain(header=header('mast', 100.0), id='ColorOcTree', binary=False, resolution=0.1)
+    for told, most in (({'binary': True}, 20), ({'id': 'OcTree'}, 50), ({}, 80)):
+        message = Plain(**{**vars(full), **told}, data=array.array('b', bytes(most + 40)))
+        with pytest.raises(RuntimeError, match=f'at most {most} are taken'):
+            node.input.take_octomap(message)
+    field = Plain(name='x', offset=0, datatype=7, count=1)
+    with pytest.raises(RuntimeError, match='5000 fields; at most'):
+        node.input.take_cloud(cloud([[1, 0, 0]], fields=[field] * 5000))
+
+
 def test_the_order_of_points_does_not_matter():
     points = np.random.default_rng(3).uniform(-2, 2, (500, 3))
     one, other = Node(self_filter='none'), Node(self_filter='none')
