@@ -112,7 +112,9 @@ def main() -> None:
         for order, some in (('as they come', points), ('along a curve', along_a_curve(points))):
             truth = asks['ours'](some[:FEW])
             for name, ask in asks.items():
-                np.testing.assert_allclose(ask(some[:FEW]), truth, atol=1e-12, err_msg=name)
+                np.testing.assert_allclose(
+                    ask(some[:FEW]), truth, rtol=0, atol=1e-12, err_msg=name
+                )
             told = measure(asks, some, given.rounds)
             line = ', '.join(
                 f'{name} {cpu:.2f} ({clock:.2f})' for name, (cpu, clock) in told.items()

@@ -45,11 +45,11 @@ def test_it_is_the_float_pose_and_how_that_changes(name):
 
     found = CHAINS[name](pose(Pose, Rotation, Angles, InitializeAutoDiff(AT)[:, 0]))
     matrix = found.GetAsMatrix34()
-    np.testing.assert_allclose(ExtractValue(matrix), of_floats(AT), atol=1e-14)
+    np.testing.assert_allclose(ExtractValue(matrix), of_floats(AT), rtol=0, atol=1e-14)
     rates = ExtractGradient(matrix, 6)
     for k, step in enumerate(1e-6 * np.eye(6)):
         expected = (of_floats(AT + step) - of_floats(AT - step)) / 2e-6
-        np.testing.assert_allclose(rates[:, k], expected.ravel(order='F'), atol=1e-9)
+        np.testing.assert_allclose(rates[:, k], expected.ravel(order='F'), rtol=0, atol=1e-9)
 
 
 def test_points_are_moved():
@@ -57,8 +57,10 @@ def test_points_are_moved():
     X = pose(Pose, Rotation, Angles, numbers)
     p = X @ [1.0, 0.0, 0.0]
     of_floats = pose(RigidTransform, RotationMatrix, RollPitchYaw, AT)
-    np.testing.assert_allclose(ExtractValue(p)[:, 0], of_floats @ [1.0, 0.0, 0.0], atol=1e-15)
-    np.testing.assert_allclose(ExtractGradient(p)[:, 3:], np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(
+        ExtractValue(p)[:, 0], of_floats @ [1.0, 0.0, 0.0], rtol=0, atol=1e-15
+    )
+    np.testing.assert_allclose(ExtractGradient(p)[:, 3:], np.eye(3), rtol=0, atol=1e-15)
     assert (X @ np.ones((3, 4))).shape == (3, 4)
     assert (X.rotation() @ np.ones(3)).shape == (3,)
 
@@ -67,8 +69,10 @@ def test_quaternions_and_float_rotations_are_taken():
     half = InitializeAutoDiff([0.2])[0, 0]
     wxyz = np.array([np.cos(half), 0.0, 0.0, np.sin(half)], dtype=object)
     R, expected = Rotation(wxyz).matrix(), Rotation.MakeZRotation(2.0 * half).matrix()
-    np.testing.assert_allclose(ExtractValue(R), ExtractValue(expected), atol=1e-15)
-    np.testing.assert_allclose(ExtractGradient(R, 1), ExtractGradient(expected, 1), atol=1e-15)
+    np.testing.assert_allclose(ExtractValue(R), ExtractValue(expected), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        ExtractGradient(R, 1), ExtractGradient(expected, 1), rtol=0, atol=1e-15
+    )
     np.testing.assert_array_equal(ExtractValue(Pose(OTHER).GetAsMatrix34()), OTHER.GetAsMatrix34())
     assert ExtractGradient(Pose.Identity().GetAsMatrix34()).shape == (12, 0)
 

@@ -96,8 +96,8 @@ def test_a_base_on_a_planar_joint_goes_where_its_columns_say(cell, tmp_path):
     joints = Joints.of(loaded)
     assert joints.names == ('arm::weld/x', 'arm::weld/y', 'arm::weld/theta', 'arm::turn')
     (poses,) = joints.poses(np.array([[1.0, 2.0, np.pi / 2, 0.0]]))
-    np.testing.assert_allclose(poses[0], [1, 2, 0, 0, 0, 0.5**0.5, 0.5**0.5], atol=1e-12)
-    np.testing.assert_allclose(poses[1, :3], [1, 2, 0.5], atol=1e-12)
+    np.testing.assert_allclose(poses[0], [1, 2, 0, 0, 0, 0.5**0.5, 0.5**0.5], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(poses[1, :3], [1, 2, 0.5], rtol=0, atol=1e-12)
     some = Joints.of(loaded, ['arm::turn'])
     assert some.count == 1
     assert some.frame_ids == []

@@ -26,8 +26,8 @@ def test_distances_name_both_and_give_points_in_the_world(scene):
     assert table['geometry_a'] == ['scene::world/post']
     assert table['geometry_b'] == ['scene::ball/ball']
     assert table['distance'] == pytest.approx([0.35], abs=1e-13)
-    np.testing.assert_allclose(table['p_wca'], [[0.05, 0, 1]], atol=1e-13)
-    np.testing.assert_allclose(table['p_wcb'], [[0.4, 0, 1]], atol=1e-13)
+    np.testing.assert_allclose(table['p_wca'], [[0.05, 0, 1]], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(table['p_wcb'], [[0.4, 0, 1]], rtol=0, atol=1e-13)
     assert table['method'] == ['closed_form']
 
 
@@ -37,7 +37,7 @@ def test_points_are_answered_by_index(scene):
     assert list(table['point_index']) == [0]
     assert table['geometry'] == ['scene::ball/ball']
     assert table['distance'] == pytest.approx([0.9])
-    np.testing.assert_allclose(table['p_gn'], [[0, 0, 0.1]], atol=1e-13)
+    np.testing.assert_allclose(table['p_gn'], [[0, 0, 0.1]], rtol=0, atol=1e-13)
 
 
 def test_nothing_overlaps_there(scene):

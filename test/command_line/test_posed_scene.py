@@ -86,7 +86,7 @@ def test_links_of_a_robot_stand_as_its_configuration_says():
     frames = {scene.frame_name(f): f for f in scene.inspector.GetAllFrameIds()}
     for name, X_WL in zip(arm.link_names, expected, strict=True):
         found = scene.query.X_WF(frames[f'left::{name}']).GetAsMatrix4()
-        np.testing.assert_allclose(found, X_WL, atol=1e-14)
+        np.testing.assert_allclose(found, X_WL, rtol=0, atol=1e-14)
 
 
 LOOSE = """<robot name="r"><link name="a"/>

@@ -90,7 +90,7 @@ def test_a_camera_looks_where_it_is_told():
     for at in ([0, 0, 0], [5, 5, 5], [1.0, 2.0, 9.0]):
         X_WC = looking([1.0, 2.0, 3.0], at)
         ahead = X_WC.inverse().multiply(np.array(at, dtype=float))
-        np.testing.assert_allclose(ahead[:2], 0.0, atol=1e-12)
+        np.testing.assert_allclose(ahead[:2], 0.0, rtol=0, atol=1e-12)
         assert ahead[2] > 0
         # Down in the image is down in the world, but for a look straight up.
         assert X_WC.rotation().matrix()[2, 1] <= 1e-12

@@ -55,7 +55,7 @@ def test_a_body_that_was_moved_shares_its_shape():
     shape = one.shape
     moved = one.placed(R, np.ones(3)).moved(R.T, np.array([1.0, 0.0, 0.0]))
     assert moved.shape is shape
-    np.testing.assert_allclose(moved.R, np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(moved.R, np.eye(3), rtol=0, atol=1e-15)
     np.testing.assert_allclose(moved.p, R.T @ np.ones(3) + [1.0, 0.0, 0.0])
     np.testing.assert_array_equal(one.p, np.zeros(3))
     assert one.scaled(2.0).radius == 2.0 * one.radius

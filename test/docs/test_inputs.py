@@ -52,4 +52,6 @@ def test_the_transforms_put_the_ball_where_the_text_says(order):
     told = re.search(r'The ball is at x = (\S+), y = (\S+), z = (\S+) now', TEXT)
     view = live.view()
     position = view.query.X_WF(view.names.frame('ball')).translation()
-    np.testing.assert_allclose(position, [float(number) for number in told.groups()], atol=1e-15)
+    np.testing.assert_allclose(
+        position, [float(number) for number in told.groups()], rtol=0, atol=1e-15
+    )

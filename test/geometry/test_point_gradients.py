@@ -59,7 +59,7 @@ def test_the_unit_cube_of_the_documentation():
     distances, grads, unique = asked(Box(1, 1, 1), RigidTransform(), p_GQs)
     thirds, halves = 3**-0.5, 2**-0.5
     expected = [[thirds] * 3, [halves, halves, 0.0], [halves, 0.0, -halves]]
-    np.testing.assert_allclose(grads, expected, atol=1e-15)
+    np.testing.assert_allclose(grads, expected, rtol=0, atol=1e-15)
     assert distances.tolist() == [0.0] * 3
     assert not unique.any()
 
@@ -70,8 +70,8 @@ def test_where_faces_meet_it_is_the_mean_of_their_normals(name, pose):
     shape, creases = CREASES[name]
     p_GQs, normals = (np.array(side) for side in zip(*creases, strict=True))
     distances, grads, unique = asked(shape, POSES[pose], p_GQs)
-    np.testing.assert_allclose(grads, normals, atol=1e-9 if pose == 'far' else 1e-14)
-    np.testing.assert_allclose(distances, 0.0, atol=1e-10)
+    np.testing.assert_allclose(grads, normals, rtol=0, atol=1e-9 if pose == 'far' else 1e-14)
+    np.testing.assert_allclose(distances, 0.0, rtol=0, atol=1e-10)
     assert not unique.any()
 
 
@@ -82,7 +82,7 @@ def test_on_a_face_it_is_that_of_the_face_alone(side):
     for shape, p_GQs in ((BOX, on_box), (Cylinder(RADIUS, LENGTH), on_cylinder)):
         _, grads, unique = asked(shape, RigidTransform(), p_GQs)
         faces = (0, 1, 2) if shape is BOX else (1, 2)
-        np.testing.assert_allclose(grads, side * np.eye(3)[list(faces)], atol=1e-15)
+        np.testing.assert_allclose(grads, side * np.eye(3)[list(faces)], rtol=0, atol=1e-15)
         assert unique.all()
 
 
@@ -96,7 +96,7 @@ def test_beside_an_edge_it_is_that_of_the_face_and_beyond_it_points_away(name):
         ((distance,), (grad,), (unique,)) = asked(shape, RigidTransform(), [out])
         assert unique
         assert distance == pytest.approx(BEYOND, rel=1e-6)
-        np.testing.assert_allclose(grad, normal, atol=1e-6)
+        np.testing.assert_allclose(grad, normal, rtol=0, atol=1e-6)
         for k in np.flatnonzero(normal):
             beside = p_GC.copy()
             beside[k] *= 1.0 - BEYOND / abs(p_GC[k])

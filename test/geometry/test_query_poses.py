@@ -21,8 +21,8 @@ def test_they_are_those_of_each_by_itself():
         asked = [scene.ids[k] for k in (2, 0, 1, 0)]
         rotations, positions = query.X_WGs([id.get_value() for id in asked])
         for id, R, p in zip(asked, rotations, positions, strict=True):
-            np.testing.assert_allclose(R, query.X_WG(id).rotation().matrix(), atol=1e-15)
-            np.testing.assert_allclose(p, query.X_WG(id).translation(), atol=1e-15)
+            np.testing.assert_allclose(R, query.X_WG(id).rotation().matrix(), rtol=0, atol=1e-15)
+            np.testing.assert_allclose(p, query.X_WG(id).translation(), rtol=0, atol=1e-15)
     assert rotations.shape == (4, 3, 3)
 
 

@@ -171,7 +171,7 @@ def assert_same_distances(carried, fresh, reach):
         a, b = ours[pair], theirs[pair]
         assert abs(a.distance - b.distance) <= a.error_bound + b.error_bound, pair
         assert a.error_bound <= 1e-8
-        np.testing.assert_allclose(np.linalg.norm(a.nhat_BA_W), 1.0, atol=1e-12)
+        np.testing.assert_allclose(np.linalg.norm(a.nhat_BA_W), 1.0, rtol=0, atol=1e-12)
     assert list(ours) == sorted(ours)
 
 

@@ -59,7 +59,7 @@ def test_barycentric_coordinates():
     np.testing.assert_allclose(mesh.CalcBarycentric([0.5, 0.5, 3], t=0), [0.75, -0.25, 0.5])
     b_Q = [0.2, 0.3, 0.5]
     p_MQ = mesh.CalcCartesianFromBarycentric(element_index=1, b_Q=b_Q)
-    np.testing.assert_allclose(mesh.CalcBarycentric(p_MQ=p_MQ, t=1), b_Q, atol=1e-15)
+    np.testing.assert_allclose(mesh.CalcBarycentric(p_MQ=p_MQ, t=1), b_Q, rtol=0, atol=1e-15)
 
 
 def test_polygons():

@@ -55,8 +55,8 @@ def test_compose_agrees_with_matrices():
     R_AC, p_AC = compose(*A, *B)
     for k in range(n):
         truth = matrix_of(POSES[k]) @ matrix_of(POSES[n + k])
-        np.testing.assert_allclose(R_AC[k], truth[:3, :3], atol=1e-15)
-        np.testing.assert_allclose(p_AC[k], truth[:3, 3], atol=1e-14)
+        np.testing.assert_allclose(R_AC[k], truth[:3, :3], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(p_AC[k], truth[:3, 3], rtol=0, atol=1e-14)
 
 
 def test_one_pose_composes_with_many():
@@ -64,8 +64,8 @@ def test_one_pose_composes_with_many():
     R, p = compose(Rs[0], ps[0], Rs, ps)
     for k in (0, 7, 299):
         R_k, p_k = compose(Rs[0], ps[0], Rs[k], ps[k])
-        np.testing.assert_allclose(R[k], R_k, atol=1e-15)
-        np.testing.assert_allclose(p[k], p_k, atol=1e-15)
+        np.testing.assert_allclose(R[k], R_k, rtol=0, atol=1e-15)
+        np.testing.assert_allclose(p[k], p_k, rtol=0, atol=1e-15)
 
 
 def test_results_are_not_views_of_the_input():
@@ -105,7 +105,9 @@ def test_bad_poses_are_refused_by_row(poses, words):
 def test_the_norm_may_be_off_by_the_tolerance():
     for norm in (1 - 0.999 * QUATERNION_NORM, 1 + 0.999 * QUATERNION_NORM):
         R = rotations_from_quaternions([[0.6 * norm, 0, 0, 0.8 * norm]])
-        np.testing.assert_allclose(R, rotations_from_quaternions([[0.6, 0, 0, 0.8]]), atol=1e-15)
+        np.testing.assert_allclose(
+            R, rotations_from_quaternions([[0.6, 0, 0, 0.8]]), rtol=0, atol=1e-15
+        )
 
 
 def test_which_rows_are_poses():

@@ -22,7 +22,7 @@ def test_a_quaternion_is_made_in_every_way():
         Quaternion(other=Quaternion(HALF, HALF, 0, 0)),
     ]
     for q in made:
-        np.testing.assert_allclose(q.wxyz(), [HALF, HALF, 0, 0], atol=2e-16)
+        np.testing.assert_allclose(q.wxyz(), [HALF, HALF, 0, 0], rtol=0, atol=2e-16)
     assert Quaternion().wxyz().tolist() == Quaternion.Identity().wxyz().tolist() == [1, 0, 0, 0]
 
 
@@ -42,8 +42,8 @@ def test_angle_and_axis_come_back(angle):
     assert back.angle() == pytest.approx(angle, abs=1e-15)
     if angle:
         turned = back.axis() if back.axis() @ axis > 0 else -back.axis()
-        np.testing.assert_allclose(turned, axis, atol=1e-7 if angle < 1e-3 else 1e-14)
-    np.testing.assert_allclose(given.inverse().rotation(), given.rotation().T, atol=1e-15)
+        np.testing.assert_allclose(turned, axis, rtol=0, atol=1e-7 if angle < 1e-3 else 1e-14)
+    np.testing.assert_allclose(given.inverse().rotation(), given.rotation().T, rtol=0, atol=1e-15)
     assert AngleAxis(quaternion=Quaternion(-1, 0, 0, 0)).angle() == 0.0
 
 
@@ -55,7 +55,7 @@ def test_rotation_matrices_give_and_take_them():
         RotationMatrix(theta_lambda=R_AB.ToAngleAxis()),
         RotationMatrix(quaternion=R_AB.ToRollPitchYaw().ToQuaternion()),
     ):
-        np.testing.assert_allclose(made.matrix(), R_AB.matrix(), atol=1e-15)
+        np.testing.assert_allclose(made.matrix(), R_AB.matrix(), rtol=0, atol=1e-15)
     assert 0 <= R_AB.ToAngleAxis().angle() <= math.pi
     assert AngleAxis().angle() == AngleAxis.Identity().angle() == 0.0
     assert AngleAxis(other=AngleAxis(2.0, [0, 1, 0])).axis().tolist() == [0, 1, 0]
@@ -101,7 +101,7 @@ def test_four_numbers_are_a_point_or_a_direction():
     for vec_B in ([4, 5, 6, 1], [4, 5, 6, 0]):
         expected = X_AB.GetAsMatrix4() @ vec_B
         for vec_A in (X_AB @ vec_B, X_AB.multiply(vec_B=vec_B)):
-            np.testing.assert_allclose(vec_A, expected, atol=1e-15)
+            np.testing.assert_allclose(vec_A, expected, rtol=0, atol=1e-15)
     with pytest.raises(RuntimeError, match=r'the last of \[4.0, 5.0, 6.0, 0.5\] is not 0 or 1'):
         X_AB @ [4, 5, 6, 0.5]
     np.testing.assert_array_equal(X_AB.multiply(p_BoQ_B=[4, 5, 6]), X_AB @ [4, 5, 6])

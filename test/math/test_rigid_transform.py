@@ -30,13 +30,13 @@ def test_group_laws(a, b, c):
 def test_agrees_with_matrices(a, b):
     product = TRANSFORMS[a] @ TRANSFORMS[b]
     truth = matrix_of(POSES[a]) @ matrix_of(POSES[b])
-    np.testing.assert_allclose(product.GetAsMatrix4(), truth, atol=1e-14)
-    np.testing.assert_allclose(product.GetAsMatrix34(), truth[:3], atol=1e-14)
+    np.testing.assert_allclose(product.GetAsMatrix4(), truth, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(product.GetAsMatrix34(), truth[:3], rtol=0, atol=1e-14)
 
 
 def test_points_are_moved_one_or_many():
     X = RigidTransform(RotationMatrix.MakeZRotation(math.pi / 2), [1, 2, 3])
-    np.testing.assert_allclose(X @ [1, 0, 0], [1, 3, 3], atol=1e-15)
+    np.testing.assert_allclose(X @ [1, 0, 0], [1, 3, 3], rtol=0, atol=1e-15)
     np.testing.assert_allclose(
         X.multiply(np.eye(3)), np.add(X.rotation().matrix(), [[1], [2], [3]])
     )
@@ -68,7 +68,7 @@ def test_the_ways_to_make_one():
     assert RigidTransform().IsExactlyIdentity()
     assert RigidTransform(R).translation().tolist() == [0, 0, 0]
     assert RigidTransform(p) == RigidTransform(p=p) == RigidTransform(np.reshape(p, (3, 1)))
-    np.testing.assert_allclose(X.ToArray(), [*p, x, y, z, w], atol=1e-15)
+    np.testing.assert_allclose(X.ToArray(), [*p, x, y, z, w], rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -87,7 +87,7 @@ def test_each_state_is_that_of_a_cycle(tmp_path, seed):
     expected = np.array(list(by_a_live_scene(scene, messages)))
     found = clearance(recorder.record(tmp_path / 'run', messages), scene)['all']
     begin = messages[0][0]
-    np.testing.assert_allclose(found.times, expected[:, 0] - begin, atol=1e-9)
+    np.testing.assert_allclose(found.times, expected[:, 0] - begin, rtol=0, atol=1e-9)
     assert found.left_out.tolist() == expected[:, 3].tolist()
     lower = found.known_distance - found.known_error_bound
     np.testing.assert_array_equal(lower, expected[:, 1])

@@ -72,7 +72,7 @@ def test_poses_of_messages_are_answered_as_evaluate_answers_them(tmp_path, balls
     run = recorder.record(tmp_path / 'run', poses(times, 'ab', rows), sqlite=sqlite)
     found = clearance(run, balls)
     same(found['all'], directly(balls, 'ab', rows))
-    np.testing.assert_allclose(found.times, times, atol=1e-9)
+    np.testing.assert_allclose(found.times, times, rtol=0, atol=1e-9)
     assert not found.reservations()
     least = found.least()
     assert least.distance == found['all'].distance[np.argmin(found['all'].lower_bound)]
@@ -105,7 +105,7 @@ def test_transforms_are_followed_to_the_world(tmp_path, balls):
         messages.append((t, '/tf', recorder.transforms(t, *edges)))
     found = clearance(recorder.record(tmp_path / 'run', messages), balls, between=['a:b'])['a:b']
     x = np.abs(0.5 + moves)  # a ball of 0.1 from the face of a box at 0.1
-    np.testing.assert_allclose(found.distance[x > 0.2], (x - 0.2)[x > 0.2], atol=1e-12)
+    np.testing.assert_allclose(found.distance[x > 0.2], (x - 0.2)[x > 0.2], rtol=0, atol=1e-12)
     assert set(found.name_A) == {'s::a/ball'}
 
 
@@ -161,7 +161,7 @@ def test_a_rate_takes_the_state_of_that_time(tmp_path, balls):
     rows = random_rows(11, 2, seed=5)
     run = recorder.record(tmp_path / 'run', poses(0.1 * np.arange(11), 'ab', rows))
     found = clearance(run, balls, rate=20.0)
-    np.testing.assert_allclose(found.times, 0.05 * np.arange(21), atol=1e-9)
+    np.testing.assert_allclose(found.times, 0.05 * np.arange(21), rtol=0, atol=1e-9)
     every = directly(balls, 'ab', rows).distance
     assert found['all'].distance.tolist() == np.repeat(every, 2)[:21].tolist()
     with pytest.raises(ArgumentError, match='rate'):

@@ -37,7 +37,7 @@ def test_view_plays_a_recording(run, balls, monkeypatch):  # noqa: F811
     view.add_to(parser.add_subparsers())
     options = ['view', str(place), '--scene', str(balls), '--rate', '10']
     timeline = view.open_page(parser.parse_args(options))['timeline']
-    np.testing.assert_allclose(timeline.times, 0.1 * np.arange(11), atol=1e-9)
+    np.testing.assert_allclose(timeline.times, 0.1 * np.arange(11), rtol=0, atol=1e-9)
     told = timeline.poses(0.55)
     places = {tuple(told.value(frame).translation()) for frame in told.ids()}
     assert places == {tuple(row[:3]) for row in rows[5]}

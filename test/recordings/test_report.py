@@ -186,7 +186,7 @@ def test_what_a_truncated_file_does_not_tell_is_said_in_the_report(tmp_path, bal
     told = f'it told something until {found.times[-1]:.3f} s'
     assert told in capsys.readouterr().out
     assert told in (out / 'report.html').read_text()
-    np.testing.assert_allclose(found['a:b'].distance, 0.8, atol=1e-12)
+    np.testing.assert_allclose(found['a:b'].distance, 0.8, rtol=0, atol=1e-12)
 
 
 def test_a_folder_of_runs_gets_a_report_each_and_goes_on_where_it_ended(tmp_path, balls, capsys):  # noqa: F811

@@ -47,7 +47,7 @@ def test_a_driver_that_died_before_the_end_is_no_whole_run(tmp_path, balls, rate
 def test_what_came_before_the_first_pose_is_a_gap(tmp_path, balls):  # noqa: F811
     messages = others([0.0]) + still(5.0 + 0.1 * np.arange(20))
     found = clearance(recorder.record(tmp_path / 'run', messages), balls, between=['a:b'])
-    np.testing.assert_allclose(found.times, 5.0 + 0.1 * np.arange(20), atol=1e-9)
+    np.testing.assert_allclose(found.times, 5.0 + 0.1 * np.arange(20), rtol=0, atol=1e-9)
     assert [tuple(gap) for gap in found.gaps] == [pytest.approx((0.0, 5.0))]
     assert 'at the beginning of the recording' in found.reservations()[0]
 

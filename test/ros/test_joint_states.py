@@ -73,7 +73,7 @@ def wait_until_it_stands(client, q, *drivers, robot='arm', base=X_WB):
             for driver in drivers:
                 driver.send()
             now = place_of(client, f'{robot}::{link}')
-            return now is not None and np.allclose(now, place, atol=1e-12)
+            return now is not None and np.allclose(now, place, rtol=0, atol=1e-12)
 
         client.wait_for(is_there, f'{robot}::{link} at {X_WL[:3, 3]}')
 
@@ -161,7 +161,7 @@ def test_a_described_robot_needs_nothing_but_joint_states(tmp_path):
         def moved():
             driver.send(**dict.fromkeys(JOINTS_OF_ARM, 0.0))
             now = place_of(client, 'arm::hand')
-            return now is not None and np.allclose(now, [1, 0, 2], atol=1e-12)
+            return now is not None and np.allclose(now, [1, 0, 2], rtol=0, atol=1e-12)
 
         client.wait_for(moved, 'the other robot to follow')
     finally:

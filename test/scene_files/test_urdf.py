@@ -97,14 +97,14 @@ def test_a_pose_has_rotation_and_position(folder):
     X = read(ARM, folder).geometries[0].X_FG
     np.testing.assert_array_equal(X.translation(), [1, 2, 3])
     expected = RollPitchYaw(0.1, 0.2, 0.3).ToRotationMatrix().matrix()
-    np.testing.assert_allclose(X.rotation().matrix(), expected, atol=1e-15)
+    np.testing.assert_allclose(X.rotation().matrix(), expected, rtol=0, atol=1e-15)
 
 
 def test_a_quaternion_turns_a_collision_element(folder):
     turned = ARM.replace(b'rpy="0.1 0.2 0.3"', b'quat_xyzw="0 0 0.7071 0.7071"')
     X = read(turned, folder).geometries[0].X_FG
     np.testing.assert_allclose(
-        X.rotation().matrix(), [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15
+        X.rotation().matrix(), [[0, -1, 0], [1, 0, 0], [0, 0, 1]], rtol=0, atol=1e-15
     )
 
 

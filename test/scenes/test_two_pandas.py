@@ -110,8 +110,8 @@ def test_the_arms_face_each_other(description):
     left, right = (robot.X_WB for robot in description.robots)
     toward = right.translation() - left.translation()
     toward /= np.linalg.norm(toward)
-    np.testing.assert_allclose(left.rotation().col(0), toward, atol=1e-12)
-    np.testing.assert_allclose(right.rotation().col(0), -toward, atol=1e-12)
+    np.testing.assert_allclose(left.rotation().col(0), toward, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(right.rotation().col(0), -toward, rtol=0, atol=1e-12)
 
 
 def test_nothing_but_the_arms_and_the_table_is_in_touch_at_first(description):

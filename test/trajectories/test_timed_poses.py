@@ -13,8 +13,8 @@ def test_poses_at_their_times_are_met():
         [[0, 0, 1, *_turn_z(0.0)], [1, 2, 3, *_turn_z(1.0)], [0, 1, 0, *_turn_z(3.0)]]
     )
     frame = TimedPoses([0.5, 1.0, 3.0], table)
-    np.testing.assert_allclose(frame.poses([0.5, 1.0, 3.0]), table, atol=1e-15)
-    np.testing.assert_allclose(frame.poses([0.0, 9.0]), table[[0, 2]], atol=1e-15)
+    np.testing.assert_allclose(frame.poses([0.5, 1.0, 3.0]), table, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(frame.poses([0.0, 9.0]), table[[0, 2]], rtol=0, atol=1e-15)
     assert frame.end == 3.0
     assert frame.moves
 
@@ -32,7 +32,9 @@ def test_slerp_stays_unit_and_divides_the_arc(angle):
     u = np.linspace(0.0, 1.0, 9)[:, None]
     q = slerp(q0, q1, u)
     np.testing.assert_allclose(np.linalg.norm(q, axis=1), 1.0)
-    np.testing.assert_allclose(2 * np.arctan2(q[:, 2], q[:, 3]), angle * u[:, 0], atol=1e-15)
+    np.testing.assert_allclose(
+        2 * np.arctan2(q[:, 2], q[:, 3]), angle * u[:, 0], rtol=0, atol=1e-15
+    )
 
 
 def test_one_pose_stands_still():

@@ -47,7 +47,7 @@ def test_each_copy_stands_where_its_geometry_does():
             before = np.count_nonzero(batch.bodies[:copy] == body)
             X_WS = X_WGs[body] @ own[before].X_GS
             x, y, z, w = X_WS.ToArray()[3:]
-            np.testing.assert_allclose(p_WSs[copy], X_WS.translation(), atol=1e-14)
+            np.testing.assert_allclose(p_WSs[copy], X_WS.translation(), rtol=0, atol=1e-14)
             assert abs(wxyzs[copy] @ [w, x, y, z]) > 1.0 - 1e-14
             assert batch.geometries[copy] == looks[body].geometry.get_value()
             assert tuple(batch.scales[copy]) == own[before].scale

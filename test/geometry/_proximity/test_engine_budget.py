@@ -66,7 +66,9 @@ def test_a_spent_budget_leaves_the_farther_pairs_at_certified_bounds():
     for ids, row in by_ids(answer).items():
         assert abs(row[DISTANCE] - exact[ids][DISTANCE]) <= row[ERROR_BOUND] + 1e-9
         gap = row[WITNESS_A : WITNESS_A + 3] - row[WITNESS_B : WITNESS_B + 3]
-        np.testing.assert_allclose(gap, row[DISTANCE] * row[NORMAL : NORMAL + 3], atol=1e-12)
+        np.testing.assert_allclose(
+            gap, row[DISTANCE] * row[NORMAL : NORMAL + 3], rtol=0, atol=1e-12
+        )
     # Those that were refined have the least lower bounds of all.
     bounds = signed_distances(Engine(), world, filters, 'bound', math.inf).rows
     lowers = bounds[:, DISTANCE] - bounds[:, ERROR_BOUND]
@@ -90,7 +92,9 @@ def test_a_scene_that_rests_becomes_sharp_and_then_costs_nothing():
         computed = min(SHORTEST_BLOCK, effects.unrefined_pairs)
     assert cycle == math.ceil(66 / SHORTEST_BLOCK)
     np.testing.assert_array_equal(answer.ids, expected.ids)
-    np.testing.assert_allclose(answer.rows[:, DISTANCE], expected.rows[:, DISTANCE], atol=1e-9)
+    np.testing.assert_allclose(
+        answer.rows[:, DISTANCE], expected.rows[:, DISTANCE], rtol=0, atol=1e-9
+    )
     assert (
         signed_distances(engine, world, filters, 'exact', math.inf, time_budget=NOTHING).rows
         is answer.rows
@@ -107,7 +111,9 @@ def test_a_pair_left_at_bounds_is_sharp_in_a_query_that_has_time():
         answer = signed_distances(engine, world, filters, 'exact', 0.3)
         expected = signed_distances(Engine(), world, filters, 'exact', 0.3)
         np.testing.assert_array_equal(answer.ids, expected.ids)
-        np.testing.assert_allclose(answer.rows[:, DISTANCE], expected.rows[:, DISTANCE], atol=1e-9)
+        np.testing.assert_allclose(
+            answer.rows[:, DISTANCE], expected.rows[:, DISTANCE], rtol=0, atol=1e-9
+        )
         assert BOUND_ONLY not in answer.rows[:, METHOD]
 
 
@@ -177,7 +183,7 @@ def test_what_moves_a_little_keeps_narrow_bounds():
             answer.rows[:, WITNESS_A : WITNESS_A + 3] - answer.rows[:, WITNESS_B : WITNESS_B + 3]
         )
         normals = answer.rows[:, NORMAL : NORMAL + 3]
-        np.testing.assert_allclose(spans, answer.rows[:, [DISTANCE]] * normals, atol=1e-12)
+        np.testing.assert_allclose(spans, answer.rows[:, [DISTANCE]] * normals, rtol=0, atol=1e-12)
 
 
 def test_who_was_far_in_between_is_not_taken_for_near(monkeypatch):

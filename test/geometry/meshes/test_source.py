@@ -117,7 +117,7 @@ def test_a_cube_from_a_file_answers_as_a_box(cube, kind, other, height):
     mesh = ShapeScene(other, kind(cube)).pair(*poses)
     box = ShapeScene(other, Box(2, 2, 2)).pair(*poses)
     assert mesh.distance == pytest.approx(box.distance, abs=1e-13)
-    np.testing.assert_allclose(mesh.nhat_BA_W, box.nhat_BA_W, atol=1e-9)
+    np.testing.assert_allclose(mesh.nhat_BA_W, box.nhat_BA_W, rtol=0, atol=1e-9)
 
 
 def test_a_sphere_in_the_middle_of_a_cube_mesh_is_inside(cube):

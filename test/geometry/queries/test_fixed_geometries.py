@@ -32,5 +32,5 @@ def test_they_are_where_the_query_says_and_only_those_that_are_anywhere():
     query = QueryObject(context)
     for R_WG, p_WG, id in zip(R_WGs, p_WGs, ids[1:], strict=True):
         X_WG = query.X_WG(id)
-        np.testing.assert_allclose(R_WG, X_WG.rotation().matrix(), atol=1e-15)
-        np.testing.assert_allclose(p_WG, X_WG.translation(), atol=1e-15)
+        np.testing.assert_allclose(R_WG, X_WG.rotation().matrix(), rtol=0, atol=1e-15)
+        np.testing.assert_allclose(p_WG, X_WG.translation(), rtol=0, atol=1e-15)

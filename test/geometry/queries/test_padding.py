@@ -91,7 +91,7 @@ def test_distances_are_those_of_larger_radii(name, other, scale):
         slack = found.error_bound + truth.error_bound
         assert abs(found.distance - truth.distance) <= slack
         if truth.is_nhat_BA_W_unique:
-            np.testing.assert_allclose(found.nhat_BA_W, truth.nhat_BA_W, atol=1e-6)
+            np.testing.assert_allclose(found.nhat_BA_W, truth.nhat_BA_W, rtol=0, atol=1e-6)
         p_WCa = mine.X_WG(padded.ids[0]) @ found.p_ACa
         p_WCb = mine.X_WG(padded.ids[1]) @ found.p_BCb
         assert np.dot(p_WCa - p_WCb, found.nhat_BA_W) == pytest.approx(found.distance, abs=1e-9)
@@ -168,10 +168,12 @@ def test_points_are_nearer_by_the_padding(name):
     query = scene.query(*X)
     found = query.ComputeSignedDistanceToPoint(points)
     bare = plain.query(*X).ComputeSignedDistanceToPoint(points)
-    np.testing.assert_allclose(found.distance, bare.distance - PAD_A, atol=1e-12)
+    np.testing.assert_allclose(found.distance, bare.distance - PAD_A, rtol=0, atol=1e-12)
     nearest = np.array([query.X_WG(scene.ids[0]) @ p for p in found.p_GN])
     steps = points[found.point_index] - nearest
-    np.testing.assert_allclose((steps * found.grad_W).sum(axis=1), found.distance, atol=1e-9)
+    np.testing.assert_allclose(
+        (steps * found.grad_W).sum(axis=1), found.distance, rtol=0, atol=1e-9
+    )
     limited = query.ComputeSignedDistanceToPoint(points, 0.1)
     assert len(limited) == (found.distance <= 0.1).sum()
 
@@ -222,7 +224,7 @@ def test_gradients_are_those_without_padding_and_witness_derivatives_are_refused
     bare = Scene(*zip(bodies, (0.0, 0.0), strict=True)).query(*X)
     mine = found.ComputeSignedDistancePairwiseClosestPoints()
     theirs = bare.ComputeSignedDistancePairwiseClosestPoints()
-    np.testing.assert_allclose(mine.gradients, theirs.gradients, atol=1e-9)
+    np.testing.assert_allclose(mine.gradients, theirs.gradients, rtol=0, atol=1e-9)
     assert mine.is_gradient_unique.tolist() == theirs.is_gradient_unique.tolist()
     assert mine.is_padded
     assert mine.without_padding().distance == pytest.approx(theirs.distance)
@@ -247,7 +249,7 @@ def test_states_are_answered_as_a_query_object_does():
         assert near[k] == (found.distance - found.error_bound <= 0.2).any()
         assert least.distance[k] == pytest.approx(found.distance.min(), abs=1e-9)
         some = within.distance[within.offsets[k] : within.offsets[k + 1]]
-        np.testing.assert_allclose(some, found.distance[found.distance <= 0.3], atol=1e-9)
+        np.testing.assert_allclose(some, found.distance[found.distance <= 0.3], rtol=0, atol=1e-9)
     assert hits.any()
     assert not hits.all()
 

@@ -46,16 +46,16 @@ def test_a_gap_and_an_overlap():
     assert (pair.id_A, pair.id_B) == tuple(scene.ids)
     assert pair.distance == pytest.approx(0.2, abs=1e-15)
     assert pair.nhat_BA_W.tolist() == [-1, 0, 0]
-    np.testing.assert_allclose(pair.p_ACa, [0.1, 0, 0], atol=1e-16)
-    np.testing.assert_allclose(pair.p_BCb, [-0.2, 0, 0], atol=1e-16)
+    np.testing.assert_allclose(pair.p_ACa, [0.1, 0, 0], rtol=0, atol=1e-16)
+    np.testing.assert_allclose(pair.p_BCb, [-0.2, 0, 0], rtol=0, atol=1e-16)
     assert pair.is_nhat_BA_W_unique
     assert len(scene.query.ComputePointPairPenetration()) == 0
     assert not scene.query.HasCollisions()
     scene.posed([0, 0, 0], [0.25, 0, 0])
     (contact,) = scene.query.ComputePointPairPenetration()
     assert contact.depth == pytest.approx(0.05, abs=1e-15)
-    np.testing.assert_allclose(contact.p_WCa, [0.1, 0, 0], atol=1e-15)
-    np.testing.assert_allclose(contact.p_WCb, [0.05, 0, 0], atol=1e-15)
+    np.testing.assert_allclose(contact.p_WCa, [0.1, 0, 0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(contact.p_WCb, [0.05, 0, 0], rtol=0, atol=1e-15)
     assert (contact.p_WCb - contact.p_WCa) @ contact.nhat_BA_W == pytest.approx(contact.depth)
     assert scene.query.HasCollisions()
 
@@ -121,7 +121,9 @@ def test_depth_is_minus_the_signed_distance_of_the_same_pairs(poses):
     for pair in distances:
         X_WA, X_WB = scene.query.X_WG(pair.id_A), scene.query.X_WG(pair.id_B)
         p_WCa, p_WCb = X_WA @ pair.p_ACa, X_WB @ pair.p_BCb
-        np.testing.assert_allclose(p_WCa - p_WCb, pair.distance * pair.nhat_BA_W, atol=1e-12)
+        np.testing.assert_allclose(
+            p_WCa - p_WCb, pair.distance * pair.nhat_BA_W, rtol=0, atol=1e-12
+        )
         assert np.linalg.norm(pair.nhat_BA_W) == pytest.approx(1.0, abs=1e-12)
     np.testing.assert_array_equal(distances.penetrations().depth, contacts.depth)
 
@@ -150,7 +152,7 @@ def test_the_gradient_is_what_moving_shows(poses, velocity, turn):
     rate = of_B @ np.concatenate((turn, velocity))
     assert rate == pytest.approx((steps[0] - steps[1]) / (2 * h), abs=2e-4)
     # Moving both together changes nothing: the translational parts cancel.
-    np.testing.assert_allclose(of_A[3:] + of_B[3:], 0.0, atol=1e-15)
+    np.testing.assert_allclose(of_A[3:] + of_B[3:], 0.0, rtol=0, atol=1e-15)
 
 
 def test_a_live_query_object_sees_later_poses_and_a_copy_does_not():
@@ -248,8 +250,8 @@ def test_one_point():
     first = results[0]
     assert first.id_G == scene.ids[0]
     assert first.distance == pytest.approx(0.05)
-    np.testing.assert_allclose(first.p_GN, [0, 0.1, 0], atol=1e-16)
-    np.testing.assert_allclose(first.grad_W, [0, 1, 0], atol=1e-16)
+    np.testing.assert_allclose(first.p_GN, [0, 0.1, 0], rtol=0, atol=1e-16)
+    np.testing.assert_allclose(first.grad_W, [0, 1, 0], rtol=0, atol=1e-16)
     centre = scene.query.ComputeSignedDistanceToPoint([0, 0, 0])[0]
     assert centre.grad_W.tolist() == [1, 0, 0]
     assert not centre.is_grad_W_unique

@@ -43,7 +43,7 @@ def test_arrays_and_records_agree(scene):
                 column = getattr(results, name)
                 assert len(column) == len(results)
                 expected = value.get_value() if name.startswith('id_') else value
-                np.testing.assert_allclose(column[k], expected, atol=1e-16)
+                np.testing.assert_allclose(column[k], expected, rtol=0, atol=1e-16)
     assert distances.p_WCa.shape == distances.p_WCb.shape == (3, 3)
 
 

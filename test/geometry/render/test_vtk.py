@@ -254,7 +254,7 @@ def test_a_gltf_file_is_where_queries_have_it(engine, tmp_path, form):
     background = shown.color.at(0, 0)
     np.testing.assert_array_equal((shown.color.data != background).any(axis=-1), is_box)
     lows, highs = (end(shape.surface()[0], axis=0) for end in (np.min, np.max))
-    np.testing.assert_allclose([lows, highs], [[0.1, -0.45, 0], [0.6, 0, 1]], atol=1e-7)
+    np.testing.assert_allclose([lows, highs], [[0.1, -0.45, 0], [0.6, 0, 1]], rtol=0, atol=1e-7)
     nearest = np.nanmin(np.where(is_box, shown.depth.data[..., 0], np.nan))
     assert nearest == pytest.approx(AHEAD.translation()[2], abs=1e-3)
     assert 100 < is_box.sum() < 4000

@@ -141,7 +141,7 @@ def test_shapes_print_as_they_are_made():
 def test_half_space_pose(normal, point):
     X_FH = HalfSpace.MakePose(normal, point)
     Hz_F = X_FH.rotation().col(2)
-    np.testing.assert_allclose(Hz_F, np.array(normal) / np.linalg.norm(normal), atol=1e-15)
+    np.testing.assert_allclose(Hz_F, np.array(normal) / np.linalg.norm(normal), rtol=0, atol=1e-15)
     assert X_FH.rotation().IsValid()
     p_FHo = X_FH.translation()
     assert abs(Hz_F @ (np.array(point) - p_FHo)) < 1e-14  # on the boundary ...
@@ -156,9 +156,9 @@ def test_half_space_pose_is_pydrakes():
         [0.8320502943378437, 0.14824986333222026, 0.5345224838248488],
         [-0.5547001962252291, 0.22237479499833038, 0.8017837257372732],
     ]
-    np.testing.assert_allclose(X_FH.rotation().matrix(), R_FH, atol=1e-15)
+    np.testing.assert_allclose(X_FH.rotation().matrix(), R_FH, rtol=0, atol=1e-15)
     p_FH = [1.0714285714285714, 2.142857142857143, 3.2142857142857144]
-    np.testing.assert_allclose(X_FH.translation(), p_FH, atol=1e-15)
+    np.testing.assert_allclose(X_FH.translation(), p_FH, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize(

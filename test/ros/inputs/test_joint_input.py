@@ -86,7 +86,7 @@ def expected(q, X_WB=None):
 
 def assert_stands(scene, q, X_WB=None, robot='arm'):
     for link, X_WL in expected(q, X_WB).items():
-        np.testing.assert_allclose(pose(scene, f'{robot}::{link}'), X_WL, atol=1e-14)
+        np.testing.assert_allclose(pose(scene, f'{robot}::{link}'), X_WL, rtol=0, atol=1e-14)
 
 
 AT = 'pose: {position: [1, 2, 3]}'
@@ -351,9 +351,11 @@ def assert_twists(scene, before, after, step, tolerance):
     for link in ('upper', 'hand', 'left', 'right'):
         V = twists[scene.names.frame(f'arm::{link}')]
         moved = (after[link] - before[link]) / (2.0 * step)
-        np.testing.assert_allclose(V[3:], moved[:3, 3], atol=tolerance)
+        np.testing.assert_allclose(V[3:], moved[:3, 3], rtol=0, atol=tolerance)
         spin = moved[:3, :3] @ ((after[link] + before[link]) / 2.0)[:3, :3].T
-        np.testing.assert_allclose(V[:3], [spin[2, 1], spin[0, 2], spin[1, 0]], atol=tolerance)
+        np.testing.assert_allclose(
+            V[:3], [spin[2, 1], spin[0, 2], spin[1, 0]], rtol=0, atol=tolerance
+        )
     assert not twists[scene.names.frame('arm::mark')].any()
 
 
@@ -374,4 +376,4 @@ def test_a_base_that_moves_carries_the_speeds_along(folder, clock):
             )
         joints.take(scene, state(JOINTS_OF_ARM, (0, 0, 0), clock.now, (1.0, 0.0, 0.0)), 0.0)
         V = scene.twists()[scene.names.frame('hand')]
-        np.testing.assert_allclose(V, [0, 0, 1, 3, 1, 0], atol=1e-9)
+        np.testing.assert_allclose(V, [0, 0, 1, 3, 1, 0], rtol=0, atol=1e-9)

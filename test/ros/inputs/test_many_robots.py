@@ -78,10 +78,10 @@ def test_joint_states_put_all_links_where_others_do(path, bare_robot):
                 if link == WORLD:
                     continue
                 found = pose(scene, f'it::{link}')
-                np.testing.assert_allclose(found, X_WL, atol=1e-12)
+                np.testing.assert_allclose(found, X_WL, rtol=0, atol=1e-12)
                 if others is not None:
                     expected = X_WB.GetAsMatrix4() @ others[link]
-                    np.testing.assert_allclose(found, expected, atol=1e-10)
+                    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
 
 
 def by_pinocchio(urdf, kinematics, q):

@@ -38,7 +38,7 @@ def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(scene, tf):
     assert take(tf, scene, message(transform('world', 'map', X_AB)), static=True) == 1
     X_WF = scene.query.X_WF(scene.names.frame('tool'))
     expected = (X_AB @ X_AB @ X_AB).GetAsMatrix4()
-    np.testing.assert_allclose(X_WF.GetAsMatrix4(), expected, atol=1e-14)
+    np.testing.assert_allclose(X_WF.GetAsMatrix4(), expected, rtol=0, atol=1e-14)
 
 
 def test_a_nested_frame_is_posed_in_its_parent(scene, tf):

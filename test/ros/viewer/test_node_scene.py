@@ -72,7 +72,7 @@ def test_a_node_is_waited_for_shown_and_met_again(lone_client, shown, scene_file
             assert sorted(names.values()) == ['s::a/ball', 's::world/floor', 's::world/post']
             gaps = moment.pairs.p_WCas - moment.pairs.p_WCbs
             np.testing.assert_allclose(
-                gaps, moment.pairs.distance[:, None] * moment.pairs.nhat_BA_Ws, atol=1e-9
+                gaps, moment.pairs.distance[:, None] * moment.pairs.nhat_BA_Ws, rtol=0, atol=1e-9
             )
             assert moment.remarks[0].startswith('poses of /scene_graph ')
             looks = {(look.name, look.role): look for look in moment.cast.looks}

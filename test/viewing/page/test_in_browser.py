@@ -198,8 +198,8 @@ def test_a_browser_that_waits_for_a_scene_looks_at_it_once_it_is_there():
 
             def looks_at_it():
                 (client,) = clients().values()
-                return np.allclose(client.camera.look_at, wanted.look_at, atol=1e-3) and (
-                    np.allclose(client.camera.position, wanted.position, atol=1e-3)
+                return np.allclose(client.camera.look_at, wanted.look_at, rtol=0, atol=1e-3) and (
+                    np.allclose(client.camera.position, wanted.position, rtol=0, atol=1e-3)
                 )
 
             early.wait_for(lambda: np.allclose(wanted.look_at, [15, 16, 17]), 'the scene')

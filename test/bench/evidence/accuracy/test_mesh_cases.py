@@ -119,7 +119,7 @@ def test_the_l_is_the_union_of_its_boxes():
     points = body.corners.mean(axis=1)
     heights = [np.abs(points - box.p) - 0.5 * np.array(box.size) for box in body.parts]
     on_surface = np.min([height.max(axis=1) for height in heights], axis=0)
-    np.testing.assert_allclose(on_surface, 0.0, atol=1e-16)
+    np.testing.assert_allclose(on_surface, 0.0, rtol=0, atol=1e-16)
     assert mesh_body('Ball', 100).parts == ()
 
 

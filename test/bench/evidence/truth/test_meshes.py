@@ -48,7 +48,7 @@ def test_a_vertex_of_the_ball_is_told_in_forty_digits():
         found, foot = point_distance(BALL.corners, far)
         length = mp.sqrt(sum(mpf(x) ** 2 for x in vertex))
         assert abs(found - length) < mpf(10) ** -35
-    np.testing.assert_allclose(foot, vertex, atol=1e-16)
+    np.testing.assert_allclose(foot, vertex, rtol=0, atol=1e-16)
 
 
 def test_spheres_go_straight_out_or_nothing_is_known():

@@ -80,12 +80,14 @@ def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():
         assert one[DISTANCE] == pytest.approx(two[DISTANCE], abs=1e-9)
         for row in (one, two):
             gap = row[WITNESS_A : WITNESS_A + 3] - row[WITNESS_B : WITNESS_B + 3]
-            np.testing.assert_allclose(gap, row[DISTANCE] * row[NORMAL : NORMAL + 3], atol=1e-12)
+            np.testing.assert_allclose(
+                gap, row[DISTANCE] * row[NORMAL : NORMAL + 3], rtol=0, atol=1e-12
+            )
         if world.geometries.types[0] != world.geometries.types[1]:
             # Different types: the very same kernel call, so the same to rounding.
             np.testing.assert_array_equal(one[NORMAL : NORMAL + 3], -two[NORMAL : NORMAL + 3])
             np.testing.assert_allclose(
-                one[WITNESS_A : WITNESS_A + 3], two[WITNESS_B : WITNESS_B + 3], atol=1e-15
+                one[WITNESS_A : WITNESS_A + 3], two[WITNESS_B : WITNESS_B + 3], rtol=0, atol=1e-15
             )
 
 
@@ -96,7 +98,7 @@ def test_witness_points_in_world_and_in_the_bodies_are_the_same_points():
         for key, in_world, in_body in ((id_A, WITNESS_A, P_ACA), (id_B, WITNESS_B, P_BCB)):
             g = np.searchsorted(world.geometries.ids, key)
             p_W = world.p_WGs[g] + world.R_WGs[g] @ row[in_body : in_body + 3]
-            np.testing.assert_allclose(p_W, row[in_world : in_world + 3], atol=1e-14)
+            np.testing.assert_allclose(p_W, row[in_world : in_world + 3], rtol=0, atol=1e-14)
 
 
 def test_a_cutoff_changes_no_answer_within_it():

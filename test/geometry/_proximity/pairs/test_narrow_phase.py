@@ -102,8 +102,8 @@ def test_either_order_of_types_is_the_same_pair(order):
         points = [on_box, p_AB + on_ball] if side > 0 else [on_ball, p_AB + on_box]
         assert row[DISTANCE] == 1.5
         assert row[NORMAL : NORMAL + 3].tolist() == [0.0, 0.0, -side]
-        np.testing.assert_allclose(row[WITNESS_A : WITNESS_A + 3], points[0], atol=1e-14)
-        np.testing.assert_allclose(row[WITNESS_B : WITNESS_B + 3], points[1], atol=1e-14)
+        np.testing.assert_allclose(row[WITNESS_A : WITNESS_A + 3], points[0], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(row[WITNESS_B : WITNESS_B + 3], points[1], rtol=0, atol=1e-14)
         assert (row[UNIQUE], row[METHOD]) == (1.0, CLOSED_FORM)
 
 
@@ -166,14 +166,14 @@ def test_a_queue_takes_who_needs_a_kernel_with_the_least_distance_known():
     waiting, distances = np.empty(6, dtype=np.int64), np.empty(6)
     assert loop.answer(0.5, queue=(waiting, distances)) == ([], {'far': 3, 'postponed': 3})
     assert waiting[:3].tolist() == [0, 1, 3]
-    np.testing.assert_allclose(distances[:3], [0.1, 0.5, 0.2], atol=1e-14)
+    np.testing.assert_allclose(distances[:3], [0.1, 0.5, 0.2], rtol=0, atol=1e-14)
     loop.answer(0.5)
     loop.pose([0], [[-0.02, 0, 0]])
     hits, done = loop.answer(0.6, queue=(waiting, distances))
     assert (hits, done) == ([3], {'far': 2, 'cached': 1, 'postponed': 3})
     assert waiting[:3].tolist() == [0, 1, 5]
     # Balls are their own bounds: what is known is as good as it gets.
-    np.testing.assert_allclose(distances[:3], [0.12, 0.52, 0.6], atol=1e-14)
+    np.testing.assert_allclose(distances[:3], [0.12, 0.52, 0.6], rtol=0, atol=1e-14)
 
 
 def test_what_waits_is_no_nearer_than_bounds_say():

@@ -34,7 +34,7 @@ def test_the_same_as_in_numpy(n):
     Xs = np.empty((n, POSE_WIDTH))
     assert read_poses(poses, Xs) == n
     expected_Rs, expected_ps = matrices_from_poses(poses)
-    np.testing.assert_allclose(rotations_of(Xs), expected_Rs, atol=1e-15)
+    np.testing.assert_allclose(rotations_of(Xs), expected_Rs, rtol=0, atol=1e-15)
     np.testing.assert_array_equal(positions_of(Xs), expected_ps)
 
 

@@ -52,7 +52,9 @@ def test_bodies_on_frames_that_moved_are_posed_and_their_ways_add_up():
         assert world.update() == (0, 0)
         total, pace = total + step, max(step, posing.FADING * pace)
         np.testing.assert_allclose(world.p_WGs, ps + np.stack((np.zeros(3), Rs[1] @ p_FG)))
-        np.testing.assert_allclose(world.R_WGs, np.stack((Rs[0], Rs[1] @ R_FG)), atol=1e-15)
+        np.testing.assert_allclose(
+            world.R_WGs, np.stack((Rs[0], Rs[1] @ R_FG)), rtol=0, atol=1e-15
+        )
         np.testing.assert_allclose(world.travels, total, rtol=1e-12, atol=1e-14)
         np.testing.assert_allclose(world.paces, pace, rtol=1e-12, atol=1e-14)
     corners = box_corners((0.6, 0.4, 0.2))

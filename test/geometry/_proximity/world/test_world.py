@@ -28,9 +28,9 @@ def test_nested_frames_compose():
         X = np.eye(4)
         X[:3, :3], X[:3, 3] = Rs[k], ps[k]
         X_WF = X_WF @ X
-        np.testing.assert_allclose(world.R_WFs[k + 1], X_WF[:3, :3], atol=1e-14)
-        np.testing.assert_allclose(world.p_WFs[k + 1], X_WF[:3, 3], atol=1e-14)
-        np.testing.assert_allclose(world.p_WGs[k], X_WF[:3, 3], atol=1e-14)
+        np.testing.assert_allclose(world.R_WFs[k + 1], X_WF[:3, :3], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(world.p_WFs[k + 1], X_WF[:3, 3], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(world.p_WGs[k], X_WF[:3, 3], rtol=0, atol=1e-14)
 
 
 def test_only_what_moved_is_updated():

@@ -59,9 +59,9 @@ def test_as_a_sphere_without_radius(kind, place):
         pair = SPHERE, np.zeros(1), np.eye(3), kind, shape, R_WG, p_WG - p_WQ
         call_for_pair(pair_kernel, *pair, 0.0, math.inf, out)
         assert answer[calling_points.POINT_DISTANCE] == pytest.approx(out[0], abs=1e-15)
-        np.testing.assert_allclose(answer[1:4], out[1:4], atol=1e-14)
+        np.testing.assert_allclose(answer[1:4], out[1:4], rtol=0, atol=1e-14)
         p_QN_W = R_WG @ answer[4:7] + (p_WG - p_WQ)
-        np.testing.assert_allclose(p_QN_W, out[7:10], atol=1e-15)
+        np.testing.assert_allclose(p_QN_W, out[7:10], rtol=0, atol=1e-15)
         assert answer[calling_points.POINT_UNIQUE] == out[calling.UNIQUE]
         assert answer[calling_points.POINT_ERROR_BOUND] >= out[calling.ERROR_BOUND]
 
@@ -148,7 +148,7 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     np.testing.assert_array_equal(found, near)
     assert 0 < near.sum() < 6
     assert counts.sum() == counts[ITERATIVE] == near.sum()
-    np.testing.assert_allclose(rows[:, :7], expected[:, :7], atol=1e-13)
+    np.testing.assert_allclose(rows[:, :7], expected[:, :7], rtol=0, atol=1e-13)
     assert (rows[found, calling_points.POINT_ERROR_BOUND] >= 1e-9).all()
 
 

@@ -137,12 +137,12 @@ def test_a_ring_is_three_directions_at_a_tilt_and_the_opposite_one(tilt):
     pair = core_pair(ELLIPSOID, [1.0, 1.0, 0.5], ALIGNED, SPHERE, [0.0], ALIGNED, np.zeros(3))
     points = np.zeros((4, 9))
     epa.ring_points(pair, (0.0, 0.0, 1.0), tilt, points)
-    np.testing.assert_allclose(points[0, :3], [0, 0, -0.25], atol=1e-15)
+    np.testing.assert_allclose(points[0, :3], [0, 0, -0.25], rtol=0, atol=1e-15)
     across, along = np.sin(tilt), np.cos(tilt)
     h = np.hypot(across, 0.5 * along)
     np.testing.assert_allclose(points[1:, 2], along * (0.25 / h - 0.25), rtol=1e-14)
     outwards = points[1:, :2] / (across * (1.0 / h - 0.25))
-    np.testing.assert_allclose(outwards @ outwards.T, 1.5 * np.eye(3) - 0.5, atol=1e-14)
+    np.testing.assert_allclose(outwards @ outwards.T, 1.5 * np.eye(3) - 0.5, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize('seed', range(8))
@@ -165,7 +165,7 @@ def test_first_points_are_far_from_one_another_in_every_direction(seed):
     away.append(normal / np.linalg.norm(normal))
     for k, m in enumerate(away, start=2):
         assert abs(np.dot(p[k] - p[0], m)) >= 0.5 * np.ptp(difference @ m) - 1e-14
-    np.testing.assert_allclose(p[1:], points[1:, 3:6] - points[1:, 6:9], atol=1e-15)
+    np.testing.assert_allclose(p[1:], points[1:, 3:6] - points[1:, 6:9], rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize('seed', range(6))

@@ -87,7 +87,7 @@ def test_the_deepest_point_of_a_line_is_found_up_to_a_17000th_of_it(A, B):
     depth, at = inner_balls.deepest_along(pair, tuple(c), tuple(u), 0.8)
     assert inner_balls.depth_in_both(pair, at, 0.0)[0] == depth
     way = np.dot(np.subtract(at, c), u)
-    np.testing.assert_allclose(c + way * u, at, atol=1e-15)
+    np.testing.assert_allclose(c + way * u, at, rtol=0, atol=1e-15)
     # No depth changes by more than the way, and there are two.
     along = [inner_balls.depth_in_both(pair, tuple(c + t * u), 0.0)[0] for t in GRID]
     assert depth >= max(along) - 2.0 * 1.6 / 17000.0

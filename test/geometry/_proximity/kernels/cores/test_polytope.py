@@ -139,7 +139,7 @@ def test_corners_in_a_row_have_the_plane_across_the_way_to_them(corners, normal,
         assert np.linalg.norm(found) == pytest.approx(1.0, abs=1e-15)
         assert found[0] == 0.0
     else:
-        np.testing.assert_allclose(found, normal, atol=1e-15)
+        np.testing.assert_allclose(found, normal, rtol=0, atol=1e-15)
     assert planes[0, polytope.OFFSET] == pytest.approx(power * offset, rel=1e-15)
 
 

@@ -84,7 +84,7 @@ def _assert_same(row, alone):
     assert row[DISTANCE] == pytest.approx(alone[DISTANCE], abs=bound)
     span = row[DISTANCE] * row[NORMAL : NORMAL + 3]
     apart = row[WITNESS_A : WITNESS_A + 3] - row[WITNESS_B : WITNESS_B + 3]
-    np.testing.assert_allclose(apart, span, atol=bound)
+    np.testing.assert_allclose(apart, span, rtol=0, atol=bound)
 
 
 @pytest.mark.parametrize('step', [0.0, 1e-4, 1e-3, 1e-2, 0.1])

@@ -94,8 +94,8 @@ def test_the_plane_of_a_sliver_is_that_of_a_polytope(kind):
     planes = polytope.rows(polytope.planes, [0, 1, 2, 3]).T
     for corners, plane in zip(faces, planes, strict=True):
         n, offset = plane_of(*(tuple(vertices[v]) for v in corners), 2.0)
-        np.testing.assert_allclose(plane, [*n, offset], atol=1e-15)
-        np.testing.assert_allclose(np.linalg.norm(plane[:3]), 1.0, atol=1e-14)
+        np.testing.assert_allclose(plane, [*n, offset], rtol=0, atol=1e-15)
+        np.testing.assert_allclose(np.linalg.norm(plane[:3]), 1.0, rtol=0, atol=1e-14)
 
 
 def test_no_face_is_nearest_where_there_is_none_or_all_are_settled():

@@ -172,7 +172,7 @@ def test_only_arcs_on_the_side_of_p_are_taken_and_none_where_p_is_short(height):
             for n, point in ((start, arc[6:9]), (end, arc[9:12])):
                 middle = start + end
                 corner = np.sign(np.round(middle[:2], 9)) + 0.5 * n[:2] - [0.25, 0.0]
-                np.testing.assert_allclose(point[:2], corner, atol=1e-15)
+                np.testing.assert_allclose(point[:2], corner, rtol=0, atol=1e-15)
 
 
 def test_a_better_direction_elsewhere_is_alone_if_that_before_is_clearly_worse():

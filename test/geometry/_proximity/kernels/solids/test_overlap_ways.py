@@ -46,7 +46,7 @@ def test_a_ball_in_the_inner_corner_has_ways_out_by_both_walls_the_shorter_first
 )
 def test_a_ball_within_leaves_through_the_nearest_wall(p, m, length):
     (push,) = ways_out(0.03125, p)
-    np.testing.assert_allclose(push, [*m, length + 0.03125], atol=1e-12)
+    np.testing.assert_allclose(push, [*m, length + 0.03125], rtol=0, atol=1e-12)
 
 
 def at(p, radius=0.1):

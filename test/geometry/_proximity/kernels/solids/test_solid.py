@@ -27,8 +27,8 @@ def test_the_box_of_a_hull_is_between_its_ends():
     vertices = np.random.default_rng(1).normal(size=(7, 3))
     box = tree.box_of_core(CONVEX, hull_of(vertices))
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    np.testing.assert_allclose(box.middle, (low + high) / 2, atol=1e-15)
-    np.testing.assert_allclose(box.half, (high - low) / 2, atol=1e-15)
+    np.testing.assert_allclose(box.middle, (low + high) / 2, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(box.half, (high - low) / 2, rtol=0, atol=1e-15)
 
 
 def test_the_middle_of_a_triangle_is_the_mean_of_its_corners():

@@ -152,6 +152,8 @@ def test_the_nearest_point_and_the_gradient_belong_together():
     found = scene.posed([0, 0, 0]).query.ComputeSignedDistanceToPoint(points)
     clear = np.abs(found.distance) > 1e-9
     ways = (points - found.p_GN)[clear]
-    np.testing.assert_allclose(ways, (found.distance[:, None] * found.grad_W)[clear], atol=1e-15)
-    np.testing.assert_allclose(np.linalg.norm(found.grad_W, axis=1), 1.0, atol=1e-14)
+    np.testing.assert_allclose(
+        ways, (found.distance[:, None] * found.grad_W)[clear], rtol=0, atol=1e-15
+    )
+    np.testing.assert_allclose(np.linalg.norm(found.grad_W, axis=1), 1.0, rtol=0, atol=1e-14)
     assert clear.sum() > 50
