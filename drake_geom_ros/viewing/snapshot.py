@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,7 @@ _NEAR, _FAR = 0.01, 1000.0  # [m] what a camera sees
 _SAMPLES = 2  # along each side of a pixel
 _FROM = (1.0, -1.4, 0.9)  # from where a scene is looked at that nobody placed a camera for
 _OPAQUE = 0.99
+_BAND = 32  # rows that are laid over one another at once: a scene has many layers
 _TOLD = 5  # pairs whose distance is written beside, the nearest that have room for it
 _TEXT = (60, 14)  # [pixels] of such a text
 _ROLES: dict[Role, tuple[Any, Any]] = {
@@ -141,7 +142,9 @@ def picture(
     if not 0.0 < see_through <= 1.0:
         raise GeometryError(f'see_through = {see_through} must be in (0, 1]')
     groups = _groups(query, role, see_through)
-    found = _laid_over([_drawn(query, camera, role, ids, cover) for ids, cover in groups])
+    layers = [_drawn(query, camera, role, ids, cover) for ids, cover in groups]
+    bands = range(0, len(layers[0].colours), _BAND)
+    found = np.concatenate([_laid_over(layers, slice(k, k + _BAND)) for k in bands])
     if pairs is not None and len(pairs):
         found = _with_pairs(found, camera, pairs)
     return found
@@ -169,10 +172,18 @@ def _groups(
         yield ids, cover
 
 
+class _Layer(NamedTuple):
+    """Some geometries of a picture."""
+
+    colours: Pixels  # (h, w, 3)
+    depths: NDArray[np.float32]  # (h, w) [m]
+    cover: float  # how much of what is behind them they cover
+
+
 def _drawn(
     query: QueryObject, camera: Camera, role: Role, ids: list[GeometryId], cover: float
-) -> tuple[Floats, Floats, float]:
-    """Return colours (h, w, 3), depths (h, w) [m] of some geometries, and how much they cover."""
+) -> _Layer:
+    """Return some geometries alone."""
     alone = SceneGraph()
     params = RenderEngineExactParams(color_samples=_SAMPLES if cover == 1.0 else 1, role=role)
     alone.AddRenderer('picture', MakeRenderEngineExact(params))
@@ -194,19 +205,19 @@ def _drawn(
     )
     assert images.color is not None
     assert images.depth is not None
-    depths = images.depth.data[..., 0].astype(np.float64)
-    return images.color.data[..., :3].astype(np.float64), depths, cover
+    # Copies, for the images hold more than that.
+    return _Layer(images.color.data[..., :3].copy(), images.depth.data[..., 0].copy(), cover)
 
 
-def _laid_over(layers: list[tuple[Floats, Floats, float]]) -> Pixels:
-    """Return the layers over one another, at each pixel by their depths, the farthest first."""
-    colours = np.stack([colour for colour, _, _ in layers])
-    depths = np.stack([depth for _, depth, _ in layers])
+def _laid_over(layers: list[_Layer], rows: slice) -> Pixels:
+    """Return rows of layers over one another, by their depths at each pixel, farthest first."""
+    colours = np.stack([layer.colours[rows] for layer in layers])
+    depths = np.stack([layer.depths[rows] for layer in layers])
     there = np.isfinite(depths) & (depths > 0.0)
-    covers = np.array([cover for _, _, cover in layers])
+    covers = np.array([layer.cover for layer in layers])
     order = np.argsort(np.where(there, -depths, -np.inf), axis=0)
     # Of what is drawn alone an empty pixel has the background.
-    found = colours[0].copy()
+    found = colours[0].astype(np.float64)
     for rank in order:
         at = rank[None]
         colour = np.take_along_axis(colours, at[..., None], axis=0)[0]

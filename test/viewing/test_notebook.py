@@ -9,6 +9,7 @@ from PIL import Image
 from drake_geom_ros.batch import Joints
 from drake_geom_ros.geometry import ArgumentError, GeometryError, PoseError, Role, SceneGraph
 from drake_geom_ros.scene_files import load_scene
+from drake_geom_ros.viewing import snapshot
 from drake_geom_ros.viewing.notebook import show
 from drake_geom_ros.viewing.snapshot import looking
 
@@ -45,6 +46,13 @@ def test_what_is_inside_is_seen_through_bodies_only(scene_graph):
     middle, aside = (50, 100), (50, 85)  # on the ball in the box, and on the box alone
     assert np.abs(covered[middle].astype(int) - covered[aside]).max() <= 12
     assert np.abs(seen[middle].astype(int) - seen[aside]).max() > 40
+
+
+def test_bands_of_rows_are_one_picture(scene_graph, monkeypatch):
+    found = show(scene_graph, see_through=0.3, **VIEW).pixels
+    for band in (7, 10_000):
+        monkeypatch.setattr(snapshot, '_BAND', band)
+        assert np.array_equal(show(scene_graph, see_through=0.3, **VIEW).pixels, found)
 
 
 def test_nearest_points_are_drawn_over_all_else_red_where_bodies_overlap(scene_graph):
