@@ -218,7 +218,8 @@ def _laid_over(layers: list[_Layer], rows: slice) -> Pixels:
     order = np.argsort(np.where(there, -depths, -np.inf), axis=0)
     # Of what is drawn alone an empty pixel has the background.
     found = colours[0].astype(np.float64)
-    for rank in order:
+    most = int(there.sum(axis=0).max())  # bodies at a pixel: what is empty comes first
+    for rank in order[len(order) - most :]:
         at = rank[None]
         colour = np.take_along_axis(colours, at[..., None], axis=0)[0]
         seen = np.take_along_axis(there, at, axis=0)[0]
