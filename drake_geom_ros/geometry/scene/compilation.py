@@ -9,6 +9,10 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.engine.warm_up import compile_everything
 from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER, Tell, compilation
 from drake_geom_ros.geometry.meshes.source import MeshData
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.model.hydroelastic_properties import (
+    AddCompliantHydroelasticProperties,
+)
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import PerceptionProperties, ProximityProperties
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
@@ -19,7 +23,7 @@ from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
 from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
 from drake_geom_ros.geometry.scene.scene_graph import SceneGraph
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
-from drake_geom_ros.geometry.shapes.primitives import Sphere
+from drake_geom_ros.geometry.shapes.primitives import Box, Sphere
 from drake_geom_ros.math import RigidTransform
 
 _FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]  # of a tetrahedron, from outside
@@ -38,6 +42,8 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
         _answer_for_states()
     with compilation(tell, 'motions', 1, 1):
         _check_a_motion()
+    with compilation(tell, 'contact surfaces', 1, 1):
+        _press_two_bodies()
     return kernels
 
 
@@ -88,6 +94,23 @@ def _check_a_motion() -> None:
     starts[1, 9], ends = 3.0, starts.copy()
     ends[1, 9] = 1.0
     queries.move(MotionQuestion(), starts, ends, 'slerp')
+
+
+def _press_two_bodies() -> None:
+    """Look for the contact surface of two soft boxes, which runs all that is compiled for any."""
+    scene_graph, X_WFs = SceneGraph(), FramePoseVector()
+    source = scene_graph.RegisterSource('boxes')
+    for k, name in enumerate('ab'):
+        properties = ProximityProperties()
+        AddCompliantHydroelasticProperties(1.0, 1.0, properties)
+        box = GeometryInstance(RigidTransform(), Box(1.0, 1.0, 1.0), name)
+        box.set_proximity_properties(properties)
+        frame = scene_graph.RegisterFrame(source, GeometryFrame(name))
+        scene_graph.RegisterGeometry(source, frame, box)
+        X_WFs.set_value(frame, RigidTransform([0.5 * k, 0.0, 0.0]))
+    context = scene_graph.CreateDefaultContext()
+    context.UpdateFramePoses(X_WFs)
+    scene_graph.get_query_output_port().Eval(context).ComputeContactSurfaces()
 
 
 def _two_balls() -> PackedScene:

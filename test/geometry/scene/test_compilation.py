@@ -56,6 +56,25 @@ with event.install_recorder('numba:compile') as recorder:
     manager.RemoveDeclaration(filters[0])
     camera = CameraProperties(8, 8, 1.0, 'exact')
     query.render_images(camera, graph.world_frame_id(), RigidTransform([0, 0, -9]))
+    pressed = g.SceneGraph()
+    soft = pressed.RegisterSource('soft')
+    poses = g.FramePoseVector()
+    for k, shape in enumerate((g.HalfSpace(), g.Sphere(1), g.Box(1, 1, 1), g.Cylinder(1, 1))):
+        properties = g.ProximityProperties()
+        if k % 2:
+            g.AddCompliantHydroelasticProperties(1.0, 1.0, properties)
+        else:
+            g.AddRigidHydroelasticProperties(1.0, properties)
+        frame = pressed.RegisterFrame(soft, g.GeometryFrame(f'f{k}'))
+        instance = g.GeometryInstance(RigidTransform(), shape, f'g{k}')
+        instance.set_proximity_properties(properties)
+        pressed.RegisterGeometry(soft, frame, instance)
+        poses.set_value(frame, RigidTransform([0.4 * k, 0, 0.2 * k]))
+    squeezed = pressed.CreateDefaultContext()
+    squeezed.UpdateFramePoses(poses)
+    asked = pressed.get_query_output_port().Eval(squeezed)
+    found, _ = asked.ComputeContactSurfacesWithFallback()
+    assert len(found) > 2
     of_arms, states = g.SceneGraph(), {}
     joints = Joints.of(load_scene('test/batch/cell.yaml', of_arms))
     for scene in (graph, of_arms):
