@@ -31,11 +31,12 @@ def labels(page):
 
 def test_the_table_is_the_answer_of_the_core(opened):
     page, scene = opened
-    wait_for(lambda: labels(page), 'a table')
     pairs = scene.moment(1.0, 'exact').pairs
-    assert [float(label.split()[0]) for label in labels(page)] == [
-        round(1000.0 * d, 3) for d in pairs.distance.tolist()
-    ]
+    told = [round(1000.0 * d, 3) for d in pairs.distance.tolist()]
+    # Rows are filled one after the other.
+    wait_for(
+        lambda: [float(label.split()[0]) for label in labels(page)] == told, f'a table of {told}'
+    )
     said = '4 geometries; 3 pairs within 1 m, 0 of them overlap'
     wait_for(lambda: said in page._status.content, 'the status')
 
