@@ -23,8 +23,7 @@ from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-_CUBE = 0.1  # [m]
-_FAR = 100_000  # cubes from the origin
+_CUBE, _MOST_CUBES = 0.1, 100  # [m] edge of a cube, and how many there are along an axis at most
 _ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
 
 
@@ -38,7 +37,7 @@ class SelfFilter:
         self._key: tuple[object, ...] = ()
         self._frames: dict[FrameId, FrameId] = {}  # from the live scene's to its own
         self._graph = SceneGraph()
-        self._boxes: list[tuple[FrameId, Floats, float]] = []  # frame, centre, radius in it
+        self._balls: list[tuple[FrameId, Floats, float]] = []  # frame, centre, radius in it
 
     def near(
         self,
@@ -92,24 +91,29 @@ class SelfFilter:
             instance.set_proximity_properties(properties)
             graph.RegisterGeometry(source, own[frame], instance)
             balls.append(_ball(query, geometry, frame))
-        self._graph, self._frames, self._boxes, self._key = graph, own, balls, key
+        self._graph, self._frames, self._balls, self._key = graph, own, balls, key
         self._shapes = shapes  # lest another one gets the address of one that is gone
 
     def _may_be_near(self, query: QueryObject, p_WQs: Floats, padding: float) -> Flags:
-        """Return which points lie in the boxes around balls around the bodies."""
-        # Points in the same coarse cube are looked at together: bodies are many, cubes few.
-        with np.errstate(over='ignore', invalid='ignore'):
-            steps = np.clip(np.floor(p_WQs / _CUBE), -_FAR, _FAR).astype(np.int64) + _FAR
-        packed = (steps[:, 0] * (2 * _FAR + 1) + steps[:, 1]) * (2 * _FAR + 1) + steps[:, 2]
-        _, first, cube = np.unique(packed, return_index=True, return_inverse=True)
-        # Beyond the last cube all counts as near.
-        may = ((steps[first] == 0) | (steps[first] == 2 * _FAR)).any(axis=1)
-        p_WCs = (steps[first] - _FAR + 0.5) * _CUBE
-        for frame, p_FC, radius in self._boxes:
-            p_WC = query.X_WF(frame).multiply(p_FC).ravel()
-            reach = radius + padding + 0.5 * _CUBE
-            may |= (np.abs(p_WCs - p_WC) <= reach).all(axis=1)
-        return np.asarray(may[cube])
+        """Return which points may be near: those in cubes that balls of bodies reach into."""
+        centres = np.array([query.X_WF(f).multiply(p_FC).ravel() for f, p_FC, _ in self._balls])
+        reach = np.array([radius for _, _, radius in self._balls])[:, np.newaxis] + padding
+        low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
+        if not np.isfinite(high - low).all():
+            return np.ones(len(p_WQs), dtype=np.bool_)
+        edge = max(_CUBE, float((high - low).max()) / _MOST_CUBES)
+        cubes = np.zeros(_cubes(high, low, edge) + 1, dtype=np.bool_)
+        firsts, lasts = _cubes(centres - reach, low, edge), _cubes(centres + reach, low, edge)
+        for first, last in zip(firsts, lasts + 1, strict=True):
+            cubes[tuple(map(slice, first, last))] = True
+        may: Flags = ((p_WQs >= low) & (p_WQs <= high)).all(axis=1)
+        may[may] = cubes[tuple(_cubes(p_WQs[may], low, edge).T)]
+        return may
+
+
+def _cubes(p_WPs: Floats, low: Floats, edge: float) -> NDArray[np.int64]:
+    """Return in which cubes points (..., 3) are, from the lowest corner on: later for larger."""
+    return np.asarray(np.floor((p_WPs - low) / edge), dtype=np.int64)
 
 
 def _ball(
