@@ -178,7 +178,7 @@ probe of radius 0.05 m is asked for its distance at {count} places where it touc
 truth are the distances from the ball and from the table as primitives. Where it overlaps the map
 all the same, no error is counted. Cells hold every scanned point, so a map is farther than the
 surface only by what lies between the points; balls leave the corners of cells out. Times are of
-the processor, one thread, on a machine that did other work: compare them.
+the processor, one thread, all of one run: compare them.
 
 {table}
 """
