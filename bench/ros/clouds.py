@@ -41,7 +41,7 @@ Floats = NDArray[np.float64]
 
 
 def room(count: int, seed: int = 0) -> Floats:
-    """Return points (n, 3) [m] of a table, walls and boxes around two arms, and of the arms."""
+    """Return points (n, 3) [m] of a table, a wall, a full box and bars around two arms."""
     random = np.random.default_rng(seed)
     uv = random.uniform(-1.5, 1.5, (count, 2))
     noise = random.normal(scale=0.003, size=count)
@@ -51,8 +51,11 @@ def room(count: int, seed: int = 0) -> Floats:
     points[wall] = np.stack([1.5 + noise, uv[:, 0], 1.0 + 0.6 * uv[:, 1]], axis=1)[wall]
     box = which == 3
     points[box] = random.uniform([0.6, -0.9, 0.0], [0.9, -0.6, 0.4], (count, 3))[box]
-    near_arms = which == 4
-    points[near_arms] = random.uniform([-0.3, -0.4, 0.1], [0.5, 0.4, 0.9], (count, 3))[near_arms]
+    bars = which == 4  # four upright ones, 4 cm thick, where the arms reach
+    around, corner = random.uniform(0.0, 2.0 * np.pi, count), random.integers(0, 4, count)
+    x = np.where(corner % 2, 0.45, -0.25) + 0.02 * np.cos(around)
+    y = np.where(corner // 2, 0.45, -0.45) + 0.02 * np.sin(around)
+    points[bars] = np.stack([x, y, random.uniform(0.0, 0.9, count)], axis=1)[bars]
     return points
 
 
