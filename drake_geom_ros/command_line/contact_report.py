@@ -14,6 +14,7 @@ def contact_lines(scene: PosedScene) -> Iterator[str]:
     title = 'contact surfaces'
     for geometry in scene.inspector.GetAllGeometryIds(Role.kProximity):
         properties = scene.inspector.GetProximityProperties(geometry)
+        assert properties is not None
         kind = properties.GetPropertyOrDefault(_GROUP, 'compliance_type', None)
         if kind in _WORDS:
             if title:
