@@ -28,6 +28,7 @@ from drake_geom_ros.ros.namesakes import Namesakes
 from drake_geom_ros.ros.obstacle_listening import ObstacleListening
 from drake_geom_ros.ros.outputs import cameras, level_costs, replays, rule_events
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
+from drake_geom_ros.ros.outputs.contact_topic import ContactTopic
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
@@ -102,6 +103,11 @@ class ConfiguredNode:
                 ('cycle_report', messages.CycleReport),
             )
         }
+        contacts = ContactTopic(
+            surface.publisher(messages.ContactSurfaces, '~/contact_surfaces', results()),
+            messages.ContactSurfaces(),
+            lambda: settings.values.contact_polygons,
+        )
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = Shown(
@@ -113,7 +119,9 @@ class ConfiguredNode:
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
         told = (*self._beside.values(), self._cameras.beside, decided)
-        self._cycle = Cycle(messages, publishers, self._costs, self._replays, self._rules, told)
+        self._cycle = Cycle(
+            messages, publishers, self._costs, self._replays, self._rules, contacts, told
+        )
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,

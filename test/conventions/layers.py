@@ -103,7 +103,7 @@ _CORE = (
 )
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
-    'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
+    'ros/conversions': ((*_CORE, 'geometry/queries', 'ros/conversions'), ('numpy',)),
     'ros/scene': ((*_HELD, 'geometry/render', 'trajectories'), ('numpy',)),
     'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
     'ros/outputs': (

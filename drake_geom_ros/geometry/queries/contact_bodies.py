@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -31,6 +32,27 @@ Indices = NDArray[np.int64]
 _PACKED: WeakKeyDictionary[HydroelasticBody, PackedBody] = WeakKeyDictionary()
 
 
+class NoSurface(IntEnum):
+    """Why two geometries that overlap have no contact surface."""
+
+    NO_PROPERTIES = 1
+    BOTH_RIGID = 2
+    HALF_SPACES = 3
+    TOO_DEEP = 4
+
+    def in_words(self) -> str:
+        """Return the reason, and what can be done."""
+        return _REASONS[self]
+
+
+_REASONS = {
+    NoSurface.NO_PROPERTIES: 'one of them has no hydroelastic properties; give it some',
+    NoSurface.BOTH_RIGID: 'both are rigid; make one of them compliant',
+    NoSurface.HALF_SPACES: 'both are half spaces',
+    NoSurface.TOO_DEEP: ('one is so deep within the other that their pressures are equal nowhere'),
+}
+
+
 class ContactBodies(NamedTuple):
     """The bodies of the geometries with hydroelastic properties, by ascending ids (b,)."""
 
@@ -48,8 +70,18 @@ class ContactBodies(NamedTuple):
         at[self.ids[at] != ids] = -1
         return at
 
+    def load_kernels(self) -> None:
+        """Compile what makes surfaces, or load it from the cache."""
+        # Only who may ask for surfaces loads their kernels, and those of solids behind them.
+        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+
+        no_pairs, no_poses = np.zeros((0, 2), dtype=np.int64), np.zeros((0, 3, 3))
+        surfaces_of(self.bodies, no_pairs, no_poses, np.zeros((0, 3)))
+
     def have_a_surface(self, a: Indices, b: Indices) -> NDArray[np.bool_]:
         """Tell for pairs of rows (k,) whether they can have a surface: see ``why_not``."""
+        if not len(self.ids):
+            return np.zeros(len(a), dtype=np.bool_)
         able: NDArray[np.bool_] = self.is_compliant[a] | self.is_compliant[b]
         able &= (a >= 0) & (b >= 0)
         infinite = self.bodies.table[:, KIND] == HALF_SPACE
@@ -57,15 +89,15 @@ class ContactBodies(NamedTuple):
             able &= ~(infinite[a] & infinite[b])
         return able
 
-    def why_not(self, a: int, b: int) -> str:
-        """Return why two rows that overlap have no surface, and what can be done."""
-        if a < 0 or b < 0:
-            return 'one of them has no hydroelastic properties; give it some'
-        if not (self.is_compliant[a] or self.is_compliant[b]):
-            return 'both are rigid; make one of them compliant'
-        if self.have_a_surface(np.array([a]), np.array([b]))[0]:
-            return 'one is so deep within the other that their pressures are equal nowhere'
-        return 'both are half spaces'
+    def why_not(self, a: Indices, b: Indices) -> Indices:
+        """Return why pairs of rows (k,) that overlap have no surface: values of NoSurface."""
+        reasons = np.full(len(a), NoSurface.TOO_DEEP.value)
+        if len(self.ids):
+            infinite = self.bodies.table[:, KIND] == HALF_SPACE
+            reasons[infinite[a] & infinite[b]] = NoSurface.HALF_SPACES
+            reasons[~(self.is_compliant[a] | self.is_compliant[b])] = NoSurface.BOTH_RIGID
+        reasons[(a < 0) | (b < 0)] = NoSurface.NO_PROPERTIES
+        return reasons
 
 
 def contact_bodies(model: Model, before: ContactBodies | None) -> ContactBodies:

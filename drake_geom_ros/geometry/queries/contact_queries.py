@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._records import named
-from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
+from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, NoSurface
 from drake_geom_ros.geometry.queries.contact_surfaces import (
     ContactSurfaceResults,
     HydroelasticContactRepresentation,
@@ -21,6 +22,14 @@ from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
 
 Indices = NDArray[np.int64]
+
+
+class Contacts(NamedTuple):
+    """Contact surfaces; and the pairs that overlap and have none, and why (p,): a NoSurface."""
+
+    surfaces: ContactSurfaceResults
+    others: PenetrationResults
+    reasons: Indices
 
 
 class ContactQueries:
@@ -55,10 +64,15 @@ class ContactQueries:
         their pressures are equal nowhere. Collision filters leave pairs out, and
         ``ComputeContactSurfacesWithFallback`` answers for them by points.
         """
-        surfaces, others = self._surfaces_and_others(representation)
-        if others:
-            raise self._refusal('ComputeContactSurfaces', others[0].id_A, others[0].id_B)
-        return surfaces
+        contacts = self.contacts(representation)
+        self.refuse_others(contacts)
+        return contacts.surfaces
+
+    def refuse_others(self, contacts: Contacts) -> None:
+        """Raise GeometryError where pairs overlap that have no surface: see above."""
+        if contacts.others:
+            first = contacts.others[0]
+            raise self._refusal('ComputeContactSurfaces', first.id_A, first.id_B)
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -70,7 +84,39 @@ class ContactQueries:
 
         These are the pairs for which ``ComputeContactSurfaces`` raises.
         """
-        return self._surfaces_and_others(representation)
+        surfaces, others, _ = self.contacts(representation)
+        return surfaces, list(others)
+
+    def contacts(
+        self,
+        representation: HydroelasticContactRepresentation = (
+            HydroelasticContactRepresentation.kPolygon
+        ),
+        overlaps: PenetrationResults | None = None,
+    ) -> Contacts:
+        """Return what ComputeContactSurfacesWithFallback does, as arrays, with the reasons.
+
+        ``overlaps`` are those of ComputePointPairPenetration, where these are known already.
+        """
+        candidates, rows, able = self._candidates()
+        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
+        left = ~able
+        left[able] = swallowed
+        if not left.any():
+            none = np.zeros(0, dtype=np.int64)
+            return Contacts(surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
+        if overlaps is None:
+            overlaps = self.ComputePointPairPenetration()
+        those = {tuple(ids) for ids in candidates[left].tolist()}
+        ids = np.column_stack((overlaps.id_A, overlaps.id_B))
+        kept = np.fromiter((tuple(pair) in those for pair in ids.tolist()), np.bool_, len(ids))
+        bodies = self._state.contact_bodies()
+        reasons = bodies.why_not(*bodies.rows(ids[kept]).T)
+        return Contacts(surfaces, overlaps.of(kept), reasons)
+
+    def hydroelastic_geometries(self) -> Indices:
+        """Return the values of the ids (b,) of all geometries with hydroelastic properties."""
+        return self._state.contact_bodies().ids
 
     def contact_surfaces(
         self,
@@ -90,35 +136,20 @@ class ContactQueries:
             raise self._refusal('contact_surfaces', GeometryId(a), GeometryId(b))
         return surfaces
 
-    def _surfaces_and_others(
-        self, representation: HydroelasticContactRepresentation
-    ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
-        candidates, rows, able = self._candidates()
-        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
-        left = ~able
-        left[able] = swallowed
-        if not left.any():
-            return surfaces, []
-        pairs = {(GeometryId(a), GeometryId(b)) for a, b in candidates[left].tolist()}
-        points = self.ComputePointPairPenetration()
-        return surfaces, [each for each in points if (each.id_A, each.id_B) in pairs]
-
     def _refusal(self, call: str, M: GeometryId, N: GeometryId) -> GeometryError:
         """Return what is raised for a pair that overlaps and has no surface."""
         bodies = self._state.contact_bodies()
-        rows = bodies.rows(np.array([id.get_value() for id in (M, N)])).tolist()
+        a, b = bodies.rows(np.array([[M.get_value()], [N.get_value()]]))
+        reason = NoSurface(int(bodies.why_not(a, b)[0]))
         names = ' and '.join(named(self._state.model.geometry(id)) for id in (M, N))
         return GeometryError(
-            f'{call}: {names} overlap and have no surface: {bodies.why_not(*rows)}. Filter the '
+            f'{call}: {names} overlap and have no surface: {reason.in_words()}. Filter the '
             'pair, or use ComputeContactSurfacesWithFallback.'
         )
 
     def _candidates(self) -> tuple[Indices, Indices, NDArray[np.bool_]]:
         """Return pairs of ids (k, 2), M first, their bodies, and whether they can have one."""
         bodies = self._state.contact_bodies()
-        if not len(bodies.ids):
-            candidates = self.collision_candidates()
-            return candidates, np.full_like(candidates, -1), np.zeros(len(candidates), np.bool_)
         candidates = np.sort(self.collision_candidates(), axis=1)
         rows = bodies.rows(candidates)
         return candidates, rows, bodies.have_a_surface(rows[:, 0], rows[:, 1])

@@ -235,6 +235,10 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
         """Return the derivatives (k, n) of the depths, as ``distance_jacobian`` of distances."""
         return self._jacobian(J_As, J_Bs)
 
+    def of(self, mask: NDArray[np.bool_]) -> PenetrationResults:
+        """Return those of these pairs that a mask (k,) names."""
+        return PenetrationResults(PairBatch(self._ids[mask], self._rows[mask]), self._kept_poses)
+
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]
         id_A, id_B = self._ids[k].tolist()
