@@ -13,6 +13,7 @@ from drake_geom_ros.geometry import (
     GeometryId,
     GeometryInstance,
     GeometryProperties,
+    HydroelasticType,
     IllustrationProperties,
     PerceptionProperties,
     ProximityProperties,
@@ -23,6 +24,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import fill_pose_row
 from drake_geom_ros.ros.conversions.shapes import fill_shape
+from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
 
 _ROLES: tuple[tuple[int, Role, type[GeometryProperties]], ...] = (
     (1, Role.kProximity, ProximityProperties),
@@ -71,6 +73,8 @@ def properties_from_message(message: Any) -> GeometryProperties:
             # Bytes come one by one; they are kept as numbers, which a scene file can hold.
             value = [item[0] if isinstance(item, bytes) else item for item in value]
         _check_finite(group, entry.name, value)
+        if isinstance(properties, ProximityProperties):
+            value = proximity_property(group, entry.name, value)
         properties.AddProperty(group, entry.name, value)
     return properties
 
@@ -93,6 +97,8 @@ def set_role(instance: GeometryInstance, message: Any) -> None:
 
 def _fill_value(message: Any, value: Any) -> None:
     """Fill a ParameterValue with a property of any type; a type it does not know as its text."""
+    if isinstance(value, HydroelasticType):
+        value = in_words(value)
     if isinstance(value, Rgba):
         value = [value.r(), value.g(), value.b(), value.a()]
     if isinstance(value, (set, frozenset)) and all(isinstance(item, str) for item in value):
