@@ -127,7 +127,7 @@ def count_in_cells(points: Floats, resolution: float, table: Indices) -> int:
     """
     mask, filled = len(table) - 1, 0
     last, at = NO_KEY, 0  # neighbours in a cloud are mostly in one cell
-    for i in range(points.shape[0]):
+    for i in range(len(points)):
         x = np.floor(points[i, 0] / resolution)
         y = np.floor(points[i, 1] / resolution)
         z = np.floor(points[i, 2] / resolution)
@@ -143,7 +143,7 @@ def count_in_cells(points: Floats, resolution: float, table: Indices) -> int:
                 table[at, 0] = key
                 filled += 1
         table[at, 1] += 1
-    return points.shape[0]
+    return len(points)
 
 
 @compiled
