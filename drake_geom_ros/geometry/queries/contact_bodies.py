@@ -9,7 +9,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.arrays import HALF_SPACE, KIND, VOLUME, Bodies
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    HALF_SPACE,
+    KIND,
+    VOLUME,
+    Asked,
+    Bodies,
+)
 from drake_geom_ros.geometry._contact_surfaces.packing import (
     PackedBody,
     packed,
@@ -22,6 +28,7 @@ from drake_geom_ros.geometry.hydroelastic.bodies import (
     HalfSpaceBody,
     HydroelasticBody,
 )
+from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
 from drake_geom_ros.geometry.model._model import Model
 
@@ -49,80 +56,64 @@ _REASONS = {
     NoSurface.NO_PROPERTIES: 'one of them has no hydroelastic properties; give it some',
     NoSurface.BOTH_RIGID: 'both are rigid; make one of them compliant',
     NoSurface.HALF_SPACES: 'both are half spaces',
-    NoSurface.TOO_DEEP: ('one is so deep within the other that their pressures are equal nowhere'),
+    NoSurface.TOO_DEEP: 'one is so deep within the other that their pressures are equal nowhere',
 }
 
 
 class ContactBodies(NamedTuple):
-    """The bodies of the geometries with hydroelastic properties, by ascending ids (b,)."""
+    """The bodies of the geometries with hydroelastic properties."""
 
     version: int
-    ids: Indices
-    is_compliant: NDArray[np.bool_]
+    ids: Indices  # (n,) of all geometries that proximity queries know
+    body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
 
-    def rows(self, ids: Indices) -> Indices:
-        """Return which body geometries (...) are, by the values of their ids; -1 where none."""
-        if not len(self.ids):
-            return np.full(ids.shape, -1)
-        at = self.ids.searchsorted(ids)
-        at[at == len(self.ids)] = 0
-        at[self.ids[at] != ids] = -1
-        return at
-
     def load_kernels(self) -> None:
-        """Compile what makes surfaces, or load it from the cache."""
+        """Compile what makes surfaces, or load it from the cache; nothing without a body."""
+        if (self.body_of < 0).all():
+            return
         # Only who may ask for surfaces loads their kernels, and those of solids behind them.
         from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
 
-        no_pairs, no_poses = np.zeros((0, 2), dtype=np.int64), np.zeros((0, 3, 3))
-        surfaces_of(self.bodies, no_pairs, no_poses, np.zeros((0, 3)))
+        none = np.zeros((0, 2), dtype=np.int64)
+        n = len(self.ids)
+        surfaces_of(
+            self.bodies,
+            Asked(none, self.ids, self.body_of, np.zeros((n, 3, 3)), np.zeros((n, 3))),
+        )
 
-    def have_a_surface(self, a: Indices, b: Indices) -> NDArray[np.bool_]:
-        """Tell for pairs of rows (k,) whether they can have a surface: see ``why_not``."""
-        if not len(self.ids):
-            return np.zeros(len(a), dtype=np.bool_)
-        able: NDArray[np.bool_] = self.is_compliant[a] | self.is_compliant[b]
-        able &= (a >= 0) & (b >= 0)
-        infinite = self.bodies.table[:, KIND] == HALF_SPACE
-        if infinite.any():
-            able &= ~(infinite[a] & infinite[b])
-        return able
+    def why_not(self, M: Indices, N: Indices) -> Indices:
+        """Return why pairs (k,) that overlap have no surface: values of NoSurface.
 
-    def why_not(self, a: Indices, b: Indices) -> Indices:
-        """Return why pairs of rows (k,) that overlap have no surface: values of NoSurface."""
-        reasons = np.full(len(a), NoSurface.TOO_DEEP.value)
-        if len(self.ids):
-            infinite = self.bodies.table[:, KIND] == HALF_SPACE
-            reasons[infinite[a] & infinite[b]] = NoSurface.HALF_SPACES
-            reasons[~(self.is_compliant[a] | self.is_compliant[b])] = NoSurface.BOTH_RIGID
-        reasons[(a < 0) | (b < 0)] = NoSurface.NO_PROPERTIES
+        By the places of geometries among ``ids``.
+        """
+        rows = np.column_stack((self.body_of[M], self.body_of[N]))
+        kinds, slopes = self.bodies.table[rows, KIND], self.bodies.numbers[rows, 1]
+        rigid = (kinds != VOLUME) & (slopes <= 0.0)
+        reasons = np.full(len(rows), NoSurface.TOO_DEEP.value)
+        reasons[rigid.all(axis=1)] = NoSurface.BOTH_RIGID
+        reasons[(kinds == HALF_SPACE).all(axis=1)] = NoSurface.HALF_SPACES
+        reasons[(rows < 0).any(axis=1)] = NoSurface.NO_PROPERTIES
         return reasons
 
 
-def contact_bodies(model: Model, before: ContactBodies | None) -> ContactBodies:
-    """Return the bodies of a model, those from before where nothing has changed since."""
+def contact_bodies(model: Model, ids: Indices, before: ContactBodies | None) -> ContactBodies:
+    """Return the bodies of a model, those from before where nothing has changed since.
+
+    ``ids`` (n,) are the values of those of all its geometries in proximity queries, ascending.
+    """
     version = model.versions.proximity
-    if before is not None and before.version == version:
+    if before is not None and before.version == version and before.ids is ids:
         return before
-    parts: dict[int, PackedBody] = {}
-    for id in sorted(model.geometries):
-        body = model.geometries[id].hydroelastic_body
+    parts, body_of = [packed_half_space(0.0)], []  # arrays need something to be joined of
+    for value in ids.tolist():
+        body = model.geometry(GeometryId(value)).hydroelastic_body
+        body_of.append(-1 if body is None else len(parts))
         if body is not None:
             if body not in _PACKED:
                 _PACKED[body] = _packed(body)
-            parts[id.get_value()] = _PACKED[body]
-    compliant = [
-        part.kind == VOLUME or (part.kind == HALF_SPACE and part.numbers[1] > 0.0)
-        for part in parts.values()
-    ]
-    none = [packed_half_space(0.0)]  # arrays need something to be joined of
-    return ContactBodies(
-        version,
-        np.array(list(parts), dtype=np.int64),
-        np.array(compliant, dtype=np.bool_),
-        packed(list(parts.values()) or none),
-    )
+            parts.append(_PACKED[body])
+    return ContactBodies(version, ids, np.array(body_of, dtype=np.int64), packed(parts))
 
 
 def _packed(body: HydroelasticBody) -> PackedBody:

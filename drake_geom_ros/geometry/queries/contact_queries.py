@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    LEFT,
+    SWALLOWED,
+    UNABLE,
+    Asked,
+    Surfaces,
+)
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
+from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
@@ -32,6 +40,20 @@ class Contacts(NamedTuple):
     reasons: Indices
 
 
+class _Found(NamedTuple):
+    """What was found of pairs (k, 2), by the places of geometries among ids (n,)."""
+
+    all_ids: Indices
+    pairs: Indices
+    out: Surfaces
+    surfaces: ContactSurfaceResults
+
+    @property
+    def ids(self) -> Indices:
+        """The ids of the pairs (k, 2), the lower one first."""
+        return np.sort(self.all_ids[self.pairs], axis=1)
+
+
 class ContactQueries:
     """What a query object answers about contact surfaces; it has all other queries too."""
 
@@ -42,8 +64,8 @@ class ContactQueries:
         def ComputePointPairPenetration(self) -> PenetrationResults:
             """Return the pairs that overlap."""
 
-        def collision_candidates(self) -> Indices:
-            """Return the pairs of ids (k, 2) that bounds alone do not keep apart."""
+        def _candidates(self) -> tuple[World, Indices]:
+            """Return the world, brought up to date, and pairs (k, 2) that may overlap."""
 
     def ComputeContactSurfaces(
         self,
@@ -70,9 +92,10 @@ class ContactQueries:
 
     def refuse_others(self, contacts: Contacts) -> None:
         """Raise GeometryError where pairs overlap that have no surface: see above."""
-        if contacts.others:
-            first = contacts.others[0]
-            raise self._refusal('ComputeContactSurfaces', first.id_A, first.id_B)
+        others = contacts.others
+        if others:
+            pair = np.array([others.id_A[0], others.id_B[0]])
+            raise self._refusal('ComputeContactSurfaces', pair)
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -84,8 +107,8 @@ class ContactQueries:
 
         These are the pairs for which ``ComputeContactSurfaces`` raises.
         """
-        surfaces, others, _ = self.contacts(representation)
-        return surfaces, list(others)
+        contacts = self.contacts(representation)
+        return contacts.surfaces, list(contacts.others)
 
     def contacts(
         self,
@@ -98,25 +121,23 @@ class ContactQueries:
 
         ``overlaps`` are those of ComputePointPairPenetration, where these are known already.
         """
-        candidates, rows, able = self._candidates()
-        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
-        left = ~able
-        left[able] = swallowed
-        if not left.any():
+        found = self._found(representation)
+        if not found.out.counts[LEFT]:
             none = np.zeros(0, dtype=np.int64)
-            return Contacts(surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
+            return Contacts(found.surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
         if overlaps is None:
             overlaps = self.ComputePointPairPenetration()
-        those = {tuple(ids) for ids in candidates[left].tolist()}
+        left = {tuple(pair) for pair in found.ids[found.out.states >= UNABLE].tolist()}
         ids = np.column_stack((overlaps.id_A, overlaps.id_B))
-        kept = np.fromiter((tuple(pair) in those for pair in ids.tolist()), np.bool_, len(ids))
+        kept = np.fromiter((tuple(pair) in left for pair in ids.tolist()), np.bool_, len(ids))
         bodies = self._state.contact_bodies()
-        reasons = bodies.why_not(*bodies.rows(ids[kept]).T)
-        return Contacts(surfaces, overlaps.of(kept), reasons)
+        reasons = bodies.why_not(*np.searchsorted(bodies.ids, ids[kept]).T)
+        return Contacts(found.surfaces, overlaps.of(kept), reasons)
 
     def hydroelastic_geometries(self) -> Indices:
         """Return the values of the ids (b,) of all geometries with hydroelastic properties."""
-        return self._state.contact_bodies().ids
+        bodies = self._state.contact_bodies()
+        return bodies.ids[bodies.body_of >= 0]
 
     def contact_surfaces(
         self,
@@ -129,49 +150,33 @@ class ContactQueries:
         What ``ComputeContactSurfacesWithFallback`` returns first, without the work of the rest.
         Raises GeometryError where one body is so deep within the other that they have none.
         """
-        candidates, rows, able = self._candidates()
-        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
+        found = self._found(representation)
+        swallowed = found.out.states == SWALLOWED
         if swallowed.any():
-            a, b = candidates[able][int(np.argmax(swallowed))].tolist()
-            raise self._refusal('contact_surfaces', GeometryId(a), GeometryId(b))
-        return surfaces
+            raise self._refusal('contact_surfaces', found.ids[int(np.argmax(swallowed))])
+        return found.surfaces
 
-    def _refusal(self, call: str, M: GeometryId, N: GeometryId) -> GeometryError:
-        """Return what is raised for a pair that overlaps and has no surface."""
+    def _refusal(self, call: str, pair: Indices) -> GeometryError:
+        """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""
         bodies = self._state.contact_bodies()
-        a, b = bodies.rows(np.array([[M.get_value()], [N.get_value()]]))
-        reason = NoSurface(int(bodies.why_not(a, b)[0]))
-        names = ' and '.join(named(self._state.model.geometry(id)) for id in (M, N))
+        M, N = np.searchsorted(bodies.ids, pair)[:, None]
+        reason = NoSurface(int(bodies.why_not(M, N)[0]))
+        names = ' and '.join(
+            named(self._state.model.geometry(GeometryId(id))) for id in pair.tolist()
+        )
         return GeometryError(
             f'{call}: {names} overlap and have no surface: {reason.in_words()}. Filter the '
             'pair, or use ComputeContactSurfacesWithFallback.'
         )
 
-    def _candidates(self) -> tuple[Indices, Indices, NDArray[np.bool_]]:
-        """Return pairs of ids (k, 2), M first, their bodies, and whether they can have one."""
-        bodies = self._state.contact_bodies()
-        candidates = np.sort(self.collision_candidates(), axis=1)
-        rows = bodies.rows(candidates)
-        return candidates, rows, bodies.have_a_surface(rows[:, 0], rows[:, 1])
-
-    def _surfaces(
-        self,
-        ids: Indices,
-        rows: Indices,
-        representation: HydroelasticContactRepresentation,
-    ) -> tuple[ContactSurfaceResults, NDArray[np.bool_]]:
-        """Return the surfaces of pairs (k, 2) that can have one, and which overlap without."""
+    def _found(self, representation: HydroelasticContactRepresentation) -> _Found:
+        """Return the surfaces of all candidates, and which of them can have none."""
         # Only who asks for surfaces loads their kernels, and those of solids behind them.
         from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
 
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
+        world, pairs = self._candidates()
         bodies: ContactBodies = self._state.contact_bodies()
-        world = self._state.posed_world()
-        world.update()
-        places = world.geometry_rows(bodies.ids)
-        out = surfaces_of(
-            bodies.bodies, np.ascontiguousarray(rows), world.R_WGs[places], world.p_WGs[places]
-        )
-        compliant = bodies.is_compliant[rows].reshape(-1, 2)
-        surfaces = ContactSurfaceResults(ids.reshape(-1, 2), compliant, out, representation)
-        return surfaces, out.swallowed
+        ids, body_of = bodies.ids, bodies.body_of
+        out = surfaces_of(bodies.bodies, Asked(pairs, ids, body_of, world.R_WGs, world.p_WGs))
+        return _Found(ids, pairs, out, ContactSurfaceResults(out, representation))

@@ -88,10 +88,8 @@ class SceneGraphContext(SceneHolder):
         if part == 'cycle':
             return []
         kernels = self._state.engine.prepare(self._state.up_to_date_world(), tell)
-        bodies = self._state.contact_bodies()
-        if len(bodies.ids):
-            with compilation(tell, 'contact surfaces', 1, 1):
-                bodies.load_kernels()
+        with compilation(tell, 'contact surfaces', 1, 1):
+            self._state.contact_bodies().load_kernels()
         return kernels
 
     def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:
