@@ -87,7 +87,7 @@ def test_nothing_of_an_earlier_report_lies_beside_a_new_one(asked, runs, tmp_pat
 )
 def test_the_gravest_run_is_the_exit_code(asked, monkeypatch, codes, worst):
     left = list(codes)
-    monkeypatch.setattr(report, '_report', lambda *_: left.pop(0))
+    monkeypatch.setattr(report, 'make_report', lambda *_: left.pop(0))
     assert asked() == (worst, [])
 
 
