@@ -50,7 +50,7 @@ def clearance(
     ``progress`` is called with the states so far, and the seconds of the recording.
 
     Poses come to be as in a node that took the same messages at the times of recording. Poses do
-    not stay in memory; an answer takes 110 bytes a state and set.
+    not stay in memory; an answer takes 113 bytes a state and set.
 
     Raises RecordingError for what cannot be read or used, SceneFileError for a scene file,
     ArgumentError for other arguments.
