@@ -10,8 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.proximity_rules.decisions import Limits, Poses, Reasons
-from drake_geom_ros.proximity_rules.entered import Entered
+from drake_geom_ros.proximity_rules.decisions import (
+    Entered,
+    Limits,
+    Poses,
+    Reasons,
+    prepare,
+    step,
+    take_nearest,
+)
 from drake_geom_ros.proximity_rules.events import Event, Seen, events_of, events_of_gone
 from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.rule import ProximityRule, RuleError, Why
@@ -41,7 +48,7 @@ class RuleMonitor:
         self._scene = scene
         self._sequence = first_sequence
         self._met: frozenset[str] = frozenset()  # the rules that found all that they name
-        self._set((), Entered(0))
+        self._set((), Entered.of_new(0))
 
     # Rules come and go.
 
@@ -104,13 +111,15 @@ class RuleMonitor:
     def _set(self, rules: tuple[ProximityRule, ...], states: Entered) -> None:
         """Have these rules, in these states; nothing is known of distances until ``decide``."""
         self.rules, self._entered = rules, states
-        self._limits = Limits(rules)
         self._watched = WatchedPairs(rules, self._scene, self._met)
+        self._limits = Limits.of(rules, self._watched.groups)
         lacking = zip([rule.name for rule in rules], self._watched.unknown, strict=True)
         self._met = frozenset(name for name, lacks in lacking if not lacks or name in self._met)
         self._speed = SpeedScale(rules, self._watched)
-        far, no = np.full(len(rules), math.inf), np.zeros(len(rules), dtype=np.bool_)
-        self._reasons = Reasons(far, far, no, no, no)
+        if rules:
+            prepare()
+        self._reasons = Reasons.of_nothing(len(rules))
+        self._changed = np.empty(len(rules), dtype=np.int64)
         self._seen: Seen | None = None
         self.is_measured = False  # whether the distances of these pairs were looked at
 
@@ -144,27 +153,21 @@ class RuleMonitor:
         Returns the changes, in the order of the rules. Before anything was measured, rules are
         entered for want of poses only, and none is left.
         """
+        watched, limits = self._watched, self._limits
+        reasons, entered = self._reasons, self._entered
         if measured is not None:
-            nearest = self._watched.nearest(measured, farthest)
-            self._reasons = self._reasons._replace(
-                lowest=nearest.lowest,
-                soonest=nearest.soonest,
-                unpredicted=self._unpredicted(measured),
-            )
+            nearest = watched.nearest_of_groups(measured, farthest)
+            take_nearest(nearest, limits, reasons)
+            reasons.unpredicted[:] = self._unpredicted(measured)
             self._seen, self.is_measured = Seen(measured, nearest), True
-        self._reasons = self._reasons._replace(
-            stale=self._watched.needs(poses.stale),
-            absent=self._watched.needs(poses.absent) | self._watched.is_unknown,
-        )
-        limits, reasons = self._limits, self._reasons
-        may_leave = limits.may_leave(reasons) & self.is_measured
-        near, blind = limits.near(reasons), limits.blind(reasons)
-        changed = self._entered.step(now, near, blind, may_leave, limits)
-        if not len(changed):
+        reasons.stale[:] = watched.needs(poses.stale)
+        reasons.absent[:] = watched.needs(poses.absent) | watched.is_unknown
+        count = step(now, limits, reasons, self.is_measured, entered, self._changed)
+        if not count:
             return []
-        first, entered = self._sequence, self._entered
-        self._sequence += len(changed)
-        return events_of(first, self.rules, changed, entered, self._watched, poses, self._seen)
+        first, changed = self._sequence, self._changed[:count]
+        self._sequence += count
+        return events_of(first, self.rules, changed, entered, watched, poses, self._seen)
 
     def _unpredicted(self, measured: Measured) -> NDArray[np.bool_]:
         """Return the rules (r,) that need to know a motion which nobody knows."""

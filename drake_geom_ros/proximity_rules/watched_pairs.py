@@ -78,10 +78,10 @@ class WatchedPairs:
         for number, each in enumerate(sets_of):
             firsts.setdefault(each, number)
         groups = {each: number for number, each in enumerate(firsts)}
-        self._group_of: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
+        self.groups: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
         of_groups = list(firsts.values())
         sets_of_groups = self._in_a[of_groups], self._in_b[of_groups]
-        self._groups, self._bits = len(groups), _bits(self.ids, *sets_of_groups)
+        self._count_of_groups, self._bits = len(groups), _bits(self.ids, *sets_of_groups)
         if rules:
             self.nearest(NOTHING)  # compiled now, and not in a cycle
 
@@ -108,8 +108,11 @@ class WatchedPairs:
 
     def nearest(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
         """Return the nearest pairs of each rule (r,), of those within ``farthest`` [m]."""
-        found = nearest_pairs(measured, farthest, self._bits, self._groups)
-        return found.of(self._group_of)
+        return self.nearest_of_groups(measured, farthest).of(self.groups)
+
+    def nearest_of_groups(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
+        """Return the nearest pairs of the groups, of which ``groups`` (r,) says each rule's."""
+        return nearest_pairs(measured, farthest, self._bits, self._count_of_groups)
 
     def watched(self) -> Flags:
         """Return which pairs (n, n) concern any rule; symmetric."""
