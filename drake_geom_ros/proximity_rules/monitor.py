@@ -41,6 +41,40 @@ class RuleState(NamedTuple):
     unpredicted: bool  # times count for it, and nobody knows how all that it needs moves
 
 
+class RuleStates(NamedTuple):
+    """What is to be known of all rules (r,) now, in the order in which they came; see RuleState.
+
+    Without an object for each, which takes longer than to decide about them.
+    """
+
+    rules: Sequence[ProximityRule]
+    is_entered: NDArray[np.bool_]
+    why: NDArray[np.uint8]  # 0: it is not entered
+    since: NDArray[np.float64]
+    lowest: NDArray[np.float64]
+    pairs: NDArray[np.int64]
+    left_out: NDArray[np.int64]
+    trouble: Sequence[str]
+    lacking: Sequence[tuple[str, ...]]
+    unpredicted: NDArray[np.bool_]
+
+    def each(self) -> list[RuleState]:
+        """Return the state of each rule."""
+        columns = [np.asarray(column).tolist() for column in self[3:7]]
+        return list(
+            map(
+                RuleState,
+                self.rules,
+                self.is_entered.tolist(),
+                [Why(why) if why else None for why in self.why.tolist()],
+                *columns,
+                self.trouble,
+                self.lacking,
+                self.unpredicted.tolist(),
+            )
+        )
+
+
 class RuleMonitor:
     """Decides about rules, cycle for cycle. Times [s] are of one clock that never runs back."""
 
@@ -67,8 +101,7 @@ class RuleMonitor:
                 )
             taken.add(rule.name)
         watched = WatchedPairs(added, self._scene)
-        troubles = [a or b for a, b in zip(watched.unknown, watched.unwatched, strict=True)]
-        told = list(filter(None, troubles))
+        told = list(filter(None, watched.trouble))
         if told and not may_wait:
             raise RuleError(told[0])
         states = self._entered.of([*range(len(self.rules)), *[-1] * len(added)])
@@ -185,18 +218,21 @@ class RuleMonitor:
         return self._speed.value(self._entered.is_entered, self._reasons, self._limits)
 
     def states(self) -> list[RuleState]:
-        """Return the states of all rules, in the order in which they came."""
-        entered, watched = self._entered, self._watched
-        is_entered, why = entered.is_entered.tolist(), entered.why.tolist()
-        columns = (
-            is_entered,
-            [Why(w) if e else None for e, w in zip(is_entered, why, strict=True)],
-            entered.since.tolist(),
-            self._reasons.lowest.tolist(),
-            watched.pairs.tolist(),
-            watched.left_out.tolist(),
-            [a or b for a, b in zip(watched.unknown, watched.unwatched, strict=True)],
-            watched.lacking,
-            self._reasons.unpredicted.tolist(),
+        """Return the state of each rule, in the order in which they came."""
+        return self.table().each()
+
+    def table(self) -> RuleStates:
+        """Return the states of all rules in arrays, to be read before anything else happens."""
+        entered, watched, reasons = self._entered, self._watched, self._reasons
+        return RuleStates(
+            self.rules,
+            is_entered=entered.is_entered,
+            why=np.where(entered.is_entered, entered.why, np.uint8(0)),
+            since=entered.since,
+            lowest=reasons.lowest,
+            pairs=watched.pairs,
+            left_out=watched.left_out,
+            trouble=watched.trouble,
+            lacking=watched.lacking,
+            unpredicted=reasons.unpredicted,
         )
-        return list(map(RuleState, self.rules, *columns))

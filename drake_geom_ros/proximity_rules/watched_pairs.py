@@ -50,10 +50,10 @@ class WatchedPairs:
     def __init__(
         self, rules: Sequence[ProximityRule], scene: ScenePairs, met: Collection[str] = ()
     ) -> None:
-        """``unknown`` and ``unwatched`` say of each rule why it can never be entered, or nothing.
+        """``trouble`` says of each rule why it can never be entered, or nothing.
 
-        The one where a name stands for nothing, of the rules called as in ``met`` where all names
-        of a set do; the other where no pair is ever reported. ``lacking`` are of each
+        It is ``unknown`` where a name stands for nothing, of the rules called as in ``met`` where
+        all names of a set do; or no pair of it is ever reported. ``lacking`` are of each
         rule in ``met`` the names that it goes on without.
         """
         self.ids: Ids = np.array(scene.ids, dtype=np.int64)
@@ -66,12 +66,13 @@ class WatchedPairs:
         self.unknown = [each.refusal for each in sets]
         self.lacking = [each.lacking for each in sets]
         self.is_unknown: Flags = np.array([bool(each) for each in self.unknown], dtype=np.bool_)
-        self.unwatched = [
+        unwatched = [
             '' if each.refusal else _why_never(rule, int(pairs), int(left_out))
             for rule, each, pairs, left_out in zip(
                 rules, sets, self.pairs, self.left_out, strict=True
             )
         ]
+        self.trouble = [a or b for a, b in zip(self.unknown, unwatched, strict=True)]
         # Of rules that found all once, some may lack a name now that others wait for.
         sets_of = [(rule.set_a, rule.set_b, rule.name in met) for rule in rules]
         firsts: dict[tuple[object, ...], int] = {}
