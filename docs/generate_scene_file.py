@@ -37,6 +37,7 @@ _SECTIONS = (
     ('Poses', 'pose'),
     ('Shapes', 'shape'),
     ('Properties of roles', 'properties'),
+    ('Hydroelastic properties', 'hydroelastic'),
     ('Filters', 'filters'),
     ('Sets of geometries', 'set'),
     ('Cameras', 'camera'),
@@ -53,6 +54,9 @@ _KINDS = {
     'pose': '[pose](#poses)',
     'shape': '[shape](#shapes)',
     'properties': '[properties](#properties-of-roles)',
+    'proximity_properties': '[properties](#properties-of-roles), also '
+    '[hydroelastic](#hydroelastic-properties)',
+    'hydroelastic': '[hydroelastic properties](#hydroelastic-properties)',
     'filters': 'list of [filters](#filters)',
     'set': '[set](#sets-of-geometries)',
     'two_sets': 'two [sets](#sets-of-geometries)',

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from drake_geom_ros.geometry import Mesh, ProximityProperties, Role
+from drake_geom_ros.geometry import Mesh, Role
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import urdf_filters, urdf_shapes
 from drake_geom_ros.scene_files.description import (
@@ -31,6 +31,7 @@ from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.urdf_filters import moved_links
 from drake_geom_ros.scene_files.urdf_poses import pose_of
+from drake_geom_ros.scene_files.urdf_proximity import proximity_properties_of
 from drake_geom_ros.scene_files.urdf_tree import (
     fixed_poses,
     read_joints,
@@ -173,13 +174,13 @@ def _link_geometries(
         try:
             shape = urdf_shapes.shape_of(element, folder, resolver)
             X_LG = pose_of(element)
+            properties = proximity_properties_of(element)
         except (ValueError, RuntimeError) as error:
             raise place.error(str(error)) from error
         name = (element.get('name') or '').strip(' \t')
         if not name or name in names:
             name = f'{name or "collision"}_{index}'
         names.add(name)
-        properties = ProximityProperties()
         if isinstance(shape, Mesh) and options.is_solid(frame, name):
             properties.AddProperty('mesh', 'solid', True)
         if padding := options.padding(frame, name):

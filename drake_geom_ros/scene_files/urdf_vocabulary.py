@@ -11,6 +11,7 @@ from typing import Any
 
 from lxml import etree
 
+from drake_geom_ros.scene_files.urdf_proximity import KNOWN_PROPERTIES
 from drake_geom_ros.scene_files.xml_tree import XACRO_FIRST, local_name, place_of
 
 _VERSIONS = ('1', '1.0', '1.1', '1.2')
@@ -52,10 +53,16 @@ _KNOWN = {
     ),
     'collision': _Known(
         _words('name'),
-        _words('origin geometry'),
-        _words('material contact_coefficients verbose surface proximity_properties'),
-        _words('origin geometry'),
+        _words('origin geometry proximity_properties'),
+        _words('material contact_coefficients verbose surface'),
+        _words('origin geometry proximity_properties'),
     ),
+    'proximity_properties': _Known(
+        elements=frozenset(KNOWN_PROPERTIES),
+        without_effect=_words('mu_dynamic mu_static'),
+        once=frozenset(KNOWN_PROPERTIES),
+    ),
+    **{name: _Known(_words('value')) for name in KNOWN_PROPERTIES},
     'origin': _Known(_words('xyz rpy quat_xyzw wxyz')),
     'geometry': _Known(
         _words('name'),
@@ -88,7 +95,9 @@ _MAY_HOLD_ANYTHING = _words('limit')
 # The others read these.
 _READ_ELSEWHERE = _words('collision_filter_group')
 # As Drake writes them; what else is in a namespace is not what has the same name in none.
-_OF_ANY_NAMESPACE = _words('collision_filter_group joint capsule ellipsoid declare_convex')
+_OF_ANY_NAMESPACE = _words(
+    'collision_filter_group joint capsule ellipsoid declare_convex proximity_properties'
+).union(KNOWN_PROPERTIES)
 # A word that is not known is an orientation or a length that is not read.
 _REFUSED_IN = _words('origin')
 

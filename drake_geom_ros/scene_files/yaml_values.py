@@ -18,6 +18,7 @@ from drake_geom_ros.geometry import (
     Ellipsoid,
     GeometryProperties,
     HalfSpace,
+    HydroelasticType,
     IllustrationProperties,
     Mesh,
     MeshData,
@@ -33,6 +34,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
 from drake_geom_ros.scene_files import sensed_shapes
+from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
 from drake_geom_ros.scene_files.packed_rows import numbers_of
 
 Plain = Mapping[str, Any]
@@ -147,14 +149,20 @@ def _plain_mesh(data: MeshData) -> dict[str, Any]:
 
 
 def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:
-    """Return roles with their properties; without an entry the proximity role alone."""
+    """Return roles with their properties; without an entry the proximity role alone.
+
+    Raises ArgumentError for hydroelastic properties that cannot be.
+    """
     roles: dict[Role, GeometryProperties] = {}
     for name, groups in ({'proximity': {}} if plain is None else plain).items():
         role, make = _PROPERTIES[name]
         roles[role] = make()
         for group, values in groups.items():
             for key, value in values.items():
-                roles[role].AddProperty(group, key, _property_of(value))
+                value = _property_of(value)
+                if role is Role.kProximity:
+                    value = proximity_property(group, key, value)
+                roles[role].AddProperty(group, key, value)
     return roles
 
 
@@ -194,6 +202,8 @@ def _plain_property(value: Any, key: str) -> Any:
         return {'rgba': [value.r(), value.g(), value.b(), value.a()]}
     if _is_scalar(value) or (isinstance(value, list) and all(map(_is_scalar, value))):
         return value
+    if isinstance(value, HydroelasticType):
+        return in_words(value)
     if isinstance(value, RenderLabel) and not value.is_reserved():
         return int(value)
     if isinstance(value, set) and all(isinstance(item, str) for item in value):
@@ -204,7 +214,8 @@ def _plain_property(value: Any, key: str) -> Any:
             return {'array': plain}
     raise TypeError(
         f'property {key!r} = {value!r}; a scene file holds bool, int of 64 bits, finite float, '
-        'str, lists of these, sets of str, Rgba, and finite float arrays of one or two dimensions'
+        'str, lists of these, sets of str, Rgba, HydroelasticType, and finite float arrays of one '
+        'or two dimensions'
     )
 
 

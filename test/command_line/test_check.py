@@ -31,6 +31,32 @@ def test_a_scene_is_listed(capsys):
     assert lines[-1].startswith('pairs 3: reported 2, anchored 1, on one frame 0,')
 
 
+PRESSING = """
+geometries:
+- {name: floor, shape: {type: half_space}, roles: {proximity: {hydroelastic: {
+    compliance_type: rigid}}}}
+- {name: ball, shape: {type: sphere, radius: 0.1}, roles: {proximity: {hydroelastic: {
+    compliance_type: compliant, hydroelastic_modulus: 2e6, resolution_hint: 0.2}}}}
+- {name: box, shape: {type: box, size: [1, 1, 1]}, roles: {proximity: {hydroelastic: {
+    compliance_type: rigid}}}}
+- {name: bystander, shape: {type: box, size: [1, 1, 1]}}
+"""
+
+
+def test_who_has_contact_surfaces_is_told(capsys, tmp_path):
+    path = tmp_path / 'pressing.yaml'
+    path.write_text(PRESSING)
+    assert main(['check', str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    start = lines.index('contact surfaces')
+    assert lines[start + 1 : start + 5] == [
+        '  scene::world/floor: rigid, half space',
+        '  scene::world/ball: compliant, 2e+06 Pa, 8 tetrahedra',
+        '  scene::world/box: rigid, 24 triangles',
+        'filters',
+    ]
+
+
 def test_filtered_pairs_are_listed_with_reasons(capsys, tmp_path):
     path = tmp_path / 'filtered.yaml'
     path.write_text(FILTERED)

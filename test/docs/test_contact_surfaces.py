@@ -22,7 +22,15 @@ def test_the_example_prints_what_is_said():
 
 
 def test_the_table_is_that_of_the_example(tmp_path):
-    (table,) = re.findall(r'```text\n(.*?)```', PAGE, re.S)
+    (table,) = re.findall(r'```text\n( *opening.*?)```', PAGE, re.S)
     picture = tmp_path / 'patch.png'
     assert printed('examples/grasp_patch.py', '--picture', str(picture)) == table.strip()
     assert picture.stat().st_size > 1000
+
+
+def test_check_tells_of_the_scene_file_what_is_said(tmp_path):
+    (scene,) = re.findall(r'```yaml\n(.*?)```', PAGE, re.S)
+    (told,) = re.findall(r'```text\n(contact surfaces.*?)```', PAGE, re.S)
+    path = tmp_path / 'scene.yaml'
+    path.write_text(scene)
+    assert told in printed('-m', 'drake_geom_ros', 'check', str(path)) + '\n'

@@ -15,7 +15,7 @@ Indices = NDArray[np.int64]
 VOLUME, SURFACE, HALF_SPACE = 0, 1, 2  # what a body is
 # Columns of ``Bodies.table``.
 KIND, FIRST_POINT, FIRST_ELEMENT, ELEMENTS, FIRST_NODE, LEAVES = range(6)
-# Columns of ``Surfaces.sums``, of each pair; numbers in World.
+# Columns of ``Surfaces.sums``; numbers in World.
 AREA = 0  # [m^2]
 FIRST_MOMENT = 1  # 3: area times centroid [m^3]
 FORCE = 4  # 3: on M, by the pressure along the normals [N]
@@ -50,7 +50,40 @@ class Bodies(NamedTuple):
     # corner; of a triangle, its own in the first.
     planes: Floats
     beyond: Indices  # (e, 4): which element is beyond that face, of all elements; -1: none
-    nodes: Floats  # (k, 6): middle and half size of the boxes of heaps, body after body [m]
+    nodes: Floats  # (k, 12): the boxes of heaps, body after body; see the columns below
+
+
+# Columns of ``Bodies.nodes``: a box, and between which two planes the pressures in it are.
+MIDDLE = 0  # 3 [m]
+HALF = 3  # 3: half the size [m]
+SLOPE = 6  # 3: a gradient [Pa/m]: pressures are this times the position, and more by
+LEVEL = 9  # this [Pa],
+SPREAD = 10  # give or take this [Pa]
+STEEPEST = 11  # the longest gradient of an element [Pa/m]
+NODE = 12
+
+
+class Asked(NamedTuple):
+    """Pairs of geometries, and where geometries (n,) are."""
+
+    pairs: Indices  # (k, 2)
+    ids: Indices  # (n,), ascending
+    body_of: Indices  # (n,): the row of a geometry's body; -1: it has none
+    R_WGs: Floats  # (n, 3, 3)
+    p_WGs: Floats  # (n, 3) [m]
+
+
+# What there is of each pair that was asked about.
+NOTHING, PRESSES = 0, 1
+UNABLE = 2  # to have a surface: one has no body, both are rigid, or both are half spaces
+SWALLOWED = 3  # without polygons, though they overlap: one is deep within the other
+# Places in ``Surfaces.counts``.
+POLYGONS, CORNERS, FOUND, LEFT = range(4)  # LEFT: pairs that are UNABLE or SWALLOWED
+COUNTS = 4
+# Columns of ``Surfaces.found``.
+ID_M, ID_N, COMPLIANT_M, COMPLIANT_N = range(4)
+LAST = 4  # where the surface's polygons end
+RECORD = 5
 
 
 class Surfaces(NamedTuple):
@@ -60,26 +93,26 @@ class Surfaces(NamedTuple):
     pressures: Floats  # (p,) [Pa]
     ends: Indices  # (f,)
     faces: Floats  # (f, 13)
-    sums: Floats  # (pairs, 14)
-    pair_ends: Indices  # (pairs,): where the polygons of each pair end
-    # (pairs,): without polygons, though the bodies overlap: one is deep within the other.
-    swallowed: NDArray[np.bool_]
-    counts: Indices  # (2,): polygons, points
+    sums: Floats  # (k, 14), of each surface that was found
+    found: Indices  # (k, 5)
+    states: Indices  # (k,), of each pair that was asked about
+    counts: Indices  # (4,)
 
 
 class Scratch(NamedTuple):
-    """Room to compute in: for polygons, for the walk, and for the pose of a body in another."""
+    """Room to compute in."""
 
-    work: Floats
-    stack: Indices
-    R: Floats  # (3, 3)
+    work: Floats  # polygons
+    stack: Indices  # the walk
+    R: Floats  # (3, 3): the pose of a body in another
+    other: Floats  # an element of one body in the frame of another: see ``posed``
 
 
 class Between(NamedTuple):
     """Two bodies, and where they are: the second in the first, and the first in World."""
 
-    pair: int  # the row of ``Surfaces.sums``
-    a: int  # the rows of the bodies; the first has tetrahedra, or b is a half space
+    row: int  # of ``Surfaces.sums``
+    a: int  # the rows of the bodies; the first has tetrahedra, or the second is a half space
     b: int
     R: Floats  # (3, 3)
     p: Vector

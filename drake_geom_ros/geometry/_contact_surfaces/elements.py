@@ -6,11 +6,10 @@ import math
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     FIRST_POINT,
-    KIND,
-    SURFACE,
     Between,
     Bodies,
     Floats,
+    Scratch,
     Surfaces,
 )
 from drake_geom_ros.geometry._contact_surfaces.clipping import (
@@ -22,15 +21,21 @@ from drake_geom_ros.geometry._contact_surfaces.clipping import (
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._contact_surfaces.emitting import emit
+from drake_geom_ros.geometry._contact_surfaces.posed import (
+    FIELD,
+    LENGTH,
+    PLANE,
+    TRIANGLE,
+    corner_of,
+    is_beyond,
+    lowest,
+)
 from drake_geom_ros.geometry._contact_surfaces.tolerances import SAME_GRADIENT
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    add,
     dot,
     norm,
-    rotate,
     scale,
     sub,
-    unrotate,
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
@@ -40,13 +45,13 @@ COSINE = math.cos(5.0 * math.pi / 8.0)
 
 
 @inlined
-def _agrees(nhat: Vector, gradient: Vector, length: float) -> bool:
+def agrees(nhat: Vector, gradient: Vector, length: float) -> bool:
     """Tell whether a pressure grows along a normal, or not far from it."""
     return length == 0.0 or dot(nhat, gradient) > COSINE * length
 
 
 @inlined
-def _differ(length: float, g_length: float, h_length: float) -> bool:
+def differ(length: float, g_length: float, h_length: float) -> bool:
     """Tell whether the difference of two gradients, of this length, is more than rounding."""
     return length > SAME_GRADIENT * (g_length + h_length)
 
@@ -56,80 +61,83 @@ def _both_agree(g: Vector, g_length: float, h: Vector, h_length: float) -> bool:
     """Tell whether the normal where two pressures are equal agrees with both of them."""
     n = sub(g, h)
     length = norm(n)
-    if not _differ(length, g_length, h_length):
+    if not differ(length, g_length, h_length):
         return False
     nhat = scale(1.0 / length, n)
-    return _agrees(nhat, g, g_length) and _agrees(scale(-1.0, nhat), h, h_length)
+    return agrees(nhat, g, g_length) and agrees(scale(-1.0, nhat), h, h_length)
 
 
 @inlined
-def _snapped(height: float, rounding: float) -> float:
+def snapped(height: float, rounding: float) -> float:
     """Return a height, 0 where it is nothing but rounding."""
     return 0.0 if abs(height) <= rounding else height
 
 
 @inlined
-def meet(bodies: Bodies, e: int, f: int, between: Between, work: Floats, out: Surfaces) -> None:
-    """Put out where element e of the first body, a tetrahedron, meets element f of the second."""
-    if bodies.table[between.b, KIND] == SURFACE:
-        _meet_triangle(bodies, e, f, between, work, out)
+def meet(
+    bodies: Bodies, e: int, f: int, planes: int, between: Between, scratch: Scratch, out: Surfaces
+) -> None:
+    """Put out where element e of the first body, a tetrahedron, meets the one that is posed."""
+    if planes == TRIANGLE:
+        _meet_triangle(bodies, e, f, between, scratch, out)
     else:
-        _meet_tetrahedron(bodies, e, f, between, work, out)
+        _meet_tetrahedron(bodies, e, f, between, scratch, out)
 
 
 @inlined
 def _meet_tetrahedron(
-    bodies: Bodies, e: int, f: int, between: Between, work: Floats, out: Surfaces
+    bodies: Bodies, e: int, f: int, between: Between, scratch: Scratch, out: Surfaces
 ) -> None:
     """Put out where two tetrahedra have the same pressure.
 
-    Both pressures are linear, so these points are on a plane: the first tetrahedron is cut by it,
-    and the polygon clipped by the faces of the second, in whose frame it is looked at. Most pairs
-    whose boxes meet are kept apart by a face of the first, or by that plane.
+    Both pressures are linear, so these points are on a plane: the second tetrahedron is cut by it,
+    and the polygon clipped by the faces of the first. Most pairs whose boxes meet are kept apart
+    by a face of one, or by that plane.
     """
-    first = bodies.table[between.b, FIRST_POINT]
-    c0 = _corner_of_second(bodies, between, first + bodies.elements[f, 0])
-    c1 = _corner_of_second(bodies, between, first + bodies.elements[f, 1])
-    c2 = _corner_of_second(bodies, between, first + bodies.elements[f, 2])
-    c3 = _corner_of_second(bodies, between, first + bodies.elements[f, 3])
-    if _are_beyond_a_face(bodies, e, (c0, c1, c2, c3), between.rounding):
+    work, other = scratch.work, scratch.other
+    corners = corner_of(other, 0), corner_of(other, 1), corner_of(other, 2), corner_of(other, 3)
+    if _are_beyond_a_face(bodies, e, corners, between.rounding):
         return
-    g = vector_in(bodies.fields, e)
-    h = rotate(between.R, vector_in(bodies.fields, f))
-    constant = bodies.fields[e, 3] - bodies.fields[f, 3] + dot(h, between.p)
+    g, h = vector_in(bodies.fields, e), vector_in(other, FIELD)
+    constant = bodies.fields[e, 3] - other[FIELD, 3]
+    lengths = bodies.fields[e, 4] + other[LENGTH, 0]
+    near = between.rounding * lengths
     n = sub(g, h)
+    if lowest(n, corners) + constant > near or lowest(scale(-1.0, n), corners) - constant > near:
+        return
+    own = corners_of(bodies, bodies.table[between.a, FIRST_POINT], e)
+    if lowest(n, own) + constant > near or lowest(scale(-1.0, n), own) - constant > near:
+        return
+    if is_beyond(other, own, between.rounding):
+        return
     length = norm(n)
-    if not _differ(length, bodies.fields[e, 4], bodies.fields[f, 4]):
+    if not differ(length, bodies.fields[e, 4], other[LENGTH, 0]):
         return
     # Both pressures are rounded: the plane is the less sharp, the less their gradients differ.
-    rounding = between.rounding * ((bodies.fields[e, 4] + bodies.fields[f, 4]) / length)
-    near = rounding * length
-    if _lowest(n, (c0, c1, c2, c3)) + constant > near:
-        return
-    if _lowest(scale(-1.0, n), (c0, c1, c2, c3)) - constant > near:
-        return
-    if not cut_by(bodies, between.a, e, n, constant, length, rounding, work):
+    rounding = between.rounding * (lengths / length)
+    on_plane = cut_by(bodies, f, corners, (n, constant, length), rounding, work)
+    if on_plane < 0:
         return
     nhat = scale(1.0 / length, n)
-    if not _agrees(nhat, g, bodies.fields[e, 4]):
+    if not agrees(nhat, g, bodies.fields[e, 4]):
         return
-    if not _agrees(scale(-1.0, nhat), h, bodies.fields[f, 4]):
+    if not agrees(scale(-1.0, nhat), h, other[LENGTH, 0]):
         return
     count = cut(work, nhat)
     if count == 0:
         return
-    for i in range(count):
-        corner = unrotate(between.R, sub(vector_in(work, i), between.p))
-        for k in range(4):
-            height = height_above_face(bodies, f, k, corner)
-            work[i, HEIGHT + k] = _snapped(height, rounding)
+    put_heights(bodies, e, count, rounding, work)
     at, count, face = clipped(work, 0, count, 4, -1)
     if face >= 0:
-        twin = bodies.beyond[f, face]
+        twin = bodies.beyond[e, face]
         if twin < 0:
             return
-        its = rotate(between.R, vector_in(bodies.fields, twin))
-        if twin < f and _both_agree(g, bodies.fields[e, 4], its, bodies.fields[twin, 4]):
+        its = vector_in(bodies.fields, twin)
+        if on_plane == 3:
+            # Four tetrahedra have this face: the two above it answer for all.
+            if not dot(n, own[face]) + constant > near:
+                return
+        elif twin < e and _both_agree(its, bodies.fields[twin, 4], h, other[LENGTH, 0]):
             return
         at, count, face = clipped(work, at, count, 4, face)
     if count:
@@ -139,17 +147,13 @@ def _meet_tetrahedron(
 
 
 @inlined
-def _corner_of_second(bodies: Bodies, between: Between, row: int) -> Vector:
-    """Return a point of the second body in the first one's frame."""
-    return add(rotate(between.R, vector_in(bodies.points, row)), between.p)
-
-
-@inlined
-def _lowest(n: Vector, corners: tuple[Vector, Vector, Vector, Vector]) -> float:
-    """Return the least of the products of a vector with four corners."""
-    c0, c1, c2, c3 = corners
-    lowest: float = min(min(dot(n, c0), dot(n, c1)), min(dot(n, c2), dot(n, c3)))
-    return lowest
+def put_heights(bodies: Bodies, e: int, count: int, rounding: float, work: Floats) -> None:
+    """Put the heights of corners above the faces of a tetrahedron beside them."""
+    for i in range(count):
+        corner = vector_in(work, i)
+        for k in range(4):
+            height = height_above_face(bodies, e, k, corner)
+            work[i, HEIGHT + k] = snapped(height, rounding)
 
 
 @inlined
@@ -158,7 +162,7 @@ def _are_beyond_a_face(
 ) -> bool:
     """Tell whether corners are all farther than ``near`` outside one face of a tetrahedron."""
     for k in range(4):
-        if _lowest(vector_at_plane(bodies, e, k), corners) > bodies.planes[e, k, 3] + near:
+        if lowest(vector_at_plane(bodies, e, k), corners) > bodies.planes[e, k, 3] + near:
             return True
     return False
 
@@ -190,27 +194,27 @@ def height_above_face(bodies: Bodies, f: int, k: int, point: Vector) -> float:
 @inlined
 def cut_by(
     bodies: Bodies,
-    a: int,
     e: int,
-    n: Vector,
-    constant: float,
-    length: float,
+    corners: tuple[Vector, Vector, Vector, Vector],
+    plane: tuple[Vector, float, float],
     rounding: float,
     work: Floats,
-) -> bool:
-    """Look how high a tetrahedron's corners are above the plane n x + constant = 0.
+) -> int:
+    """Look how high the corners of tetrahedron e are above the plane n x + constant = 0.
 
-    Return whether it is cut; then corners and heights are in ``work``. One that is not cut, but
-    has a face on the plane, is as one that is cut there, if something is beyond that face.
+    The plane is n, the constant, and the length of n. Return how many corners are on it; then
+    corners and heights are in ``work``. Or -1: it is not cut. One that is above the plane, and has
+    a face on it, is cut there, if something is beyond that face.
     """
-    first, near = bodies.table[a, FIRST_POINT], rounding * length
-    c0, c1, c2, c3 = corners_of(bodies, first, e)
-    h0, h1 = _snapped(dot(n, c0) + constant, near), _snapped(dot(n, c1) + constant, near)
-    h2, h3 = _snapped(dot(n, c2) + constant, near), _snapped(dot(n, c3) + constant, near)
+    n, constant, length = plane
+    near = rounding * length
+    c0, c1, c2, c3 = corners
+    h0, h1 = snapped(dot(n, c0) + constant, near), snapped(dot(n, c1) + constant, near)
+    h2, h3 = snapped(dot(n, c2) + constant, near), snapped(dot(n, c3) + constant, near)
     above = (h0 > 0.0) + (h1 > 0.0) + (h2 > 0.0) + (h3 > 0.0)
     if above == 0 or above == 4:
-        return False
-    corners, heights = (c0, c1, c2, c3), (h0, h1, h2, h3)
+        return -1
+    heights = h0, h1, h2, h3
     zeros = face = 0
     for k in range(4):
         row = CORNERS + k
@@ -221,43 +225,36 @@ def cut_by(
             zeros += 1
         else:
             face = k
-    return not (zeros == 3 and bodies.beyond[e, face] < 0)
+    return -1 if zeros == 3 and bodies.beyond[e, face] < 0 else zeros
 
 
 @inlined
 def _meet_triangle(
-    bodies: Bodies, e: int, f: int, between: Between, work: Floats, out: Surfaces
+    bodies: Bodies, e: int, f: int, between: Between, scratch: Scratch, out: Surfaces
 ) -> None:
-    """Put out which part of a rigid triangle is in a tetrahedron."""
-    nhat = rotate(between.R, vector_at_plane(bodies, f, 0))
-    g = vector_in(bodies.fields, e)
-    if not _agrees(nhat, g, bodies.fields[e, 4]):
+    """Put out which part of the rigid triangle is in a tetrahedron."""
+    work, other = scratch.work, scratch.other
+    nhat, g = vector_in(other, PLANE), vector_in(bodies.fields, e)
+    if not agrees(nhat, g, bodies.fields[e, 4]):
         return
-    first = bodies.table[between.b, FIRST_POINT]
-    c0 = _corner_of_second(bodies, between, first + bodies.elements[f, 0])
-    c1 = _corner_of_second(bodies, between, first + bodies.elements[f, 1])
-    c2 = _corner_of_second(bodies, between, first + bodies.elements[f, 2])
-    own, at = corners_of(bodies, bodies.table[between.a, FIRST_POINT], e), dot(nhat, c0)
-    if _lowest(nhat, own) > at + between.rounding:
+    corners = corner_of(other, 0), corner_of(other, 1), corner_of(other, 2), corner_of(other, 2)
+    if _are_beyond_a_face(bodies, e, corners, between.rounding):
         return
-    if _lowest(scale(-1.0, nhat), own) > between.rounding - at:
+    own = corners_of(bodies, bodies.table[between.a, FIRST_POINT], e)
+    if lowest(nhat, own) - other[PLANE, 3] > between.rounding:
         return
-    if _are_beyond_a_face(bodies, e, (c0, c1, c2, c2), between.rounding):
+    if lowest(scale(-1.0, nhat), own) + other[PLANE, 3] > between.rounding:
         return
-    corners = c0, c1, c2
     for i in range(3):
-        corner = corners[i]
-        work[i, 0], work[i, 1], work[i, 2] = corner
-        for k in range(4):
-            height = height_above_face(bodies, e, k, corner)
-            work[i, HEIGHT + k] = _snapped(height, between.rounding)
+        work[i, 0], work[i, 1], work[i, 2] = corners[i]
+    put_heights(bodies, e, 3, between.rounding, work)
     at, count, face = clipped(work, 0, 3, 4, -1)
     if face >= 0:
         twin = bodies.beyond[e, face]
         if twin < 0:
             return
         its = vector_in(bodies.fields, twin)
-        if twin < e and _agrees(nhat, its, bodies.fields[twin, 4]):
+        if twin < e and agrees(nhat, its, bodies.fields[twin, 4]):
             return
         at, count, face = clipped(work, at, count, 4, face)
     if count:
@@ -265,56 +262,3 @@ def _meet_triangle(
     if count:
         zero = (0.0, 0.0, 0.0)
         emit(work, at, count, nhat, (g, bodies.fields[e, 3]), zero, between, out)
-
-
-@inlined
-def meet_half_space(
-    bodies: Bodies, e: int, slope: float, between: Between, work: Floats, out: Surfaces
-) -> None:
-    """Put out where element e of the first body meets a half space, the second.
-
-    One of slope 0 is rigid: the tetrahedron is cut by its plane. Else its pressure grows by the
-    slope with the depth; a rigid triangle is clipped by the plane, a tetrahedron cut where the
-    pressures are equal and clipped.
-    """
-    up = between.R[0, 2], between.R[1, 2], between.R[2, 2]
-    offset = dot(up, between.p)
-    h, constant, rounding = scale(-slope, up), slope * offset, between.rounding
-    if bodies.table[between.a, KIND] == SURFACE:
-        nhat = vector_at_plane(bodies, e, 0)
-        # The rigid surface is N and the half space M, the reverse of tetrahedra on a rigid one.
-        if not _agrees(nhat, h, slope):
-            return
-        first = bodies.table[between.a, FIRST_POINT]
-        for i in range(3):
-            corner = vector_in(bodies.points, first + bodies.elements[e, i])
-            work[i, 0], work[i, 1], work[i, 2] = corner
-        count, field, other = 3, (h, constant), (0.0, 0.0, 0.0)
-    else:
-        g = vector_in(bodies.fields, e)
-        n, level, length = up, -offset, 1.0
-        if slope > 0.0:
-            n, level = sub(g, h), bodies.fields[e, 3] - constant
-            length = norm(n)
-            if not _differ(length, bodies.fields[e, 4], slope):
-                return
-            rounding *= (bodies.fields[e, 4] + slope) / length
-        if not cut_by(bodies, between.a, e, n, level, length, rounding, work):
-            return
-        nhat = scale(1.0 / length, n)
-        agree = _agrees(nhat, g, bodies.fields[e, 4]) and _agrees(scale(-1.0, nhat), h, slope)
-        if slope > 0.0 and not agree:
-            return
-        count, field, other = cut(work, nhat), (g, bodies.fields[e, 3]), h
-    at = 0
-    if slope > 0.0 and count:
-        for i in range(count):
-            height = dot(up, vector_in(work, i)) - offset
-            work[i, HEIGHT] = _snapped(height, rounding)
-        at, count, face = clipped(work, 0, count, 1, -1)
-        if face >= 0:
-            return
-    if count:
-        count = without_twins(work, at, count, rounding)
-    if count:
-        emit(work, at, count, nhat, field, other, between, out)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     AREA,
     CENTROID,
+    CORNERS,
     FACE_AREA,
     FIRST_MOMENT,
     FORCE,
     GRAD_M,
     GRAD_N,
     NORMAL,
+    POLYGONS,
     PRESSURE,
     PRESSURE_MOMENT,
     TORQUE,
@@ -63,16 +65,27 @@ def emit(
     those of the first body's frame. Nothing is put out, or counted, without area.
     """
     origin = vector_in(work, at)
+    at_origin = _pressure(field, origin)
     area, moment = 0.0, (0.0, 0.0, 0.0)
-    for i in range(at + 1, at + count - 1):
-        side, next_side = sub(vector_in(work, i), origin), sub(vector_in(work, i + 1), origin)
+    # Of pressure, and of it times position from the first corner: it is linear, so over a triangle
+    # they are the mean of its corners' times the area, and area / 12 (sum p sum x + sum p x).
+    force, pressed = 0.0, (0.0, 0.0, 0.0)
+    side, before = sub(vector_in(work, at + 1), origin), _pressure(field, vector_in(work, at + 1))
+    for i in range(at + 2, at + count):
+        corner = vector_in(work, i)
+        next_side, after = sub(corner, origin), _pressure(field, corner)
         twice = dot(cross(side, next_side), nhat)
         area += 0.5 * twice
         moment = add_scaled(moment, twice / 6.0, add(side, next_side))
+        total = at_origin + before + after
+        force += twice / 6.0 * total
+        pressed = add_scaled(pressed, twice / 24.0 * (total + before), side)
+        pressed = add_scaled(pressed, twice / 24.0 * (total + after), next_side)
+        side, before = next_side, after
     if not area > between.rounding * between.rounding:
         return
-    pair, faces, points = between.pair, surfaces.counts[0], surfaces.counts[1]
-    surfaces.counts[0], surfaces.counts[1] = faces + 1, points + count
+    row, faces, points = between.row, surfaces.counts[POLYGONS], surfaces.counts[CORNERS]
+    surfaces.counts[POLYGONS], surfaces.counts[CORNERS] = faces + 1, points + count
     if faces >= len(surfaces.ends) or points + count > len(surfaces.points):
         return
     surfaces.ends[faces] = points + count
@@ -88,11 +101,11 @@ def emit(
     own, others = (GRAD_N, GRAD_M) if between.flip else (GRAD_M, GRAD_N)
     _put(surfaces.faces, faces, own, rotate(between.R_W, field[0]))
     _put(surfaces.faces, faces, others, rotate(between.R_W, other))
-    _add(surfaces.sums, pair, AREA, area, add_scaled(moment, area, origin))
-    force, pressed = _pressed(work, at, count, nhat, field)
-    _increase(surfaces.sums, pair, FORCE, scale(force, nhat))
-    _add(surfaces.sums, pair, PRESSURE, force, pressed)
-    _increase(surfaces.sums, pair, TORQUE, cross(pressed, nhat))
+    _add(surfaces.sums, row, AREA, area, add_scaled(moment, area, origin))
+    pressed = add_scaled(pressed, force, origin)
+    _increase(surfaces.sums, row, FORCE, scale(force, nhat))
+    _add(surfaces.sums, row, PRESSURE, force, pressed)
+    _increase(surfaces.sums, row, TORQUE, cross(pressed, nhat))
 
 
 @compiled
@@ -101,22 +114,22 @@ def sums_in_world(sums: Floats, between: Between) -> None:
 
     Once a pair: far from World's origin positions in it are coarse, and many of them add up.
     """
-    pair, sign = between.pair, -1.0 if between.flip else 1.0
+    row, sign = between.row, -1.0 if between.flip else 1.0
     for k in (FIRST_MOMENT, PRESSURE_MOMENT):
-        moment = rotate(between.R_W, vector_in(sums, pair, k))
-        weight = sums[pair, k - 1]
-        _put(sums, pair, k, add_scaled(moment, weight, between.p_W))
-    force = scale(sign, rotate(between.R_W, vector_in(sums, pair, FORCE)))
-    torque = scale(sign, rotate(between.R_W, vector_in(sums, pair, TORQUE)))
-    _put(sums, pair, FORCE, force)
-    _put(sums, pair, TORQUE, add(torque, cross(between.p_W, force)))
+        moment = rotate(between.R_W, vector_in(sums, row, k))
+        weight = sums[row, k - 1]
+        _put(sums, row, k, add_scaled(moment, weight, between.p_W))
+    force = scale(sign, rotate(between.R_W, vector_in(sums, row, FORCE)))
+    torque = scale(sign, rotate(between.R_W, vector_in(sums, row, TORQUE)))
+    _put(sums, row, FORCE, force)
+    _put(sums, row, TORQUE, add(torque, cross(between.p_W, force)))
 
 
 @inlined
-def _add(sums: Floats, pair: int, column: int, weight: float, moment: Vector) -> None:
+def _add(sums: Floats, row: int, column: int, weight: float, moment: Vector) -> None:
     """Add to an integral, and to that of it times position in the columns behind it."""
-    sums[pair, column] += weight
-    _increase(sums, pair, column + 1, moment)
+    sums[row, column] += weight
+    _increase(sums, row, column + 1, moment)
 
 
 @inlined
@@ -124,27 +137,3 @@ def _pressure(field: tuple[Vector, float], corner: Vector) -> float:
     """Return the pressure at a corner: less than none is rounding."""
     pressure: float = max(dot(field[0], corner) + field[1], 0.0)
     return pressure
-
-
-@compiled
-def _pressed(
-    work: Floats, at: int, count: int, nhat: Vector, field: tuple[Vector, float]
-) -> tuple[float, Vector]:
-    """Return the integrals of pressure, and of pressure times position, over a polygon.
-
-    In the first body's frame: positions in World are coarse far from its origin. The pressure is
-    linear: over a triangle its integral is the mean of its corners' times the area, and that of
-    pressure times position area / 12 (sum p sum x + sum p x).
-    """
-    origin = vector_in(work, at)
-    p = _pressure(field, origin)
-    force, moment = 0.0, (0.0, 0.0, 0.0)
-    for i in range(at + 1, at + count - 1):
-        one, two = vector_in(work, i), vector_in(work, i + 1)
-        a, b = sub(one, origin), sub(two, origin)
-        third = dot(cross(a, b), nhat) / 6.0
-        q, r = _pressure(field, one), _pressure(field, two)
-        force += third * (p + q + r)
-        moment = add_scaled(moment, 0.25 * third * (p + 2.0 * q + r), a)
-        moment = add_scaled(moment, 0.25 * third * (p + q + 2.0 * r), b)
-    return force, add_scaled(moment, force, origin)

@@ -9,6 +9,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     HALF_SPACE,
+    NODE,
     SURFACE,
     VOLUME,
     Bodies,
@@ -41,7 +42,7 @@ def packed_volume(
 
     ``beyond`` (m, 4) is which element is beyond the face against each corner, -1 where none is.
     """
-    order, nodes = _tree(points[elements])
+    order, boxes = _tree(points[elements])
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
     elements, beyond = elements[order], np.where(beyond < 0, -1, place[beyond])[order]
@@ -59,6 +60,7 @@ def packed_volume(
         inside = (planes[:, k, :3] * points[elements[:, k]]).sum(axis=1) > planes[:, k, 3]
         planes[inside, k] *= -1.0
     numbers = float(np.linalg.norm(points, axis=1).max()), 0.0
+    nodes = np.hstack((boxes, _ranges(corners, fields, (len(boxes) + 1) // 2)))
     inner = points[pressures == pressures.max()].mean(axis=0)
     return PackedBody(VOLUME, numbers, inner, points, elements, fields, planes, beyond, nodes)
 
@@ -69,7 +71,8 @@ def packed_surface(points: Floats, triangles: Indices) -> PackedBody:
     planes[:, 0] = _planes(*np.moveaxis(points[triangles], 1, 0))
     real = np.abs(planes[:, 0, :3]).max(axis=1, initial=0.0) > 0.0
     triangles, planes = triangles[real], planes[real]
-    order, nodes = _tree(points[triangles])
+    order, boxes = _tree(points[triangles])
+    nodes = np.hstack((boxes, np.zeros((len(boxes), NODE - boxes.shape[1]))))
     count = len(triangles)
     elements = np.column_stack((triangles[order], np.zeros(count, dtype=np.int64)))
     beyond = np.full((count, 4), -1)
@@ -98,7 +101,7 @@ def packed_half_space(pressure_slope: float) -> PackedBody:
         np.zeros((0, 5)),
         np.zeros((0, 4, 4)),
         np.zeros((0, 4), dtype=np.int64),
-        np.zeros((0, 6)),
+        np.zeros((0, NODE)),
     )
 
 
@@ -142,6 +145,28 @@ def _planes(a: Floats, b: Floats, c: Floats) -> Floats:
     lengths = np.sqrt((normals * normals).sum(axis=1))
     normals = normals / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     return np.column_stack((normals, (normals * a).sum(axis=1)))
+
+
+def _ranges(corners: Floats, fields: Floats, leaves: int) -> Floats:
+    """Return between which planes the pressures of each node's elements are (2 L - 1, 6).
+
+    The columns from SLOPE on. The slope is the mean of the elements' gradients: the fields of
+    elements beside each other are much alike, and what is left is the less, the fewer there are.
+    """
+    count, levels = len(corners), []
+    values = (fields[:, None, :3] * corners).sum(axis=2) + fields[:, 3:4]
+    parts = leaves
+    while parts > 0:
+        starts = np.arange(parts) * count // parts
+        counts = np.diff(np.append(starts, count))
+        slopes = np.add.reduceat(fields[:, :3], starts) / counts[:, None]
+        rest = values - (np.repeat(slopes, counts, axis=0)[:, None] * corners).sum(axis=2)
+        low = np.minimum.reduceat(rest.min(axis=1), starts)
+        high = np.maximum.reduceat(rest.max(axis=1), starts)
+        steepest = np.maximum.reduceat(fields[:, 4], starts)
+        levels.append(np.column_stack((slopes, 0.5 * (low + high), 0.5 * (high - low), steepest)))
+        parts //= 2
+    return np.concatenate(levels[::-1])
 
 
 def _tree(corners: Floats) -> tuple[Indices, Floats]:

@@ -7,21 +7,37 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    COMPLIANT_M,
+    COMPLIANT_N,
+    CORNERS,
+    COUNTS,
     FACE,
+    FOUND,
     HALF_SPACE,
+    ID_M,
+    ID_N,
     KIND,
+    LAST,
+    LEFT,
+    NOTHING,
+    POLYGONS,
+    PRESSES,
+    RECORD,
     SUMS,
+    SWALLOWED,
+    UNABLE,
     VOLUME,
+    Asked,
     Between,
     Bodies,
     Floats,
-    Indices,
     Scratch,
     Surfaces,
 )
 from drake_geom_ros.geometry._contact_surfaces.clipping import COLUMNS, ROWS
-from drake_geom_ros.geometry._contact_surfaces.compiled import compiled
+from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._contact_surfaces.emitting import sums_in_world
+from drake_geom_ros.geometry._contact_surfaces.posed import OTHER
 from drake_geom_ros.geometry._contact_surfaces.swallowed import one_is_swallowed
 from drake_geom_ros.geometry._contact_surfaces.tolerances import ROUNDING
 from drake_geom_ros.geometry._contact_surfaces.walks import DEEPEST, meet_bodies, meet_plane
@@ -31,29 +47,26 @@ FIRST_POLYGONS = 4096  # there is room for, and for CORNERS_EACH corners of each
 CORNERS_EACH = 5
 
 
-def surfaces_of(bodies: Bodies, pairs: Indices, R_WBs: Floats, p_WBs: Floats) -> Surfaces:
-    """Return the surfaces of pairs (k, 2) of bodies.
-
-    ``R_WBs`` (b, 3, 3) and ``p_WBs`` (b, 3) pose the bodies in World. The first of a pair is M.
-    Of each pair one at least is compliant, and not both are half spaces.
-    """
-    faces, corners = FIRST_POLYGONS, CORNERS_EACH * FIRST_POLYGONS
-    stack = np.zeros((DEEPEST, 2), dtype=np.int64)
-    scratch = Scratch(np.zeros((ROWS, COLUMNS)), stack, np.zeros((3, 3)))
+def surfaces_of(bodies: Bodies, asked: Asked) -> Surfaces:
+    """Return the surfaces of pairs; the geometry of lower id is M."""
+    faces, corners, count = FIRST_POLYGONS, CORNERS_EACH * FIRST_POLYGONS, len(asked.pairs)
+    stack = np.empty((DEEPEST, 2), dtype=np.int64)
+    room = np.empty((ROWS, COLUMNS)), stack, np.empty((3, 3)), np.empty((OTHER, 4))
     out = Surfaces(
         np.empty((corners, 3)),
         np.empty(corners),
         np.empty(faces, dtype=np.int64),
         np.empty((faces, FACE)),
-        np.zeros((len(pairs), SUMS)),
-        np.zeros(len(pairs), dtype=np.int64),
-        np.zeros(len(pairs), dtype=np.bool_),
-        np.zeros(2, dtype=np.int64),
+        np.empty((count, SUMS)),
+        np.empty((count, RECORD), dtype=np.int64),
+        np.empty(count, dtype=np.int64),
+        np.zeros(COUNTS, dtype=np.int64),
     )
     done = 0
-    while (done := _next_pairs(bodies, pairs, R_WBs, p_WBs, scratch, out, done)) < len(pairs):
+    while (done := _next_pairs(bodies, asked, Scratch(*room), out, done)) < count:
         out = _resized(out, 2 * len(out.ends), 2 * len(out.points))
-    return _resized(out, *out.counts.tolist())
+    faces, corners, found, _left = out.counts.tolist()
+    return _resized(out, faces, corners)._replace(sums=out.sums[:found], found=out.found[:found])
 
 
 def _resized(out: Surfaces, faces: int, corners: int) -> Surfaces:
@@ -73,51 +86,84 @@ def _rows(array: Any, count: int) -> Any:
 
 
 @compiled
-def _next_pairs(
-    bodies: Bodies,
-    pairs: Indices,
-    R_WBs: Floats,
-    p_WBs: Floats,
-    scratch: Scratch,
-    out: Surfaces,
-    done: int,
-) -> int:
+def _next_pairs(bodies: Bodies, asked: Asked, scratch: Scratch, out: Surfaces, done: int) -> int:
     """Put out the surfaces of pairs but those done; return for which one there was no room.
 
     That pair is as if it had not been looked at. Where all are done it is their number.
     """
-    R = scratch.R
-    for pair in range(done, len(pairs)):
-        faces, points = out.counts[0], out.counts[1]
-        a, b = pairs[pair, 0], pairs[pair, 1]
-        # First comes a tetrahedral body, before a surface, before a half space.
-        flip = bodies.table[b, KIND] < bodies.table[a, KIND]
-        half_space = bodies.table[a, KIND] == HALF_SPACE or bodies.table[b, KIND] == HALF_SPACE
-        if flip:
-            a, b = b, a
-        for i in range(3):
-            for j in range(3):
-                R[i, j] = 0.0
-                for k in range(3):
-                    R[i, j] += R_WBs[a, k, i] * R_WBs[b, k, j]
-        p_W = vector_in(p_WBs, a)
-        p = unrotate(R_WBs[a], sub(vector_in(p_WBs, b), p_W))
-        size = bodies.numbers[a, 0] + bodies.numbers[b, 0]
-        if half_space:
-            size = bodies.numbers[a, 0] + abs(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
-            # A rigid surface in a soft half space is N.
-            flip = flip != (bodies.table[a, KIND] != VOLUME)
-        between = Between(pair, a, b, R, p, R_WBs[a], p_W, ROUNDING * size, flip)
-        if half_space:
-            meet_plane(bodies, bodies.numbers[b, 1], between, scratch, out)
+    for pair in range(done, len(asked.pairs)):
+        faces, corners, row = out.counts[POLYGONS], out.counts[CORNERS], out.counts[FOUND]
+        m = min(asked.pairs[pair, 0], asked.pairs[pair, 1])
+        n = max(asked.pairs[pair, 0], asked.pairs[pair, 1])
+        M, N = asked.body_of[m], asked.body_of[n]
+        if not _can_press(bodies, M, N):
+            out.states[pair] = UNABLE
+            out.counts[LEFT] += 1
+            continue
+        for column in range(SUMS):
+            out.sums[row, column] = 0.0
+        between = _between(bodies, asked, (m, n), row, scratch.R)
+        if bodies.table[between.b, KIND] == HALF_SPACE:
+            meet_plane(bodies, bodies.numbers[between.b, 1], between, scratch, out)
         else:
             meet_bodies(bodies, between, scratch, out)
-        if out.counts[0] > len(out.ends) or out.counts[1] > len(out.points):
-            out.counts[0], out.counts[1] = faces, points
-            out.sums[pair] = 0.0
+        if out.counts[POLYGONS] > len(out.ends) or out.counts[CORNERS] > len(out.points):
+            out.counts[POLYGONS], out.counts[CORNERS] = faces, corners
             return pair
-        sums_in_world(out.sums, between)
-        out.pair_ends[pair] = out.counts[0]
-        if out.counts[0] == faces:
-            out.swallowed[pair] = one_is_swallowed(bodies, between, scratch)
-    return len(pairs)
+        if out.counts[POLYGONS] > faces:
+            sums_in_world(out.sums, between)
+            out.states[pair] = PRESSES
+            out.counts[FOUND] += 1
+            out.found[row, ID_M], out.found[row, ID_N] = asked.ids[m], asked.ids[n]
+            out.found[row, COMPLIANT_M] = 1 if _is_compliant(bodies, M) else 0
+            out.found[row, COMPLIANT_N] = 1 if _is_compliant(bodies, N) else 0
+            out.found[row, LAST] = out.counts[POLYGONS]
+        elif one_is_swallowed(bodies, between, scratch):
+            out.states[pair] = SWALLOWED
+            out.counts[LEFT] += 1
+        else:
+            out.states[pair] = NOTHING
+    return len(asked.pairs)
+
+
+@inlined
+def _is_compliant(bodies: Bodies, body: int) -> bool:
+    """Tell whether there is pressure in a body."""
+    kind = bodies.table[body, KIND]
+    compliant: bool = kind == VOLUME or (kind == HALF_SPACE and bodies.numbers[body, 1] > 0.0)
+    return compliant
+
+
+@inlined
+def _can_press(bodies: Bodies, M: int, N: int) -> bool:
+    """Tell whether two bodies, -1 for none, can have a surface."""
+    if M < 0 or N < 0 or not (_is_compliant(bodies, M) or _is_compliant(bodies, N)):
+        return False
+    able: bool = bodies.table[M, KIND] != HALF_SPACE or bodies.table[N, KIND] != HALF_SPACE
+    return able
+
+
+@inlined
+def _between(bodies: Bodies, asked: Asked, pair: tuple[int, int], row: int, R: Floats) -> Between:
+    """Return two geometries' bodies, a tetrahedral one before a surface before a half space.
+
+    ``R`` is where the orientation of the second in the first is put.
+    """
+    a, b = pair
+    flip = bodies.table[asked.body_of[b], KIND] < bodies.table[asked.body_of[a], KIND]
+    if flip:
+        a, b = b, a
+    first, second = asked.body_of[a], asked.body_of[b]
+    for i in range(3):
+        for j in range(3):
+            R[i, j] = 0.0
+            for k in range(3):
+                R[i, j] += asked.R_WGs[a, k, i] * asked.R_WGs[b, k, j]
+    p_W = vector_in(asked.p_WGs, a)
+    p = unrotate(asked.R_WGs[a], sub(vector_in(asked.p_WGs, b), p_W))
+    size = bodies.numbers[first, 0] + bodies.numbers[second, 0]
+    if bodies.table[second, KIND] == HALF_SPACE:
+        size = bodies.numbers[first, 0] + abs(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
+        # A rigid surface in a soft half space is N.
+        flip = flip != (bodies.table[first, KIND] != VOLUME)
+    return Between(row, first, second, R, p, asked.R_WGs[a], p_W, ROUNDING * size, flip)

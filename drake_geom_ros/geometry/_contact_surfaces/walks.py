@@ -14,7 +14,9 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Surfaces,
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
-from drake_geom_ros.geometry._contact_surfaces.elements import meet, meet_half_space
+from drake_geom_ros.geometry._contact_surfaces.elements import meet
+from drake_geom_ros.geometry._contact_surfaces.half_spaces import meet_half_space
+from drake_geom_ros.geometry._contact_surfaces.posed import is_beyond_box, pose
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     dot,
@@ -25,7 +27,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 
-DEEPEST = 128  # of a walk: twice the depth of trees that fit into memory
+DEEPEST = 128  # of a walk: three times the depth of trees that fit into memory
+SECOND_FIRST = 4.0  # how much larger a box of the first body has to be, to be split first
 
 
 @inlined
@@ -83,7 +86,11 @@ def first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
 
 @compiled
 def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> None:
-    """Put out where the tetrahedra of the first body meet the elements of the second."""
+    """Put out where the tetrahedra of the first body meet the elements of the second.
+
+    Both trees are gone down, the second one first, to its single elements: what is kept apart
+    from one of them is found by more than boxes.
+    """
     a, b, stack = between.a, between.b, scratch.stack
     last_a, last_b = bodies.table[a, LEAVES] - 1, bodies.table[b, LEAVES] - 1
     stack[0, 0] = stack[0, 1] = 0
@@ -93,21 +100,51 @@ def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surface
         i, j = stack[top, 0], stack[top, 1]
         if _apart(bodies, a, i, b, j, between):
             continue
-        if i >= last_a and j >= last_b:
-            for e in range(
-                first_in_leaf(bodies, a, i - last_a), first_in_leaf(bodies, a, i - last_a + 1)
+        if j >= last_b:
+            for f in range(
+                first_in_leaf(bodies, b, j - last_b), first_in_leaf(bodies, b, j - last_b + 1)
             ):
-                for f in range(
-                    first_in_leaf(bodies, b, j - last_b),
-                    first_in_leaf(bodies, b, j - last_b + 1),
-                ):
-                    meet(bodies, e, f, between, scratch.work, out)
+                planes = pose(bodies, f, between, scratch.other)
+                _meet_one(bodies, i, f, planes, between, scratch, top, out)
             continue
-        split_a = j >= last_b or (i < last_a and _size(bodies, a, i) >= _size(bodies, b, j))
+        split_a = i < last_a and _size(bodies, a, i) >= SECOND_FIRST * _size(bodies, b, j)
         for k in (2, 1):
             stack[top, 0] = 2 * i + k if split_a else i
             stack[top, 1] = j if split_a else 2 * j + k
             top += 1
+
+
+@inlined
+def _meet_one(
+    bodies: Bodies,
+    i: int,
+    f: int,
+    planes: int,
+    between: Between,
+    scratch: Scratch,
+    bottom: int,
+    out: Surfaces,
+) -> None:
+    """Put out where tetrahedra of the first body's node i meet element f, which is posed.
+
+    What is on the stack below ``bottom`` stays.
+    """
+    a, stack = between.a, scratch.stack
+    last, top = bodies.table[a, LEAVES] - 1, bottom + 1
+    stack[bottom, 0] = i
+    while top > bottom:
+        top -= 1
+        k = stack[top, 0]
+        if is_beyond_box(bodies, k, scratch.other, planes, between):
+            continue
+        if k >= last:
+            for e in range(
+                first_in_leaf(bodies, a, k - last), first_in_leaf(bodies, a, k - last + 1)
+            ):
+                meet(bodies, e, f, planes, between, scratch, out)
+            continue
+        stack[top, 0], stack[top + 1, 0] = 2 * k + 2, 2 * k + 1
+        top += 2
 
 
 @compiled

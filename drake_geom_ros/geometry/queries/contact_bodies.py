@@ -21,6 +21,7 @@ from drake_geom_ros.geometry.hydroelastic.bodies import (
     HalfSpaceBody,
     HydroelasticBody,
 )
+from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
 from drake_geom_ros.geometry.model._model import Model
 
@@ -32,65 +33,46 @@ _PACKED: WeakKeyDictionary[HydroelasticBody, PackedBody] = WeakKeyDictionary()
 
 
 class ContactBodies(NamedTuple):
-    """The bodies of the geometries with hydroelastic properties, by ascending ids (b,)."""
+    """The bodies of the geometries with hydroelastic properties."""
 
     version: int
-    ids: Indices
-    is_compliant: NDArray[np.bool_]
+    ids: Indices  # (n,) of all geometries that proximity queries know
+    body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
 
-    def rows(self, ids: Indices) -> Indices:
-        """Return which body geometries (...) are, by the values of their ids; -1 where none."""
-        if not len(self.ids):
-            return np.full(ids.shape, -1)
-        at = self.ids.searchsorted(ids)
-        at[at == len(self.ids)] = 0
-        at[self.ids[at] != ids] = -1
-        return at
+    def why_not(self, M: int, N: int) -> str:
+        """Return why two geometries that overlap have no surface, and what can be done.
 
-    def have_a_surface(self, a: Indices, b: Indices) -> NDArray[np.bool_]:
-        """Tell for pairs of rows (k,) whether they can have a surface: see ``why_not``."""
-        able: NDArray[np.bool_] = self.is_compliant[a] | self.is_compliant[b]
-        able &= (a >= 0) & (b >= 0)
-        infinite = self.bodies.table[:, KIND] == HALF_SPACE
-        if infinite.any():
-            able &= ~(infinite[a] & infinite[b])
-        return able
-
-    def why_not(self, a: int, b: int) -> str:
-        """Return why two rows that overlap have no surface, and what can be done."""
-        if a < 0 or b < 0:
+        By their places among ``ids``.
+        """
+        rows = self.body_of[M], self.body_of[N]
+        if min(rows) < 0:
             return 'one of them has no hydroelastic properties; give it some'
-        if not (self.is_compliant[a] or self.is_compliant[b]):
+        kinds, slopes = self.bodies.table[rows, KIND], self.bodies.numbers[rows, 1]
+        if (kinds == HALF_SPACE).all():
+            return 'both are half spaces'
+        if not ((kinds == VOLUME) | (slopes > 0.0)).any():
             return 'both are rigid; make one of them compliant'
-        if self.have_a_surface(np.array([a]), np.array([b]))[0]:
-            return 'one is so deep within the other that their pressures are equal nowhere'
-        return 'both are half spaces'
+        return 'one is so deep within the other that their pressures are equal nowhere'
 
 
-def contact_bodies(model: Model, before: ContactBodies | None) -> ContactBodies:
-    """Return the bodies of a model, those from before where nothing has changed since."""
+def contact_bodies(model: Model, ids: Indices, before: ContactBodies | None) -> ContactBodies:
+    """Return the bodies of a model, those from before where nothing has changed since.
+
+    ``ids`` (n,) are the values of those of all its geometries in proximity queries, ascending.
+    """
     version = model.versions.proximity
-    if before is not None and before.version == version:
+    if before is not None and before.version == version and before.ids is ids:
         return before
-    parts: dict[int, PackedBody] = {}
-    for id in sorted(model.geometries):
-        body = model.geometries[id].hydroelastic_body
+    parts, body_of = [packed_half_space(0.0)], []  # arrays need something to be joined of
+    for value in ids.tolist():
+        body = model.geometry(GeometryId(value)).hydroelastic_body
+        body_of.append(-1 if body is None else len(parts))
         if body is not None:
             if body not in _PACKED:
                 _PACKED[body] = _packed(body)
-            parts[id.get_value()] = _PACKED[body]
-    compliant = [
-        part.kind == VOLUME or (part.kind == HALF_SPACE and part.numbers[1] > 0.0)
-        for part in parts.values()
-    ]
-    none = [packed_half_space(0.0)]  # arrays need something to be joined of
-    return ContactBodies(
-        version,
-        np.array(list(parts), dtype=np.int64),
-        np.array(compliant, dtype=np.bool_),
-        packed(list(parts.values()) or none),
-    )
+            parts.append(_PACKED[body])
+    return ContactBodies(version, ids, np.array(body_of, dtype=np.int64), packed(parts))
 
 
 def _packed(body: HydroelasticBody) -> PackedBody:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    LEFT,
+    SWALLOWED,
+    UNABLE,
+    Asked,
+    Surfaces,
+)
+from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
@@ -23,6 +31,20 @@ from drake_geom_ros.geometry.queries.query_results import PenetrationResults
 Indices = NDArray[np.int64]
 
 
+class _Found(NamedTuple):
+    """What was found of pairs (k, 2), by the places of geometries among ids (n,)."""
+
+    all_ids: Indices
+    pairs: Indices
+    out: Surfaces
+    surfaces: ContactSurfaceResults
+
+    @property
+    def ids(self) -> Indices:
+        """The ids of the pairs (k, 2), the lower one first."""
+        return np.sort(self.all_ids[self.pairs], axis=1)
+
+
 class ContactQueries:
     """What a query object answers about contact surfaces; it has all other queries too."""
 
@@ -33,8 +55,8 @@ class ContactQueries:
         def ComputePointPairPenetration(self) -> PenetrationResults:
             """Return the pairs that overlap."""
 
-        def collision_candidates(self) -> Indices:
-            """Return the pairs of ids (k, 2) that bounds alone do not keep apart."""
+        def _candidates(self) -> tuple[World, Indices]:
+            """Return the world, brought up to date, and pairs (k, 2) that may overlap."""
 
     def ComputeContactSurfaces(
         self,
@@ -57,7 +79,8 @@ class ContactQueries:
         """
         surfaces, others = self._surfaces_and_others(representation)
         if others:
-            raise self._refusal('ComputeContactSurfaces', others[0].id_A, others[0].id_B)
+            pair = [id.get_value() for id in (others[0].id_A, others[0].id_B)]
+            raise self._refusal('ComputeContactSurfaces', np.array(pair))
         return surfaces
 
     def ComputeContactSurfacesWithFallback(
@@ -83,64 +106,43 @@ class ContactQueries:
         What ``ComputeContactSurfacesWithFallback`` returns first, without the work of the rest.
         Raises GeometryError where one body is so deep within the other that they have none.
         """
-        candidates, rows, able = self._candidates()
-        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
+        found = self._found(representation)
+        swallowed = found.out.states == SWALLOWED
         if swallowed.any():
-            a, b = candidates[able][int(np.argmax(swallowed))].tolist()
-            raise self._refusal('contact_surfaces', GeometryId(a), GeometryId(b))
-        return surfaces
+            raise self._refusal('contact_surfaces', found.ids[int(np.argmax(swallowed))])
+        return found.surfaces
 
     def _surfaces_and_others(
         self, representation: HydroelasticContactRepresentation
     ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
-        candidates, rows, able = self._candidates()
-        surfaces, swallowed = self._surfaces(candidates[able], rows[able], representation)
-        left = ~able
-        left[able] = swallowed
-        if not left.any():
-            return surfaces, []
-        pairs = {(GeometryId(a), GeometryId(b)) for a, b in candidates[left].tolist()}
+        found = self._found(representation)
+        if not found.out.counts[LEFT]:
+            return found.surfaces, []
+        left = found.out.states >= UNABLE
+        pairs = {(GeometryId(a), GeometryId(b)) for a, b in found.ids[left].tolist()}
         points = self.ComputePointPairPenetration()
-        return surfaces, [each for each in points if (each.id_A, each.id_B) in pairs]
+        return found.surfaces, [each for each in points if (each.id_A, each.id_B) in pairs]
 
-    def _refusal(self, call: str, M: GeometryId, N: GeometryId) -> GeometryError:
-        """Return what is raised for a pair that overlaps and has no surface."""
+    def _refusal(self, call: str, pair: Indices) -> GeometryError:
+        """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""
         bodies = self._state.contact_bodies()
-        rows = bodies.rows(np.array([id.get_value() for id in (M, N)])).tolist()
-        names = ' and '.join(named(self._state.model.geometry(id)) for id in (M, N))
+        M, N = np.searchsorted(bodies.ids, pair).tolist()
+        names = ' and '.join(
+            named(self._state.model.geometry(GeometryId(id))) for id in pair.tolist()
+        )
         return GeometryError(
-            f'{call}: {names} overlap and have no surface: {bodies.why_not(*rows)}. Filter the '
+            f'{call}: {names} overlap and have no surface: {bodies.why_not(M, N)}. Filter the '
             'pair, or use ComputeContactSurfacesWithFallback.'
         )
 
-    def _candidates(self) -> tuple[Indices, Indices, NDArray[np.bool_]]:
-        """Return pairs of ids (k, 2), M first, their bodies, and whether they can have one."""
-        bodies = self._state.contact_bodies()
-        if not len(bodies.ids):
-            candidates = self.collision_candidates()
-            return candidates, np.full_like(candidates, -1), np.zeros(len(candidates), np.bool_)
-        candidates = np.sort(self.collision_candidates(), axis=1)
-        rows = bodies.rows(candidates)
-        return candidates, rows, bodies.have_a_surface(rows[:, 0], rows[:, 1])
-
-    def _surfaces(
-        self,
-        ids: Indices,
-        rows: Indices,
-        representation: HydroelasticContactRepresentation,
-    ) -> tuple[ContactSurfaceResults, NDArray[np.bool_]]:
-        """Return the surfaces of pairs (k, 2) that can have one, and which overlap without."""
+    def _found(self, representation: HydroelasticContactRepresentation) -> _Found:
+        """Return the surfaces of all candidates, and which of them can have none."""
         # Only who asks for surfaces loads their kernels, and those of solids behind them.
         from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
 
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
+        world, pairs = self._candidates()
         bodies: ContactBodies = self._state.contact_bodies()
-        world = self._state.posed_world()
-        world.update()
-        places = world.geometry_rows(bodies.ids)
-        out = surfaces_of(
-            bodies.bodies, np.ascontiguousarray(rows), world.R_WGs[places], world.p_WGs[places]
-        )
-        compliant = bodies.is_compliant[rows].reshape(-1, 2)
-        surfaces = ContactSurfaceResults(ids.reshape(-1, 2), compliant, out, representation)
-        return surfaces, out.swallowed
+        ids, body_of = bodies.ids, bodies.body_of
+        out = surfaces_of(bodies.bodies, Asked(pairs, ids, body_of, world.R_WGs, world.p_WGs))
+        return _Found(ids, pairs, out, ContactSurfaceResults(out, representation))

@@ -18,6 +18,9 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     FORCE,
     GRAD_M,
     GRAD_N,
+    ID_M,
+    ID_N,
+    LAST,
     NORMAL,
     PRESSURE,
     PRESSURE_MOMENT,
@@ -270,26 +273,32 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
     """
 
     def __init__(
-        self,
-        ids: Indices,
-        is_compliant: NDArray[np.bool_],
-        surfaces: Surfaces,
-        representation: HydroelasticContactRepresentation,
+        self, surfaces: Surfaces, representation: HydroelasticContactRepresentation
     ) -> None:
-        face_ends = surfaces.pair_ends
-        begins = np.concatenate(([0], face_ends[:-1]))[: len(face_ends)]
-        there = face_ends > begins
-        self._begins, self._ends = begins[there], face_ends[there]
-        self._is_compliant, self._sums = is_compliant[there], surfaces.sums[there]
+        for array in surfaces:
+            array.setflags(write=False)
         self._surfaces, self._representation = surfaces, representation
-        self.id_M, self.id_N = np.ascontiguousarray(ids[there].T)
-        self.face_offsets = np.concatenate(([0], self._ends))
-        self.areas = self._sums[:, AREA]
-        self.forces_on_M_W = self._sums[:, FORCE : FORCE + 3]
-        self.torques_on_M_Wo_W = self._sums[:, TORQUE : TORQUE + 3]
-        for array in (*surfaces, *vars(self).values()):
-            if isinstance(array, np.ndarray):
-                array.flags.writeable = False
+        self._found, self._sums = surfaces.found, surfaces.sums
+        self.areas = surfaces.sums[:, AREA]
+        self.forces_on_M_W = surfaces.sums[:, FORCE : FORCE + 3]
+        self.torques_on_M_Wo_W = surfaces.sums[:, TORQUE : TORQUE + 3]
+
+    @property
+    def id_M(self) -> Indices:
+        """The values (k,) of the lower ids."""
+        return self._found[:, ID_M]
+
+    @property
+    def id_N(self) -> Indices:
+        """The values (k,) of the higher ids."""
+        return self._found[:, ID_N]
+
+    @cached_property
+    def face_offsets(self) -> Indices:
+        """Where the polygons of each surface begin, and those of the last end (k + 1,)."""
+        offsets = np.concatenate(([0], self._found[:, LAST]))
+        offsets.setflags(write=False)
+        return offsets
 
     @cached_property
     def centroids(self) -> Floats:
@@ -307,7 +316,7 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         return centres
 
     def __len__(self) -> int:
-        return len(self.id_M)
+        return len(self._found)
 
     @overload
     def __getitem__(self, index: int) -> ContactSurface: ...
@@ -319,13 +328,15 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         if not -len(self) <= index < len(self):
             raise IndexError(f'surface {index} of {len(self)} was asked for')
         k = index % len(self)
-        m, n = self._is_compliant[k].tolist()
+        id_M, id_N, m, n, last = self._found[k].tolist()
+        first = int(self._found[k - 1, LAST]) if k else 0
+        faces = slice(first, last)
         return ContactSurface(
-            (int(self.id_M[k]), int(self.id_N[k])),
-            (m, n),
+            (id_M, id_N),
+            (bool(m), bool(n)),
             self._representation,
             self._surfaces,
-            slice(int(self._begins[k]), int(self._ends[k])),
+            faces,
             self._sums[k],
         )
 

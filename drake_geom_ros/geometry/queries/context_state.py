@@ -144,7 +144,8 @@ class ContextState(PosedScene):
 
     def contact_bodies(self) -> ContactBodies:
         """Return the bodies of geometries with hydroelastic properties, as they are now."""
-        self._contact_bodies = contact_bodies(self.model, self._contact_bodies)
+        ids = self.up_to_date_world().geometries.ids
+        self._contact_bodies = contact_bodies(self.model, ids, self._contact_bodies)
         return self._contact_bodies
 
     def count_waiting_pairs(self) -> int:

@@ -14,6 +14,7 @@ from drake_geom_ros.geometry._proximity.kernels.pair_table import unsupported
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import batch_of
 from drake_geom_ros.geometry._proximity.pairs.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
+from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
@@ -248,10 +249,15 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
 
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
+        world, places = self._candidates()
+        return world.geometries.ids[places]
+
+    def _candidates(self) -> tuple[World, NDArray[np.int64]]:
+        """Return the world, brought up to date, and FindCollisionCandidates by places in it."""
         state = self._state
         reach = paddings.of_pair if (paddings := state.paddings()) else 0.0
         query = state.query(('candidates', reach), 'bound', reach, False, CANDIDATES)
-        return query.world.geometries.ids[state.engine.candidates_of(query)]
+        return query.world, state.engine.candidates_of(query)
 
     def ComputeSignedDistanceToPoint(
         self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: str | None = None

@@ -13,6 +13,7 @@ from drake_geom_ros.geometry import (
     GeometryId,
     GeometryInstance,
     GeometryProperties,
+    HydroelasticType,
     IllustrationProperties,
     PerceptionProperties,
     ProximityProperties,
@@ -20,8 +21,10 @@ from drake_geom_ros.geometry import (
     Role,
     SceneGraphInspector,
 )
-from drake_geom_ros.ros.conversions.fields import fill_pose
+from drake_geom_ros.math.batched import poses_from_matrices
+from drake_geom_ros.ros.conversions.fields import fill_pose_row
 from drake_geom_ros.ros.conversions.shapes import fill_shape
+from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
 
 _ROLES: tuple[tuple[int, Role, type[GeometryProperties]], ...] = (
     (1, Role.kProximity, ProximityProperties),
@@ -70,6 +73,8 @@ def properties_from_message(message: Any) -> GeometryProperties:
             # Bytes come one by one; they are kept as numbers, which a scene file can hold.
             value = [item[0] if isinstance(item, bytes) else item for item in value]
         _check_finite(group, entry.name, value)
+        if isinstance(properties, ProximityProperties):
+            value = proximity_property(group, entry.name, value)
         properties.AddProperty(group, entry.name, value)
     return properties
 
@@ -92,6 +97,8 @@ def set_role(instance: GeometryInstance, message: Any) -> None:
 
 def _fill_value(message: Any, value: Any) -> None:
     """Fill a ParameterValue with a property of any type; a type it does not know as its text."""
+    if isinstance(value, HydroelasticType):
+        value = in_words(value)
     if isinstance(value, Rgba):
         value = [value.r(), value.g(), value.b(), value.a()]
     if isinstance(value, (set, frozenset)) and all(isinstance(item, str) for item in value):
@@ -137,14 +144,18 @@ def fill_scene(message: Any, inspector: SceneGraphInspector, types: Any) -> None
     world = inspector.world_frame_id()
     for frame in inspector.FramesParentsFirst():
         message.frames.append(_frame_message(inspector, frame, world, types))
-    for geometry in sorted(inspector.GetAllGeometryIds()):
+    geometries = sorted(inspector.GetAllGeometryIds())
+    poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
+    Rs = np.array([X.rotation().matrix() for X in poses]).reshape(-1, 3, 3)
+    rows = poses_from_matrices(Rs, np.array([X.translation() for X in poses]).reshape(-1, 3))
+    for geometry, row in zip(geometries, rows, strict=True):
         entry = types.SceneGeometry(
             id=geometry.get_value(),
             name=inspector.GetName(geometry),
             source_id=inspector.GetOwningSourceId(geometry).get_value(),
             frame_id=inspector.GetFrameId(geometry).get_value(),
         )
-        fill_pose(entry.pose, inspector.GetPoseInFrame(geometry))
+        fill_pose_row(entry.pose, row)
         fill_shape(entry.shape, inspector.GetShape(geometry))
         fill_roles(entry, inspector, geometry, types)
         message.geometries.append(entry)

@@ -9,7 +9,16 @@ from oracles.contact_scenes import Body, query_of, surfaces
 import drake_geom_ros.geometry as ours
 from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._contact_surfaces import packing
-from drake_geom_ros.geometry._contact_surfaces.arrays import AREA, FIRST_MOMENT, FORCE, PRESSURE
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    AREA,
+    FIRST_MOMENT,
+    FORCE,
+    LAST,
+    PRESSES,
+    PRESSURE,
+    SWALLOWED,
+    Asked,
+)
 from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
 from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES
 from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
@@ -79,13 +88,14 @@ def test_on_its_meshes_it_is_the_same_face_by_face():
             ]
         )
         Rs, ps = (np.array([pose[k] for pose in poses]) for k in (0, 1))
-        out = surfaces_of(packed, np.array([[0, 1]]), Rs, ps)
-        assert bool(expected) == bool(out.pair_ends[0])
-        swallowed += bool(out.swallowed[0])
+        rows = np.arange(2)
+        out = surfaces_of(packed, Asked(np.array([[0, 1]]), rows, rows, Rs, ps))
+        assert bool(expected) == (out.states[0] == PRESSES) == bool(len(out.found))
+        swallowed += bool(out.states[0] == SWALLOWED)
         for surface in expected:
             compared += 1
             sums, (force, total) = out.sums[0], their_sums(surface)
-            assert surface.num_faces() == out.pair_ends[0]
+            assert surface.num_faces() == out.found[0, LAST]
             assert sums[AREA] == pytest.approx(surface.total_area(), rel=1e-12)
             assert sums[PRESSURE] == pytest.approx(total, rel=2e-12)
             np.testing.assert_allclose(

@@ -1,0 +1,116 @@
+"""An element of the second body in the first one's frame, and what is kept apart from it."""
+
+from __future__ import annotations
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    FIRST_NODE,
+    FIRST_POINT,
+    HALF,
+    KIND,
+    LEVEL,
+    MIDDLE,
+    SLOPE,
+    SPREAD,
+    STEEPEST,
+    SURFACE,
+    Between,
+    Bodies,
+    Floats,
+)
+from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.vectors import add, dot, rotate, sub, vector_in
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+
+# Rows: the corners of a tetrahedron, or of a triangle and its last one once more; planes as those
+# of ``Bodies``, of a triangle its own, up and down; the box; gradient and pressure at the origin,
+# and the gradient's length.
+CORNER, PLANE, LOWEST, HIGHEST, FIELD, LENGTH = 0, 4, 8, 9, 10, 11
+OTHER = 12
+TETRAHEDRON, TRIANGLE = 4, 2  # how many planes there are
+
+
+@compiled
+def pose(bodies: Bodies, f: int, between: Between, other: Floats) -> int:
+    """Put element f of the second body in the first one's frame; return how many planes it has."""
+    first, R, p = bodies.table[between.b, FIRST_POINT], between.R, between.p
+    is_triangle = bodies.table[between.b, KIND] == SURFACE
+    for k in range(4):
+        row = first + bodies.elements[f, 2 if is_triangle and k == 3 else k]
+        corner = add(rotate(R, vector_in(bodies.points, row)), p)
+        for i in range(3):
+            other[CORNER + k, i] = corner[i]
+    for i in range(3):
+        a, b, c, d = other[CORNER, i], other[CORNER + 1, i], other[CORNER + 2, i], other[3, i]
+        other[LOWEST, i] = min(min(a, b), min(c, d))
+        other[HIGHEST, i] = max(max(a, b), max(c, d))
+    planes = TRIANGLE if is_triangle else TETRAHEDRON
+    for k in range(planes):
+        of, sign = (0, 1.0 - 2.0 * k) if is_triangle else (k, 1.0)
+        normal = rotate(
+            R, (bodies.planes[f, of, 0], bodies.planes[f, of, 1], bodies.planes[f, of, 2])
+        )
+        for i in range(3):
+            other[PLANE + k, i] = sign * normal[i]
+        other[PLANE + k, 3] = sign * (bodies.planes[f, of, 3] + dot(normal, p))
+    h = rotate(R, vector_in(bodies.fields, f))
+    for i in range(3):
+        other[FIELD, i] = h[i]
+    other[FIELD, 3] = bodies.fields[f, 3] - dot(h, p)
+    other[LENGTH, 0] = bodies.fields[f, 4]
+    return planes
+
+
+@inlined
+def _spread(n: Vector, half: Vector) -> float:
+    """Return half the extent of a box along a vector, times its length."""
+    spread: float = abs(n[0]) * half[0] + abs(n[1]) * half[1] + abs(n[2]) * half[2]
+    return spread
+
+
+@inlined
+def is_beyond_box(bodies: Bodies, k: int, other: Floats, planes: int, between: Between) -> bool:
+    """Tell whether no element under the first body's node k meets the one posed.
+
+    Either its box is kept apart from that, or the pressures are nowhere the same in it.
+    """
+    row, near = bodies.table[between.a, FIRST_NODE] + k, between.rounding
+    middle, half = vector_in(bodies.nodes, row, MIDDLE), vector_in(bodies.nodes, row, HALF)
+    for i in range(3):
+        if other[LOWEST, i] - middle[i] > half[i] + near:
+            return True
+        if middle[i] - other[HIGHEST, i] > half[i] + near:
+            return True
+    for i in range(planes):
+        normal = vector_in(other, PLANE + i)
+        if dot(normal, middle) - other[PLANE + i, 3] > _spread(normal, half) + near:
+            return True
+    if planes == TRIANGLE:
+        return False
+    n = sub(vector_in(bodies.nodes, row, SLOPE), vector_in(other, FIELD))
+    value = dot(n, middle) + (bodies.nodes[row, LEVEL] - other[FIELD, 3])
+    rounding = near * (bodies.nodes[row, STEEPEST] + other[LENGTH, 0])
+    differ: bool = abs(value) > _spread(n, half) + bodies.nodes[row, SPREAD] + rounding
+    return differ
+
+
+@inlined
+def corner_of(other: Floats, k: int) -> Vector:
+    """Return a corner of the element that is posed."""
+    return vector_in(other, CORNER + k)
+
+
+@inlined
+def is_beyond(other: Floats, corners: tuple[Vector, Vector, Vector, Vector], near: float) -> bool:
+    """Tell whether corners are all farther than ``near`` outside one face of the posed one."""
+    for k in range(TETRAHEDRON):
+        if lowest(vector_in(other, PLANE + k), corners) > other[PLANE + k, 3] + near:
+            return True
+    return False
+
+
+@inlined
+def lowest(n: Vector, corners: tuple[Vector, Vector, Vector, Vector]) -> float:
+    """Return the least of the products of a vector with four corners."""
+    c0, c1, c2, c3 = corners
+    least: float = min(min(dot(n, c0), dot(n, c1)), min(dot(n, c2), dot(n, c3)))
+    return least

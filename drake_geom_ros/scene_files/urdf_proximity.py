@@ -1,0 +1,61 @@
+"""What a URDF says of how a collision element presses others, by Drake's elements.
+
+``<drake:proximity_properties>`` holds ``<drake:rigid_hydroelastic/>`` or
+``<drake:compliant_hydroelastic/>``, and numbers as ``<drake:hydroelastic_modulus value="1e6"/>``.
+"""
+
+from typing import Any
+
+from drake_geom_ros.geometry import ProximityProperties
+from drake_geom_ros.scene_files.hydroelastic import (
+    COMPLIANCE,
+    GROUP,
+    HINT,
+    MODULUS,
+    TYPES,
+    proximity_property,
+)
+from drake_geom_ros.scene_files.xml_tree import local_name, numbers
+
+_COMPLIANCE = {
+    'rigid_hydroelastic': TYPES['rigid'],
+    'compliant_hydroelastic': TYPES['compliant'],
+}
+# The names of Drake's properties; no answer depends on those of the group `material`.
+_NUMBERS = {
+    'mesh_resolution_hint': (GROUP, HINT),
+    'hydroelastic_modulus': (GROUP, MODULUS),
+    'hunt_crossley_dissipation': ('material', 'hunt_crossley_dissipation'),
+    'relaxation_time': ('material', 'relaxation_time'),
+    'point_contact_stiffness': ('material', 'point_contact_stiffness'),
+}
+KNOWN_PROPERTIES = (*_COMPLIANCE, *_NUMBERS)
+
+
+def proximity_properties_of(collision: Any) -> ProximityProperties:
+    """Return the properties that a collision element says; none where it says nothing.
+
+    As in Drake, the modulus of a rigid one does not count. Raises ValueError or RuntimeError,
+    which name no line, where it is both rigid and compliant, and for a value that is no number or
+    that the property cannot have.
+    """
+    properties = ProximityProperties()
+    for part in collision:
+        if local_name(part) == 'proximity_properties':
+            said = {local_name(element): element for element in part}
+            if all(name in said for name in _COMPLIANCE):
+                raise ValueError(f'<{"> and <".join(_COMPLIANCE)}> exclude each other; give one')
+            _add(said, properties)
+    return properties
+
+
+def _add(said: dict[str, Any], properties: ProximityProperties) -> None:
+    """Add what the elements of a name say."""
+    for name, kind in _COMPLIANCE.items():
+        if name in said:
+            properties.AddProperty(GROUP, COMPLIANCE, kind)
+    for name, (group, key) in _NUMBERS.items():
+        if name not in said or (key == MODULUS and 'rigid_hydroelastic' in said):
+            continue
+        (value,) = numbers(said[name], 'value', 1)
+        properties.AddProperty(group, key, proximity_property(group, key, value))
