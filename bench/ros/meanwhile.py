@@ -11,7 +11,7 @@ import numpy as np
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
-from bench.ros.routes import Route, stream
+from bench.ros.routes import TimedRoute, stream
 from bench.ros.scenes import Played
 
 RATE = 100.0  # [Hz] of poses
@@ -46,7 +46,7 @@ def delays(
     node = rclpy.create_node('driver')
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    route = Route(node, 'scene_graph')
+    route = TimedRoute(node, 'scene_graph')
     found: dict[str, list[float]] = {name: [] for name in (NOBODY, *ways)}
     lost = dict.fromkeys(found, 0)
 

@@ -6,6 +6,7 @@ import array
 import time
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from drake_geom_msgs.msg import CycleReport, FramePoses, SignedDistancePairs
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -35,14 +36,22 @@ class Route:
         node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=10))
 
     def _receive(self, message: SignedDistancePairs) -> None:
-        number = message.header.stamp.sec
+        number = self.number_of(message.header.stamp)
         if number in self.sent and number not in self.delays:
             self.delays[number] = time.perf_counter() - self.sent[number]
             self.latest = message
 
+    def stamp_of(self, number: int) -> Time:
+        """Return the stamp of a message, which is sent now."""
+        return Time(sec=number)
+
+    def number_of(self, stamp: Time) -> int:
+        """Return the number of the message that bore a stamp; of none: one that nobody sent."""
+        return int(stamp.sec)
+
     def send(self, message: FramePoses, number: int) -> None:
-        """Send a message; its answer is known by the number in its stamp."""
-        message.header.stamp.sec = number
+        """Send a message; its answer is known by its stamp."""
+        message.header.stamp = self.stamp_of(number)
         self.sent[number] = time.perf_counter()
         self.publisher.publish(message)
 
@@ -51,6 +60,27 @@ class Route:
         counted = [n for n in self.sent if n > WARM_UP]
         delays = [self.delays[n] for n in counted if n in self.delays]
         return delays, len(counted) - len(delays)
+
+
+class TimedRoute(Route):
+    """A route whose messages bear the time at which they are sent.
+
+    What others send beside them has stamps of now, too, and a result bears the newest one.
+    """
+
+    def __init__(self, node: Node, server: str) -> None:
+        super().__init__(node, server)
+        self._numbers: dict[int, int] = {}  # by the stamp [ns]
+
+    def stamp_of(self, number: int) -> Time:
+        """Return the time of day."""
+        now = time.time_ns()
+        self._numbers[now] = number
+        return Time(sec=now // 10**9, nanosec=now % 10**9)
+
+    def number_of(self, stamp: Time) -> int:
+        """Return the number of the message that was sent then; -1: none was."""
+        return self._numbers.get(10**9 * stamp.sec + stamp.nanosec, -1)
 
 
 class Reports:

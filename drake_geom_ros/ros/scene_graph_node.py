@@ -49,6 +49,7 @@ from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.watchdog import Watchdog
 from drake_geom_ros.scene_files import RobotOptions, hulls_in_words, read_scene
+from drake_geom_ros.sensed_maps.passes import compile_passes
 
 _ID_BITS = 52  # of the number that the ids of a process begin at, drawn by chance
 
@@ -148,6 +149,7 @@ class SceneGraphNode(LifecycleNode):
             loaded = f'{counted(frames, "frame")} and {counted(geometries, "geometry")}'
             self.get_logger().info(f'loaded {loaded}{hulls}')
         if values.obstacles:
+            compile_passes()
             with live.editing() as scene:
                 scene.history = PoseHistory()
                 for name in values.obstacles:  # each waits, and its kernels are compiled

@@ -9,11 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.sensed_maps.passes import (
+    BITS,
+    MOST_STEPS,
+    NO_KEY,
+    count_in_cells,
+    empty_table,
+)
 
-# A key has this many bits along each axis, so that all three are one whole number of 64 bits.
-_BITS = 21
-MOST_STEPS = 1 << (_BITS - 1)  # cells from the origin along an axis
 MOST_CELLS = 5_000_000  # of a map: 120 MB as centres
+_FIRST_TABLE = 1 << 17  # places for cells while they are counted: half are filled at most
 LEAST_RESOLUTION, LARGEST_RESOLUTION = 1.0 / 8192.0, 1024.0  # [m]
 
 Floats = NDArray[np.float64]
@@ -54,18 +59,18 @@ class Cells:
         Raises MapError as ``of_points``.
         """
         check_resolution(resolution)
-        rows = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-        with np.errstate(invalid='ignore', over='ignore'):
-            steps = np.floor(rows / resolution)
-        within = (np.abs(steps) < MOST_STEPS).all(axis=1)
-        if not within.all():
-            worst = int(np.flatnonzero(~within)[0])
-            raise MapError(
-                f'point {worst} is {rows[worst].tolist()} m; with cells of {resolution:g} m it '
-                f'must be finite and within {MOST_STEPS * resolution:g} m of the origin'
-            )
-        found, counts = np.unique(_packed(steps.astype(np.int64)), return_counts=True)
-        return cls(float(resolution), found), np.asarray(counts, dtype=np.int64)
+        # Writable and in one piece: for other arrays another version would be compiled.
+        rows = np.require(points, np.float64, ['C', 'W']).reshape(-1, 3)
+        size, counted = _FIRST_TABLE, -1
+        while counted < len(rows):
+            table = empty_table(size)
+            counted = count_in_cells(rows, float(resolution), table)
+            if counted < len(rows):
+                _refuse_what_is_nowhere(rows[counted], counted, resolution)
+                size <<= math.ceil(math.log2(len(rows) / counted))
+        filled = table[table[:, 0] != NO_KEY]
+        keys, counts = filled[np.argsort(filled[:, 0])].T.copy()
+        return cls(float(resolution), keys), counts
 
     @classmethod
     def of_keys(cls, keys: Keys, resolution: float) -> Cells:
@@ -103,8 +108,8 @@ class Cells:
 
     def keys(self) -> Keys:
         """Return the keys (n, 3)."""
-        mask = (1 << _BITS) - 1
-        columns = [(self.packed >> shift) & mask for shift in (2 * _BITS, _BITS, 0)]
+        mask = (1 << BITS) - 1
+        columns = [(self.packed >> shift) & mask for shift in (2 * BITS, BITS, 0)]
         return np.stack(columns, axis=1) - MOST_STEPS
 
     def centres(self) -> Floats:
@@ -140,7 +145,18 @@ def check_resolution(resolution: float) -> None:
         )
 
 
+def _refuse_what_is_nowhere(point: Floats, number: int, resolution: float) -> None:
+    """Raise MapError for a point (3,) [m] that is not finite, or in no cell that has a key."""
+    with np.errstate(over='ignore'):
+        steps = np.floor(point / resolution)
+    if not (np.abs(steps) < MOST_STEPS).all():
+        raise MapError(
+            f'point {number} is {point.tolist()} m; with cells of {resolution:g} m it must be '
+            f'finite and within {MOST_STEPS * resolution:g} m of the origin'
+        )
+
+
 def _packed(keys: Keys) -> Keys:
     i, j, k = (keys[:, axis] + MOST_STEPS for axis in range(3))
-    packed: Keys = (i << 2 * _BITS) | (j << _BITS) | k
+    packed: Keys = (i << 2 * BITS) | (j << BITS) | k
     return packed

@@ -62,5 +62,10 @@ def pose_from_message(message: Any) -> RigidTransform:
 
 def fill_pose(message: Any, X: RigidTransform) -> None:
     """Fill a geometry_msgs/Pose."""
+    fill_pose_row(message, X.ToArray())
+
+
+def fill_pose_row(message: Any, row: NDArray[np.float64]) -> None:
+    """Fill a geometry_msgs/Pose with x y z [m] qx qy qz qw (7,)."""
     p, q = message.position, message.orientation
-    p.x, p.y, p.z, q.x, q.y, q.z, q.w = X.ToArray().tolist()
+    p.x, p.y, p.z, q.x, q.y, q.z, q.w = row.tolist()

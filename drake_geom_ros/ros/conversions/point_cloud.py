@@ -9,12 +9,28 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
 
+Floats = NDArray[np.float64]
+Columns = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
+
 _MOST_FIELDS = 1000
 _FORMATS = {7: 'f4', 8: 'f8'}  # sensor_msgs/PointField: FLOAT32, FLOAT64
 
 
-def points_from_cloud(message: Any) -> NDArray[np.float64]:
+def points_from_cloud(message: Any) -> Floats:
     """Return the points (n, 3) of a PointCloud2, in its order; some may not be finite.
+
+    Raises ArgumentError as ``columns_of_cloud`` does.
+    """
+    columns = columns_of_cloud(message)
+    points = np.empty((*columns[0].shape, 3))
+    with np.errstate(invalid='ignore'):  # there are NaNs that warn when they are widened
+        for k, column in enumerate(columns):
+            points[..., k] = column
+    return points.reshape(-1, 3)
+
+
+def columns_of_cloud(message: Any) -> Columns:
+    """Return x, y and z (height, width) of a PointCloud2, float32 or float64, as they lie there.
 
     Takes any point_step, row_step, byte order and offsets; x, y and z are FLOAT32 or FLOAT64.
     Raises ArgumentError for a cloud without them, or with less data than it says.
@@ -57,9 +73,9 @@ def points_from_cloud(message: Any) -> NDArray[np.float64]:
             f'data holds {len(message.data)} bytes; {height} rows of {width} points with '
             f'point_step {message.point_step} and row_step {message.row_step} do not fit in it'
         )
-    if not needed:
-        return np.zeros((0, 3))
     strides = (row_step, message.point_step)
+    if not needed:
+        none = np.zeros((0, 0))
+        return none, none, none
     cloud = np.ndarray((height, width), point, memoryview(message.data), strides=strides)
-    with np.errstate(invalid='ignore'):  # there are NaNs that warn when they are widened
-        return np.stack([cloud[axis].ravel().astype(np.float64) for axis in 'xyz'], axis=1)
+    return cloud['x'], cloud['y'], cloud['z']

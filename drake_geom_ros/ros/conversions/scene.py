@@ -21,7 +21,8 @@ from drake_geom_ros.geometry import (
     Role,
     SceneGraphInspector,
 )
-from drake_geom_ros.ros.conversions.fields import fill_pose
+from drake_geom_ros.math.batched import poses_from_matrices
+from drake_geom_ros.ros.conversions.fields import fill_pose_row
 from drake_geom_ros.ros.conversions.shapes import fill_shape
 from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
 
@@ -143,14 +144,18 @@ def fill_scene(message: Any, inspector: SceneGraphInspector, types: Any) -> None
     world = inspector.world_frame_id()
     for frame in inspector.FramesParentsFirst():
         message.frames.append(_frame_message(inspector, frame, world, types))
-    for geometry in sorted(inspector.GetAllGeometryIds()):
+    geometries = sorted(inspector.GetAllGeometryIds())
+    poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
+    Rs = np.array([X.rotation().matrix() for X in poses]).reshape(-1, 3, 3)
+    rows = poses_from_matrices(Rs, np.array([X.translation() for X in poses]).reshape(-1, 3))
+    for geometry, row in zip(geometries, rows, strict=True):
         entry = types.SceneGeometry(
             id=geometry.get_value(),
             name=inspector.GetName(geometry),
             source_id=inspector.GetOwningSourceId(geometry).get_value(),
             frame_id=inspector.GetFrameId(geometry).get_value(),
         )
-        fill_pose(entry.pose, inspector.GetPoseInFrame(geometry))
+        fill_pose_row(entry.pose, row)
         fill_shape(entry.shape, inspector.GetShape(geometry))
         fill_roles(entry, inspector, geometry, types)
         message.geometries.append(entry)

@@ -18,13 +18,14 @@ from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObj
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.depth_image import points_from_depth
 from drake_geom_ros.ros.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
-from drake_geom_ros.ros.conversions.point_cloud import points_from_cloud
+from drake_geom_ros.ros.conversions.point_cloud import Columns, columns_of_cloud
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.moments import Hanging, Moment, moment_of
 from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
 from drake_geom_ros.ros.scene.self_filter import SelfFilter, bodies_of
 from drake_geom_ros.sensed_maps.cells import Cells
 from drake_geom_ros.sensed_maps.keeping import KeptCells, seen_through
+from drake_geom_ros.sensed_maps.passes import as_columns, keep_in_box, put_within_reach
 
 POINTS, DEPTH, OCTOMAP = 'points', 'depth', 'octomap'
 INPUTS = (POINTS, DEPTH, OCTOMAP)
@@ -45,6 +46,12 @@ class ObstacleSettings(NamedTuple):
     keep: float  # [s]
     rays: bool
     margin: float  # [m]
+    box: tuple[float, ...] = ()  # two corners (6,) [m] in the world; none: no limit
+
+    def corners(self) -> tuple[Floats, Floats]:
+        """Return the corners (3,), (3,) [m] of what is taken, in the world."""
+        limits = self.box or (*3 * [-np.inf], *3 * [np.inf])
+        return np.array(limits[:3]), np.array(limits[3:])
 
 
 @dataclass(frozen=True)
@@ -57,6 +64,7 @@ class MapCounts:
     not_finite: int = 0
     out_of_reach: int = 0
     on_bodies: int = 0
+    out_of_box: int = 0
     in_sparse_cells: int = 0  # in cells with fewer points than make one occupied
     cells: int = 0
     held_cells: int = 0  # of these, that the last one did not show
@@ -96,6 +104,9 @@ class ObstacleInput:
         self._kept_epoch = -1.0  # of the node's time
         self._generation = 0  # how often it was cleared
         self._camera: Any = None
+        # For points in the world: as large as the largest message was, for to map memory anew for
+        # each takes as long as what is done with it.
+        self._room = np.empty((0, 3))
 
     def forget(self) -> None:
         """Hold nothing of before, nor what is being made; the scene is held."""
@@ -109,7 +120,7 @@ class ObstacleInput:
                 f'the cloud has {cloud.height} rows of {cloud.width} points; at most '
                 f'{MOST_POINTS} are taken'
             )
-        self._take_points(points_from_cloud(cloud), cloud.header, waited)
+        self._take_points(columns_of_cloud(cloud), cloud.header, waited)
 
     def take_camera(self, info: Any, waited: float = 0.0) -> None:
         """Keep a CameraInfo for the images that follow."""
@@ -129,7 +140,8 @@ class ObstacleInput:
                 f'the image is in frame {image.header.frame_id[:80]!r}, and camera_info in '
                 f'{self._camera.header.frame_id[:80]!r}'
             )
-        self._take_points(points_from_depth(image, self._camera), image.header, waited)
+        x, y, z = points_from_depth(image, self._camera).T[:, np.newaxis]
+        self._take_points((x, y, z), image.header, waited)
 
     def take_octomap(self, octomap: Any, waited: float = 0.0) -> None:
         """Take an Octomap in place of the map of before, as it is; raises RuntimeError."""
@@ -142,13 +154,9 @@ class ObstacleInput:
         counts = MapCounts(points=len(cells), cells=len(cells))
         self._put(moment, _Seen(cells, moment.X_WF, counts, start, generation))
 
-    def _take_points(self, points: Floats, header: Any, waited: float) -> None:
+    def _take_points(self, columns: Columns, header: Any, waited: float) -> None:
         start = time.perf_counter()
         generation, settings = self._generation, self._settings()
-        is_finite = np.isfinite(points).all(axis=1)
-        p_CQs = points[is_finite]
-        if not len(p_CQs):
-            raise ArgumentError(f'none of its {len(points)} points is finite: it shows nothing')
         bodies: list[GeometryId] = []
 
         def frames_of_bodies(query: QueryObject) -> set[FrameId]:
@@ -156,26 +164,33 @@ class ObstacleInput:
             return {query.inspector().GetFrameId(geometry) for geometry in bodies}
 
         moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies)
-        away = np.linalg.norm(p_CQs, axis=1)
-        # Never none: the nearest one is where it is, however far.
-        within = away <= max(settings.reach, float(away.min()))
-        p_WQs = moment.X_WF.multiply(p_CQs[within].T).T
+        count = columns[0].size
+        if len(self._room) < count:
+            self._room = np.empty((count, 3))
+        R_WF, origin = moment.X_WF.rotation().matrix(), np.array(moment.X_WF.translation())
+        reached = put_within_reach(
+            as_columns(columns), np.array(R_WF), origin, settings.reach, self._room
+        )
+        if not reached.finite:
+            raise ArgumentError(f'none of its {count} points is finite: it shows nothing')
+        p_WQs = self._room[: reached.kept]
         on_bodies = self._filter.near(moment.query, bodies, p_WQs, settings.padding)
-        seen = p_WQs[~on_bodies]
-        if not len(seen):
+        away = keep_in_box(p_WQs, on_bodies, *settings.corners())
+        if not away.finite:
             raise ArgumentError('all of its points lie on bodies that the scene knows')
+        seen = p_WQs[: away.kept]
         cells, held = Cells.counted(seen, settings.resolution)
         enough = held >= settings.least_points
         if not enough.any():  # a thin cloud is no empty room
             enough[:] = True
         cells = Cells(cells.resolution, cells.packed[enough])
-        origin = moment.X_WF.translation()
         kept = self._with_kept(moment, cells, origin, settings)
         counts = MapCounts(
-            points=len(points),
-            not_finite=len(points) - len(p_CQs),
-            out_of_reach=len(p_CQs) - len(p_WQs),
-            on_bodies=int(np.count_nonzero(on_bodies)),
+            points=count,
+            not_finite=count - reached.finite,
+            out_of_reach=reached.finite - reached.kept,
+            on_bodies=reached.kept - away.finite,
+            out_of_box=away.finite - away.kept,
             in_sparse_cells=int(held[~enough].sum()),
             cells=len(kept.cells),
             held_cells=len(kept.cells) - len(cells),

@@ -144,6 +144,7 @@ class PosesAround:
         self._brackets = brackets
         self._by_parts = by_parts
         self._begun_later = begun_later
+        self._told: dict[tuple[int, int], Floats] = {}  # of two messages, the poses between
 
     def was_another(self, frame: int) -> bool:
         """Return whether the frame hung elsewhere then, or somebody else posed it."""
@@ -160,12 +161,20 @@ class PosesAround:
             if frame in frames:
                 found = bracket.joined(found)
         first, last, share = found.between()
-        a, b = (each.rows[np.flatnonzero(each.ids == frame)[-1]] for each in (first, last))
-        return np.array(a) if not share else between(a, b, share)
+        k = np.flatnonzero(first.ids == frame)[-1]
+        if not share:
+            return np.array(first.rows[k])
+        if not np.array_equal(first.ids, last.ids):
+            return between(first.rows[k], last.rows[np.flatnonzero(last.ids == frame)[-1]], share)
+        both = id(first), id(last)  # which the brackets hold
+        if both not in self._told:  # one after the other they took a third of what a cloud does
+            self._told[both] = between(first.rows, last.rows, share)
+        return np.array(self._told[both][k])
 
 
 def between(a: Floats, b: Floats, share: float) -> Floats:
-    """Return the pose (7,) that is so far on the way from one to another, 0 to 1."""
-    q0, q1 = a[3:], b[3:] if a[3:] @ b[3:] >= 0.0 else -b[3:]
+    """Return the poses (..., 7) that are so far on the way from some to others, 0 to 1."""
+    q0, q1 = a[..., 3:], b[..., 3:]
+    q1 = np.where((q0 * q1).sum(axis=-1, keepdims=True) >= 0.0, q1, -q1)
     turned = slerp(q0, q1, np.array([share]))
-    return np.concatenate([a[:3] + share * (b[:3] - a[:3]), turned])
+    return np.concatenate([a[..., :3] + share * (b[..., :3] - a[..., :3]), turned], axis=-1)

@@ -17,14 +17,33 @@ from drake_geom_ros.geometry import (
     QueryObject,
     Role,
     SceneGraph,
+    SceneGraphInspector,
     SourceId,
 )
 from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
+from drake_geom_ros.sensed_maps.passes import Cubes, find_in_cubes
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
 _CUBE, _MOST_CUBES = 0.1, 100  # [m] edge of a cube, and how many there are along an axis at most
 _ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
+
+
+class _Balls:
+    """The balls around bodies, each in its frame: frame, centre (3,) [m], radius [m]."""
+
+    def __init__(self, balls: Sequence[tuple[FrameId, Floats, float]]) -> None:
+        frames = [frame.get_value() for frame, _, _ in balls]
+        self._frames, self._rows = np.unique(np.array(frames, np.int64), return_inverse=True)
+        self._p_FCs = np.array([p_FC for _, p_FC, _ in balls])
+        self.radii = np.array([radius for _, _, radius in balls])
+
+    def centres(self, query: QueryObject) -> Floats:
+        """Return where the centres (n, 3) [m] are in the world of a query."""
+        R_WFs, p_WFs, _ = query.X_WFs(self._frames)
+        turned = R_WFs[self._rows] @ self._p_FCs[..., np.newaxis]
+        return np.asarray(turned[..., 0] + p_WFs[self._rows])
 
 
 class SelfFilter:
@@ -37,7 +56,7 @@ class SelfFilter:
         self._key: tuple[object, ...] = ()
         self._frames: dict[FrameId, FrameId] = {}  # from the live scene's to its own
         self._graph = SceneGraph()
-        self._balls: list[tuple[FrameId, Floats, float]] = []  # frame, centre, radius in it
+        self._balls = _Balls([])
 
     def near(
         self,
@@ -54,7 +73,7 @@ class SelfFilter:
         if not geometries or not len(p_WQs):
             return is_near
         self._know(query, geometries)
-        numbers = np.flatnonzero(self._may_be_near(query, p_WQs, padding))
+        numbers = self._may_be_near(query, p_WQs, padding)
         if not len(numbers):
             return is_near
         context = self._graph.CreateDefaultContext()
@@ -74,8 +93,9 @@ class SelfFilter:
         shapes = [inspector.GetShape(geometry) for geometry in geometries]
         poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
         frames = [inspector.GetFrameId(geometry) for geometry in geometries]
-        arrays = (X.ToArray().tobytes() for X in poses)
-        key = (tuple(geometries), tuple(map(id, shapes)), tuple(frames), *arrays)
+        larger = [_padding(inspector, geometry) for geometry in geometries]
+        arrays = (X.GetAsMatrix34().tobytes() for X in poses)
+        key = (*geometries, *map(id, shapes), *frames, *larger, *arrays)
         if key == self._key:
             return
         graph = SceneGraph()
@@ -91,24 +111,23 @@ class SelfFilter:
             instance.set_proximity_properties(properties)
             graph.RegisterGeometry(source, own[frame], instance)
             balls.append(_ball(query, geometry, frame))
-        self._graph, self._frames, self._balls, self._key = graph, own, balls, key
+        self._graph, self._frames, self._balls, self._key = graph, own, _Balls(balls), key
         self._shapes = shapes  # lest another one gets the address of one that is gone
 
-    def _may_be_near(self, query: QueryObject, p_WQs: Floats, padding: float) -> Flags:
+    def _may_be_near(self, query: QueryObject, p_WQs: Floats, padding: float) -> Indices:
         """Return which points may be near: those in cubes that balls of bodies reach into."""
-        centres = np.array([query.X_WF(f).multiply(p_FC).ravel() for f, p_FC, _ in self._balls])
-        reach = np.array([radius for _, _, radius in self._balls])[:, np.newaxis] + padding
+        centres = self._balls.centres(query)
+        reach = self._balls.radii[:, np.newaxis] + padding
         low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
         if not np.isfinite(high - low).all():
-            return np.ones(len(p_WQs), dtype=np.bool_)
+            return np.arange(len(p_WQs))
         edge = max(_CUBE, float((high - low).max()) / _MOST_CUBES)
         cubes = np.zeros(_cubes(high, low, edge) + 1, dtype=np.bool_)
         firsts, lasts = _cubes(centres - reach, low, edge), _cubes(centres + reach, low, edge)
         for first, last in zip(firsts, lasts + 1, strict=True):
             cubes[tuple(map(slice, first, last))] = True
-        may: Flags = ((p_WQs >= low) & (p_WQs <= high)).all(axis=1)
-        may[may] = cubes[tuple(_cubes(p_WQs[may], low, edge).T)]
-        return may
+        found = np.empty(len(p_WQs), dtype=np.int64)
+        return found[: find_in_cubes(p_WQs, Cubes(low, edge, cubes), found)]
 
 
 def _cubes(p_WPs: Floats, low: Floats, edge: float) -> NDArray[np.int64]:
@@ -128,10 +147,14 @@ def _ball(
     if obb is None:
         return frame, np.zeros(3), np.inf
     X_FB = inspector.GetPoseInFrame(geometry) @ obb.pose()
-    properties = inspector.GetProximityProperties(geometry)
-    larger = properties.GetPropertyOrDefault('proximity', 'padding', 0.0) if properties else 0.0
-    radius = float(np.linalg.norm(obb.half_width())) + larger
+    radius = float(np.linalg.norm(obb.half_width())) + _padding(inspector, geometry)
     return frame, np.array(X_FB.translation()), _ROOM * radius
+
+
+def _padding(inspector: SceneGraphInspector, geometry: GeometryId) -> float:
+    properties = inspector.GetProximityProperties(geometry)
+    padding = properties.GetPropertyOrDefault('proximity', 'padding', 0.0) if properties else 0.0
+    return float(padding)
 
 
 def bodies_of(

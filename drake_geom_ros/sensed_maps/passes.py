@@ -1,0 +1,194 @@
+"""What is done to each point of a cloud, compiled: one pass over all of them for each question.
+
+NumPy made a dozen arrays of the size of the cloud: for 300 000 points that took 0.1 s, mostly of
+waiting for memory. Here nobody waits for the interpreter, either: passes run without its lock.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.compiling import compiled
+
+Floats = NDArray[np.float64]
+Columns = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+BITS = 21  # of a key along each axis, so that all three are one whole number of 64 bits
+MOST_STEPS = 1 << (BITS - 1)  # cells from the origin along an axis
+NO_KEY = -1
+_MIX = 0x2545F4914F6CDD1D  # an odd number whose multiples are spread
+_DROPPED = 40  # low bits of a product, which depend on few of a key
+
+
+class Reached(NamedTuple):
+    """What became of points: so many were finite, and of these so many kept."""
+
+    finite: int
+    kept: int
+
+
+class Cubes(NamedTuple):
+    """A grid of cubes with edges [m] from a corner (3,) [m] on; those that count are true."""
+
+    low: Floats
+    edge: float
+    flags: Flags  # (a, b, c)
+
+
+@compiled
+def put_within_reach(
+    columns: Columns, R: Floats, p: Floats, reach: float, p_WQs: Floats
+) -> Reached:
+    """Write finite points within reach [m] of their origin, turned by R and moved by p.
+
+    ``columns`` are their x, y and z (a, b) [m], see ``as_columns``. Never none: the nearest one is
+    where it is, however far. In the order of the points.
+    """
+    xs, ys, zs = columns
+    finite, nearest = 0, math.inf
+    for i in range(xs.shape[0]):
+        for j in range(xs.shape[1]):
+            x, y, z = float(xs[i, j]), float(ys[i, j]), float(zs[i, j])
+            if math.isfinite(x) and math.isfinite(y) and math.isfinite(z):
+                finite += 1
+                nearest = min(nearest, math.sqrt(x * x + y * y + z * z))
+    limit, kept = max(reach, nearest), 0
+    for i in range(xs.shape[0]):
+        for j in range(xs.shape[1]):
+            x, y, z = float(xs[i, j]), float(ys[i, j]), float(zs[i, j])
+            if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
+                continue
+            if math.sqrt(x * x + y * y + z * z) > limit:
+                continue
+            for k in range(3):
+                p_WQs[kept, k] = R[k, 0] * x + R[k, 1] * y + R[k, 2] * z + p[k]
+            kept += 1
+    return Reached(finite, kept)
+
+
+@compiled
+def find_in_cubes(points: Floats, cubes: Cubes, found: Indices) -> int:
+    """Write which points (n, 3) [m] are in cubes that count; return how many."""
+    low, edge, flags = cubes.low, cubes.edge, cubes.flags
+    count = 0
+    for i in range(points.shape[0]):
+        x = np.floor((points[i, 0] - low[0]) / edge)
+        y = np.floor((points[i, 1] - low[1]) / edge)
+        z = np.floor((points[i, 2] - low[2]) / edge)
+        if not (0 <= x < flags.shape[0] and 0 <= y < flags.shape[1] and 0 <= z < flags.shape[2]):
+            continue
+        if flags[int(x), int(y), int(z)]:
+            found[count] = i
+            count += 1
+    return count
+
+
+@compiled
+def keep_in_box(points: Floats, left_out: Flags, low: Floats, high: Floats) -> Reached:
+    """Move points (n, 3) [m] to the front that are not left out and in a box of two corners (3,).
+
+    Of those that are not left out the nearest to the box is kept where none is in it; ``finite``
+    counts them all. In the order of the points.
+    """
+    count, kept, nearest, best = 0, 0, math.inf, -1
+    for i in range(points.shape[0]):
+        if left_out[i]:
+            continue
+        count += 1
+        beyond = 0.0
+        for k in range(3):
+            beyond = max(beyond, low[k] - points[i, k], points[i, k] - high[k])
+        if beyond > 0.0:
+            if best < 0 or beyond < nearest:
+                nearest, best = beyond, i
+            continue
+        for k in range(3):
+            points[kept, k] = points[i, k]
+        kept += 1
+    if kept == 0 and best >= 0:
+        for k in range(3):
+            points[0, k] = points[best, k]
+        kept = 1
+    return Reached(count, kept)
+
+
+@compiled
+def count_in_cells(points: Floats, resolution: float, table: Indices) -> int:
+    """Fill a table of cells of a grid with how many points (n, 3) [m] each holds.
+
+    The rows of ``table`` (2^k, 2) are a key and a count, first NO_KEY and 0. Returns how many
+    points were counted: all, unless the next one is nowhere, or the table is half full.
+    """
+    mask, filled = len(table) - 1, 0
+    last, at = NO_KEY, 0  # neighbours in a cloud are mostly in one cell
+    for i in range(len(points)):
+        x = np.floor(points[i, 0] / resolution)
+        y = np.floor(points[i, 1] / resolution)
+        z = np.floor(points[i, 2] / resolution)
+        if not is_step(x) or not is_step(y) or not is_step(z) or 2 * filled > mask:
+            return i
+        key = (int(x) + MOST_STEPS) << (2 * BITS)
+        key |= (int(y) + MOST_STEPS) << BITS | (int(z) + MOST_STEPS)
+        if key != last:
+            last, at = key, (key * _MIX >> _DROPPED) & mask
+            while table[at, 0] != key and table[at, 0] != NO_KEY:
+                at = (at + 1) & mask
+            if table[at, 0] == NO_KEY:
+                table[at, 0] = key
+                filled += 1
+        table[at, 1] += 1
+    return len(points)
+
+
+@compiled
+def is_step(x: float) -> bool:
+    """Tell whether a number of cells from the origin fits into a key."""
+    return -MOST_STEPS < x < MOST_STEPS
+
+
+def compile_passes() -> None:
+    """Compile all passes, or load them from the cache: the first cloud then does not wait."""
+    points = np.zeros((1, 3))
+    for number in (np.float32, np.float64):
+        grid = np.zeros((2, 2), dtype=number)
+        columns = as_columns((grid, grid, grid))
+        put_within_reach(columns, np.eye(3), np.zeros(3), 1.0, np.empty((4, 3)))
+    cubes = Cubes(np.zeros(3), 1.0, np.ones((1, 1, 1), dtype=np.bool_))
+    find_in_cubes(points, cubes, np.empty(1, dtype=np.int64))
+    keep_in_box(points, np.zeros(1, dtype=np.bool_), np.zeros(3), np.zeros(3))
+    count_in_cells(points, 1.0, empty_table(2))
+
+
+def as_columns(columns: Columns) -> Columns:
+    """Return x, y and z (a, b) as ``put_within_reach`` takes them.
+
+    They are of float32 all, or of float64, lie apart in memory and cannot be written: for any
+    other kind of array another version would be compiled. What is copied for it may have more
+    rows and columns, of NaNs.
+    """
+    kind = np.float32 if np.result_type(*columns) == np.float32 else np.float64
+    shown = []
+    for column in columns:
+        seen = column.view()
+        if column.dtype != kind or column.flags.forc:
+            a, b = column.shape
+            apart = np.full((max(a, 2), max(b, 2), 2), np.nan, dtype=kind)
+            with np.errstate(invalid='ignore'):  # there are NaNs that warn when they are widened
+                apart[:a, :b, 0] = column
+            seen = apart[..., 0]
+        seen.flags.writeable = False
+        shown.append(seen)
+    return shown[0], shown[1], shown[2]
+
+
+def empty_table(size: int) -> Indices:
+    """Return a table for ``count_in_cells``, of so many rows: a power of two."""
+    table = np.zeros((size, 2), dtype=np.int64)
+    table[:, 0] = NO_KEY
+    return table
