@@ -18,6 +18,7 @@ _REASONS = {
     2: 'both are rigid',
     3: 'both are half spaces',
     4: 'one is too deep within the other',
+    5: 'all faces are left out: one pressure does not grow along their normals',
 }
 _Surfaces = TypeVar('_Surfaces', bound='ContactSurfaces')
 

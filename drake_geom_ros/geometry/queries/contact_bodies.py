@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     HALF_SPACE,
     KIND,
-    VOLUME,
+    SWALLOWED,
+    TURNED,
     Asked,
     Bodies,
 )
@@ -46,6 +47,7 @@ class NoSurface(IntEnum):
     BOTH_RIGID = 2
     HALF_SPACES = 3
     TOO_DEEP = 4
+    FACES_LEFT_OUT = 5
 
     def in_words(self) -> str:
         """Return the reason, and what can be done."""
@@ -57,6 +59,9 @@ _REASONS = {
     NoSurface.BOTH_RIGID: 'both are rigid; make one of them compliant',
     NoSurface.HALF_SPACES: 'both are half spaces',
     NoSurface.TOO_DEEP: 'one is so deep within the other that their pressures are equal nowhere',
+    NoSurface.FACES_LEFT_OUT: (
+        'all its faces are left out, for one pressure does not grow along their normals'
+    ),
 }
 
 
@@ -82,18 +87,18 @@ class ContactBodies(NamedTuple):
             Asked(none, self.ids, self.body_of, np.zeros((n, 3, 3)), np.zeros((n, 3))),
         )
 
-    def why_not(self, M: Indices, N: Indices) -> Indices:
+    def why_not(self, M: Indices, N: Indices, states: Indices) -> Indices:
         """Return why pairs (k,) that overlap have no surface: values of NoSurface.
 
-        By the places of geometries among ``ids``.
+        By the places of geometries among ``ids``, and what ``Surfaces.states`` says of the pairs.
         """
         rows = np.column_stack((self.body_of[M], self.body_of[N]))
-        kinds, slopes = self.bodies.table[rows, KIND], self.bodies.numbers[rows, 1]
-        rigid = (kinds != VOLUME) & (slopes <= 0.0)
-        reasons = np.full(len(rows), NoSurface.TOO_DEEP.value)
-        reasons[rigid.all(axis=1)] = NoSurface.BOTH_RIGID
-        reasons[(kinds == HALF_SPACE).all(axis=1)] = NoSurface.HALF_SPACES
+        reasons = np.full(len(rows), NoSurface.BOTH_RIGID.value)
+        half_spaces = self.bodies.table[rows, KIND] == HALF_SPACE
+        reasons[half_spaces.all(axis=1)] = NoSurface.HALF_SPACES
         reasons[(rows < 0).any(axis=1)] = NoSurface.NO_PROPERTIES
+        reasons[states == SWALLOWED] = NoSurface.TOO_DEEP
+        reasons[states == TURNED] = NoSurface.FACES_LEFT_OUT
         return reasons
 
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     LEFT,
-    SWALLOWED,
     UNABLE,
     Asked,
     Surfaces,
@@ -82,8 +81,9 @@ class ContactQueries:
 
         Raises GeometryError, which names the pair, where one overlaps that can have no surface:
         one without hydroelastic properties, two rigid ones, two half spaces (their padding counts,
-        as in ComputePointPairPenetration); and where one body is so deep within the other that
-        their pressures are equal nowhere. Collision filters leave pairs out, and
+        as in ComputePointPairPenetration); where one body is so deep within the other that
+        their pressures are equal nowhere; and where all faces are left out, as in Drake, because
+        a pressure does not grow along their normals. Collision filters leave pairs out, and
         ``ComputeContactSurfacesWithFallback`` answers for them by points.
         """
         contacts = self.contacts(representation)
@@ -95,7 +95,7 @@ class ContactQueries:
         others = contacts.others
         if others:
             pair = np.array([others.id_A[0], others.id_B[0]])
-            raise self._refusal('ComputeContactSurfaces', pair)
+            raise self._refusal('ComputeContactSurfaces', pair, int(contacts.reasons[0]))
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -127,11 +127,14 @@ class ContactQueries:
             return Contacts(found.surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
         if overlaps is None:
             overlaps = self.ComputePointPairPenetration()
-        left = {tuple(pair) for pair in found.ids[found.out.states >= UNABLE].tolist()}
+        states = found.out.states
+        without = states >= UNABLE
+        rows = zip(found.ids[without].tolist(), states[without].tolist(), strict=True)
+        left = {tuple(pair): state for pair, state in rows}
         ids = np.column_stack((overlaps.id_A, overlaps.id_B))
-        kept = np.fromiter((tuple(pair) in left for pair in ids.tolist()), np.bool_, len(ids))
-        bodies = self._state.contact_bodies()
-        reasons = bodies.why_not(*np.searchsorted(bodies.ids, ids[kept]).T)
+        found_states = np.array([left.get(tuple(pair), 0) for pair in ids.tolist()], np.int64)
+        kept = found_states >= UNABLE
+        reasons = self._reasons(ids[kept], found_states[kept])
         return Contacts(found.surfaces, overlaps.of(kept), reasons)
 
     def hydroelastic_geometries(self) -> Indices:
@@ -148,25 +151,30 @@ class ContactQueries:
         """Return the surfaces of pairs that can have one; nothing is said of the others.
 
         What ``ComputeContactSurfacesWithFallback`` returns first, without the work of the rest.
-        Raises GeometryError where one body is so deep within the other that they have none.
+        Raises GeometryError where two overlap and have none that could: see
+        ``ComputeContactSurfaces``.
         """
         found = self._found(representation)
-        swallowed = found.out.states == SWALLOWED
-        if swallowed.any():
-            raise self._refusal('contact_surfaces', found.ids[int(np.argmax(swallowed))])
+        if found.out.counts[LEFT] and (overlap := found.out.states > UNABLE).any():
+            at = int(np.argmax(overlap))
+            (reason,) = self._reasons(found.ids[at : at + 1], found.out.states[at : at + 1])
+            raise self._refusal('contact_surfaces', found.ids[at], int(reason))
         return found.surfaces
 
-    def _refusal(self, call: str, pair: Indices) -> GeometryError:
-        """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""
+    def _reasons(self, ids: Indices, states: Indices) -> Indices:
+        """Return why pairs of ids (k, 2) of these states have no surface."""
         bodies = self._state.contact_bodies()
-        M, N = np.searchsorted(bodies.ids, pair)[:, None]
-        reason = NoSurface(int(bodies.why_not(M, N)[0]))
+        M, N = np.searchsorted(bodies.ids, ids).T
+        return bodies.why_not(M, N, states)
+
+    def _refusal(self, call: str, pair: Indices, reason: int) -> GeometryError:
+        """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""
         names = ' and '.join(
             named(self._state.model.geometry(GeometryId(id))) for id in pair.tolist()
         )
         return GeometryError(
-            f'{call}: {names} overlap and have no surface: {reason.in_words()}. Filter the '
-            'pair, or use ComputeContactSurfacesWithFallback.'
+            f'{call}: {names} overlap and have no surface: {NoSurface(reason).in_words()}. Filter '
+            'the pair, or use ComputeContactSurfacesWithFallback.'
         )
 
     def _found(self, representation: HydroelasticContactRepresentation) -> _Found:
