@@ -1,5 +1,5 @@
-"""The decorator for compiled code of rooms outside ``geometry``: its options and its cache."""
+"""What compiles code of rooms outside ``geometry``: with its options, in its cache."""
 
-from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
+from drake_geom_ros.geometry._proximity.runtime.compiled import Entry, compiled, given, like
 
-__all__ = ['compiled']
+__all__ = ['Entry', 'compiled', 'given', 'like']

@@ -8,7 +8,7 @@ May import: ``math``, ``common``, ``geometry``; numpy.
 from drake_geom_ros.proximity_rules.decisions import Poses
 from drake_geom_ros.proximity_rules.events import Event
 from drake_geom_ros.proximity_rules.measured import Measured
-from drake_geom_ros.proximity_rules.monitor import RuleMonitor, RuleState
+from drake_geom_ros.proximity_rules.monitor import RuleMonitor, RuleState, RuleStates
 from drake_geom_ros.proximity_rules.rule import (
     Level,
     ProximityRule,
@@ -27,6 +27,7 @@ __all__ = [
     'RuleError',
     'RuleMonitor',
     'RuleState',
+    'RuleStates',
     'ScenePairs',
     'WatchedPairs',
     'Why',

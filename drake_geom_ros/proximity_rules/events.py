@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.proximity_rules.decisions import Poses
-from drake_geom_ros.proximity_rules.entered import Entered
+from drake_geom_ros.proximity_rules.decisions import Entered, Poses
 from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.nearest_pairs import NearestPairs
 from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
@@ -49,22 +48,15 @@ class Event(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What the last cycle that measured saw, and the nearest pairs of each rule in it."""
+    """What the last cycle that measured saw, and the nearest pairs of each group in it."""
 
     measured: Measured
     nearest: NearestPairs
 
 
-class _Pair(NamedTuple):
-    """The fields of an event that tell its pair."""
-
-    id_A: int = 0
-    id_B: int = 0
-    distance: float = math.inf
-    error_bound: float = 0.0
-    p_WCa: NDArray[np.float64] = _NOBODY
-    p_WCb: NDArray[np.float64] = _NOBODY
-    closing_speed: float = math.nan
+# The fields of an event that tell its pair, of a rule with no pair near enough.
+_NO_PAIR = (0, 0, math.inf, 0.0, _NOBODY, _NOBODY, math.nan)
+_Pair: TypeAlias = tuple[int, int, float, float, NDArray[np.float64], NDArray[np.float64], float]
 
 
 def events_of_gone(first: int, rules: Sequence[ProximityRule]) -> list[Event]:
@@ -85,7 +77,7 @@ def events_of(
     """Return the events, numbered from ``first`` on, of the rules (r,) that ``changed``."""
     is_entered, whys = entered.is_entered[changed], entered.why[changed]
     # Of what is left, the pair that it is nearest to be entered for again.
-    pairs = _pairs(seen, changed, is_entered & (whys == Why.SOON))
+    pairs = _pairs(seen, watched.groups[changed], is_entered & (whys == Why.SOON))
     told = zip(changed.tolist(), is_entered.tolist(), map(Why, whys.tolist()), pairs, strict=True)
     events = []
     for sequence, (number, enters, why, pair) in enumerate(told, first):
@@ -93,23 +85,22 @@ def events_of(
         if enters and why in (Why.STALE, Why.NO_POSE):
             without = poses.stale if why == Why.STALE else poses.absent
             ids = watched.ids[watched.needed[number] & without]
-            pair = _Pair(id_A=int(ids[0]) if len(ids) else 0, distance=math.nan)
+            pair = (int(ids[0]) if len(ids) else 0, 0, math.nan, *_NO_PAIR[3:])
         limit = rule.enter if enters else rule.leave
         limits = limit, rule.min_time_to_contact
         events.append(Event(sequence, rule.name, rule.level, enters, why, *pair, *limits))
     return events
 
 
-def _pairs(seen: Seen | None, rules: Ids, soonest: Flags) -> Iterator[_Pair]:
-    """Return the nearest pair of each of some rules, or the one that would touch first."""
+def _pairs(seen: Seen | None, groups: Ids, soonest: Flags) -> Iterator[_Pair]:
+    """Return the nearest pair of each of some groups, or the one that would touch first."""
     if seen is None:
-        return iter([_Pair()] * len(rules))
+        return iter([_NO_PAIR] * len(groups))
     measured, nearest = seen
-    found = np.where(soonest, nearest.soonest_pair[rules], nearest.lowest_pair[rules])
+    found = np.where(soonest, nearest.soonest_pair[groups], nearest.lowest_pair[groups])
     there = found >= 0
     rows, speeds = found[there], measured.closing_speed
-    each = map(
-        _Pair,
+    each = zip(
         measured.id_A[rows].tolist(),
         measured.id_B[rows].tolist(),
         measured.distance[rows].tolist(),
@@ -117,5 +108,6 @@ def _pairs(seen: Seen | None, rules: Ids, soonest: Flags) -> Iterator[_Pair]:
         measured.p_WCa[rows],
         measured.p_WCb[rows],
         [math.nan] * len(rows) if speeds is None else speeds[rows].tolist(),
+        strict=True,
     )
-    return (next(each) if is_there else _Pair() for is_there in there.tolist())
+    return (next(each) if is_there else _NO_PAIR for is_there in there.tolist())

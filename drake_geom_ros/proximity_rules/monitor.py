@@ -10,8 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.proximity_rules.decisions import Limits, Poses, Reasons
-from drake_geom_ros.proximity_rules.entered import Entered
+from drake_geom_ros.proximity_rules.decisions import (
+    Entered,
+    Limits,
+    Poses,
+    Reasons,
+    prepare,
+    step,
+    take_nearest,
+)
 from drake_geom_ros.proximity_rules.events import Event, Seen, events_of, events_of_gone
 from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.rule import ProximityRule, RuleError, Why
@@ -34,6 +41,40 @@ class RuleState(NamedTuple):
     unpredicted: bool  # times count for it, and nobody knows how all that it needs moves
 
 
+class RuleStates(NamedTuple):
+    """What is to be known of all rules (r,) now, in the order in which they came; see RuleState.
+
+    Without an object for each, which takes longer than to decide about them.
+    """
+
+    rules: Sequence[ProximityRule]
+    is_entered: NDArray[np.bool_]
+    why: NDArray[np.uint8]  # 0: it is not entered
+    since: NDArray[np.float64]
+    lowest: NDArray[np.float64]
+    pairs: NDArray[np.int64]
+    left_out: NDArray[np.int64]
+    trouble: Sequence[str]
+    lacking: Sequence[tuple[str, ...]]
+    unpredicted: NDArray[np.bool_]
+
+    def each(self) -> list[RuleState]:
+        """Return the state of each rule."""
+        columns = [np.asarray(column).tolist() for column in self[3:7]]
+        return list(
+            map(
+                RuleState,
+                self.rules,
+                self.is_entered.tolist(),
+                [Why(why) if why else None for why in self.why.tolist()],
+                *columns,
+                self.trouble,
+                self.lacking,
+                self.unpredicted.tolist(),
+            )
+        )
+
+
 class RuleMonitor:
     """Decides about rules, cycle for cycle. Times [s] are of one clock that never runs back."""
 
@@ -41,7 +82,7 @@ class RuleMonitor:
         self._scene = scene
         self._sequence = first_sequence
         self._met: frozenset[str] = frozenset()  # the rules that found all that they name
-        self._set((), Entered(0))
+        self._set((), Entered.of_new(0))
 
     # Rules come and go.
 
@@ -60,8 +101,7 @@ class RuleMonitor:
                 )
             taken.add(rule.name)
         watched = WatchedPairs(added, self._scene)
-        troubles = [a or b for a, b in zip(watched.unknown, watched.unwatched, strict=True)]
-        told = list(filter(None, troubles))
+        told = list(filter(None, watched.trouble))
         if told and not may_wait:
             raise RuleError(told[0])
         states = self._entered.of([*range(len(self.rules)), *[-1] * len(added)])
@@ -104,13 +144,15 @@ class RuleMonitor:
     def _set(self, rules: tuple[ProximityRule, ...], states: Entered) -> None:
         """Have these rules, in these states; nothing is known of distances until ``decide``."""
         self.rules, self._entered = rules, states
-        self._limits = Limits(rules)
         self._watched = WatchedPairs(rules, self._scene, self._met)
+        self._limits = Limits.of(rules, self._watched.groups)
         lacking = zip([rule.name for rule in rules], self._watched.unknown, strict=True)
         self._met = frozenset(name for name, lacks in lacking if not lacks or name in self._met)
         self._speed = SpeedScale(rules, self._watched)
-        far, no = np.full(len(rules), math.inf), np.zeros(len(rules), dtype=np.bool_)
-        self._reasons = Reasons(far, far, no, no, no)
+        if rules:
+            prepare()
+        self._reasons = Reasons.of_nothing(len(rules))
+        self._changed = np.empty(len(rules), dtype=np.int64)
         self._seen: Seen | None = None
         self.is_measured = False  # whether the distances of these pairs were looked at
 
@@ -144,27 +186,21 @@ class RuleMonitor:
         Returns the changes, in the order of the rules. Before anything was measured, rules are
         entered for want of poses only, and none is left.
         """
+        watched, limits = self._watched, self._limits
+        reasons, entered = self._reasons, self._entered
         if measured is not None:
-            nearest = self._watched.nearest(measured, farthest)
-            self._reasons = self._reasons._replace(
-                lowest=nearest.lowest,
-                soonest=nearest.soonest,
-                unpredicted=self._unpredicted(measured),
-            )
+            nearest = watched.nearest_of_groups(measured, farthest)
+            take_nearest(nearest, limits, reasons)
+            reasons.unpredicted[:] = self._unpredicted(measured)
             self._seen, self.is_measured = Seen(measured, nearest), True
-        self._reasons = self._reasons._replace(
-            stale=self._watched.needs(poses.stale),
-            absent=self._watched.needs(poses.absent) | self._watched.is_unknown,
-        )
-        limits, reasons = self._limits, self._reasons
-        may_leave = limits.may_leave(reasons) & self.is_measured
-        near, blind = limits.near(reasons), limits.blind(reasons)
-        changed = self._entered.step(now, near, blind, may_leave, limits)
-        if not len(changed):
+        reasons.stale[:] = watched.needs(poses.stale)
+        reasons.absent[:] = watched.needs(poses.absent) | watched.is_unknown
+        count = step(now, limits, reasons, self.is_measured, entered, self._changed)
+        if not count:
             return []
-        first, entered = self._sequence, self._entered
-        self._sequence += len(changed)
-        return events_of(first, self.rules, changed, entered, self._watched, poses, self._seen)
+        first, changed = self._sequence, self._changed[:count]
+        self._sequence += count
+        return events_of(first, self.rules, changed, entered, watched, poses, self._seen)
 
     def _unpredicted(self, measured: Measured) -> NDArray[np.bool_]:
         """Return the rules (r,) that need to know a motion which nobody knows."""
@@ -182,18 +218,21 @@ class RuleMonitor:
         return self._speed.value(self._entered.is_entered, self._reasons, self._limits)
 
     def states(self) -> list[RuleState]:
-        """Return the states of all rules, in the order in which they came."""
-        entered, watched = self._entered, self._watched
-        is_entered, why = entered.is_entered.tolist(), entered.why.tolist()
-        columns = (
-            is_entered,
-            [Why(w) if e else None for e, w in zip(is_entered, why, strict=True)],
-            entered.since.tolist(),
-            self._reasons.lowest.tolist(),
-            watched.pairs.tolist(),
-            watched.left_out.tolist(),
-            [a or b for a, b in zip(watched.unknown, watched.unwatched, strict=True)],
-            watched.lacking,
-            self._reasons.unpredicted.tolist(),
+        """Return the state of each rule, in the order in which they came."""
+        return self.table().each()
+
+    def table(self) -> RuleStates:
+        """Return the states of all rules in arrays, to be read before anything else happens."""
+        entered, watched, reasons = self._entered, self._watched, self._reasons
+        return RuleStates(
+            self.rules,
+            is_entered=entered.is_entered,
+            why=np.where(entered.is_entered, entered.why, np.uint8(0)),
+            since=entered.since,
+            lowest=reasons.lowest,
+            pairs=watched.pairs,
+            left_out=watched.left_out,
+            trouble=watched.trouble,
+            lacking=watched.lacking,
+            unpredicted=reasons.unpredicted,
         )
-        return list(map(RuleState, self.rules, *columns))

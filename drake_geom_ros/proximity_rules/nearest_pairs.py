@@ -11,14 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry.compiling import compiled
+from drake_geom_ros.geometry.compiling import Entry, given, like
 from drake_geom_ros.proximity_rules.measured import Measured
 
 Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
 Words = NDArray[np.uint64]
 WORD = 64  # bits
-_NO_SPEEDS = np.empty(0)
+_NO_SPEEDS, _NO_IDS = np.empty(0), np.empty(0, dtype=np.int64)
+_NO_WORDS = np.empty((1, 0), dtype=np.uint64)
 
 
 class SetBits(NamedTuple):
@@ -56,33 +57,35 @@ class NearestPairs(NamedTuple):
         )
 
 
-class _Pairs(NamedTuple):
-    """What was measured of pairs (k,), in arrays of one piece."""
+def _find(
+    id_As: Ids,
+    id_Bs: Ids,
+    distances: Floats,
+    error_bounds: Floats,
+    closing_speeds: Floats,
+    farthest: float,
+    bits: SetBits,
+    found: NearestPairs,
+) -> int:
+    """Fill ``found`` by the pairs (k,) whose lower bound is at most ``farthest``.
 
-    id_A: Ids
-    id_B: Ids
-    distance: Floats  # [m]
-    error_bound: Floats  # [m]
-    closing_speed: Floats  # [m/s]; none: nobody watches
-
-
-@compiled
-def _find(pairs: _Pairs, farthest: float, bits: SetBits, found: NearestPairs) -> int:
-    """Fill ``found`` by the pairs whose lower bound is at most ``farthest``.
-
-    Returns a pair that has a geometry which is not of ``bits``; -1: there is none.
+    No closing speeds: nobody watches. Returns a pair that has a geometry which is not of ``bits``;
+    -1: there is none.
     """
+    for group in range(len(found.lowest)):
+        found.lowest[group], found.soonest[group] = math.inf, math.inf
+        found.lowest_pair[group], found.soonest_pair[group] = -1, -1
     ids, last = bits.ids, len(bits.ids) - 1
-    for k in range(len(pairs.id_A)):
-        lower = pairs.distance[k] - pairs.error_bound[k]
+    for k in range(len(id_As)):
+        lower = distances[k] - error_bounds[k]
         if math.isnan(lower):  # a doubt, and no rule may take it for free
             lower = -math.inf
         if lower > farthest:
             continue
         time = math.inf
-        if len(pairs.closing_speed) and pairs.closing_speed[k] > 0.0:
-            time = max(lower, 0.0) / pairs.closing_speed[k]
-        id_A, id_B = pairs.id_A[k], pairs.id_B[k]
+        if len(closing_speeds) and closing_speeds[k] > 0.0:
+            time = max(lower, 0.0) / closing_speeds[k]
+        id_A, id_B = id_As[k], id_Bs[k]
         row_A, row_B = np.searchsorted(ids, id_A), np.searchsorted(ids, id_B)
         if max(row_A, row_B) > last or ids[row_A] != id_A or ids[row_B] != id_B:
             return k
@@ -103,10 +106,21 @@ def _find(pairs: _Pairs, farthest: float, bits: SetBits, found: NearestPairs) ->
 
 
 def no_pairs(groups: int) -> NearestPairs:
-    """Return what is known of so many groups where no pair was near enough to see."""
-    lowest, soonest = np.full((2, groups), math.inf)
-    lowest_pair, soonest_pair = np.full((2, groups), -1)
+    """Return room for what is found of so many groups."""
+    lowest, soonest = np.empty((2, groups))
+    lowest_pair, soonest_pair = np.empty((2, groups), dtype=np.int64)
     return NearestPairs(lowest, lowest_pair, soonest, soonest_pair)
+
+
+# Of pairs whose arrays are of any strides: to copy them took as long as to look at them.
+_FIND = Entry(
+    _find,
+    *[given(np.int64, 1)] * 2,
+    *[given(np.float64, 1)] * 3,
+    like(0.0),
+    like(SetBits(_NO_IDS, _NO_IDS, _NO_IDS, _NO_WORDS[0], _NO_WORDS)),
+    like(no_pairs(0)),
+)
 
 
 def nearest_pairs(measured: Measured, farthest: float, bits: SetBits, groups: int) -> NearestPairs:
@@ -116,15 +130,11 @@ def nearest_pairs(measured: Measured, farthest: float, bits: SetBits, groups: in
     """
     found = no_pairs(groups)
     speeds = _NO_SPEEDS if measured.closing_speed is None else measured.closing_speed
-    pairs = _Pairs(  # copies: for arrays in several pieces another version would be compiled
-        np.array(measured.id_A, dtype=np.int64),
-        np.array(measured.id_B, dtype=np.int64),
-        np.array(measured.distance, dtype=np.float64),
-        np.array(measured.error_bound, dtype=np.float64),
-        np.array(speeds, dtype=np.float64),
-    )
-    unknown = _find(pairs, farthest, bits, found)
+    ids = [np.asarray(each, dtype=np.int64) for each in (measured.id_A, measured.id_B)]
+    columns = measured.distance, measured.error_bound, speeds
+    numbers = [np.asarray(column, dtype=np.float64) for column in columns]
+    unknown = _FIND.call(*ids, *numbers, farthest, bits, found)
     if unknown >= 0:
-        pair = int(pairs.id_A[unknown]), int(pairs.id_B[unknown])
+        pair = int(measured.id_A[unknown]), int(measured.id_B[unknown])
         raise ValueError(f'pair {pair} is not of the scene that these rules watch')
     return found

@@ -50,10 +50,10 @@ class WatchedPairs:
     def __init__(
         self, rules: Sequence[ProximityRule], scene: ScenePairs, met: Collection[str] = ()
     ) -> None:
-        """``unknown`` and ``unwatched`` say of each rule why it can never be entered, or nothing.
+        """``trouble`` says of each rule why it can never be entered, or nothing.
 
-        The one where a name stands for nothing, of the rules called as in ``met`` where all names
-        of a set do; the other where no pair is ever reported. ``lacking`` are of each
+        It is ``unknown`` where a name stands for nothing, of the rules called as in ``met`` where
+        all names of a set do; or no pair of it is ever reported. ``lacking`` are of each
         rule in ``met`` the names that it goes on without.
         """
         self.ids: Ids = np.array(scene.ids, dtype=np.int64)
@@ -66,22 +66,23 @@ class WatchedPairs:
         self.unknown = [each.refusal for each in sets]
         self.lacking = [each.lacking for each in sets]
         self.is_unknown: Flags = np.array([bool(each) for each in self.unknown], dtype=np.bool_)
-        self.unwatched = [
+        unwatched = [
             '' if each.refusal else _why_never(rule, int(pairs), int(left_out))
             for rule, each, pairs, left_out in zip(
                 rules, sets, self.pairs, self.left_out, strict=True
             )
         ]
+        self.trouble = [a or b for a, b in zip(self.unknown, unwatched, strict=True)]
         # Of rules that found all once, some may lack a name now that others wait for.
         sets_of = [(rule.set_a, rule.set_b, rule.name in met) for rule in rules]
         firsts: dict[tuple[object, ...], int] = {}
         for number, each in enumerate(sets_of):
             firsts.setdefault(each, number)
         groups = {each: number for number, each in enumerate(firsts)}
-        self._group_of: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
+        self.groups: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
         of_groups = list(firsts.values())
         sets_of_groups = self._in_a[of_groups], self._in_b[of_groups]
-        self._groups, self._bits = len(groups), _bits(self.ids, *sets_of_groups)
+        self._count_of_groups, self._bits = len(groups), _bits(self.ids, *sets_of_groups)
         if rules:
             self.nearest(NOTHING)  # compiled now, and not in a cycle
 
@@ -108,8 +109,11 @@ class WatchedPairs:
 
     def nearest(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
         """Return the nearest pairs of each rule (r,), of those within ``farthest`` [m]."""
-        found = nearest_pairs(measured, farthest, self._bits, self._groups)
-        return found.of(self._group_of)
+        return self.nearest_of_groups(measured, farthest).of(self.groups)
+
+    def nearest_of_groups(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
+        """Return the nearest pairs of the groups, of which ``groups`` (r,) says each rule's."""
+        return nearest_pairs(measured, farthest, self._bits, self._count_of_groups)
 
     def watched(self) -> Flags:
         """Return which pairs (n, n) concern any rule; symmetric."""

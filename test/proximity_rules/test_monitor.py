@@ -20,6 +20,7 @@ from drake_geom_ros.proximity_rules import (
     ScenePairs,
     WatchedPairs,
     Why,
+    decisions,
     nearest_pairs,
 )
 
@@ -323,7 +324,8 @@ def test_one_compiled_version_serves_all_rules():
         watch = monitor(*(rule(f'{k}', (PATTERNS[k],), ('*',)) for k in range(count)))
         for saw in (NOTHING, measured((0, 4, 0.15, 0.0)), measured((0, 4, 1, 0), (1, 4, 1, 0))):
             watch.decide(0.0, FRESH, saw)
-    assert len(getattr(nearest_pairs._find, 'signatures', [0])) == 1  # no cycle waits for another
+    for decides in (nearest_pairs._FIND.call, decisions.step, decisions.take_nearest):
+        assert len(getattr(decides, 'signatures', [0])) == 1  # no cycle waits for another
 
 
 @given(st.text('hand*?l/:[]', min_size=1, max_size=6) | st.sampled_from(PATTERNS))

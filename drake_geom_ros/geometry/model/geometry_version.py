@@ -39,7 +39,7 @@ class GeometryVersion:
 
 def version_of(numbers: Mapping[Role, int]) -> GeometryVersion:
     """Return the mark of these numbers."""
-    version = GeometryVersion()
+    version = GeometryVersion.__new__(GeometryVersion)
     version._numbers = dict(numbers)
     return version
 

@@ -15,7 +15,7 @@ from drake_geom_ros.proximity_rules import (
     Event,
     ProximityRule,
     RuleError,
-    RuleState,
+    RuleStates,
     Why,
     scale_points,
 )
@@ -129,10 +129,8 @@ def fill_what_decided(
     message.limit_time = floats(np.where(stale, stale_after, times))
 
 
-def fill_states(message: Any, states: Sequence[RuleState]) -> None:
+def fill_states(message: Any, states: RuleStates) -> None:
     """Fill the arrays of a ProximityStates message, but for the rules and ``since``."""
-    message.entered = [state.is_entered for state in states]
-    message.why = uint8s(np.array([state.why or 0 for state in states]))
-    message.pairs = unsigned(np.array([state.pairs for state in states]))
-    message.left_out_pairs = unsigned(np.array([state.left_out for state in states]))
-    message.trouble = [state.trouble for state in states]
+    message.entered, message.why = states.is_entered.tolist(), uint8s(states.why)
+    message.pairs, message.left_out_pairs = unsigned(states.pairs), unsigned(states.left_out)
+    message.trouble = states.trouble

@@ -172,7 +172,8 @@ class PoseAges:
 
     def by_name(self, names: NameTable) -> dict[str, float]:
         """Return the age [s] of the pose of every frame by name; inf for one that is unknown."""
-        ages = {value: self._clocks.age(t.since) for value, t in self._posed.items()}
+        age = self._clocks.ages()
+        ages = {value: age(together.since) for value, together in self._posed.items()}
         return {
             name: ages.get(frame.get_value(), math.inf)
             for frame, name in names.frame_names.items()

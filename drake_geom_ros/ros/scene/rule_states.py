@@ -22,8 +22,8 @@ def fill_rule_states(message: Any, scene: HeldScene, rules: Any = None) -> None:
         fill_rules(message.rules, scene.rules.rules)
     else:
         message.rules = rules
-    states = scene.rules.states()
+    states = scene.rules.table()
     fill_states(message, states)
-    since = np.array([state.since for state in states])
-    never = since == -math.inf
-    message.since = floats(np.where(never, 0.0, np.maximum(0.0, node - (steady - since))))
+    never = states.since == -math.inf
+    since = np.where(never, 0.0, np.maximum(0.0, node - (steady - states.since)))
+    message.since = floats(since)

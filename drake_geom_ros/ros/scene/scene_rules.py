@@ -29,6 +29,7 @@ from drake_geom_ros.proximity_rules import (
     ProximityRule,
     RuleMonitor,
     RuleState,
+    RuleStates,
     ScenePairs,
 )
 from drake_geom_ros.ros.conversions.names import some_of
@@ -185,8 +186,12 @@ class SceneRules:
         return events
 
     def states(self) -> list[RuleState]:
-        """Return the states of all rules."""
+        """Return the state of each rule."""
         return self._monitor.states()
+
+    def table(self) -> RuleStates:
+        """Return the states of all rules in arrays, to be read before anything else happens."""
+        return self._monitor.table()
 
     def measure_again(self) -> None:
         """Believe no distance of before: what was measured moved, or nobody looked for a while."""

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
-from numba import cfunc, config, from_dtype, njit, types, version_info
+from numba import cfunc, config, from_dtype, njit, typeof, types, version_info
 from numba.core import event
 
 from drake_geom_ros.geometry._proximity.runtime.progress import Progress
@@ -253,6 +253,11 @@ def given(number: type[Any], dimensions: int) -> Any:
 def own(number: type[Any], dimensions: int) -> Any:
     """Return the type of arrays of one's own, in one piece."""
     return types.Array(from_dtype(np.dtype(number)), dimensions, 'C')
+
+
+def like(example: Any) -> Any:
+    """Return the type of a value: of a number, or of a record of arrays of one's own."""
+    return typeof(example)
 
 
 class Entry:
