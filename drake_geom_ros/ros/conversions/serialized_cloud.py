@@ -8,6 +8,7 @@ that of plain CDR (OMG, *DDS-RTPS* 2.5, 10.2 and *Extensible Types* 1.3, 7.4.1).
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import ArgumentError
@@ -32,7 +33,8 @@ class Header(NamedTuple):
     frame_id: str
 
 
-class Field(NamedTuple):
+@dataclass(frozen=True)
+class Field:
     """As sensor_msgs/PointField."""
 
     name: str

@@ -11,7 +11,11 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
-from drake_geom_ros.ros.conversions.serialized_cloud import cloud_of_bytes, is_plain
+from drake_geom_ros.ros.conversions.serialized_cloud import (
+    Field,
+    cloud_of_bytes,
+    is_plain,
+)
 
 names = st.text(st.characters(codec='utf-8', exclude_characters='\0'), max_size=9)
 words, bytes_ = st.integers(0, 2**32 - 1), st.integers(0, 255)
@@ -41,7 +45,7 @@ def test_a_cloud_is_what_rclpy_reads(cloud):
     told = cloud_of_bytes(raw)
     assert told.header.stamp == (cloud.header.stamp.sec, cloud.header.stamp.nanosec)
     assert told.header.frame_id == cloud.header.frame_id
-    assert told.fields == [(f.name, f.offset, f.datatype, f.count) for f in cloud.fields]
+    assert told.fields == [Field(f.name, f.offset, f.datatype, f.count) for f in cloud.fields]
     for name in ('height', 'width', 'is_bigendian', 'point_step', 'row_step', 'is_dense'):
         assert getattr(told, name) == getattr(cloud, name)
     assert bytes(told.data) == bytes(cloud.data)
