@@ -22,7 +22,7 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.conversions.paddings import paddings_of
-from drake_geom_ros.ros.inputs.obstacles import INPUTS, OCTOMAP, SELF_FILTERS
+from drake_geom_ros.ros.inputs.obstacle_refusals import refusal_of_obstacles
 
 
 @dataclass(frozen=True)
@@ -368,7 +368,8 @@ def _refusal(values: NodeParameters) -> str:
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
         )
-    if reason := _refusal_of_obstacles(values):
+    told = values.obstacles, values.obstacle_self_filter, values.obstacle_box
+    if reason := refusal_of_obstacles(*told):
         return reason
     if values.replay_dir and not values.allow_writes:
         return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
@@ -377,29 +378,6 @@ def _refusal(values: NodeParameters) -> str:
     except ArgumentError as error:
         return str(error)
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
-
-
-def _refusal_of_obstacles(values: NodeParameters) -> str:
-    """Return why maps cannot be made as the values say, or an empty text."""
-    if unknown := [name for name in values.obstacles if name not in INPUTS]:
-        return f'obstacles names {unknown[0]!r}; it may name {", ".join(INPUTS)}'
-    if values.obstacle_self_filter not in SELF_FILTERS:
-        allowed = ', '.join(SELF_FILTERS)
-        return (
-            f'obstacle_self_filter is {values.obstacle_self_filter!r}; it must be one of {allowed}'
-        )
-    box = values.obstacle_box
-    if box and (len(box) != 6 or not all(a < b for a, b in zip(box[:3], box[3:], strict=True))):
-        return (
-            f'obstacle_box is {list(box)}; it must be empty or six numbers, x, y, z of the lowest '
-            'and of the highest corner [m], each of the first three less than its fellow'
-        )
-    if OCTOMAP in values.obstacles and importlib.util.find_spec('octomap_msgs') is None:
-        return (
-            'obstacles names octomap, and the package octomap_msgs cannot be imported; install it '
-            'with the ROS distribution, or send points'
-        )
-    return ''
 
 
 def _refusal_of_cross_check() -> str:
