@@ -21,13 +21,12 @@ from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, size_for_all
 from drake_geom_ros.batch.state_files import States, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
-from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
 from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, SceneGraph
-from drake_geom_ros.scene_files import LoadedScene, SceneFileError
+from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
 

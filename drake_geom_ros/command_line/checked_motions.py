@@ -12,12 +12,11 @@ import numpy as np
 from drake_geom_ros.batch import Joints, check_path
 from drake_geom_ros.batch.path_profile import PathProfile, profile_of_path
 from drake_geom_ros.batch.state_files import read_states
-from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
-from drake_geom_ros.scene_files import SceneFileError
+from drake_geom_ros.scene_files import SceneFileError, files_of
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.viewing.timeline import (
     Timeline,

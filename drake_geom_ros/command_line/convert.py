@@ -4,14 +4,13 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
 from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
-from drake_geom_ros.scene_files import SceneFileError, save_scene
+from drake_geom_ros.scene_files import SceneFileError, files_of, save_scene
 from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 
 _SCENE_SUFFIXES = ('.yaml', '.yml')

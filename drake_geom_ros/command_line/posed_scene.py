@@ -4,7 +4,6 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
-from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.pose_file import FramePose
 from drake_geom_ros.command_line.scene_input import read_and_tell
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryObject, SceneGraph
@@ -13,6 +12,7 @@ from drake_geom_ros.scene_files import (
     SceneFileError,
     add_renderers,
     camera_of,
+    files_of,
     register,
 )
 from drake_geom_ros.scene_files.names import FileNames

@@ -8,11 +8,11 @@ import numpy as np
 
 from drake_geom_ros.recordings import (
     Audit,
-    Clearances,
     IncompleteRecordingError,
     SetComparison,
 )
-from drake_geom_ros.recordings.clearance import Progress
+from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.run import Progress
 
 _MOST_PAIRS = 5  # that are told of two runs
 
@@ -59,10 +59,10 @@ def tell_of_audit(audited: Audit) -> None:
         print(f'not audited: {told}')
 
 
-def tell(found: Clearances) -> None:
+def tell(found: Told) -> None:
     """Tell the least distances of a run, and what is not known of it."""
-    print(f'states {len(found.times)}, {found.duration:.3f} s')
-    for name in found.sets:
+    print(f'states {found.count}, {found.duration:.3f} s')
+    for name in found.moments:
         try:
             least = found.least(name, allow_incomplete=True)
             print(
@@ -71,8 +71,8 @@ def tell(found: Clearances) -> None:
             )
         except IncompleteRecordingError as error:
             print(f'{name}: {error}')
-        if found[name].motion is not None:
-            proved = found[name].certified()
+        if found.is_certified:
+            proved = found.certified(name)
             print(
                 f'{name}: motions between states: certified {proved.lower_bound:.9g} m where '
                 f'clear; {proved.clear} clear, {proved.contact} contact, {proved.unknown} unknown'

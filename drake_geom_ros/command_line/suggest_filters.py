@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
-from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.scene_input import add_scene_options, read_and_tell
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
@@ -27,6 +26,7 @@ from drake_geom_ros.scene_files import (
     LoadedScene,
     SceneDescription,
     SceneFileError,
+    files_of,
     register,
 )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +10,8 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
-from drake_geom_ros.recordings.results import Clearances, SetClearance
+from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.set_clearance import SetClearance
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -74,7 +74,7 @@ class SetComparison:
         return max(0.0, float(found[k])), float(self.ends[k])
 
 
-def compare_runs(run: Clearances, other: Clearances, by: str = 'time') -> list[SetComparison]:
+def compare_runs(run: Told, other: Told, by: str = 'time') -> list[SetComparison]:
     """Return the sets of pairs of a run beside those of another one, by their names.
 
     Both are cut into 1000 parts: of the time of the longer one, or by ``'phase'`` of the motion of
@@ -86,73 +86,100 @@ def compare_runs(run: Clearances, other: Clearances, by: str = 'time') -> list[S
     """
     if by not in WAYS:
         raise ArgumentError(f'by={by!r} must be one of {", ".join(WAYS)}')
-    if list(run.sets) != list(other.sets):
+    if list(run.moments) != list(other.moments):
         raise ArgumentError(
-            f'the runs have other sets of pairs: {list(run.sets)} and {list(other.sets)}'
+            f'the runs have other sets of pairs: {list(run.moments)} and {list(other.moments)}'
         )
+    both = run, other
     if by == 'time':
         end = max(run.duration, other.duration)
-        places = [each.times / (end or 1.0) for each in (run, other)]
-        holds = [each.stale_after / (end or 1.0) for each in (run, other)]
+        wholes = [end or 1.0] * 2
+        holds = [each.stale_after / (end or 1.0) for each in both]
     else:
         end = 1.0
-        places = [each.travelled / (each.travelled[-1] or 1.0) for each in (run, other)]
+        wholes = [each.travelled_in_all or 1.0 for each in both]
         holds = [1.0, 1.0]  # between two states nothing else was passed
-    ends = np.linspace(0.0, end, _PARTS + 1)
-    not_known = tuple(run.reservations()), tuple(other.reservations())
+    of_run, of_other = (
+        _cut(each, by, whole, hold) for each, whole, hold in zip(both, wholes, holds, strict=True)
+    )
+    not_known = [tuple(each.reservations()) for each in both]
     return [
-        _compared(ends, (run.sets[name], other.sets[name]), places, holds, not_known)
-        for name in run.sets
+        SetComparison(
+            name=name,
+            ends=np.linspace(0.0, end, _PARTS + 1),
+            run=of_run[name].least,
+            other=of_other[name].least,
+            is_whole=of_run[name].is_whole & of_other[name].is_whole,
+            pairs=_by_pair(of_run[name].of_pairs, of_other[name].of_pairs),
+            not_known_of_run=not_known[0],
+            not_known_of_other=not_known[1],
+        )
+        for name in run.moments
     ]
 
 
-def _compared(
-    ends: Floats,
-    both: tuple[SetClearance, SetClearance],
-    places: Sequence[Floats],
-    holds: Sequence[float],
-    not_known: tuple[tuple[str, ...], tuple[str, ...]],
-) -> SetComparison:
-    run, other = (_by_part(*each) for each in zip(both, places, holds, strict=True))
-    return SetComparison(
-        name=both[0].name,
-        ends=ends,
-        run=run[0],
-        other=other[0],
-        is_whole=run[1] & other[1],
-        pairs=_by_pair(*both),
-        not_known_of_run=not_known[0],
-        not_known_of_other=not_known[1],
-    )
+class _Parts(NamedTuple):
+    """A set of pairs in the parts of a run."""
+
+    least: Floats  # [m] that is known
+    is_whole: Flags
+    of_pairs: dict[frozenset[str], float]  # [m] the least of each where it was the nearest
 
 
-def _by_part(pairs: SetClearance, places: Floats, holds: float) -> tuple[Floats, Flags]:
-    """Return of each part the least distance that is known, and whether all of it is known.
+def _cut(run: Told, by: str, whole: float, holds: float) -> dict[str, _Parts]:
+    """Return the sets of a run by parts of a ``whole`` way or time."""
+    cuts = {name: _Cut(holds) for name in run.moments}
+    for states in run.parts():
+        places = (states.times if by == 'time' else states.travelled) / whole
+        for name, pairs in states.sets.items():
+            cuts[name].take(pairs, places)
+    return {name: cut.result() for name, cut in cuts.items()}
+
+
+class _Cut:
+    """Of each part of a run the least distance that is known, and whether all of it is known.
 
     A part without a state has the one before it, as long as that ``holds``.
     """
-    parts = np.minimum((places * _PARTS).astype(np.int64), _PARTS - 1)
-    least, last = np.full(_PARTS, np.nan), np.full(_PARTS, -1)
-    np.fmin.at(least, parts, pairs.known_distance)
-    np.maximum.at(last, parts, np.arange(len(parts)))
-    lost = np.zeros(_PARTS, dtype=np.bool_)
-    lost[parts[~pairs.is_whole]] = True
-    own, last = last >= 0, np.maximum.accumulate(last)
-    age = np.arange(1, _PARTS + 1) / _PARTS - places[np.maximum(last, 0)]
-    held = ~own & (last >= 0) & (age <= holds)
-    least[held] = pairs.known_distance[last[held]]
-    lost[held] = ~pairs.is_whole[last[held]]
-    return least, (own | held) & ~lost
 
+    def __init__(self, holds: float) -> None:
+        self._holds = holds
+        self._least = np.full(_PARTS, np.nan)
+        self._lost, self._own = np.zeros((2, _PARTS), dtype=np.bool_)
+        # Of the last state of each part its distance, place, and whether it tells all.
+        self._last, self._place = np.full((2, _PARTS), np.nan)
+        self._was_whole = np.zeros(_PARTS, dtype=np.bool_)
+        self._of_pairs: dict[frozenset[str], float] = {}
 
-def _by_pair(run: SetClearance, other: SetClearance) -> tuple[PairDifference, ...]:
-    found: dict[frozenset[str], list[float]] = {}
-    for k, pairs in enumerate((run, other)):
+    def take(self, pairs: SetClearance, places: Floats) -> None:
+        """Take the next states, and where they are from 0 to 1."""
+        parts = np.minimum((places * _PARTS).astype(np.int64), _PARTS - 1)
+        np.fmin.at(self._least, parts, pairs.known_distance)
+        self._lost[parts[~pairs.is_whole]] = True
+        self._own[parts] = True
+        last = np.flatnonzero(np.append(parts[1:] != parts[:-1], True))
+        self._last[parts[last]] = pairs.known_distance[last]
+        self._place[parts[last]] = places[last]
+        self._was_whole[parts[last]] = pairs.is_whole[last]
         for names, distance in _least_of_pairs(pairs).items():
-            found.setdefault(names, [np.inf, np.inf])[k] = distance
+            self._of_pairs[names] = min(distance, self._of_pairs.get(names, np.inf))
+
+    def result(self) -> _Parts:
+        """Return it of all states."""
+        before = np.maximum.accumulate(np.where(self._own, np.arange(_PARTS), -1))
+        held = ~self._own & (before >= 0)
+        held &= np.arange(1, _PARTS + 1) / _PARTS - self._place[before] <= self._holds
+        self._least[held] = self._last[before[held]]
+        self._lost[held] = ~self._was_whole[before[held]]
+        return _Parts(self._least, (self._own | held) & ~self._lost, self._of_pairs)
+
+
+def _by_pair(
+    run: dict[frozenset[str], float], other: dict[frozenset[str], float]
+) -> tuple[PairDifference, ...]:
     rows = [
-        PairDifference(min(names), max(names), mine, theirs)
-        for names, (mine, theirs) in found.items()
+        PairDifference(min(n), max(n), run.get(n, np.inf), other.get(n, np.inf))
+        for n in {**run, **other}
     ]
     return tuple(sorted(rows, key=lambda row: (row.run - row.other, row.run)))
 

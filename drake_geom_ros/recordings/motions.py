@@ -72,6 +72,10 @@ class Motions:
             self._prove(block, poses, asked, here, there, lower)
         return codes, bounds
 
+    def pass_over(self, block: Block) -> None:
+        """Go on behind a block of which all is known already."""
+        self._before = block
+
     def _prove(
         self,
         block: Block,

@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.recordings.audit import Audit
+from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.comparing import SetComparison
-from drake_geom_ros.recordings.highlights import below, closest, contacts, held
-from drake_geom_ros.recordings.results import Clearances, Moment, SetClearance
+from drake_geom_ros.recordings.highlights import AGES, Ages, Highlights
+from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.set_clearance import Moment
 from drake_geom_ros.recordings.storages import NANOSECONDS
 
 Pictures = Mapping[tuple[str, int], bytes]  # PNGs by the set and the number of a moment
 MOMENTS = 10  # in the table of each set of pairs
-_MOST_CONTACTS = 100
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 76em; padding: 0 1em; }
 table { border-collapse: collapse; margin: 0.6em 0 1.4em; }
@@ -32,8 +33,8 @@ figure { display: inline-block; margin: 0 1em 1em 0; width: 23em; }
 
 
 def page(
-    found: Clearances,
-    thresholds: Sequence[float],
+    found: Told,
+    told: Mapping[str, Highlights],
     title: str,
     files: Iterable[str],
     plot: bytes,
@@ -45,13 +46,13 @@ def page(
     begin = datetime.fromtimestamp(found.begin / NANOSECONDS, timezone.utc)
     parts = [
         f'<h1>{escape(title)}</h1>',
-        f'<p>{begin:%Y-%m-%d %H:%M:%S} UTC, {found.duration:.3f} s, {len(found.times)} states. '
+        f'<p>{begin:%Y-%m-%d %H:%M:%S} UTC, {found.duration:.3f} s, {found.count} states. '
         f'Files: {escape(", ".join(files))}.</p>',
         _reservations(found.reservations()),
         f'<img alt="least distances over time" src="{_data(plot)}">',
     ]
-    for pairs in found.sets.values():
-        parts += _of_set(found, pairs, thresholds, pictures or {})
+    for name, each in told.items():
+        parts += _of_set(found, name, each, pictures or {})
     parts += _troubles(found)
     parts += [] if audited is None else _audited(audited)
     parts += [] if compared is None else _compared(compared)
@@ -82,30 +83,23 @@ def _warning(head: str, told: Sequence[str]) -> str:
     return f'<div class="warn">{head}<ul>{listed}</ul></div>'
 
 
-def _of_set(
-    found: Clearances, pairs: SetClearance, thresholds: Sequence[float], pictures: Pictures
-) -> list[str]:
-    time = held(found, pairs)
-    ages = pairs.age[np.isfinite(pairs.age)]
-    oldest = f'{ages.max():.3f} s, median {np.median(ages):.3f} s' if len(ages) else 'unknown'
-    unknown = len(pairs.age) - len(ages)
-    lows = [below(found, pairs, threshold) for threshold in thresholds]
-    touching = contacts(pairs)
+def _of_set(found: Told, name: str, told: Highlights, pictures: Pictures) -> list[str]:
+    more = told.contact_count - len(told.contacts)
     return [
-        f'<h2>{escape(pairs.name)}</h2>',
+        f'<h2>{escape(name)}</h2>',
         '<h3>Closest moments</h3>',
         _table(
             ('', 'time [s]', 'distance [m]', 'error bound [m]', 'between', 'and', 'state'),
             (
-                (k + 1, *_moment(pairs.at(state)), _state(pairs, state))
-                for k, state in enumerate(closest(found, pairs, MOMENTS))
+                (k, *_moment(close.moment), _state(close))
+                for k, close in enumerate(found.moments[name][:MOMENTS], 1)
             ),
         ),
         *(
             f'<figure><img alt="moment {number}" src="{_data(picture)}">'
             f'<figcaption>{number}</figcaption></figure>'
-            for (name, number), picture in sorted(pictures.items())
-            if name == pairs.name
+            for (of, number), picture in sorted(pictures.items())
+            if of == name
         ),
         '<h3>Contacts, or not certified to be apart</h3>',
         _table(
@@ -121,34 +115,46 @@ def _of_set(
             ),
             (
                 (f'{c.begin:.3f}', f'{c.end:.3f}', c.states, *_moment(c.deepest))
-                for c in touching[:_MOST_CONTACTS]
+                for c in told.contacts
             ),
         )
-        + (
-            f'<p>and {len(touching) - _MOST_CONTACTS} more, see clearance.csv.</p>'
-            if len(touching) > _MOST_CONTACTS
-            else ''
-        ),
+        + (f'<p>and {more} more, see clearance.csv.</p>' if more else ''),
         '<h3>Time not certified to be above a threshold</h3>',
         _table(
             ('threshold [m]', 'time [s]', 'and where not all is known, by what is [s]'),
-            ((f'{low.threshold:g}', f'{low.seconds:.3f}', f'{low.at_known:.3f}') for low in lows),
+            (
+                (f'{low.threshold:g}', f'{low.seconds:.3f}', f'{low.at_known:.3f}')
+                for low in told.below
+            ),
         ),
-        *_motion(pairs),
+        *_motion(found, name),
         '<h3>What is known</h3>',
         _table(
             ('all pairs [s]', 'stale [s]', 'pairs left out [s]', 'nothing recorded [s]'),
-            [[f'{seconds:.3f}' for seconds in time]],
+            [[f'{seconds:.3f}' for seconds in told.held]],
         ),
-        f'<p>Oldest pose that mattered: {oldest}; in {unknown} states its age is unknown. A pose '
-        f'is stale after {found.stale_after:g} s.</p>',
+        '<h3>How old data were</h3>',
+        *_how_old(told.ages),
+        f'<p>A pose is stale after {found.stale_after:g} s. The longest time without a state is '
+        f'{found.silence.end - found.silence.begin:.3f} s, from {found.silence.begin:.3f} s.</p>',
     ]
 
 
-def _motion(pairs: SetClearance) -> list[str]:
-    if pairs.motion is None:
+def _how_old(ages: Ages) -> list[str]:
+    """Return how old the oldest pose that mattered was, over states."""
+    oldest = 'unknown' if np.isnan(ages.oldest) else f'{ages.oldest:.3f} s'
+    steps = [*(f'up to {age:g} s' for age in AGES), f'more than {AGES[-1]:g} s', 'unknown']
+    rows = zip(steps, (*ages.counts, ages.unknown), strict=True)
+    return [
+        f'<p>The oldest pose that mattered at a state was {oldest} old at most.</p>',
+        _table(('oldest pose', 'states'), ((step, count) for step, count in rows if count)),
+    ]
+
+
+def _motion(found: Told, name: str) -> list[str]:
+    if not found.is_certified:
         return []
-    told = pairs.certified()
+    told = found.certified(name)
     where = 'nowhere' if told.span is None else f'{told.span.begin:.3f} to {told.span.end:.3f}'
     heads = 'least certified [m]', 'at [s]', 'clear', 'contact', 'unknown'
     return [
@@ -157,12 +163,12 @@ def _motion(pairs: SetClearance) -> list[str]:
     ]
 
 
-def _state(pairs: SetClearance, state: int) -> str:
+def _state(close: CloseMoment) -> str:
     words = []
-    if pairs.is_waiting[state]:
-        words.append(f'{int(pairs.left_out[state])} pairs left out')
-    if pairs.is_stale[state]:
-        words.append(f'poses {pairs.age[state]:.3f} s old')
+    if close.left_out:
+        words.append(f'{close.left_out} pairs left out')
+    if close.is_stale:
+        words.append(f'poses {close.age:.3f} s old')
     return ', '.join(words) or 'all known'
 
 
@@ -202,7 +208,7 @@ def _compared(compared: Sequence[SetComparison]) -> list[str]:
     ]
 
 
-def _troubles(found: Clearances) -> list[str]:
+def _troubles(found: Told) -> list[str]:
     if not found.troubles:
         return []
     return [

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.recording import Recorded
+from drake_geom_ros.recordings.report_record import digest
 from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.inputs.joint_input import JointInput, NothingOfOursError
@@ -21,7 +22,7 @@ from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.scene_files import SceneDescription
+from drake_geom_ros.scene_files import SceneDescription, files_of
 
 LOOKS = 4 * NANOSECONDS  # [ns] between two looks at what is wrong, which is told for 5 s
 _MOST_TOLD = 200
@@ -102,6 +103,8 @@ class Playback:
             TfInput(self.clocks), JointInput(self.clocks, stale_after, by_default=True)
         )
         self._robot = RobotInput(self.live)
+        # What scenes with robots of descriptions were made of, and its digests.
+        self.robot_files: dict[Path, str] = {}
         self._told: dict[str, Trouble] = {}
         self._refused: dict[str, Refused] = {}
         self._looked = -math.inf
@@ -118,6 +121,9 @@ class Playback:
     def take_robot(self, text: str, *, is_semantic: bool = False) -> None:
         """Take a robot's description; raises RuntimeError for none."""
         (self._robot.take_semantics if is_semantic else self._robot.take)(text)
+        with self.live.editing() as scene:
+            named = [*files_of(scene.scene_graph, ())]
+        self.robot_files |= {p: digest(p) for p in named if p not in self.robot_files}
 
     def take(self, recorded: Recorded, role: str) -> bool:
         """Take a message; return whether it posed anything."""

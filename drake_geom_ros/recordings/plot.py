@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from typing import Any
 
@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.highlights import closest
-from drake_geom_ros.recordings.results import Clearances, SetClearance
+from drake_geom_ros.recordings.highlights import Highlights
+from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 
 MOMENTS = 5  # that are marked in each set of pairs
-_BINS = 3000  # of time: of those with several states the nearest one is drawn
 _COLOURED = 8  # pairs with a colour of their own
 _DOTS = 110  # an inch
 _GREY, _OTHERS, _KNOWN = '0.85', '0.35', '0.55'
@@ -23,7 +23,9 @@ _LABEL = 40  # points from the label of one threshold to that of the next
 _ROOM = 0.05  # above and below what is drawn, of its height
 
 
-def draw(found: Clearances, thresholds: Sequence[float], title: str) -> bytes:
+def draw(
+    found: Told, told: Mapping[str, Highlights], thresholds: Sequence[float], title: str
+) -> bytes:
     """Return a PNG with an axis for each set of pairs; raises RecordingError: no matplotlib."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -32,12 +34,12 @@ def draw(found: Clearances, thresholds: Sequence[float], title: str) -> bytes:
         raise RecordingError(
             f"the plot takes matplotlib: pip install matplotlib, or the extra 'pictures' ({error})"
         ) from None
-    rows = len(found.sets)
+    rows = len(told)
     figure = Figure(figsize=(12.0, 1.0 + 3.4 * rows), dpi=_DOTS, layout='constrained')
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
-    for place, pairs in zip(axes, found.sets.values(), strict=True):
-        _draw_set(place, found, pairs, thresholds)
+    for place, each in zip(axes, told.values(), strict=True):
+        _draw_set(place, found, each, thresholds)
     axes[-1].set_xlabel('time since the recording began [s]')
     axes[-1].set_xlim(0.0, max(found.duration, found.stale_after / 2))
     figure.suptitle(plain(title))
@@ -52,14 +54,11 @@ def plain(name: str) -> str:
     return f' {escaped}' if escaped.startswith('_') else escaped
 
 
-def _draw_set(
-    axes: Any, found: Clearances, pairs: SetClearance, thresholds: Sequence[float]
-) -> None:
-    shown = _shown(pairs, found.duration)
+def _draw_set(axes: Any, found: Told, told: Highlights, thresholds: Sequence[float]) -> None:
+    pairs = told.shown
     _shade_thresholds(axes, thresholds)
-    _shade_what_is_not_known(axes, found, pairs)
-    whole = pairs.is_whole[shown]
-    times, distances = pairs.times[shown], pairs.known_distance[shown]
+    _shade_what_is_not_known(axes, [*found.gaps, *told.lost])
+    whole, times, distances = pairs.is_whole, pairs.times, pairs.known_distance
     far = np.isinf(distances)
     top = _limits(axes, distances, thresholds, found.max_distance)
     line = np.where(whole & ~far, distances, np.nan)
@@ -88,26 +87,14 @@ def _draw_set(
         alpha=0.7,
         label='what is known, where not all is' if some.any() else None,
     )
-    _colour_pairs(axes, pairs, shown[whole & ~far])
-    for number, state in enumerate(closest(found, pairs, MOMENTS)):
-        at = float(pairs.times[state]), float(pairs.known_distance[state])
+    _colour_pairs(axes, pairs, np.flatnonzero(whole & ~far))
+    for number, close in enumerate(found.moments[pairs.name][:MOMENTS]):
+        at = close.moment.time, close.moment.distance
         axes.plot(*at, 'v', color='black', ms=7, zorder=5)
         axes.annotate(f'{number + 1}', at, (0, 9), textcoords='offset points', ha='center')
     axes.set_ylabel('least distance [m]')
     axes.set_title(plain(pairs.name), loc='left', fontsize='medium')
     axes.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0), frameon=False)
-
-
-def _shown(pairs: SetClearance, duration: float) -> NDArray[np.int64]:
-    """Return the states that are drawn, in their order: of each bin the nearest one."""
-    count = len(pairs.times)
-    if count <= _BINS:
-        return np.arange(count)
-    bins = np.minimum((pairs.times / duration * _BINS).astype(np.int64), _BINS - 1)
-    lower = pairs.known_distance - pairs.known_error_bound
-    order = np.lexsort((np.where(np.isnan(lower), np.inf, lower), bins))
-    firsts = np.flatnonzero(np.diff(bins[order], prepend=-1))
-    return np.sort(order[firsts])
 
 
 def _limits(
@@ -141,16 +128,8 @@ def _shade_thresholds(axes: Any, thresholds: Sequence[float]) -> None:
         )
 
 
-def _shade_what_is_not_known(axes: Any, found: Clearances, pairs: SetClearance) -> None:
+def _shade_what_is_not_known(axes: Any, spans: Sequence[Span]) -> None:
     """Grey the gaps, and the times whose states do not tell of all pairs."""
-    spans = [(gap.begin, gap.end) for gap in found.gaps]
-    lost = np.concatenate(([False], ~pairs.is_whole, [False]))
-    begins, ends = (np.flatnonzero(np.diff(lost.astype(np.int8)) == sign) for sign in (1, -1))
-    until = np.append(pairs.times[1:], found.duration)
-    spans += [
-        (float(pairs.times[begin]), float(until[end - 1]))
-        for begin, end in zip(begins, ends, strict=True)
-    ]
     for k, (begin, end) in enumerate(spans):
         label = None if k else 'not, or not all, known'
         axes.axvspan(begin, max(end, begin), color=_GREY, lw=0.5, zorder=0.5, label=label)

@@ -9,10 +9,11 @@ from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.recordings import comparison_report
 from drake_geom_ros.recordings.audit import Audit
 from drake_geom_ros.recordings.comparing import SetComparison
+from drake_geom_ros.recordings.highlights import highlights
 from drake_geom_ros.recordings.page import Pictures, page
 from drake_geom_ros.recordings.plot import draw
 from drake_geom_ros.recordings.report_record import RECORD
-from drake_geom_ros.recordings.results import Clearances
+from drake_geom_ros.recordings.results import Told
 from drake_geom_ros.recordings.tables import write_audit, write_csv, write_npz
 
 CSV, NPZ, PLOT, PAGE = 'clearance.csv', 'clearance.npz', 'clearance.png', 'report.html'
@@ -36,7 +37,7 @@ def leave_only(folder: Path, written: Iterable[Path]) -> None:
 
 
 def write_report(
-    found: Clearances,
+    found: Told,
     folder: Path,
     title: str,
     files: Sequence[str],
@@ -48,11 +49,12 @@ def write_report(
     """Write the files of a report about recorded ``files``; return them."""
     write_csv(found, folder / CSV)
     write_npz(found, folder / NPZ)
-    plot = draw(found, thresholds, title)
+    told = highlights(found, thresholds)
+    plot = draw(found, told, thresholds, title)
     with whole_file(folder / PLOT, 'wb') as picture:
         picture.write(plot)
     with whole_file(folder / PAGE) as text:
-        text.write(page(found, thresholds, title, files, plot, audited, pictures, compared))
+        text.write(page(found, told, title, files, plot, audited, pictures, compared))
     names = [CSV, NPZ, PLOT, PAGE]
     if audited is not None:
         write_audit(audited, folder / AUDIT)

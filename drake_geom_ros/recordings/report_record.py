@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,16 @@ _EVERYWHERE = ('.',)  # the sources of all rooms decide what stands in a report
 _BYTES = 1 << 20  # that are read at once
 
 
-def made_of(inputs: Iterable[Path], options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a report is made of: the version, digests of files, and the options."""
-    digests = {str(path): _digest(path) for path in inputs}
-    asked = {'version': version(_EVERYWHERE), 'inputs': digests, 'options': dict(options)}
+def made_of(
+    inputs: Iterable[Path], options: Mapping[str, Any], scenes: Sequence[str]
+) -> dict[str, Any]:
+    """Return what a report is made of: the version, digests of files and scenes, and options."""
+    asked = {
+        'version': version(_EVERYWHERE),
+        'inputs': {str(path): digest(path) for path in inputs},
+        'scenes': list(scenes),
+        'options': dict(options),
+    }
     found: dict[str, Any] = json.loads(json.dumps(asked))  # as it is read again
     return found
 
@@ -29,6 +35,9 @@ def code_of(folder: Path, asked: Mapping[str, Any]) -> int | None:
     try:
         record = json.loads((folder / RECORD).read_text(encoding='utf-8'))
         if {name: record[name] for name in asked} != asked:
+            return None
+        later = record['named_later']
+        if later is None or any(digest(Path(path)) != told for path, told in later.items()):
             return None
         is_there = all((folder / name).is_file() for name in record['files'])
         return int(record['exit_code']) if is_there else None
@@ -42,17 +51,27 @@ def forget(folder: Path) -> None:
 
 
 def write_record(
-    folder: Path, asked: Mapping[str, Any], exit_code: int, written: Iterable[Path]
+    folder: Path,
+    asked: Mapping[str, Any],
+    exit_code: int,
+    written: Iterable[Path],
+    later: Mapping[str, str] | None,
 ) -> Path:
-    """Write what the report in a folder was made of, and its files; return the record."""
+    """Write what the report in a folder was made of, and its files; return the record.
+
+    ``later`` are digests of files that the recording named; None: it named some in vain, so that
+    another time there may be more to tell.
+    """
     files = sorted(path.name for path in written)
-    record = {**asked, 'exit_code': exit_code, 'files': files}
+    named = None if later is None else dict(later)
+    record = {**asked, 'named_later': named, 'exit_code': exit_code, 'files': files}
     with whole_file(folder / RECORD) as file:
         json.dump(record, file, indent=1)
     return folder / RECORD
 
 
-def _digest(path: Path) -> str:
+def digest(path: Path) -> str:
+    """Return the digest of a file."""
     found = sha256()
     with path.open('rb') as file:
         while part := file.read(_BYTES):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from hashlib import sha256
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,21 @@ class Block:
     def context_query(self) -> QueryObject:
         """Return a query object of the still scene."""
         return QueryObject(self.context)
+
+    def alone(self, state: int) -> Block:
+        """Return one of the states, by itself."""
+        one = slice(state, state + 1)
+        own = {name: getattr(self, name)[one].copy() for name in ('times', 'poses', 'ages')}
+        return replace(self, **own)
+
+    def digest(self) -> str:
+        """Return what tells the states from others of a scene, in other processes, too."""
+        inspector = self.context_query().inspector()
+        names = [inspector.full_name(FrameId(value)) for value in self.frames.tolist()]
+        found = sha256('\n'.join(names).encode())
+        for values in (self.times, self.poses, self.ages, *(a.considered for a in self.asked)):
+            found.update(str(values.shape).encode() + values.tobytes())
+        return found.hexdigest()
 
     def narrowed(self, pairs: AskedPairs) -> SceneGraphContext:
         """Return the still scene with some pairs alone."""
@@ -94,12 +110,11 @@ class Travelled:
     """How far the frames of a recording went, state by state."""
 
     def __init__(self) -> None:
-        self._parts: list[Floats] = []
-        self._sum = 0.0
+        self.in_all = 0.0  # until the last state that was taken
         self._before: Block | None = None
 
-    def take(self, block: Block) -> None:
-        """Go on by the states of a block; other frames begin where they are."""
+    def take(self, block: Block) -> Floats:
+        """Return it of the states of a block (N,); other frames begin where they are."""
         poses, before, self._before = block.poses, self._before, block
         is_same = before is not None and np.array_equal(before.frames, block.frames)
         first = before.poses[-1:] if before is not None and is_same else poses[:1]
@@ -112,13 +127,10 @@ class Travelled:
         )
         half = np.arcsin(np.minimum(np.minimum(same, turned) / 2.0, 1.0))
         # One running sum of all states: that of each block by itself would round elsewhere.
-        steps = np.concatenate(([self._sum], (way + 4.0 * half).sum(axis=1)))
-        self._parts.append(np.cumsum(steps)[1:])
-        self._sum = float(self._parts[-1][-1])
-
-    def all(self) -> Floats:
-        """Return it of all states (N,)."""
-        return np.concatenate(self._parts)
+        steps = np.concatenate(([self.in_all], (way + 4.0 * half).sum(axis=1)))
+        found = np.cumsum(steps)[1:]
+        self.in_all = float(found[-1])
+        return found
 
 
 class RunStates(NamedTuple):

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from io import StringIO
 from itertools import repeat
 from pathlib import Path
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.recordings.audit import Audit
-from drake_geom_ros.recordings.results import Clearances, SetClearance
+from drake_geom_ros.recordings.results import States, Told
+from drake_geom_ros.recordings.set_clearance import COLUMNS as SET_COLUMNS
+from drake_geom_ros.recordings.set_clearance import MOTION_COLUMNS, SetClearance
 
 COLUMNS = (
     *('time_s', 'stamp_ns', 'set', 'state', 'distance_m', 'error_bound_m', 'known_distance_m'),
@@ -22,47 +25,48 @@ COLUMNS = (
     *('oldest_pose_s', 'pairs_left_out'),
 )
 CERTIFIED_COLUMNS = 'motion_before', 'certified_bound_m'
+_COMPUTED = 'distance', 'error_bound'  # of what is held
 _MOTIONS = 'unknown', 'clear', 'contact'
 _ROWS = 10_000  # that are written at once: memory stays flat
 
 
-def write_csv(found: Clearances, path: Path) -> None:
+def write_csv(found: Told, path: Path) -> None:
     """Write a row for each state and set of pairs; ``distance_m`` is nan where not all is known.
 
     ``state`` is ``whole``, ``stale``, ``waiting`` or ``waiting, stale``.
     """
     with whole_file(path, newline='') as file:
-        certified = any(pairs.motion is not None for pairs in found.sets.values())
-        heads = (*COLUMNS, *(CERTIFIED_COLUMNS if certified else ()))
+        heads = (*COLUMNS, *(CERTIFIED_COLUMNS if found.is_certified else ()))
         csv.writer(file, lineterminator='\n').writerow(heads)
-        for pairs in found.sets.values():
-            for first in range(0, len(found.times), _ROWS):
-                part = slice(first, first + _ROWS)
-                rows = zip(*_columns(found, pairs, part), strict=True)
-                file.writelines(','.join(row) + '\n' for row in rows)
+        for name in found.moments:
+            for part in found.parts():
+                for first in range(0, len(part.times), _ROWS):
+                    rows = _columns(part, name, slice(first, first + _ROWS))
+                    file.writelines(','.join(row) + '\n' for row in zip(*rows, strict=True))
 
 
-def _columns(found: Clearances, pairs: SetClearance, part: slice) -> Iterator[Iterable[str]]:
+def _columns(states: States, name: str, part: slice) -> Iterator[Iterable[str]]:
     """Yield the columns of some rows as texts."""
-    words = [_cell(text) for text in states_in_words(pairs)[part]]
+    pairs = states.sets[name].some(part)
+    words = [_cell(text) for text in states_in_words(pairs)]
     names = [*(_cell(name) for name in pairs.names), '']  # -1, the last one, for none
-    yield _numbers(found.times[part])
-    yield _numbers(found.stamps[part])
-    yield repeat(_cell(pairs.name), len(words))
+    yield _numbers(pairs.times)
+    yield _numbers(states.stamps[part])
+    yield repeat(_cell(name), len(words))
     yield words
-    yield _numbers(pairs.distance[part])
-    yield _numbers(pairs.error_bound[part])
-    yield _numbers(pairs.known_distance[part])
+    yield _numbers(pairs.distance)
+    yield _numbers(pairs.error_bound)
+    yield _numbers(pairs.known_distance)
     for places in (pairs.geometry_A, pairs.geometry_B):
-        yield [names[place] for place in places[part].tolist()]
+        yield [names[place] for place in places.tolist()]
     for points in (pairs.p_WCa, pairs.p_WCb):
         for axis in range(3):
-            yield _numbers(points[part, axis])
-    yield _numbers(pairs.age[part].astype(np.float64))
-    yield _numbers(pairs.left_out[part])
+            yield _numbers(points[:, axis])
+    yield _numbers(pairs.age.astype(np.float64))
+    yield _numbers(pairs.left_out)
     if pairs.motion is not None and pairs.motion_bound is not None:
-        yield [_MOTIONS[code] for code in pairs.motion[part].tolist()]
-        yield _numbers(pairs.motion_bound[part])
+        yield [_MOTIONS[code] for code in pairs.motion.tolist()]
+        yield _numbers(pairs.motion_bound)
 
 
 def _numbers(values: NDArray[Any]) -> Iterator[str]:
@@ -97,25 +101,51 @@ def write_audit(audited: Audit, path: Path) -> None:
             rows.writerow((repr(entry.time), *entry[1:3], entry.outcome.value, entry.because))
 
 
-def write_npz(found: Clearances, path: Path) -> None:
+def write_npz(found: Told, path: Path) -> None:
     """Write ``times`` (N,), ``stamps`` (N,) [ns], ``sets`` (k,), ``gaps`` (g, 2) [s].
 
-    And of set k ``distance_k``, ``error_bound_k`` and the other fields of ``SetClearance``.
+    And of set k ``distance_k``, ``error_bound_k`` and the other fields of ``SetClearance``. Arrays
+    are written part by part.
     """
-    arrays: dict[str, Any] = {
-        'times': found.times,
-        'stamps': found.stamps,
-        'sets': np.array(list(found.sets)),
-        'gaps': np.array(found.gaps, dtype=np.float64).reshape(-1, 2),
-    }
-    for k, pairs in enumerate(found.sets.values()):
-        for name in (
-            *('distance', 'error_bound', 'known_distance', 'known_error_bound'),
-            *('geometry_A', 'geometry_B', 'p_WCa', 'p_WCb', 'age', 'left_out', 'is_stale'),
-        ):
-            arrays[f'{name}_{k}'] = getattr(pairs, name)
-        if pairs.motion is not None:
-            arrays |= {f'motion_{k}': pairs.motion, f'motion_bound_{k}': pairs.motion_bound}
-        arrays[f'names_{k}'] = np.array(pairs.names, dtype=np.str_)
-    with whole_file(path, 'wb') as file:
-        np.savez_compressed(file, **arrays)
+    with whole_file(path, 'wb') as file, ZipFile(file, 'w', ZIP_DEFLATED) as archive:
+
+        def put(name: str, parts: Iterable[NDArray[Any]], count: int) -> None:
+            _put_array(archive, name, parts, count)
+
+        gaps = np.array(found.gaps, dtype=np.float64).reshape(-1, 2)
+        put('times', (part.times for part in found.parts()), found.count)
+        put('stamps', (part.stamps for part in found.parts()), found.count)
+        put('sets', [np.array(list(found.moments))], len(found.moments))
+        put('gaps', [gaps], len(gaps))
+        columns = (*_COMPUTED, *SET_COLUMNS, *(MOTION_COLUMNS if found.is_certified else ()))
+        for k, name in enumerate(found.moments):
+            names = dict.fromkeys(n for part in found.parts() for n in part.sets[name].names)
+            places = {each: place for place, each in enumerate(names)}
+            for column in columns:
+                put(f'{column}_{k}', _column(found, name, column, places), found.count)
+            put(f'names_{k}', [np.array(list(names), dtype=np.str_)], len(names))
+
+
+def _column(
+    found: Told, name: str, column: str, places: Mapping[str, int]
+) -> Iterator[NDArray[Any]]:
+    """Yield a column of a set part by part, geometries by their places among all names."""
+    for part in found.parts():
+        pairs = part.sets[name]
+        values = getattr(pairs, column)
+        if column.startswith('geometry_'):
+            yield np.array([*(places[each] for each in pairs.names), -1], dtype=np.int32)[values]
+        else:
+            yield values
+
+
+def _put_array(archive: ZipFile, name: str, parts: Iterable[NDArray[Any]], count: int) -> None:
+    """Write an array of ``count`` rows as ``numpy.load`` reads it, its parts one by one."""
+    with archive.open(f'{name}.npy', 'w', force_zip64=True) as file:
+        head: dict[str, Any] = {}
+        for part in parts:
+            if not head:
+                descr = np.lib.format.dtype_to_descr(part.dtype)
+                head = {'descr': descr, 'fortran_order': False, 'shape': (count, *part.shape[1:])}
+                np.lib.format.write_array_header_2_0(file, head)
+            file.write(np.ascontiguousarray(part).tobytes())

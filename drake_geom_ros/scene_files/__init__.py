@@ -41,6 +41,7 @@ from drake_geom_ros.scene_files.description import (
     hulls_in_words,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
+from drake_geom_ros.scene_files.input_files import files_of
 from drake_geom_ros.scene_files.leaving_out import without_source
 from drake_geom_ros.scene_files.registration import (
     LoadedScene,
@@ -76,6 +77,7 @@ __all__ = [
     'to_yaml',
     'scene_schema',
     'robot_name',
+    'files_of',
     'hulls_in_words',
     'WORLD',
     'IMAGES',

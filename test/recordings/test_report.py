@@ -122,18 +122,17 @@ def test_a_gap_is_grey_in_the_plot(tmp_path, run, balls):  # noqa: F811
 
 def test_times_below_thresholds_and_what_is_known_add_up(run, balls):  # noqa: F811
     found = clearance(run, balls, between=['a:b'])
-    pairs = found['a:b']
-    (contact,) = highlights.contacts(pairs)[:1]
+    told = highlights.highlights(found, [0.155])['a:b']
+    contact = told.contacts[0]
     assert (contact.begin, contact.end) == (pytest.approx(2.0), pytest.approx(2.0))
     assert contact.deepest.distance == pytest.approx(-0.05)
-    held = highlights.held(found, pairs)
-    assert sum(held) == pytest.approx(found.duration)
-    assert held.silent == pytest.approx(3.0)  # 4 s, of which the last pose holds 1 s
-    low = highlights.below(found, pairs, 0.155)
+    assert sum(told.held) == pytest.approx(found.duration)
+    assert told.held.silent == pytest.approx(3.0)  # 4 s, of which the last pose holds 1 s
+    (low,) = told.below
     # Gaps below 0.155 m are from 0.2 s before to 0.2 s after the least one, and at the end 0.1 s.
     assert low.seconds == pytest.approx(0.5 + 0.1)
-    first, second, *_ = highlights.closest(found, pairs, 5)
-    assert abs(found.times[first] - found.times[second]) > 0.02 * found.duration
+    first, second, *_ = found.moments['a:b']
+    assert abs(first.moment.time - second.moment.time) > 0.02 * found.duration
 
 
 def test_what_was_asked_wrongly_is_said(tmp_path, run, balls, capsys):  # noqa: F811
@@ -168,8 +167,8 @@ def test_closest_moments_are_those_that_things_come_near_in(tmp_path, balls):  #
     messages = poses(times, 'ab', rows) + poses(times + 0.01, 'a', [HERE] * len(times))
     messages.sort(key=lambda entry: entry[0])  # which say the same twice
     found = clearance(recorder.record(tmp_path / 'run', messages), balls, between=['a:b'])
-    states = highlights.closest(found, found['a:b'], 5)
-    assert sorted(found.times[states].tolist()) == pytest.approx([2.5, 7.5])
+    near = sorted(close.moment.time for close in found.moments['a:b'])
+    assert near == pytest.approx([2.5, 7.5])
 
 
 def test_what_a_truncated_file_does_not_tell_is_said_in_the_report(tmp_path, balls, capsys):  # noqa: F811

@@ -87,7 +87,7 @@ def test_nothing_of_an_earlier_report_lies_beside_a_new_one(asked, runs, tmp_pat
 )
 def test_the_gravest_run_is_the_exit_code(asked, monkeypatch, codes, worst):
     left = list(codes)
-    monkeypatch.setattr(report, '_report', lambda *_: left.pop(0))
+    monkeypatch.setattr(report, 'make_report', lambda *_: left.pop(0))
     assert asked() == (worst, [])
 
 
@@ -107,3 +107,51 @@ def test_a_report_beside_a_compressed_recording_is_made_again(tmp_path, balls): 
     assert main(list(map(str, asked))) == 0
     assert main([*map(str, asked), '--resume']) == 0
     assert main(list(map(str, asked))) == 0
+
+
+CUBE = """v 0 0 0
+v {0} 0 0
+v 0 {0} 0
+v 0 0 {0}
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 1 4 3
+"""
+URDF = """<robot name="thing"><link name="body"><collision><geometry>
+<mesh filename="package://shapes/{}.obj"/></geometry></collision></link>
+<link name="world"/><joint name="hold" type="floating"><parent link="world"/>
+<child link="body"/></joint><link name="stone"><collision><geometry><sphere radius="0.1"/>
+</geometry></collision></link><joint name="lie" type="floating"><parent link="world"/>
+<child link="stone"/></joint></robot>"""
+
+
+def test_files_that_a_later_description_names_count(tmp_path, capsys):
+    shapes = tmp_path / 'packages' / 'shapes'
+    shapes.mkdir(parents=True)
+    for name in 'ab':
+        (shapes / f'{name}.obj').write_text(CUBE.format(1.0))
+    messages = [
+        *(
+            (t, '/robot_description', recorder.text(URDF.format(n)))
+            for t, n in ((0, 'a'), (1, 'b'))
+        ),
+        *poses(0.1 + 0.2 * np.arange(10), ['thing::body', 'thing::stone'], [[HERE, HERE]] * 10),
+    ]
+    messages.sort(key=lambda entry: entry[0])
+    run = recorder.record(tmp_path / 'run', messages)
+    asked = ['report', run, '--package-root', tmp_path / 'packages', '--out', tmp_path / 'out']
+    asked += ['--pictures', 0, '--resume']
+
+    def is_left_out():
+        code = main(list(map(str, asked)))
+        assert code in (0, 1)
+        return 'there is a report of the same' in capsys.readouterr().out
+
+    assert [is_left_out(), is_left_out()] == [False, True]
+    (shapes / 'b.obj').write_text(CUBE.format(2.0))
+    assert [is_left_out(), is_left_out()] == [False, True]
+    (shapes / 'b.obj').unlink()  # the second description is refused, which may be mended
+    assert [is_left_out(), is_left_out()] == [False, False]
+    (shapes / 'b.obj').write_text(CUBE.format(1.0))
+    assert [is_left_out(), is_left_out()] == [False, True]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from drake_geom_ros.geometry import Convex, Mesh, Role, SceneGraph
-from drake_geom_ros.scene_files import RobotDescription
+from drake_geom_ros.scene_files.description import RobotDescription
 
 _TEXTURE = ('phong', 'diffuse_map')
 

@@ -1,0 +1,191 @@
+"""States in a file while a recording is played: memory stays flat, and what was found is not lost.
+
+Rows stand in one file, and a line of another one tells of each block: the digest of what was asked
+about it, that of its rows, and names. A block counts if both digests are right; so half a block,
+or a disk that lost what it was told, is computed again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.recordings.results import Facts, States, Told
+from drake_geom_ros.recordings.set_clearance import COLUMNS, MOTION_COLUMNS, SetClearance
+
+_ROWS, _BLOCKS, _ASKED = 'states', 'blocks.jsonl', 'asked.json'
+_TIMES = 'times', 'stamps', 'travelled'
+_WIDE = 'p_WCa', 'p_WCb'  # of three numbers a state
+_TYPES = {'stamps': '<i8', 'left_out': '<i8', 'geometry_A': '<i4', 'geometry_B': '<i4'}
+_TYPES |= {'is_stale': '?', 'motion': 'i1'}  # others are '<f8'
+
+
+class _Line(NamedTuple):
+    """What is told of a block."""
+
+    question: str
+    states: int
+    rows: str  # their digest
+    names: list[list[str]]  # of geometries, by set
+    waiting: list[list[str]]  # frames, by set
+
+
+class KeptStates:
+    """A folder with the states of a recording that were found so far."""
+
+    def __init__(
+        self, folder: Path, sets: Sequence[str], asked: Mapping[str, Any], *, certified: bool
+    ) -> None:
+        """Look what is there of the same ``asked``, which is as JSON is, and sets of pairs."""
+        self._folder, self._sets, self._asked = folder, list(sets), dict(asked)
+        columns = (*COLUMNS, *(MOTION_COLUMNS if certified else ()))
+        self._columns = columns
+        self._dtype = np.dtype(
+            [(name, _TYPES.get(name, '<f8')) for name in _TIMES]
+            + [
+                (f'{name}_{k}', _TYPES.get(name, '<f8'), (3,) if name in _WIDE else ())
+                for k in range(len(sets))
+                for name in columns
+            ]
+        )
+        self._rows = self._bytes = 0  # how long what counts is, in both files
+        self._left = self._lines()
+        if not self._is_of_the_same():
+            self.remove()
+
+    def find(self, question: str) -> States | None:
+        """Return the states of the next block if they are kept; None: ``add`` them."""
+        line = next(self._left, None)
+        if line is not None and line.question == question:
+            rows = self._read(self._rows, line.states)
+            if _digest(rows) == line.rows:
+                self._go_on(line)
+                return self._states(rows, line)
+        self._left.close()  # what stands behind is not what comes next
+        return None
+
+    def add(self, question: str, states: States) -> None:
+        """Keep the states of the next block."""
+        if not self._folder.exists():
+            self._folder.mkdir(parents=True)
+            (self._folder / _ASKED).write_text(json.dumps(self._asked), encoding='utf-8')
+        rows = np.zeros(len(states.times), dtype=self._dtype)
+        for name in _TIMES:
+            rows[name] = getattr(states, name)
+        for k, name in enumerate(self._sets):
+            for column, values in states.sets[name].columns().items():
+                rows[f'{column}_{k}'] = values
+        pairs = [states.sets[name] for name in self._sets]
+        line = _Line(
+            question=question,
+            states=len(rows),
+            rows=_digest(rows),
+            names=[list(each.names) for each in pairs],
+            waiting=[list(each.waiting_frames) for each in pairs],
+        )
+        _put(self._folder / _ROWS, self._rows * self._dtype.itemsize, rows.tobytes())
+        _put(self._folder / _BLOCKS, self._bytes, _text(line))
+        self._go_on(line)
+
+    def parts(self) -> Iterator[States]:
+        """Yield the states of the blocks that were found or added."""
+        first = 0
+        for line in self._lines():
+            if first >= self._rows:
+                return
+            yield self._states(self._read(first, line.states), line)
+            first += line.states
+
+    def remove(self) -> None:
+        """Forget all."""
+        self._left.close()
+        self.remove_from(self._folder)
+
+    @staticmethod
+    def remove_from(folder: Path) -> None:
+        """Remove the files of a folder that is one of kept states, and the folder."""
+        for name in (_ROWS, _BLOCKS, _ASKED):
+            (folder / name).unlink(missing_ok=True)
+        if folder.is_dir():
+            folder.rmdir()
+
+    def _go_on(self, line: _Line) -> None:
+        self._rows += line.states
+        self._bytes += len(_text(line))
+
+    def _is_of_the_same(self) -> bool:
+        try:
+            text = (self._folder / _ASKED).read_text(encoding='utf-8')
+            return bool(json.loads(text) == self._asked)
+        except (OSError, ValueError):
+            return False
+
+    def _lines(self) -> Generator[_Line]:
+        try:
+            with (self._folder / _BLOCKS).open('rb') as file:
+                for text in file:
+                    yield _Line(**json.loads(text))
+        except (OSError, ValueError, TypeError):
+            return  # the last one is cut
+
+    def _read(self, first: int, count: int) -> NDArray[Any]:
+        try:
+            return np.fromfile(
+                self._folder / _ROWS, self._dtype, count, offset=first * self._dtype.itemsize
+            )
+        except OSError:
+            return np.zeros(0, dtype=self._dtype)
+
+    def _states(self, rows: NDArray[Any], line: _Line) -> States:
+        times = {name: np.ascontiguousarray(rows[name]) for name in _TIMES}
+        sets = {
+            name: SetClearance(
+                name=name,
+                times=times['times'],
+                names=tuple(line.names[k]),
+                waiting_frames=tuple(line.waiting[k]),
+                **{n: np.ascontiguousarray(rows[f'{n}_{k}']) for n in self._columns},
+            )
+            for k, name in enumerate(self._sets)
+        }
+        return States(**times, sets=sets)
+
+
+@dataclass(frozen=True, eq=False)
+class KeptClearances(Told):
+    """What ``Clearances`` tells, its states in a folder."""
+
+    kept: KeptStates
+
+    @classmethod
+    def of(cls, facts: Facts, kept: KeptStates) -> KeptClearances:
+        """Put what is known of the recording to its states."""
+        return cls(
+            **{field.name: getattr(facts, field.name) for field in fields(Facts)}, kept=kept
+        )
+
+    def parts(self) -> Iterator[States]:
+        """Yield all states, a block at a time."""
+        return self.kept.parts()
+
+
+def _digest(rows: NDArray[Any]) -> str:
+    return sha256(rows.tobytes()).hexdigest()
+
+
+def _text(line: _Line) -> bytes:
+    return json.dumps(line._asdict()).encode() + b'\n'
+
+
+def _put(path: Path, length: int, data: bytes) -> None:
+    """Let a file end with some bytes behind its first ones."""
+    with path.open('ab') as file:
+        file.truncate(length)
+        file.write(data)
