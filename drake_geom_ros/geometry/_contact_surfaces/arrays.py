@@ -76,9 +76,11 @@ class Asked(NamedTuple):
 # What there is of each pair that was asked about.
 NOTHING, PRESSES = 0, 1
 UNABLE = 2  # to have a surface: one has no body, both are rigid, or both are half spaces
-SWALLOWED = 3  # without polygons, though they overlap: one is deep within the other
+# Without polygons, though they overlap:
+SWALLOWED = 3  # one is deep within the other
+TURNED = 4  # all faces are left out for their normals
 # Places in ``Surfaces.counts``.
-POLYGONS, CORNERS, FOUND, LEFT = range(4)  # LEFT: pairs that are UNABLE or SWALLOWED
+POLYGONS, CORNERS, FOUND, LEFT = range(4)  # LEFT: pairs that are UNABLE or more
 COUNTS = 4
 # Columns of ``Surfaces.found``.
 ID_M, ID_N, COMPLIANT_M, COMPLIANT_N = range(4)
@@ -120,3 +122,4 @@ class Between(NamedTuple):
     p_W: Vector
     rounding: float  # [m]: what is nearer than this to a plane is on it
     flip: bool  # whether the first is N
+    anyway: bool  # whether faces count whatever their normals are

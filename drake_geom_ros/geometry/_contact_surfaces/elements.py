@@ -119,9 +119,8 @@ def _meet_tetrahedron(
     if on_plane < 0:
         return
     nhat = scale(1.0 / length, n)
-    if not agrees(nhat, g, bodies.fields[e, 4]):
-        return
-    if not agrees(scale(-1.0, nhat), h, other[LENGTH, 0]):
+    agree = agrees(nhat, g, bodies.fields[e, 4]) and agrees(scale(-1.0, nhat), h, other[LENGTH, 0])
+    if not (agree or between.anyway):
         return
     count = cut(work, nhat)
     if count == 0:
@@ -137,7 +136,9 @@ def _meet_tetrahedron(
             # Four tetrahedra have this face: the two above it answer for all.
             if not dot(n, own[face]) + constant > near:
                 return
-        elif twin < e and _both_agree(its, bodies.fields[twin, 4], h, other[LENGTH, 0]):
+        elif twin < e and (
+            between.anyway or _both_agree(its, bodies.fields[twin, 4], h, other[LENGTH, 0])
+        ):
             return
         at, count, face = clipped(work, at, count, 4, face)
     if count:
@@ -235,7 +236,7 @@ def _meet_triangle(
     """Put out which part of the rigid triangle is in a tetrahedron."""
     work, other = scratch.work, scratch.other
     nhat, g = vector_in(other, PLANE), vector_in(bodies.fields, e)
-    if not agrees(nhat, g, bodies.fields[e, 4]):
+    if not (agrees(nhat, g, bodies.fields[e, 4]) or between.anyway):
         return
     corners = corner_of(other, 0), corner_of(other, 1), corner_of(other, 2), corner_of(other, 2)
     if _are_beyond_a_face(bodies, e, corners, between.rounding):
@@ -254,7 +255,7 @@ def _meet_triangle(
         if twin < 0:
             return
         its = vector_in(bodies.fields, twin)
-        if twin < e and agrees(nhat, its, bodies.fields[twin, 4]):
+        if twin < e and (between.anyway or agrees(nhat, its, bodies.fields[twin, 4])):
             return
         at, count, face = clipped(work, at, count, 4, face)
     if count:

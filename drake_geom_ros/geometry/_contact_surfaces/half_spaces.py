@@ -41,7 +41,7 @@ def meet_half_space(
     if bodies.table[between.a, KIND] == SURFACE:
         nhat = vector_at_plane(bodies, e, 0)
         # The rigid surface is N and the half space M, the reverse of tetrahedra on a rigid one.
-        if not agrees(nhat, h, slope):
+        if not (agrees(nhat, h, slope) or between.anyway):
             return
         first = bodies.table[between.a, FIRST_POINT]
         for i in range(3):
@@ -62,7 +62,7 @@ def meet_half_space(
             return
         nhat = scale(1.0 / length, n)
         agree = agrees(nhat, g, bodies.fields[e, 4]) and agrees(scale(-1.0, nhat), h, slope)
-        if slope > 0.0 and not agree:
+        if slope > 0.0 and not (agree or between.anyway):
             return
         count, field, other = cut(work, nhat), (g, bodies.fields[e, 3]), h
     at = 0

@@ -25,6 +25,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     RECORD,
     SUMS,
     SWALLOWED,
+    TURNED,
     UNABLE,
     VOLUME,
     Asked,
@@ -47,11 +48,17 @@ FIRST_POLYGONS = 4096  # there is room for, and for CORNERS_EACH corners of each
 CORNERS_EACH = 5
 
 
+# To compute in, for whoever asks next: to make it anew takes as long as a small surface.
+_ROOM: list[Scratch] = []
+
+
 def surfaces_of(bodies: Bodies, asked: Asked) -> Surfaces:
     """Return the surfaces of pairs; the geometry of lower id is M."""
     faces, corners, count = FIRST_POLYGONS, CORNERS_EACH * FIRST_POLYGONS, len(asked.pairs)
-    stack = np.empty((DEEPEST, 2), dtype=np.int64)
-    room = np.empty((ROWS, COLUMNS)), stack, np.empty((3, 3)), np.empty((OTHER, 4))
+    try:
+        scratch = _ROOM.pop()  # each thread takes another one
+    except IndexError:
+        scratch = _scratch()
     out = Surfaces(
         np.empty((corners, 3)),
         np.empty(corners),
@@ -63,26 +70,47 @@ def surfaces_of(bodies: Bodies, asked: Asked) -> Surfaces:
         np.zeros(COUNTS, dtype=np.int64),
     )
     done = 0
-    while (done := _next_pairs(bodies, asked, Scratch(*room), out, done)) < count:
-        out = _resized(out, 2 * len(out.ends), 2 * len(out.points))
+    while (done := _next_pairs(bodies, asked, scratch, out, done)) < count:
+        faces, corners = 2 * len(out.ends), 2 * len(out.points)
+        out = Surfaces(
+            _more(out.points, corners),
+            _more(out.pressures, corners),
+            _more(out.ends, faces),
+            _more(out.faces, faces),
+            out.sums,
+            out.found,
+            out.states,
+            out.counts,
+        )
+    _ROOM.append(scratch)
     faces, corners, found, _left = out.counts.tolist()
-    return _resized(out, faces, corners)._replace(sums=out.sums[:found], found=out.found[:found])
-
-
-def _resized(out: Surfaces, faces: int, corners: int) -> Surfaces:
-    """Return surfaces with room for so many polygons and corners; what is there stays."""
-    return out._replace(
-        points=_rows(out.points, corners),
-        pressures=_rows(out.pressures, corners),
-        ends=_rows(out.ends, faces),
-        faces=_rows(out.faces, faces),
+    return Surfaces(
+        out.points[:corners],
+        out.pressures[:corners],
+        out.ends[:faces],
+        out.faces[:faces],
+        out.sums[:found],
+        out.found[:found],
+        out.states,
+        out.counts,
     )
 
 
-def _rows(array: Any, count: int) -> Any:
-    """Return the first rows of an array, and room where it has fewer."""
-    more = np.empty((max(0, count - len(array)), *array.shape[1:]), array.dtype)
-    return np.concatenate((array, more)) if len(more) else array[:count]
+def _scratch() -> Scratch:
+    """Return room to compute in."""
+    return Scratch(
+        np.empty((ROWS, COLUMNS)),
+        np.empty((DEEPEST, 2), dtype=np.int64),
+        np.empty((3, 3)),
+        np.empty((OTHER, 4)),
+    )
+
+
+def _more(array: Any, count: int) -> Any:
+    """Return the rows of an array, and room for so many in all."""
+    more = np.empty((count, *array.shape[1:]), array.dtype)
+    more[: len(array)] = array
+    return more
 
 
 @compiled
@@ -103,10 +131,7 @@ def _next_pairs(bodies: Bodies, asked: Asked, scratch: Scratch, out: Surfaces, d
         for column in range(SUMS):
             out.sums[row, column] = 0.0
         between = _between(bodies, asked, (m, n), row, scratch.R)
-        if bodies.table[between.b, KIND] == HALF_SPACE:
-            meet_plane(bodies, bodies.numbers[between.b, 1], between, scratch, out)
-        else:
-            meet_bodies(bodies, between, scratch, out)
+        _meet(bodies, between, scratch, out)
         if out.counts[POLYGONS] > len(out.ends) or out.counts[CORNERS] > len(out.points):
             out.counts[POLYGONS], out.counts[CORNERS] = faces, corners
             return pair
@@ -118,12 +143,41 @@ def _next_pairs(bodies: Bodies, asked: Asked, scratch: Scratch, out: Surfaces, d
             out.found[row, COMPLIANT_M] = 1 if _is_compliant(bodies, M) else 0
             out.found[row, COMPLIANT_N] = 1 if _is_compliant(bodies, N) else 0
             out.found[row, LAST] = out.counts[POLYGONS]
-        elif one_is_swallowed(bodies, between, scratch):
-            out.states[pair] = SWALLOWED
+            continue
+        out.states[pair] = _without_surface(bodies, between, scratch, out)
+        if out.states[pair] != NOTHING:
             out.counts[LEFT] += 1
-        else:
-            out.states[pair] = NOTHING
     return len(asked.pairs)
+
+
+@compiled
+def _meet(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> None:
+    """Put out the polygons of two bodies."""
+    if bodies.table[between.b, KIND] == HALF_SPACE:
+        meet_plane(bodies, bodies.numbers[between.b, 1], between, scratch, out)
+    else:
+        meet_bodies(bodies, between, scratch, out)
+
+
+@compiled
+def _without_surface(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> int:
+    """Return whether two bodies without polygons overlap all the same, and how.
+
+    Say there is no face where both pressures are equal, or where a rigid surface is in the other
+    body, whatever its normal. Of two compliant bodies that overlap, the difference of pressures
+    has then the same sign in all that is in both. On the surface of each, inside the other, its
+    own pressure is the lower one: so one of them has no surface inside the other, and is within
+    it, with its innermost point. A rigid surface that does not enter the other body has all of it
+    inside or outside. So the innermost points tell.
+    """
+    if one_is_swallowed(bodies, between, scratch):
+        return SWALLOWED
+    faces, corners, b = out.counts[POLYGONS], out.counts[CORNERS], between
+    again = Between(b.row, b.a, b.b, b.R, b.p, b.R_W, b.p_W, b.rounding, b.flip, True)
+    _meet(bodies, again, scratch, out)
+    turned = out.counts[POLYGONS] > faces
+    out.counts[POLYGONS], out.counts[CORNERS] = faces, corners
+    return TURNED if turned else NOTHING
 
 
 @inlined
@@ -166,4 +220,4 @@ def _between(bodies: Bodies, asked: Asked, pair: tuple[int, int], row: int, R: F
         size = bodies.numbers[first, 0] + abs(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
         # A rigid surface in a soft half space is N.
         flip = flip != (bodies.table[first, KIND] != VOLUME)
-    return Between(row, first, second, R, p, asked.R_WGs[a], p_W, ROUNDING * size, flip)
+    return Between(row, first, second, R, p, asked.R_WGs[a], p_W, ROUNDING * size, flip, False)

@@ -37,10 +37,8 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 def one_is_swallowed(bodies: Bodies, between: Between, scratch: Scratch) -> bool:
     """Tell whether a point inside one of two bodies without a surface is in the other.
 
-    The points are the innermost of compliant bodies, and a corner of rigid ones. Where a body
-    reaches out of the other there is a surface, for there the difference of pressures changes its
-    sign; or all its faces are left out for their normals. Then the pressure of the compliant body
-    grows into the rigid one, so that its innermost point is there.
+    The points are the innermost of compliant bodies, and a corner of rigid ones. Why they tell:
+    see ``pairs``.
     """
     a, b = between.a, between.b
     near = WITHIN * between.rounding

@@ -8,7 +8,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.arrays import HALF_SPACE, KIND, VOLUME, Bodies
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    HALF_SPACE,
+    KIND,
+    SWALLOWED,
+    TURNED,
+    Bodies,
+)
 from drake_geom_ros.geometry._contact_surfaces.packing import (
     PackedBody,
     packed,
@@ -40,20 +46,22 @@ class ContactBodies(NamedTuple):
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
 
-    def why_not(self, M: int, N: int) -> str:
+    def why_not(self, M: int, N: int, state: int) -> str:
         """Return why two geometries that overlap have no surface, and what can be done.
 
-        By their places among ``ids``.
+        By their places among ``ids``, and what ``Surfaces.states`` says of the pair.
         """
+        if state == TURNED:
+            return 'all its faces are left out, for one pressure does not grow along their normals'
+        if state == SWALLOWED:
+            return 'one is so deep within the other that their pressures are equal nowhere'
         rows = self.body_of[M], self.body_of[N]
         if min(rows) < 0:
             return 'one of them has no hydroelastic properties; give it some'
-        kinds, slopes = self.bodies.table[rows, KIND], self.bodies.numbers[rows, 1]
+        kinds = self.bodies.table[rows, KIND]
         if (kinds == HALF_SPACE).all():
             return 'both are half spaces'
-        if not ((kinds == VOLUME) | (slopes > 0.0)).any():
-            return 'both are rigid; make one of them compliant'
-        return 'one is so deep within the other that their pressures are equal nowhere'
+        return 'both are rigid; make one of them compliant'
 
 
 def contact_bodies(model: Model, ids: Indices, before: ContactBodies | None) -> ContactBodies:

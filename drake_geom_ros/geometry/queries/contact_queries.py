@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     LEFT,
-    SWALLOWED,
     UNABLE,
     Asked,
     Surfaces,
@@ -73,15 +72,17 @@ class ContactQueries:
 
         Raises GeometryError, which names the pair, where one overlaps that can have no surface:
         one without hydroelastic properties, two rigid ones, two half spaces (their padding counts,
-        as in ComputePointPairPenetration); and where one body is so deep within the other that
-        their pressures are equal nowhere. Collision filters leave pairs out, and
+        as in ComputePointPairPenetration); where one body is so deep within the other that
+        their pressures are equal nowhere; and where all faces are left out, as in Drake, because
+        a pressure does not grow along their normals. Collision filters leave pairs out, and
         ``ComputeContactSurfacesWithFallback`` answers for them by points.
         """
-        surfaces, others = self._surfaces_and_others(representation)
-        if others:
+        found = self._found(representation)
+        if others := self._others(found):
             pair = [id.get_value() for id in (others[0].id_A, others[0].id_B)]
-            raise self._refusal('ComputeContactSurfaces', np.array(pair))
-        return surfaces
+            at = int(np.flatnonzero((found.ids == pair).all(axis=1))[0])
+            raise self._refusal('ComputeContactSurfaces', found, at)
+        return found.surfaces
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -93,7 +94,8 @@ class ContactQueries:
 
         These are the pairs for which ``ComputeContactSurfaces`` raises.
         """
-        return self._surfaces_and_others(representation)
+        found = self._found(representation)
+        return found.surfaces, self._others(found)
 
     def contact_surfaces(
         self,
@@ -104,35 +106,33 @@ class ContactQueries:
         """Return the surfaces of pairs that can have one; nothing is said of the others.
 
         What ``ComputeContactSurfacesWithFallback`` returns first, without the work of the rest.
-        Raises GeometryError where one body is so deep within the other that they have none.
+        Raises GeometryError where two overlap and have none that could: see
+        ``ComputeContactSurfaces``.
         """
         found = self._found(representation)
-        swallowed = found.out.states == SWALLOWED
-        if swallowed.any():
-            raise self._refusal('contact_surfaces', found.ids[int(np.argmax(swallowed))])
+        if found.out.counts[LEFT] and (overlap := found.out.states > UNABLE).any():
+            raise self._refusal('contact_surfaces', found, int(np.argmax(overlap)))
         return found.surfaces
 
-    def _surfaces_and_others(
-        self, representation: HydroelasticContactRepresentation
-    ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
-        found = self._found(representation)
+    def _others(self, found: _Found) -> list[PenetrationAsPointPair]:
+        """Return the penetration of the pairs that overlap and have no surface."""
         if not found.out.counts[LEFT]:
-            return found.surfaces, []
+            return []
         left = found.out.states >= UNABLE
         pairs = {(GeometryId(a), GeometryId(b)) for a, b in found.ids[left].tolist()}
         points = self.ComputePointPairPenetration()
-        return found.surfaces, [each for each in points if (each.id_A, each.id_B) in pairs]
+        return [each for each in points if (each.id_A, each.id_B) in pairs]
 
-    def _refusal(self, call: str, pair: Indices) -> GeometryError:
-        """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""
+    def _refusal(self, call: str, found: _Found, at: int) -> GeometryError:
+        """Return what is raised for a pair that overlaps and has no surface."""
         bodies = self._state.contact_bodies()
-        M, N = np.searchsorted(bodies.ids, pair).tolist()
-        names = ' and '.join(
-            named(self._state.model.geometry(GeometryId(id))) for id in pair.tolist()
-        )
+        ids = found.ids[at].tolist()
+        names = ' and '.join(named(self._state.model.geometry(GeometryId(id))) for id in ids)
+        M, N = np.searchsorted(bodies.ids, ids).tolist()
+        why = bodies.why_not(M, N, int(found.out.states[at]))
         return GeometryError(
-            f'{call}: {names} overlap and have no surface: {bodies.why_not(M, N)}. Filter the '
-            'pair, or use ComputeContactSurfacesWithFallback.'
+            f'{call}: {names} overlap and have no surface: {why}. Filter the pair, or use '
+            'ComputeContactSurfacesWithFallback.'
         )
 
     def _found(self, representation: HydroelasticContactRepresentation) -> _Found:

@@ -279,9 +279,21 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
             array.setflags(write=False)
         self._surfaces, self._representation = surfaces, representation
         self._found, self._sums = surfaces.found, surfaces.sums
-        self.areas = surfaces.sums[:, AREA]
-        self.forces_on_M_W = surfaces.sums[:, FORCE : FORCE + 3]
-        self.torques_on_M_Wo_W = surfaces.sums[:, TORQUE : TORQUE + 3]
+
+    @property
+    def areas(self) -> Floats:
+        """The areas (k,) [m^2]."""
+        return self._sums[:, AREA]
+
+    @property
+    def forces_on_M_W(self) -> Floats:
+        """The forces (k, 3) [N] that the pressures exert on M."""
+        return self._sums[:, FORCE : FORCE + 3]
+
+    @property
+    def torques_on_M_Wo_W(self) -> Floats:
+        """The torques (k, 3) [N m] about World's origin that the pressures exert on M."""
+        return self._sums[:, TORQUE : TORQUE + 3]
 
     @property
     def id_M(self) -> Indices:

@@ -380,6 +380,27 @@ def test_a_body_deep_within_another_is_not_free(name, order):
         assert len(apart.ComputeContactSurfaces()) == 0
 
 
+@pytest.mark.parametrize('order', [(0, 1), (1, 0)])
+@pytest.mark.parametrize('scale', [1e-3, 1.0, 1e3])
+def test_bodies_all_of_whose_faces_are_left_out_are_not_free(scale, order):
+    # Two needles tip to tip. Where their pressures are equal both grow in much the same direction,
+    # inward from the same side, and neither one's innermost point is in the other.
+    sizes = (0.05 * scale, 0.05 * scale, scale)
+    needles = [Body('Ellipsoid', sizes, modulus, 10.0 * scale) for modulus in (1e3, 1e7)]
+    for way in (UPRIGHT, random_rotation(np.random.default_rng(6))):
+        poses = [(way, np.zeros(3)), (way, way @ np.array([0.0, 0.0, 1.8 * scale]))]
+        query, ids, _ = query_of(needles, poses, order=order)
+        surfaces, points = query.ComputeContactSurfacesWithFallback()
+        assert (len(surfaces), len(points)) == (0, 1)
+        assert {points[0].id_A, points[0].id_B} == set(ids)
+        with pytest.raises(GeometryError, match='left out'):
+            query.ComputeContactSurfaces()
+        with pytest.raises(GeometryError, match='left out'):
+            query.contact_surfaces()
+    apart = [(UPRIGHT, np.zeros(3)), (UPRIGHT, np.array([0.0, 0.0, 2.0001 * scale]))]
+    assert len(query_of(needles, apart)[0].ComputeContactSurfaces()) == 0
+
+
 @pytest.mark.parametrize('inside_out', [False, True])
 def test_a_rigid_mesh_may_be_inside_out(inside_out):
     # Its faces are turned outward: those that look into the ball count.

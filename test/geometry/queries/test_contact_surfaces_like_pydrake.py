@@ -1,6 +1,7 @@
 """Contact surfaces beside pydrake's: on its meshes face by face, on ours in area and force."""
 
 import logging
+import os
 
 import numpy as np
 import pytest
@@ -26,6 +27,8 @@ from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
 theirs = pytest.importorskip('pydrake.geometry', exc_type=ImportError)
 logging.getLogger('drake').setLevel(logging.ERROR)
 SIZES = {'Sphere': 1, 'Box': 3, 'Cylinder': 2, 'Capsule': 2, 'Ellipsoid': 3}
+# CONTACT_POSES=2000 takes a minute: docs/contact_surfaces.md says what it shows.
+POSES = int(os.environ.get('CONTACT_POSES', '350'))
 # What each of the two is, with its modulus; 0 is rigid.
 PAIRS = [('body', 1e5, 'body', 2e5), ('body', 1e5, 'body', 0.0), ('body', 0.0, 'body', 1e5)]
 PAIRS += [('body', 1e5, 'HalfSpace', 0.0), ('HalfSpace', 0.0, 'body', 1e5)]
@@ -77,7 +80,7 @@ def their_sums(surface):
 
 def test_on_its_meshes_it_is_the_same_face_by_face():
     compared = swallowed = 0
-    for bodies, poses in cases(350, seed=42):
+    for bodies, poses in cases(POSES, seed=42):
         query, ids, (scene, _context) = query_of(bodies, poses, theirs)
         expected = query.ComputeContactSurfaces(theirs.HydroelasticContactRepresentation.kPolygon)
         inspector = scene.model_inspector()
@@ -97,13 +100,13 @@ def test_on_its_meshes_it_is_the_same_face_by_face():
             sums, (force, total) = out.sums[0], their_sums(surface)
             assert surface.num_faces() == out.found[0, LAST]
             assert sums[AREA] == pytest.approx(surface.total_area(), rel=1e-12)
-            assert sums[PRESSURE] == pytest.approx(total, rel=2e-12)
+            assert sums[PRESSURE] == pytest.approx(total, rel=1e-12)
             np.testing.assert_allclose(
-                sums[FORCE : FORCE + 3], force, rtol=0.0, atol=2e-12 * total
+                sums[FORCE : FORCE + 3], force, rtol=0.0, atol=1e-12 * total
             )
             centroid = sums[FIRST_MOMENT : FIRST_MOMENT + 3] / sums[AREA]
-            np.testing.assert_allclose(centroid, surface.centroid(), rtol=0.0, atol=1e-11)
-    assert compared > 250
+            np.testing.assert_allclose(centroid, surface.centroid(), rtol=0.0, atol=1e-12)
+    assert compared > 0.7 * POSES
     assert swallowed > 0  # of which pydrake says nothing
 
 

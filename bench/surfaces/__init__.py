@@ -1,0 +1,1 @@
+"""Benchmarks and searches of contact surfaces."""
