@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import GeometryId, Mesh, QueryObject, SceneGraphInspector
+from drake_geom_ros.recordings.tolerances import NEAR
 
 Floats = NDArray[np.float64]
-NEAR = 1e-6  # [m] and [-]: beside error bounds, what rounding may do far from the origin
 
 
 class Witnesses(NamedTuple):
