@@ -63,21 +63,22 @@ def placed():
 
 
 def packed(body, R):
-    """Return a body's parameters, orientation and place as kernels take them, turned by R."""
+    """Return a body's shape and place as kernels take them, turned by R."""
     kind, shape = solid_of(MeshData(body.size, body.triangles), (1.0, 1.0, 1.0))
-    return kind, shape, np.ascontiguousarray(R @ body.R), R @ body.p
+    return calling.OrientedShape(kind, shape, np.ascontiguousarray(R @ body.R)), R @ body.p
 
 
 def asked(A, B, at, out):
     """Return the processor time [s] of one answer, which is in ``out``."""
-    p = B[3] - (A[3] + at)
+    (shaped_A, p_A), (shaped_B, p_B) = A, B
+    p, aim = p_B - (p_A + at), calling.Aim(size=0.0, tolerance=1e-9, cutoff=np.inf)
     best, count = np.inf, 1
     for _ in range(ROUNDS):
         while True:
             start = time.thread_time()
             for _ in range(count):
                 out[calling.NORMAL : calling.NORMAL + 3] = 0.0
-                signed_distance_to_solid(*A[:3], *B[:3], p, 1e-9, np.inf, out)
+                signed_distance_to_solid(shaped_A, shaped_B, p, aim, out)
             taken = time.thread_time() - start
             if taken > LEAST or taken > 0.5:
                 break

@@ -21,9 +21,11 @@ from drake_geom_ros.ros.conversions.proximity_rules import (
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.rule_states import fill_rule_states
 
-# [s] at most between two decisions, and two values of the scale: poses may stop to come. At least
-# between two messages of states.
+# [s] at most between two decisions, and two values of the scale: poses may stop to come.
 PERIOD = 0.05
+# [s] at least between two messages of states: they bear all rules, and who comes late hears the
+# events that follow.
+_STATES_PERIOD = 0.1
 
 
 class RuleTopics(NamedTuple):
@@ -120,7 +122,7 @@ class RuleEvents:
             self._topics.events.publish(message)
         # All rules each time: many a second would cost more than what they decide.
         now = scene.clocks.steady()
-        if scene.rules.revision != self._told and now - self._stated >= PERIOD:
+        if scene.rules.revision != self._told and now - self._stated >= _STATES_PERIOD:
             self._told, self._stated = scene.rules.revision, now
             if scene.rules.rules is not self._listed.rules:
                 self._listed = _Listed(scene.rules.rules, self._types.ProximityRules())

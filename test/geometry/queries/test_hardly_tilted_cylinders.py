@@ -1,0 +1,75 @@
+"""Nearly equal cylinders, tilted by some 1e-5: once the slowest and loosest of convex pairs."""
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.geometry import (
+    Cylinder,
+    FramePoseVector,
+    GeometryFrame,
+    GeometryInstance,
+    ProximityProperties,
+    SceneGraph,
+)
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
+
+SEEDS = range(12)
+TIGHT = 2e-10  # of the size; ``exact`` aims at 1e-10
+
+
+def answer(first, second, X_AB):
+    graph = SceneGraph()
+    source = graph.RegisterSource('two')
+    poses = {}
+    for shape, X_WF in ((first, RigidTransform()), (second, X_AB)):
+        frame = graph.RegisterFrame(source, GeometryFrame(f'{len(poses)}'))
+        body = GeometryInstance(RigidTransform(), shape, 'body')
+        body.set_proximity_properties(ProximityProperties())
+        graph.RegisterGeometry(source, frame, body)
+        poses[frame] = X_WF
+    context = graph.CreateDefaultContext()
+    context.UpdateFramePoses(FramePoseVector(poses))
+    query = graph.get_query_output_port().Eval(context)
+    (found,) = query.ComputeSignedDistancePairwiseClosestPoints()
+    return found
+
+
+def height(shape, R, p, n):
+    """Return how far a cylinder reaches along n (3,)."""
+    along = R.T @ n
+    disc = shape.radius() * np.hypot(along[0], along[1])
+    return p @ n + disc + shape.length() / 2 * abs(along[2])
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+def test_bounds_are_tight_at_any_place(seed):
+    rng = np.random.default_rng(seed)
+    radius, length = 10 ** rng.uniform(-1, 1, 2)
+    nearly = 10 ** rng.uniform(-9, -3)
+    size = max(radius, length)
+    places = (
+        np.zeros(3),
+        1e-6 * size * rng.normal(size=3),
+        np.array([0.0, 0.0, length * rng.choice([0.999, 1.0, 1.001])]),
+        np.array([2 * radius * rng.choice([0.999, 1.0, 1.001]), 0.0, 0.0]),
+    )
+    first, second = (
+        Cylinder(radius, length),
+        Cylinder(radius * (1 + nearly), length * (1 - nearly)),
+    )
+    for place in places:
+        roll, pitch = 1e-5 * rng.normal(size=2)
+        tilted = RollPitchYaw(roll, pitch, rng.uniform(-3, 3)).ToRotationMatrix()
+        found = answer(first, second, RigidTransform(tilted, place))
+        assert found.error_bound <= TIGHT * size
+        # The gap between the planes that support them along the normal proves it.
+        n = found.nhat_BA_W
+        gap = -height(first, np.eye(3), np.zeros(3), -n) - height(
+            second, tilted.matrix(), place, n
+        )
+        # Overlapping bodies are that deep at most; those apart are that far at least.
+        slack = 1e-14 * size
+        if found.distance < 0.0:
+            assert found.distance >= gap - found.error_bound - slack
+        else:
+            assert gap >= found.distance - found.error_bound - slack
