@@ -103,11 +103,9 @@ class ConfiguredNode:
                 ('cycle_report', messages.CycleReport),
             )
         }
-        contacts = ContactTopic(
-            surface.publisher(messages.ContactSurfaces, '~/contact_surfaces', results()),
-            messages.ContactSurfaces(),
-            lambda: settings.values.contact_polygons,
-        )
+        kind = messages.ContactSurfaces
+        pressed = surface.publisher(kind, '~/contact_surfaces', results())
+        contacts = ContactTopic(pressed, kind(), lambda: settings.values.contact_polygons)
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = Shown(
