@@ -14,21 +14,26 @@ from __future__ import annotations
 import argparse
 import array
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from statistics import linear_regression
 from typing import Any
 
 import numpy as np
 import rclpy
-from drake_geom_msgs.msg import CycleReport, FramePoses
+from builtin_interfaces.msg import Time
+from drake_geom_msgs.msg import CycleReport, FramePoses, SignedDistancePairs
 from numpy.typing import NDArray
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
 from bench.ros.meanwhile import beside, delays
 from bench.ros.processes import Processes, memory
+from bench.ros.routes import TimedRoute
 from bench.ros.scenes import two_arms
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
@@ -75,8 +80,44 @@ def cloud_of(points: Floats) -> PointCloud2:
     )
 
 
+class Maps:
+    """How late [s] results with a new map were, by the stamps [s] of its cloud."""
+
+    def __init__(self) -> None:
+        self.delays: dict[float, float] = {}
+
+    def route(self, node: Node, server: str) -> TimedRoute:
+        """Return a route whose answers are looked at."""
+        return _MapRoute(self.delays, node, server)
+
+    @contextmanager
+    def sent(self, count: int) -> Iterator[None]:
+        """Let clouds be sent to the node, and print what became of them."""
+        self.delays.clear()
+        begin = time.time()
+        with beside(send, TAKEN, count):
+            yield
+            end = time.time()
+        tell(TAKEN, list(self.delays.values()), int((end - begin) * RATE))
+
+
+class _MapRoute(TimedRoute):
+    """A route that looks at how old the map was in each answer: its pose is the oldest there."""
+
+    def __init__(self, delays: dict[float, float], node: Node, server: str) -> None:
+        super().__init__(node, server)
+        self._delays = delays
+
+    def look_at(self, message: SignedDistancePairs) -> None:
+        """Note the first answer with a map; stamps of clouds are multiples of a period."""
+        now = time.time()
+        if np.isfinite(message.oldest_pose_age):
+            stamp = np.floor((now - message.oldest_pose_age) * RATE) / RATE
+            self._delays.setdefault(stamp, now - stamp)
+
+
 def send(way: str, count: int, ready: Any, ending: Any) -> None:
-    """Send clouds until it shall end; print how late their results are, and how many come."""
+    """Send clouds until it shall end; of the echo's answers print how late they are."""
     rclpy.init()
     node = rclpy.create_node('camera')
     executor = SingleThreadedExecutor()
@@ -84,45 +125,33 @@ def send(way: str, count: int, ready: Any, ending: Any) -> None:
     newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
     topic = '/echo/clouds' if way == ECHO else '/scene_graph/obstacles/points'
     publisher = node.create_publisher(PointCloud2, topic, newest)
-    points = room(count)
-    cloud = cloud_of(points)
-    sent: list[float] = []  # stamps [s] of which nothing was heard yet
+    cloud = cloud_of(room(count))
     found: list[float] = []
 
-    def heard(stamp: float) -> None:
-        """Note what came of the cloud whose stamp [s] is next to one."""
-        now = time.time()
-        near = [each for each in sent if abs(each - stamp) < 0.4 / RATE]
-        if near:
-            found.append(now - near[-1])
-            sent.remove(near[-1])
-
-    def of_report(report: CycleReport) -> None:
-        age = dict(zip(report.maps, report.map_ages, strict=True)).get('points', np.inf)
-        if np.isfinite(age):
-            heard(time.time() - age)
-
-    def of_echo(header: Header) -> None:
-        heard(header.stamp.sec + 1e-9 * header.stamp.nanosec)
+    def heard(header: Header) -> None:
+        found.append(time.time() - header.stamp.sec - 1e-9 * header.stamp.nanosec)
 
     if way == ECHO:
-        node.create_subscription(Header, '/echo/heard', of_echo, 10)
-    else:
-        node.create_subscription(CycleReport, '/scene_graph/cycle_report', of_report, 10)
+        node.create_subscription(Header, '/echo/heard', heard, 10)
     while not publisher.get_subscription_count():
         executor.spin_once(timeout_sec=0.1)
-    start = time.perf_counter()
-    number = 0
+    number, due = 0, int(time.time() * RATE) + 2
     while not ending.is_set():
-        stamp = node.get_clock().now().to_msg()
-        cloud.header.stamp = stamp
-        sent.append(stamp.sec + 1e-9 * stamp.nanosec)
-        publisher.publish(cloud)
-        number += 1
-        ready.set()
-        end = start + number / RATE
-        while (left := end - time.perf_counter()) > 0.0:
+        while (left := due / RATE - time.time()) > 0.0:
             executor.spin_once(timeout_sec=left)
+        # A hair later, lest rounding make it one of the period before.
+        cloud.header.stamp = Time(sec=due // int(RATE), nanosec=due % int(RATE) * 10**8 + 1000)
+        publisher.publish(cloud)
+        number, due = number + 1, due + 1
+        ready.set()
+    if way == ECHO:
+        tell(way, found, number)
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+def tell(way: str, found: list[float], number: int) -> None:
+    """Print how late [s] answers were, and of how many clouds there was none."""
     if not found:
         print(f'  {way}: no cloud of {number} was answered', flush=True)
         return
@@ -133,8 +162,6 @@ def send(way: str, count: int, ready: Any, ending: Any) -> None:
         + f'{len(found):6} of {number}',
         flush=True,
     )
-    node.destroy_node()
-    rclpy.shutdown()
 
 
 def soak(minutes: float, count: int) -> None:
@@ -203,8 +230,12 @@ def main() -> None:
     with Processes() as processes:
         processes.start(NODE, scene_file=played.scene_file, **parameters())
         processes.start('bench.ros.cloud_echo')
-        ways = {way: partial(beside, send, way, options.points) for way in (ECHO, TAKEN)}
-        delays(played, ways, options.seconds)
+        maps = Maps()
+        ways = {
+            ECHO: partial(beside, send, ECHO, options.points),
+            TAKEN: partial(maps.sent, options.points),
+        }
+        delays(played, ways, options.seconds, maps.route)
 
 
 if __name__ == '__main__':

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 
 from bench.ros.routes import TimedRoute, stream
 from bench.ros.scenes import Played
@@ -39,14 +40,17 @@ def beside(ask_on: Callable[..., None], *arguments: Any) -> Iterator[None]:
 
 
 def delays(
-    played: Played, ways: dict[str, Callable[[], AbstractContextManager[object]]], seconds: float
+    played: Played,
+    ways: dict[str, Callable[[], AbstractContextManager[object]]],
+    seconds: float,
+    route_to: Callable[[Node, str], TimedRoute] = TimedRoute,
 ) -> None:
     """Print how late results are in turns of so many seconds: alone, and within each way."""
     rclpy.init()
     node = rclpy.create_node('driver')
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    route = TimedRoute(node, 'scene_graph')
+    route = route_to(node, 'scene_graph')
     found: dict[str, list[float]] = {name: [] for name in (NOBODY, *ways)}
     lost = dict.fromkeys(found, 0)
 

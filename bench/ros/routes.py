@@ -36,10 +36,14 @@ class Route:
         node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=10))
 
     def _receive(self, message: SignedDistancePairs) -> None:
+        self.look_at(message)
         number = self.number_of(message.header.stamp)
         if number in self.sent and number not in self.delays:
             self.delays[number] = time.perf_counter() - self.sent[number]
             self.latest = message
+
+    def look_at(self, message: SignedDistancePairs) -> None:
+        """Look at an answer that came, whichever it is of."""
 
     def stamp_of(self, number: int) -> Time:
         """Return the stamp of a message, which is sent now."""

@@ -209,9 +209,9 @@ class _Auditor:
             return Compared(Outcome.NOT_REPRODUCIBLE, why)
         found = []
         for state in states:
-            waiting = state.view.waiting().pairs
-            now = computed_pairs(kind, state.view.query, _ids(state), waiting, pairs.reach)
-            found.append(compare(pairs, now))
+            here, query = _ids(state), state.view.query
+            now = computed_pairs(kind, query, here, state.view.waiting().pairs, pairs.reach)
+            found.append(compare(pairs, now, query, here))
             if found[-1].outcome == Outcome.SAME:
                 break
         return self._unless_unknown(said, states, min(found, key=_rank), message.oldest_pose_age)

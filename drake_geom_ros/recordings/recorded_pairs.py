@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Any, NamedTuple
 
@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.recordings.message_types import DISTANCES
+from drake_geom_ros.recordings.witnesses import Judged, Witnesses, fault_of
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+_BOUND_ONLY = 4  # METHOD_BOUND_ONLY of the messages
 Names = Mapping[int, str]  # full names of geometries by id
 
 
@@ -41,6 +44,8 @@ class Pairs(NamedTuple):
     error_bound: Floats  # (n,) [m]
     waiting: int  # how many pairs are left out for want of poses
     reach: float  # [m] farther apart than this they are left out
+    witnesses: Witnesses
+    has_points: Flags  # (n,) false: bounds alone are told, and points promise nothing
 
 
 def names_in(scene: Any) -> dict[int, str]:
@@ -66,6 +71,13 @@ def recorded_pairs(kind: str, message: Any, names: Names) -> Pairs:
         error_bound=message.error_bound,
         waiting=int(message.waiting_pairs),
         reach=float(message.max_distance) if is_distance else 0.0,
+        witnesses=Witnesses(
+            p_A=np.reshape(message.p_aca if is_distance else message.p_wca, (-1, 3)),
+            p_B=np.reshape(message.p_bcb if is_distance else message.p_wcb, (-1, 3)),
+            nhat_BA_W=np.reshape(message.nhat_ba_w, (-1, 3)),
+            are_local=is_distance,
+        ),
+        has_points=np.asarray(message.method) != _BOUND_ONLY,
     )
 
 
@@ -75,9 +87,14 @@ def computed_pairs(
     """Return what a node would say now."""
     found = query.ComputeSignedDistancePairwiseClosestPoints(reach)
     if kind == DISTANCES:
-        return Pairs(_named(found, names), found.distance, found.error_bound, waiting, reach)
+        witnesses = Witnesses(found.p_ACa, found.p_BCb, found.nhat_BA_W, are_local=True)
+        told = found.distance, found.error_bound
+        points = np.asarray(found.method) != _BOUND_ONLY
+        return Pairs(_named(found, names), *told, waiting, reach, witnesses, points)
     deep = found.penetrations()
-    return Pairs(_named(deep, names), -deep.depth, deep.error_bound, waiting, reach)
+    witnesses = Witnesses(deep.p_WCa, deep.p_WCb, deep.nhat_BA_W, are_local=False)
+    told, points = (-deep.depth, deep.error_bound), np.asarray(deep.method) != _BOUND_ONLY
+    return Pairs(_named(deep, names), *told, waiting, reach, witnesses, points)
 
 
 def _named(found: Any, names: Names) -> list[tuple[str, str]]:
@@ -85,17 +102,17 @@ def _named(found: Any, names: Names) -> list[tuple[str, str]]:
     return [(names[i], names[j]) for i, j in both]
 
 
-def compare(said: Pairs, now: Pairs) -> Compared:
-    """Return whether what a node said is what is computed now.
+def compare(said: Pairs, now: Pairs, query: QueryObject, names: Names) -> Compared:
+    """Return whether what a node said is what is computed ``now`` of the state of a query object.
 
-    Witness points and normals are not judged: they may be others where a node's iterations began
-    with an earlier answer.
+    Witness points and normals that are others than now are judged by what is promised of them.
     """
     here = {frozenset(pair): k for k, pair in enumerate(now.names)}
     told = {frozenset(pair) for pair in said.names}
     same = len(told) == len(here) and said.waiting == now.waiting
+    others: list[tuple[int, int]] = []  # pairs of other witnesses, there and here
     rows = zip(said.names, said.distance.tolist(), said.error_bound.tolist(), strict=True)
-    for pair, distance, bound in rows:
+    for place, (pair, distance, bound) in enumerate(rows):
         if not (math.isfinite(distance) and 0.0 <= bound < math.inf):
             return Compared(Outcome.REFUTED, f'{_called(pair)}: {distance!r} ± {bound!r} m')
         k = here.get(frozenset(pair))
@@ -110,16 +127,38 @@ def compare(said: Pairs, now: Pairs) -> Compared:
         if not abs(distance - there) <= bound + other:
             why = f'{_called(pair)}: it says {distance!r} m ± {bound:.1e} m, and it is {there!r} m'
             return Compared(Outcome.REFUTED, f'{why} ± {other:.1e} m')
+        turned = now.names[k] != pair
+        if turned or not said.witnesses.same(place, now.witnesses, k):
+            others.append((place, k))
     for both, k in here.items():
         if both not in told and now.distance[k] + now.error_bound[k] < said.reach:
             why = f'{_called(now.names[k])}, {now.distance[k]} m apart, is left out'
             return Compared(Outcome.REFUTED, f'{why}; filters of the node are to be in the scene')
-    if same:
+    if fault := _fault_of_witnesses(said, now, others, query, names):
+        return Compared(Outcome.REFUTED, fault)
+    if same and not others:
         return Compared(Outcome.SAME)
     if said.waiting != now.waiting:
         why = f'{said.waiting} pairs waited for a pose, and here {now.waiting} do'
         return Compared(Outcome.NOT_REPRODUCIBLE, why)
     return Compared(Outcome.WITHIN)
+
+
+def _fault_of_witnesses(
+    said: Pairs, now: Pairs, others: Sequence[tuple[int, int]], query: QueryObject, names: Names
+) -> str:
+    """Return in words what cannot be of witnesses that are not those of now; empty: all can."""
+    by_name = {name: value for value, name in names.items()}
+    judged_ones = [(place, k) for place, k in others if said.has_points[place]]
+    places, here = [place for place, _ in judged_ones], [k for _, k in judged_ones]
+    judged = Judged(
+        places=places,
+        ids=np.array([[by_name[n] for n in said.names[k]] for k in places]).reshape(-1, 2),
+        distance=said.distance[places],
+        error_bound=said.error_bound[places] + now.error_bound[here],
+    )
+    fault = fault_of(query, said.witnesses, judged)
+    return '' if fault is None else f'{_called(said.names[places[fault[0]]])}: {fault[1]}'
 
 
 def _called(pair: tuple[str, str]) -> str:

@@ -144,8 +144,8 @@ class SetClearance:
             float(self.known_error_bound[state]),
             '' if a < 0 else self.names[a],
             '' if b < 0 else self.names[b],
-            self.p_WCa[state],
-            self.p_WCb[state],
+            self.p_WCa[state].copy(),  # and no view of all others
+            self.p_WCb[state].copy(),
         )
 
 

@@ -8,9 +8,11 @@ from functools import partial
 from typing import Any
 
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
 from drake_geom_ros.ros.callback_groups import CallbackGroups
+from drake_geom_ros.ros.conversions.serialized_cloud import cloud_of_bytes, is_plain
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.obstacles import (
     DEPTH,
@@ -60,7 +62,11 @@ class ObstacleListening:
                 scene.stand_maps(scene)
         if POINTS in names:
             points = self.inputs[POINTS]
-            self._listen(PointCloud2, f'~/obstacles/{POINTS}', points.take_cloud)
+
+            def take_cloud(raw: bytes, waited: float) -> None:
+                points.take_cloud(_cloud_of(raw), waited)
+
+            self._listen(PointCloud2, f'~/obstacles/{POINTS}', take_cloud, raw=True)
         if DEPTH in names:
             depth = self.inputs[DEPTH]
             self._listen(CameraInfo, f'~/obstacles/{DEPTH}/camera_info', depth.take_camera)
@@ -83,8 +89,9 @@ class ObstacleListening:
             told[f'obstacles {name}'] = (
                 f'{counts.taken} messages taken; of the last one {counts.points} points, '
                 f'{counts.not_finite} not finite, {counts.out_of_reach} out of reach, '
-                f'{counts.on_bodies} on bodies that the scene knows, {counts.in_sparse_cells} in '
-                'cells with fewer points than obstacle_least_points, which are in no answer; '
+                f'{counts.on_bodies} on bodies that the scene knows, {counts.out_of_box} beyond '
+                f'obstacle_box, {counts.in_sparse_cells} in cells with fewer points than '
+                'obstacle_least_points, which are in no answer; '
                 f'{counts.cells} cells, {counts.held_cells} of them held from before, '
                 f'in {1e3 * counts.seconds:.1f} ms'
             )
@@ -98,11 +105,19 @@ class ObstacleListening:
             if not each.counts.taken
         ]
 
-    def _listen(self, kind: Any, topic: str, take: Callable[[Any, float], object]) -> None:
+    def _listen(
+        self, kind: Any, topic: str, take: Callable[[Any, float], object], *, raw: bool = False
+    ) -> None:
         def hear(message: Any, info: MessageInfo) -> None:
             self._guard.take(topic.removeprefix('~/'), take, message, waited(info))
 
-        self._surface.subscription(kind, topic, hear, _newest(), self._group)
+        self._surface.subscription(kind, topic, hear, _newest(), self._group, raw=raw)
+
+
+def _cloud_of(raw: bytes) -> Any:
+    """Return the PointCloud2 of a message as it comes."""
+    # A middleware may have another layout.
+    return cloud_of_bytes(raw) if is_plain(raw) else deserialize_message(raw, PointCloud2)
 
 
 def obstacle_settings(values: NodeParameters) -> ObstacleSettings:
@@ -116,6 +131,7 @@ def obstacle_settings(values: NodeParameters) -> ObstacleSettings:
         keep=values.obstacle_keep,
         rays=values.obstacle_rays,
         margin=values.obstacle_margin,
+        box=values.obstacle_box,
     )
 
 

@@ -22,7 +22,7 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.conversions.paddings import paddings_of
-from drake_geom_ros.ros.inputs.obstacles import INPUTS, OCTOMAP, SELF_FILTERS
+from drake_geom_ros.ros.inputs.obstacle_refusals import refusal_of_obstacles
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,7 @@ class NodeParameters:
     obstacles: tuple[str, ...] = ()
     obstacle_resolution: float = 0.03
     obstacle_reach: float = 3.0
+    obstacle_box: tuple[float, ...] = ()
     obstacle_self_filter: str = 'robots'
     obstacle_padding: float = 0.05
     obstacle_least_points: int = 1
@@ -161,6 +162,10 @@ TEXTS = {
     'obstacle_reach': (
         'Points farther from their sensor are left out, but the nearest one of all [m].' + _LIVE
     ),
+    'obstacle_box': (
+        'What is taken of the world, as x, y, z of the lowest and of the highest corner [m]; what '
+        'lies beyond is left out, but the nearest point where all does; empty: no limit.' + _LIVE
+    ),
     'obstacle_self_filter': (
         'Bodies on which points are left out: none, robots, or all that the scene knows (scene).'
         + _LIVE
@@ -227,6 +232,7 @@ _KINDS = {
     str: 'a text',
     tuple: 'a list of texts',
 }
+_OF_NUMBERS = ('obstacle_box',)  # lists of numbers
 
 
 class ParameterRefusedError(ValueError):
@@ -262,7 +268,7 @@ class ParameterStore:
 
     def _proposal(self, parameters: list[Parameter]) -> NodeParameters:
         known = (p for p in parameters if p.name in _DEFAULTS)
-        plain = {p.name: _plain(p.value, _DEFAULTS[p.name]) for p in known}
+        plain = {p.name: _plain(p.name, p.value, _DEFAULTS[p.name]) for p in known}
         return replace(self.values, **plain)
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
@@ -309,7 +315,7 @@ def declared(node: Node, name: str, default: object, descriptor: ParameterDescri
     # Whatever was given is let in, to be refused in words that say what is allowed.
     anything = ParameterDescriptor(dynamic_typing=True)
     given = node.declare_parameter(name, start, anything).value
-    value = () if given is None and isinstance(default, tuple) else _plain(given, default)
+    value = () if given is None and isinstance(default, tuple) else _plain(name, given, default)
     ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
     limits = [(each.from_value, each.to_value) for each in ranges]
     if reason := _wrong_type(name, value, default) or _out_of_range(name, value, limits):
@@ -319,18 +325,21 @@ def declared(node: Node, name: str, default: object, descriptor: ParameterDescri
     return value
 
 
-def _plain(value: Any, default: object) -> Any:
+def _plain(name: str, value: Any, default: object) -> Any:
     """Return the value of a parameter: a list as a tuple, a whole number as a float."""
     if isinstance(default, tuple) and isinstance(value, list | tuple | array.array):
-        return tuple(value)
+        of_numbers = name in _OF_NUMBERS
+        return tuple(float(x) if of_numbers and type(x) is int else x for x in value)
     return float(value) if isinstance(default, float) and type(value) is int else value
 
 
-def _wrong_type(name: str, value: object, default: object) -> str:
+def _wrong_type(name: str, value: Any, default: object) -> str:
     fits = type(value) is type(default)
-    if isinstance(value, tuple):
-        fits = fits and all(isinstance(each, str) for each in value)
-    return '' if fits else f'{name} is {value!r}; it must be {_KINDS[type(default)]}'
+    kind = _KINDS[type(default)]
+    if isinstance(default, tuple):
+        part, kind = (float, 'a list of numbers') if name in _OF_NUMBERS else (str, kind)
+        fits = fits and all(isinstance(each, part) for each in value)
+    return '' if fits else f'{name} is {value!r}; it must be {kind}'
 
 
 def _out_of_range(name: str, value: Any, limits: Sequence[tuple[float, float]]) -> str:
@@ -359,7 +368,8 @@ def _refusal(values: NodeParameters) -> str:
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
         )
-    if reason := _refusal_of_obstacles(values):
+    told = values.obstacles, values.obstacle_self_filter, values.obstacle_box
+    if reason := refusal_of_obstacles(*told):
         return reason
     if values.replay_dir and not values.allow_writes:
         return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
@@ -368,23 +378,6 @@ def _refusal(values: NodeParameters) -> str:
     except ArgumentError as error:
         return str(error)
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
-
-
-def _refusal_of_obstacles(values: NodeParameters) -> str:
-    """Return why maps cannot be made as the values say, or an empty text."""
-    if unknown := [name for name in values.obstacles if name not in INPUTS]:
-        return f'obstacles names {unknown[0]!r}; it may name {", ".join(INPUTS)}'
-    if values.obstacle_self_filter not in SELF_FILTERS:
-        allowed = ', '.join(SELF_FILTERS)
-        return (
-            f'obstacle_self_filter is {values.obstacle_self_filter!r}; it must be one of {allowed}'
-        )
-    if OCTOMAP in values.obstacles and importlib.util.find_spec('octomap_msgs') is None:
-        return (
-            'obstacles names octomap, and the package octomap_msgs cannot be imported; install it '
-            'with the ROS distribution, or send points'
-        )
-    return ''
 
 
 def _refusal_of_cross_check() -> str:

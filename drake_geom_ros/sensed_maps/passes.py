@@ -76,11 +76,19 @@ def put_within_reach(
 def find_in_cubes(points: Floats, cubes: Cubes, found: Indices) -> int:
     """Write which points (n, 3) [m] are in cubes that count; return how many."""
     low, edge, flags = cubes.low, cubes.edge, cubes.flags
+    # Most points are far from all that: divisions take longer than to see it. A cube more, for
+    # what rounding makes of a border.
+    far_x, far_y, far_z = (
+        edge * (flags.shape[0] + 1),
+        edge * (flags.shape[1] + 1),
+        edge * (flags.shape[2] + 1),
+    )
     count = 0
     for i in range(points.shape[0]):
-        x = np.floor((points[i, 0] - low[0]) / edge)
-        y = np.floor((points[i, 1] - low[1]) / edge)
-        z = np.floor((points[i, 2] - low[2]) / edge)
+        x, y, z = points[i, 0] - low[0], points[i, 1] - low[1], points[i, 2] - low[2]
+        if not (0.0 <= x <= far_x and 0.0 <= y <= far_y and 0.0 <= z <= far_z):
+            continue
+        x, y, z = np.floor(x / edge), np.floor(y / edge), np.floor(z / edge)
         if not (0 <= x < flags.shape[0] and 0 <= y < flags.shape[1] and 0 <= z < flags.shape[2]):
             continue
         if flags[int(x), int(y), int(z)]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from drake_geom_ros.common.whole_files import check_first_line
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
+from examples.demo import sensed
 from examples.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
 from examples.demo.recording import COLUMNS
 
@@ -39,6 +40,11 @@ def _arguments() -> argparse.Namespace:
         help='cycles per second that python-fcl checks; the outcome is in the log',
     )
     parser.add_argument('--view', action='store_true', help='show it in the browser too')
+    parser.add_argument(
+        '--sensed',
+        action='store_true',
+        help='instead: an arm keeps its distance from a ball that only a depth camera sees',
+    )
     parser.add_argument('--out', type=Path, default=Path('out/demo'), help='folder of the files')
     options = parser.parse_args()
     if options.seconds <= 0.0 or not 0.1 <= options.rate <= 1000.0:
@@ -116,7 +122,10 @@ def main() -> int:
     # Ended by a signal it still ends its processes.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        _run(options, *_files(options))
+        if options.sensed:
+            sensed.show(options.out)
+        else:
+            _run(options, *_files(options))
     except (ProcessFailedError, SceneFileError, ValueError, FileExistsError) as error:
         print(f'demo: {error}', file=sys.stderr)
         return 1

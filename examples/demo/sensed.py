@@ -1,6 +1,6 @@
 """An arm keeps its distance from a thing that is in no scene file: a depth camera sees it.
 
-``python -m examples.demo.sensed`` starts a node with the demo's two arms. A ball hangs where the
+``./run demo --sensed`` starts a node with the demo's two arms. A ball hangs where the
 left hand is to go; the model has none. Images of a camera on a mast, rendered of the arms, their
 objects and the ball, go to the node, which leaves out what it knows. The arm goes on only while
 results say that it is far enough from what was seen. Left is sensed.png: the distance that the
@@ -273,17 +273,22 @@ def draw(world: World, steps: list[Step], path: Path) -> None:
     figure.savefig(path, dpi=100)
 
 
-def main() -> None:
-    """Run and print."""
-    parser = argparse.ArgumentParser(prog='demo.sensed', description=__doc__.splitlines()[0])
-    parser.add_argument('--out', type=Path, default=Path('out/sensed'), help='folder of the files')
-    options = parser.parse_args()
-    steps = run(options.out)
+def show(out: Path) -> None:
+    """Run, and print where the arm stayed."""
+    steps = run(out)
     last = steps[-1]
     print(
         f'the arm stays at {last.time:.2f} s of its motion: the node tells {last.told:.3f} m to '
-        f'what was seen, {last.true:.3f} m are true, and {_KEEP:g} m are to be kept'
+        f'what was seen, {last.true:.3f} m are true, and {_KEEP:g} m are to be kept; see '
+        f'{out / "sensed.png"}'
     )
+
+
+def main() -> None:
+    """Show it."""
+    parser = argparse.ArgumentParser(prog='demo.sensed', description=__doc__.splitlines()[0])
+    parser.add_argument('--out', type=Path, default=Path('out/sensed'), help='folder of the files')
+    show(parser.parse_args().out)
 
 
 if __name__ == '__main__':

@@ -14,6 +14,7 @@ from oracles.shape_scenes import ShapeScene
 from drake_geom_ros import batch
 from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry import (
+    Box,
     ClippingRange,
     DepthRange,
     DepthRenderCamera,
@@ -33,7 +34,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.geometry.autodiff.poses import with_derivatives
 from drake_geom_ros.geometry.visualizer import _messages
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import load_scene, save_scene
 from drake_geom_ros.sensors import CameraInfo
 from drake_geom_ros.viewing.surfaces import parts_of
@@ -203,19 +204,38 @@ def test_drawing(scene):
     assert not told
 
 
-def depth_of(shape):
-    camera = RenderCameraCore(
+def seen_of(bodies):
+    """Return the depths and the labels (31, 31) of bodies, labelled by their places."""
+    core = RenderCameraCore(
         'exact', CameraInfo(31, 31, 0.4), ClippingRange(0.01, 10.0), RigidTransform()
     )
-    scene, _ = scene_of([(shape, RigidTransform([0.0, 0.0, 1.0]))])
-    return images(scene, DepthRenderCamera(camera, DepthRange(0.1, 5.0)), want=('depth',))
+    scene, _ = scene_of(bodies)
+    camera = DepthRenderCamera(core, DepthRange(0.1, 5.0))
+    seen = images(scene, camera, want=('depth', 'label'))
+    return seen.depth.data[..., 0], seen.label.data[..., 0]
 
 
-def test_cells_are_in_images_and_balls_are_refused():
-    depth = depth_of(make(OccupiedCells)).depth.data[15, 15, 0]
-    assert depth == pytest.approx(0.9, abs=1e-6)
-    with pytest.raises(GeometryError, match=r'PointCloud\(.* images show no balls'):
-        depth_of(make(PointCloud))
+@pytest.mark.parametrize('kind', KINDS)
+def test_cells_and_balls_are_in_images(kind):
+    depth, _ = seen_of([(make(kind), RigidTransform([0.0, 0.0, 1.0]))])
+    assert depth[15, 15] == pytest.approx(0.9, abs=1e-3)
+
+
+def test_images_of_balls_are_those_of_so_many_spheres():
+    """One geometry with one label, turned, beside others."""
+    rng = np.random.default_rng(0)
+    X_WM = RigidTransform(RollPitchYaw(0.3, -0.5, 0.8), [0.1, 0.0, 1.5])
+    positions = rng.uniform(-0.4, 0.4, (40, 3))
+    box = Box(0.2, 0.2, 0.2), RigidTransform([-0.2, 0.1, 1.4])
+    wall = Box(2.0, 2.0, 0.1), RigidTransform([0.0, 0.0, 2.5])
+    balls = [(Sphere(0.05), X_WM @ RigidTransform(p)) for p in positions]
+    depth, labels = seen_of([box, wall, (PointCloud(0.05, positions), X_WM)])
+    expected, of_spheres = seen_of([box, wall, *balls])
+    np.testing.assert_allclose(depth, expected, atol=1e-6, rtol=0)
+    one, several = np.unique(labels), np.unique(of_spheres)
+    assert len(one) == 3
+    assert len(several) > 10
+    assert (labels == np.minimum(of_spheres, one.max())).all()
 
 
 def test_a_saved_scene_has_the_map(scene):

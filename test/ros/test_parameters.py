@@ -133,3 +133,14 @@ def test_where_nothing_may_be_written_there_are_no_replays(start):
     assert 'allow_writes' in result.reason
     # Who may set parameters must not be able to allow it.
     assert not put(node, 'allow_writes', True).successful
+
+
+def test_a_box_is_six_numbers_in_order(start):
+    node, store = start(obstacle_box=[-1, -1, 0, 1, 1, 2])
+    assert store.values.obstacle_box == (-1.0, -1.0, 0.0, 1.0, 1.0, 2.0)
+    for wrong in ([1.0], [0.0] * 6, [0.0, 0.0, 0.0, 1.0, 1.0, float('nan')], ['a'] * 6):
+        assert not put(node, 'obstacle_box', wrong).successful
+        assert 'obstacle_box is' in put(node, 'obstacle_box', wrong).reason
+    assert put(node, 'obstacle_box', [-1.0, -1.0, 0.0, float('inf'), 1.0, 2.0]).successful
+    nothing = Parameter('obstacle_box', Parameter.Type.NOT_SET, None)
+    assert start(obstacle_box=nothing)[1].values.obstacle_box == ()

@@ -207,7 +207,8 @@ def test_what_the_node_said_is_the_same_to_the_bit(recording, folder):
     proved = Counter(e.topic for e in found.entries if e.outcome == Outcome.WITHIN)
     topics = Counter(e.topic for e in found.entries if e.outcome == Outcome.SAME)
     assert (topics + proved)[f'{NODE}/signed_distances'] >= 100
-    assert topics[f'{NODE}/signed_distances'] >= 5  # others began with an earlier answer
+    # Others began with an earlier answer: their witness points, too, are of other last digits.
+    assert topics[f'{NODE}/signed_distances'] >= 1
     assert topics[f'{NODE}/penetrations'] >= 100
     assert topics[f'{NODE}/proximity_events'] >= 2
     said = [e for e in found.entries if e.topic.endswith('events')]
@@ -232,6 +233,8 @@ def test_what_is_false_is_refuted(run, folder, tmp_path):
                 message.is_nhat_ba_w_unique = message.is_nhat_ba_w_unique[1:]
                 for name in ('p_aca', 'p_bcb', 'nhat_ba_w'):
                     setattr(message, name, getattr(message, name)[3:])
+            if len(wrong) == 60:
+                message.p_aca = message.p_aca + 1e-3
             data = bytes(store.serialize_cdr(message, kind))
         if topic.endswith('/proximity_events'):
             message = store.deserialize_cdr(data, kind)
@@ -242,9 +245,10 @@ def test_what_is_false_is_refuted(run, folder, tmp_path):
     changed = run.write(tmp_path / 'changed', falsified)
     entries = audit(changed, folder / 'cell.yaml').entries
     said = [e for e in entries if e.topic.endswith('/signed_distances')]
-    assert [said[k].outcome for k in (29, 39, 49)] == [
+    assert [said[k].outcome for k in (29, 39, 49, 59)] == [
         Outcome.REFUTED,
         Outcome.WITHIN,
+        Outcome.REFUTED,
         Outcome.REFUTED,
     ]
     events = [e.outcome for e in entries if e.topic.endswith('events') and 'near' not in e.because]

@@ -1,4 +1,4 @@
-"""Changes of a model that concern all that a source has, or whom a frame follows."""
+"""Changes of a model: sources and frames that go with what is theirs, whom frames follow."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drake_geom_ros.geometry.model._records import (
 
 
 class Removed(NamedTuple):
-    """What went with a source."""
+    """What went with a source, or with a frame."""
 
     frames: list[FrameId]
     geometries: list[GeometryRecord]
@@ -43,17 +43,40 @@ def remove_source(model: Model, source_id: SourceId) -> Removed:
     if guests:
         raise OwnershipError(_refusal(model, name, guests))
     geometries = [g for g in model.geometries.values() if g.source_id == source_id]
+    removed = _drop(model, frames, geometries)
+    del model.sources[source_id]
+    model.source_names.remove(name)
+    return removed
+
+
+def remove_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> Removed:
+    """Remove a frame and the geometries on it.
+
+    Raises OwnershipError for a frame that is not the source's, and GeometryError while other
+    frames hang on it.
+    """
+    frame = model.owned_frame(source_id, frame_id)
+    hanging = [named(other) for other in model.frames.values() if other.parent_id == frame_id]
+    if hanging:
+        raise GeometryError(
+            f'RemoveFrame: {", ".join(hanging[:5])} {"hang" if len(hanging) > 1 else "hangs"} on '
+            f'{named(frame)}; remove or detach {"them" if len(hanging) > 1 else "it"} first'
+        )
+    return _drop(model, [frame_id], [model.geometries[id] for id in frame.geometry_ids])
+
+
+def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord]) -> Removed:
+    """Remove frames, on which nothing else hangs, and geometries, with what is known of them."""
     for record in geometries:
         model.children.pop(record.id, None)
         for role in record.roles():
             del model.geometry_names[record.frame_id, role, record.name]
         del model.frames[record.frame_id].geometry_ids[record.id]
         del model.geometries[record.id]
-    for frame in frames:
-        model.frame_names.remove((source_id, model.frames.pop(frame).name))
-        model.first_X_PFs.pop(frame, None)
-    del model.sources[source_id]
-    model.source_names.remove(name)
+    for id in frames:
+        frame = model.frames.pop(id)
+        model.frame_names.remove((frame.source_id, frame.name))
+        model.first_X_PFs.pop(id, None)
     model.changed(
         frames=bool(frames), roles={role for record in geometries for role in record.roles()}
     )

@@ -20,7 +20,7 @@ from drake_geom_ros.geometry.model.properties import GeometryProperties, Role
 from drake_geom_ros.geometry.model.rgba import Rgba
 from drake_geom_ros.geometry.render.render_label import RenderLabel
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
-from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape, for_queries
+from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape, Sphere, for_queries
 from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, PointCloud
 from drake_geom_ros.math.batched import compose
 
@@ -48,7 +48,10 @@ class PlacedBodies(NamedTuple):
 
 
 class Packed(NamedTuple):
-    """The bodies that a renderer shows, by ascending id, and where they are fixed."""
+    """The bodies that a renderer shows, by ascending id, and where they are fixed.
+
+    Each ball of a PointCloud is a body of its own, under the same id.
+    """
 
     ids: list[GeometryId]
     names: list[str]  # for messages
@@ -91,31 +94,48 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
     rows = {frame: row for row, frame in enumerate(model.frames)}
     given = [_label(record, params) for record in records]
     labels = np.array(_numbered(given) if params.number_geometries else given, dtype=np.int16)
-    shapes = [_primitive(record) for record in records]
+    kinds = np.array([_kind(record) for record in records], dtype=np.int64)
+    shapes = np.array([_sizes(record) for record in records]).reshape(-1, 3)
+    colours = np.array([_colour(r, params, rows[r.frame_id]) for r in records]).reshape(-1, 3)
+    R_FGs = np.array([record.X_FG.rotation().matrix() for record in records]).reshape(-1, 3, 3)
+    p_FGs = np.array([record.X_FG.translation() for record in records]).reshape(-1, 3)
     meshes = [_mesh(record) for record in records]
-    vertices = [mesh.vertices for mesh in meshes]
-    starts = np.cumsum([0, *map(len, vertices)], dtype=np.int64)
+    places = [_places(record) for record in records]
+    of = np.repeat(np.arange(len(records)), list(map(len, places)))  # the record of each body
+    p_GBs = np.concatenate([np.zeros((0, 3)), *places])
+    # What has several bodies has no facets.
+    of_vertices, of_faces = (
+        np.array([len(part) for part in parts], dtype=np.int64)[of]
+        for parts in ([m.vertices for m in meshes], [m.triangles for m in meshes])
+    )
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)], dtype=np.int64)
     faces = [m.triangles + start for m, start in zip(meshes, starts[:-1].tolist(), strict=True)]
     bodies = Bodies(
-        kinds=np.array([kind for kind, _ in shapes], dtype=np.int64),
-        shapes=np.array([numbers for _, numbers in shapes]).reshape(-1, 3),
-        colours=np.array([_colour(r, params, rows[r.frame_id]) for r in records]).reshape(-1, 3),
-        labels=labels,
-        is_labelled=labels != int(RenderLabel.kDoNotRender),
-        vertex_starts=starts,
-        p_GVs=np.concatenate([np.zeros((0, 3)), *vertices]),
-        triangle_starts=np.cumsum([0, *map(len, faces)], dtype=np.int64),
+        kinds=kinds[of],
+        shapes=shapes[of],
+        colours=colours[of],
+        labels=labels[of],
+        is_labelled=labels[of] != int(RenderLabel.kDoNotRender),
+        vertex_starts=np.concatenate(([0], np.cumsum(of_vertices))),
+        p_GVs=np.concatenate([np.zeros((0, 3)), *(mesh.vertices for mesh in meshes)]),
+        triangle_starts=np.concatenate(([0], np.cumsum(of_faces))),
         triangles=np.concatenate([np.zeros((0, 3), np.int32), *faces]).astype(np.int32),
         facet_colours=np.concatenate([np.zeros((0, 3), np.float32), *(m.colours for m in meshes)]),
     )
+    maps = [str(_looks(record, params.role, 'diffuse_map') or '') for record in records]
+    drawn = [
+        Sphere(record.shape.radius()) if isinstance(record.shape, PointCloud) else record.shape
+        for record in records
+    ]
+    frames = np.array([rows[record.frame_id] for record in records], dtype=np.int64)
     return Packed(
-        [record.id for record in records],
-        [named(record) for record in records],
-        [record.shape for record in records],
-        [str(_looks(record, params.role, 'diffuse_map') or '') for record in records],
-        np.array([rows[record.frame_id] for record in records], dtype=np.int64),
-        np.array([record.X_FG.rotation().matrix() for record in records]).reshape(-1, 3, 3),
-        np.array([record.X_FG.translation() for record in records]).reshape(-1, 3),
+        [records[k].id for k in of],
+        [named(records[k]) for k in of],
+        [drawn[k] for k in of],
+        [maps[k] for k in of],
+        frames[of],
+        R_FGs[of],
+        (R_FGs[of] @ p_GBs[..., np.newaxis])[..., 0] + p_FGs[of],
         bodies,
     )
 
@@ -184,20 +204,33 @@ def _colour(record: GeometryRecord, params: RenderEngineExactParams, frame: int)
     return diffuse.rgba[:3]
 
 
-def _primitive(record: GeometryRecord) -> tuple[int, Floats]:
-    """Return the kind and the parameters (3,) of a shape; a mesh has the kind CONVEX."""
+def _kind(record: GeometryRecord) -> int:
+    """Return the kind of the bodies of a geometry; a mesh has the kind CONVEX."""
     shape = record.shape
     if isinstance(shape, MeshcatCone):
         raise GeometryError(f'{named(record)} is a MeshcatCone, which images do not show')
     if isinstance(shape, PointCloud):
-        raise GeometryError(
-            f'{named(record)} is {shape!r}, of which images show no balls: give it no such role, '
-            'or make it OccupiedCells(2 * radius, positions), which they show'
-        )
+        return SPHERE
     if isinstance(shape, (Convex, Mesh, OccupiedCells)):
-        return CONVEX, np.zeros(3)
-    numbers = np.zeros(3)
-    kind, parameters = for_queries(shape).in_pairs
+        return CONVEX
+    return int(for_queries(shape).in_pairs.kind)
+
+
+def _places(record: GeometryRecord) -> Floats:
+    """Return where the bodies (k, 3) [m] of a geometry are in it: one, or one for each ball."""
+    shape = record.shape
+    return shape.positions() if isinstance(shape, PointCloud) else np.zeros((1, 3))
+
+
+def _sizes(record: GeometryRecord) -> Floats:
+    """Return the parameters (3,) of a primitive; zeros for a mesh."""
+    shape, numbers = record.shape, np.zeros(3)
+    if isinstance(shape, (Convex, Mesh, OccupiedCells)):
+        return numbers
+    if isinstance(shape, PointCloud):
+        kind, parameters = SPHERE, np.array([shape.radius()])
+    else:
+        kind, parameters = for_queries(shape).in_pairs
     numbers[: len(parameters)] = parameters
     small = (parameters < SMALLEST_SIZE).any() and kind not in (SPHERE, HALF_SPACE)
     if small or (parameters > LARGEST_SIZE).any():
@@ -205,7 +238,7 @@ def _primitive(record: GeometryRecord) -> tuple[int, Floats]:
             f'{named(record)} is {shape!r}; images show sizes from {SMALLEST_SIZE:g} to '
             f'{LARGEST_SIZE:g} m'
         )
-    return kind, numbers
+    return numbers
 
 
 class _Facets(NamedTuple):

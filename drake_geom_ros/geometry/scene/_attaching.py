@@ -11,7 +11,7 @@ from drake_geom_ros.math import RigidTransform
 
 
 class Attaching(SceneHolder):
-    """What is ours of a SceneGraph's changes: pydrake's sources stay, and so do parents."""
+    """What is ours of a SceneGraph's changes: pydrake's sources, frames, parents stay."""
 
     @or_on_context
     def RemoveSource(self, on: SceneContent, source_id: SourceId) -> list[FrameId]:
@@ -21,12 +21,17 @@ class Attaching(SceneHolder):
         if the source is not registered, and while frames of others are attached to its frames.
         """
         removed = _attachments.remove_source(on.model, source_id)
-        for record in removed.geometries:
-            if record.proximity is not None:
-                on.filters.remove(record.id.get_value())
-        for frame in removed.frames:
-            on.filters.welded.pop(frame.get_value(), None)
+        _remove_from_filters(on, removed)
         return removed.frames
+
+    @or_on_context
+    def RemoveFrame(self, on: SceneContent, source_id: SourceId, frame_id: FrameId) -> None:
+        """Remove a frame with the geometries on it; all others keep their ids.
+
+        What was said of its geometries in collision filters goes with them. Raises RuntimeError
+        if the frame is not the source's, and while other frames hang on it.
+        """
+        _remove_from_filters(on, _attachments.remove_frame(on.model, source_id, frame_id))
 
     @or_on_context
     def AttachFrame(
@@ -76,3 +81,12 @@ class Attaching(SceneHolder):
         """
         pose = checked_pose(X_PF, 'DetachFrame: X_PF')
         on.begin_at(_attachments.detach_frame(on.model, source_id, frame_id), pose)
+
+
+def _remove_from_filters(on: SceneContent, removed: _attachments.Removed) -> None:
+    """Forget what was said in collision filters of what has gone."""
+    for record in removed.geometries:
+        if record.proximity is not None:
+            on.filters.remove(record.id.get_value())
+    for frame in removed.frames:
+        on.filters.welded.pop(frame.get_value(), None)

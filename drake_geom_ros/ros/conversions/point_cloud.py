@@ -35,10 +35,7 @@ def columns_of_cloud(message: Any) -> Columns:
     Takes any point_step, row_step, byte order and offsets; x, y and z are FLOAT32 or FLOAT64.
     Raises ArgumentError for a cloud without them, or with less data than it says.
     """
-    if len(message.fields) > _MOST_FIELDS:
-        raise ArgumentError(
-            f'it has {len(message.fields)} fields; at most {_MOST_FIELDS} are read'
-        )
+    refuse_too_many_fields(len(message.fields))
     fields = {field.name: field for field in message.fields}
     if missing := [axis for axis in 'xyz' if axis not in fields]:
         raise ArgumentError(
@@ -79,3 +76,9 @@ def columns_of_cloud(message: Any) -> Columns:
         return none, none, none
     cloud = np.ndarray((height, width), point, memoryview(message.data), strides=strides)
     return cloud['x'], cloud['y'], cloud['z']
+
+
+def refuse_too_many_fields(count: int) -> None:
+    """Raise ArgumentError for a cloud with more fields than are read."""
+    if count > _MOST_FIELDS:
+        raise ArgumentError(f'it has {count} fields; at most {_MOST_FIELDS} are read')

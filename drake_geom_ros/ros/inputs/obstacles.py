@@ -46,7 +46,7 @@ class ObstacleSettings(NamedTuple):
     keep: float  # [s]
     rays: bool
     margin: float  # [m]
-    box: tuple[float, ...] = ()  # two corners (6,) [m] in the world; none: no limit
+    box: tuple[float, ...] = ()  # its corners (6,) [m] in the world; none: no limit
 
     def corners(self) -> tuple[Floats, Floats]:
         """Return the corners (3,), (3,) [m] of what is taken, in the world."""
@@ -151,7 +151,10 @@ class ObstacleInput:
         if not len(cells):
             raise ArgumentError('the tree has no occupied cell: it shows nothing')
         moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda query: ())
-        counts = MapCounts(points=len(cells), cells=len(cells))
+        taken = _cells_in_box(cells, moment.X_WF, self._settings())
+        beyond = len(cells) - len(taken)
+        counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))
+        cells = taken
         self._put(moment, _Seen(cells, moment.X_WF, counts, start, generation))
 
     def _take_points(self, columns: Columns, header: Any, waited: float) -> None:
@@ -241,3 +244,12 @@ class ObstacleInput:
             taken, seconds = self.counts.taken + 1, time.perf_counter() - seen.start
             self.counts = replace(seen.counts, taken=taken, seconds=seconds)
         self._changed()
+
+
+def _cells_in_box(cells: Cells, X_WM: RigidTransform, settings: ObstacleSettings) -> Cells:
+    """Return the cells that reach into the box of settings, or the nearest to it."""
+    low, high = settings.corners()
+    p_WCs = X_WM.multiply(cells.centres().T).T
+    reach = 0.5 * cells.resolution * np.abs(X_WM.rotation().matrix()).sum(axis=1)
+    beyond = np.maximum(low - reach - p_WCs, p_WCs - reach - high).max(axis=1)
+    return Cells(cells.resolution, cells.packed[beyond <= max(0.0, float(beyond.min()))])

@@ -44,25 +44,35 @@ class ChangingScene(HeldScene):
             self.stand_maps(self)
         return removed
 
-    def remove_maps(self) -> None:
-        """Remove the source of sensed maps, if there is one."""
-        if self.maps_source is not None:
+    def remove_maps(self, names: Iterable[str]) -> None:
+        """Remove sensed maps; with the last one their source goes, and all others stay."""
+        gone = [name for name in self.maps if name in set(names)]
+        if len(gone) == len(self.maps) and self.maps_source is not None:
             self._remove(self.maps_source)
+            return
+        for name in gone:
+            frame = self.maps.pop(name).frame
+            self._scene_graph.RemoveFrame(self.inspector.GetOwningSourceId(frame), frame)
+            self._forget([frame])
 
     def _remove(self, source: SourceId) -> tuple[int, int]:
         name, geometries = self.inspector.GetName(source), self.inspector.num_geometries()
         frames = self._scene_graph.RemoveSource(source)
+        self._forget(frames)
+        self.awaited.forget(name)
+        self._robots = [robot for robot in self._robots if robot.name != name]
+        if source == self.maps_source:
+            self.maps, self.maps_source = {}, None
+        return len(frames), geometries - self.inspector.num_geometries()
+
+    def _forget(self, frames: Sequence[FrameId]) -> None:
+        """Forget what is known of frames that have gone."""
         gone = [frame.get_value() for frame in frames]
         self._ages.forget(gone)
         self.feeders.forget(gone)
         if self._twists is not None:
             self._twists.forget(gone)
         self._cameras = {n: c for n, c in self._cameras.items() if c[0] not in set(frames)}
-        self.awaited.forget(name)
-        self._robots = [robot for robot in self._robots if robot.name != name]
-        if source == self.maps_source:
-            self.maps, self.maps_source = {}, None
-        return len(frames), geometries - self.inspector.num_geometries()
 
     def in_order_of_removal(self, sources: Iterable[SourceId]) -> list[SourceId]:
         """Return sources, each before those that its frames are mounted on or attached to."""

@@ -120,18 +120,12 @@ def put(scene: EditableScene, name: str, sighting: Sighting, margin: float = 0.0
 def forget(scene: EditableScene, names: list[str], again: list[str], margin: float = 0.0) -> int:
     """Forget what maps hold, and return how many cells that was; those of ``again`` wait then.
 
-    The others stay what they are; all have new ids.
+    The others stay what they are, by their ids, too.
     """
     gone = sum(len(scene.maps[n].cells or ()) for n in names if n in scene.maps)
-    kept = {name: _sighting(scene, name) for name in scene.maps if name not in names}
-    scene.remove_maps()
+    scene.remove_maps(names)
     for name in again:
         stand(scene, name, margin)
-    for name, sighting in kept.items():
-        if sighting is None:
-            stand(scene, name, margin)
-        else:
-            put(scene, name, sighting, margin)
     return gone
 
 
@@ -145,13 +139,3 @@ def map_ages(scene: HeldScene) -> dict[str, float]:
         else:
             found[name] = 0.0 if since == ALWAYS else scene.clocks.age(since)
     return found
-
-
-def _sighting(scene: EditableScene, name: str) -> Sighting | None:
-    known = scene.maps[name]
-    since = scene.posed_since(known.frame)
-    shape = scene.inspector.GetShape(known.geometry)
-    if known.cells is None or since is None or not isinstance(shape, OccupiedCells):
-        return None
-    X_WM = scene.query.X_WF(known.frame)
-    return Sighting(known.cells, shape, X_WM, since, scene.newest_stamp)

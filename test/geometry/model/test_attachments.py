@@ -145,3 +145,47 @@ def test_a_source_that_holds_others_frames_stays(cell):
     graph.RemoveSource(cell.parts)
     graph.RemoveSource(cell.arm)
     assert graph.model_inspector().num_frames() == 1
+
+
+@pytest.mark.parametrize('on_context', [False, True])
+def test_a_frame_goes_with_what_is_on_it_and_all_others_stay(cell, on_context):
+    graph = cell.graph
+    manager = graph.collision_filter_manager()
+    manager.Apply(
+        CollisionFilterDeclaration().ExcludeBetween(
+            GeometrySet([cell.balls[1], cell.balls[2]]), GeometrySet([cell.balls[0]])
+        )
+    )
+    context = graph.CreateDefaultContext()
+    before = pairs(cell.query(context))
+    given = {'context': context} if on_context else {}
+    graph.RemoveFrame(cell.parts, cell.pin, **given)
+    query = cell.query(context) if on_context else cell.query()
+    left = {pair for pair in before if cell.balls[1].get_value() not in pair}
+    assert pairs(query) == left != before
+    assert query.inspector().FramesForSource(cell.parts) == {cell.part}
+    with pytest.raises(RuntimeError, match='not'):
+        query.X_WF(cell.pin)
+    # Its name is free.
+    again = graph.RegisterFrame(cell.parts, cell.part, GeometryFrame('pin'), **given)
+    assert again != cell.pin
+
+
+def pairs(query):
+    found = query.ComputeSignedDistancePairwiseClosestPoints()
+    return set(zip(found.id_A.tolist(), found.id_B.tolist(), strict=True))
+
+
+def test_a_frame_that_others_hang_on_stays(cell):
+    graph = cell.graph
+    before = graph.model_version()
+    with pytest.raises(RuntimeError, match=r'RemoveFrame: .*pin.* hangs on .*part'):
+        graph.RemoveFrame(cell.parts, cell.part)
+    with pytest.raises(RuntimeError, match='arm'):
+        graph.RemoveFrame(cell.parts, cell.hand)
+    graph.AttachFrame(cell.parts, cell.part, cell.hand, RigidTransform())
+    with pytest.raises(RuntimeError, match='hangs on'):
+        graph.RemoveFrame(cell.arm, cell.hand)
+    assert graph.model_version() == before + 1
+    with pytest.raises(RuntimeError):
+        graph.RemoveFrame(graph.RegisterSource('other'), graph.world_frame_id())

@@ -4,19 +4,22 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-from ros.inputs.sensing_node import SCENE, Node, cloud, header
+from ros.inputs.sensing_node import SCENE, Node, cloud, header, stamp_of
 from ros.inputs.tf_messages import at, message, transform
 from ros.live_scenes import live_scene
 
-from drake_geom_ros.geometry import Role
+from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometrySet, Role
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule, RuleMonitor
 from drake_geom_ros.ros.inputs.joint_input import JointInput
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene import seen_maps
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.scene_rules import Blind
 from drake_geom_ros.ros.services import obstacles, scene, shapes
 from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.sensed_maps import Cells
 
 WALLS = """
 sources: [obstacles]
@@ -133,6 +136,58 @@ def test_what_was_cleared_while_a_cloud_was_taken_stays_cleared():
     del node.input._filter.near
     node.input.take_cloud(cloud([[0, 2, 0]]))
     assert len(node.centres()) == 1
+
+
+def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
+    """Their ids, ages, filters and rules."""
+    node = Node(self_filter='none')
+    node.move(100.0, [0, 0, 0])
+    node.input.take_cloud(cloud([[1, 0, 0]]))
+    cells = Cells.of_points([[0.5, 0.5, 0.5]], 0.1)
+    shape = seen_maps.shape_of(cells, 0.0)
+    with node.live.editing() as held:
+        since = held.clocks.arrival().since(100.0)
+        for name in ('file', 'other'):
+            seen = seen_maps.Sighting(
+                Cells.of_points([[0.5, 0.5, 0.5]], 0.1),
+                shape,
+                RigidTransform(),
+                since,
+                stamp_of(100),
+            )
+            seen_maps.put(held, name, seen)
+        held.scene_graph.collision_filter_manager().Apply(
+            CollisionFilterDeclaration().ExcludeBetween(
+                GeometrySet([held.maps['other'].geometry]),
+                GeometrySet([held.names.geometry('s::arm/hand')]),
+            )
+        )
+        rule = ProximityRule('r', ('obstacles::file',), ('s::arm',), enter=1.0, leave=1.1)
+        held.bind_rules()
+        held.rules.add([rule])
+        before = dict(held.maps)
+    pairs, _ = node.pairs()
+    response = Plain(cells=None)
+    obstacles.clear_obstacles(node.live, Plain(map='points'), response)
+    assert response.cells == 1
+    with node.live.reading() as held:
+        assert {n: held.maps[n] for n in ('file', 'other')} == {
+            n: before[n] for n in ('file', 'other')
+        }
+        assert held.maps['points'].geometry != before['points'].geometry
+        assert held.maps['points'].cells is None
+    left, waiting = node.pairs()
+    assert waiting == 1
+    assert left == {p: d for p, d in pairs.items() if 'obstacles::points/map' not in p}
+    with node.live.editing() as held:
+        held.bind_rules()
+        assert held.rules.rules == (rule,)
+    obstacles.clear_obstacles(node.live, Plain(map='file'), response)
+    with node.live.reading() as held:
+        assert set(held.maps) == {'points', 'other'}
+    obstacles.clear_obstacles(node.live, Plain(map=''), response)
+    with node.live.reading() as held:
+        assert set(held.maps) == {'points'}
 
 
 def test_what_others_posed_stays_where_it_is_when_a_map_comes(tmp_path):

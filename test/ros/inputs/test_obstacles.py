@@ -257,3 +257,46 @@ def test_a_frame_that_only_tf_knows_hangs_on_one_of_the_scene(monkeypatch):
     assert near(node.centres(), [[3.55, 1.05, 2.05]])
     with pytest.raises(RuntimeError, match='TF'):
         node.input.take_cloud(cloud([[0, 1, 0]], 'nowhere'))
+
+
+BOX = (-1.0, -1.0, 1.0, 1.0, 1.0, 3.0)
+
+
+@pytest.mark.parametrize(
+    ('points', 'kept'),
+    [
+        ([[0.55, 0.0, 0.0], [1.55, 0, 0], [0, 0, -1.55], [0, -0.55, 0.55]], [0, 3]),
+        ([[1.55, 0.0, 0.0], [3.05, 0, 0], [0, 0, 1.95]], [0]),  # none: the nearest
+    ],
+)
+def test_what_lies_beyond_the_box_is_left_out_but_never_all(points, kept):
+    node = Node(self_filter='none', box=BOX)
+    node.input.take_cloud(cloud(points))
+    cells = Cells.of_points(np.array(points)[kept] + [0, 0, 2], 0.1)
+    assert near(node.centres(), cells.centres())
+    assert node.input.counts.out_of_box == len(points) - len(kept)
+
+
+def test_beside_a_box_that_holds_but_the_robot_the_nearest_point_counts():
+    node = Node(self_filter='scene', box=(2.5, -1.0, -1.0, 3.5, 1.0, 1.0))
+    node.move(99.9, [0, 0, 0])
+    node.move(100.1, [0, 0, 0])
+    node.input.take_cloud(cloud([[3.0, 0.0, -2.0], [4.05, 0.05, -1.95], [4.45, 0.05, -1.95]]))
+    assert near(node.centres(), [[4.05, 0.05, 0.05]])
+    assert (node.input.counts.on_bodies, node.input.counts.out_of_box) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ('box', 'kept'),
+    [
+        ((-1.0, -1.0, 1.0, 0.14, 1.0, 3.0), 2),  # the second one reaches in
+        ((-1.0, -1.0, 1.0, 0.09, 1.0, 3.0), 1),
+        ((-9.0, -1.0, 1.0, -8.0, 1.0, 3.0), 1),
+    ],
+)
+def test_cells_of_an_octomap_are_those_that_reach_into_the_box(box, kept):
+    node = Node('octomap', box=box)
+    cells = Cells.of_points([[0.05, 0.05, 0.05], [0.15, 0.05, 0.05], [0.35, 0.05, 0.05]], 0.1)
+    node.input.take_octomap(octomap(cells))
+    assert near(node.centres(), cells.centres()[:kept] + np.array([0.0, 0.0, 2.0]))
+    assert node.input.counts.out_of_box == len(cells) - kept
