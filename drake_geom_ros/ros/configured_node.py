@@ -397,8 +397,3 @@ class ConfiguredNode:
             self._node.get_logger().warning(_NO_CLOCK, once=True)
         message.header.stamp = now.to_msg()
         self._diagnostics_publisher.publish(message)
-
-
-def seconds_now(node: LifecycleNode) -> float:
-    """Return the node's time [s] (simulated when use_sim_time is set)."""
-    return float(node.get_clock().now().nanoseconds * 1e-9)
