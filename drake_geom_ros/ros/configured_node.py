@@ -20,6 +20,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros import rule_topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
+from drake_geom_ros.ros.contact_topics import contact_topic
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
@@ -28,7 +29,6 @@ from drake_geom_ros.ros.namesakes import Namesakes
 from drake_geom_ros.ros.obstacle_listening import ObstacleListening
 from drake_geom_ros.ros.outputs import cameras, level_costs, replays, rule_events
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
-from drake_geom_ros.ros.outputs.contact_topic import ContactTopic
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
@@ -103,9 +103,7 @@ class ConfiguredNode:
                 ('cycle_report', messages.CycleReport),
             )
         }
-        kind = messages.ContactSurfaces
-        pressed = surface.publisher(kind, '~/contact_surfaces', results())
-        contacts = ContactTopic(pressed, kind(), lambda: settings.values.contact_polygons)
+        contacts = contact_topic(surface, settings)
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = Shown(
