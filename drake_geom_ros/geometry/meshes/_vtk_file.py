@@ -22,8 +22,8 @@ from drake_geom_ros.geometry.meshes.volume_surface import (
 )
 
 _MISSING = (
-    "meshio is not installed, and .vtk files take it: pip install meshio, or this package with its "
-    "extra 'volume_meshes'"
+    'meshio is not installed, and .vtk files take it: pip install meshio, or this package with '
+    "its extra 'volume_meshes'"
 )
 _TETRAHEDRA = 'its cells must be tetrahedra, of type 10'
 

@@ -112,7 +112,9 @@ def sums_of(found, least):
     faces = [k for k in faces if field.EvaluateCartesian(k, mesh.element_centroid(k)) > least]
     areas = np.array([mesh.area(k) for k in faces])
     middles = [mesh.element_centroid(k) for k in faces]
-    pressures = [field.EvaluateCartesian(k, middle) for k, middle in zip(faces, middles)]
+    pressures = [
+        field.EvaluateCartesian(k, middle) for k, middle in zip(faces, middles, strict=True)
+    ]
     force = (areas * pressures) @ np.array([mesh.face_normal(k) for k in faces])
     return len(areas), areas.sum(), force, np.sort(pressures)
 
@@ -130,7 +132,7 @@ def test_surfaces_are_pydrakes(path, refined_path, kind):
     for bodies, poses in poses_and_others(path, 48):
         mine, other = surfaces(bodies, poses), surfaces(bodies, poses, theirs)
         assert len(mine) == len(other)
-        for a, b in zip(mine, other):
+        for a, b in zip(mine, other, strict=True):
             count, area, force, pressures = sums_of(a, least)
             count_b, area_b, force_b, pressures_b = sums_of(b, least)
             assert count == count_b
@@ -176,7 +178,7 @@ def test_without_a_vertex_inside_it_is_refused_and_refined_it_is_not(tmp_path):
     points, rows = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]]
     flat = tmp_path / 'one.vtk'
     flat.write_text(vtk(points, rows))
-    with pytest.raises(ours.GeometryError, match='on their boundary.*RefineVolumeMesh'):
+    with pytest.raises(ours.GeometryError, match=r'on their boundary.*RefineVolumeMesh'):
         mesh_and_pressures(str(flat))
     rigid, _, _ = query_of([of_file(str(flat), 0.0)], [(np.eye(3), np.zeros(3))])
     assert rigid is not None

@@ -82,7 +82,10 @@ def turned(k):
 FLAT = [*CELLS, (0, 1, 2, 3)]  # four corners of a side
 REFUSED = {
     'a triangle': (vtk(POINTS, [*CELLS, (0, 1, 2)], [10] * 12 + [5]), 'kind triangle; its cells'),
-    'a hexahedron': (vtk(POINTS, [tuple(range(8))], [12]), 'kind hexahedron; its cells must be te'),
+    'a hexahedron': (
+        vtk(POINTS, [tuple(range(8))], [12]),
+        'kind hexahedron; its cells must be te',
+    ),
     'no cell': (vtk(POINTS, []), 'no cells|holds no mesh'),
     'inside out': (vtk(POINTS, turned(3)), 'element 3 is inside out'),
     'flat': (vtk(POINTS, FLAT), 'element 12 has no volume'),
