@@ -54,7 +54,9 @@ _IN_WORDS = """
   mesh as it is before it is bent. Files that a mesh file refers to are not opened: buffers of glTF
   must be embedded, and `supporting_files` of an `InMemoryMesh` are kept, not read.
 - Vertices of a `.vtk` file that no tetrahedron has are left out; pydrake counts their distance to
-  the boundary in the pressure.
+  the boundary in the pressure. Of a compliant one, tetrahedra with all corners on the boundary are
+  cut by `RefineVolumeMesh` first, and one in several pieces is refused: in pydrake such parts
+  overlap a body without a surface.
 - Numbers for which pydrake ends the process, such as `Capsule(1, 0)`, raise a RuntimeError.
 - Every answer has an `error_bound`, and every query takes `accuracy`: see [concepts](concepts.md).
 - A file that was pickled with pydrake contains objects of pydrake.

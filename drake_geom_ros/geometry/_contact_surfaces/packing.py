@@ -61,7 +61,7 @@ def packed_volume(
         planes[inside, k] *= -1.0
     numbers = float(np.linalg.norm(points, axis=1).max()), 0.0
     nodes = np.hstack((boxes, _ranges(corners, fields, (len(boxes) + 1) // 2)))
-    inner = points[pressures == pressures.max()].mean(axis=0)
+    inner = points[pressures.argmax()].copy()  # of several no mean: that may be outside of a ring
     return PackedBody(VOLUME, numbers, inner, points, elements, fields, planes, beyond, nodes)
 
 

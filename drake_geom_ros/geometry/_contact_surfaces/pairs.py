@@ -164,11 +164,12 @@ def _without_surface(bodies: Bodies, between: Between, scratch: Scratch, out: Su
     """Return whether two bodies without polygons overlap all the same, and how.
 
     Say there is no face where both pressures are equal, or where a rigid surface is in the other
-    body, whatever its normal. Of two compliant bodies that overlap, the difference of pressures
-    has then the same sign in all that is in both. On the surface of each, inside the other, its
-    own pressure is the lower one: so one of them has no surface inside the other, and is within
-    it, with its innermost point. A rigid surface that does not enter the other body has all of it
-    inside or outside. So the innermost points tell.
+    body, whatever its normal. Compliant bodies are of one piece, with pressure all over inside. Of
+    two of them the difference of pressures has then the same sign all over each piece of what is
+    in both. On the surface of each, inside the other, its own pressure is the lower one: so that
+    piece is bounded by the surface of one of them alone, which is all of that body, with its
+    innermost point. A rigid surface that does not enter the other body has all of it inside or
+    outside. So the innermost points tell.
     """
     if one_is_swallowed(bodies, between, scratch):
         return SWALLOWED

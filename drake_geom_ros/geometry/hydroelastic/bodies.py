@@ -25,7 +25,9 @@ from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.meshes.volume_surface import (
     ConvertVolumeToSurfaceMesh,
+    RefineVolumeMesh,
     check_elements,
+    count_pieces,
     on_boundary,
 )
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
@@ -170,15 +172,19 @@ def _cut(shape: Shape, material: HydroelasticMaterial) -> CutBody:
 def _by_distance(mesh: VolumeMesh) -> CutBody:
     """Return tetrahedra with extents that grow with the distance to their boundary.
 
-    As Drake's MakeVolumeMeshPressureField has it: 1 where the distance is the largest.
+    As Drake's MakeVolumeMeshPressureField has it: 1 where the distance is the largest. Otherwise
+    than there, nothing may overlap another body and look free: a tetrahedron that has all corners
+    on the boundary has no pressure, so no surface with anything, and is cut first; and of several
+    pieces one can be within another body while others are not, so they are refused.
     """
     check_elements(mesh, 'its tetrahedra as scaled')
+    if on_boundary(mesh)[mesh.element_array()].all(axis=1).any():
+        mesh = RefineVolumeMesh(mesh)
     points, boundary = mesh.vertex_array(), ConvertVolumeToSurfaceMesh(mesh)
     inner = ~on_boundary(mesh)
-    if not inner.any():
+    if (pieces := count_pieces(mesh)) > 1:
         raise GeometryError(
-            'all vertices of its tetrahedra are on their boundary, where there is no pressure; '
-            'RefineVolumeMesh puts some inside'
+            f'its tetrahedra are in {pieces} pieces, which share no face: make each a Mesh'
         )
     distances = np.zeros(len(points))
     distances[inner] = distances_to_surface(

@@ -7,6 +7,8 @@ from collections import defaultdict
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
@@ -38,6 +40,14 @@ def ConvertVolumeToSurfaceMesh(volume: VolumeMesh) -> TriangleSurfaceMesh:
 def on_boundary(volume: VolumeMesh) -> NDArray[np.bool_]:
     """Return which vertices (n,) of a mesh are corners of its boundary."""
     return _on_boundary(volume.element_array(), volume.num_vertices())
+
+
+def count_pieces(volume: VolumeMesh) -> int:
+    """Return in how many pieces a mesh is, whose elements share no face."""
+    neighbours = neighbours_of(volume.element_array())
+    rows, sides = np.nonzero(neighbours >= 0)
+    graph = coo_array((np.ones(len(rows)), (rows, neighbours[rows, sides])), 2 * [len(neighbours)])
+    return int(connected_components(graph, directed=False, return_labels=False))
 
 
 def _on_boundary(elements: Indices, count: int) -> NDArray[np.bool_]:
