@@ -66,7 +66,7 @@ def test_what_stands_between_numbers_may_be_anything():
     model, own = Layout(topic, written(message)), written(message)
     dirty = bytearray(own)
     for place in np.flatnonzero(~model._counts[4:]).tolist():
-        inside = any(f.start <= place + 4 < f.stop for f in model.fields.values())
+        inside = any(place + 4 in f.places for f in model.fields.values())
         if not inside:
             dirty[place + 4] = 0xAB
     assert bytes(dirty) != own

@@ -61,6 +61,15 @@ class Posing:
         return frozenset(self.ids.tolist())
 
 
+class PosedByRun(NamedTuple):
+    """Frames that transforms pose which come again and again."""
+
+    ids: NDArray[np.int64]  # (n,) values of the frames' ids
+    rows: Floats  # (m, n, 7) X_PF at m moments
+    chains: tuple[tuple[str, ...], ...]  # of each frame the TF frames whose transforms came so
+    others: tuple[Since, ...]  # and since when the rest of its chain holds
+
+
 class Chains:
     """Follows chains of TF by names, to where they may end."""
 
@@ -112,10 +121,13 @@ def poses_in(X_WFs: Sequence[Floats], X_WPs: Sequence[Floats | None]) -> Floats:
         X_WF if X_WP is None else _in_parent(X_WF, X_WP)
         for X_WF, X_WP in zip(X_WFs, X_WPs, strict=True)
     ]
-    stacked = np.stack(np.broadcast_arrays(*X_PFs), axis=-3)
-    flat = stacked.reshape(-1, 4, 4)
+    moments = max((X_PF.shape[:-2] for X_PF in X_PFs), key=len)
+    every = np.empty((*moments, len(X_PFs), 4, 4))
+    for k, X_PF in enumerate(X_PFs):
+        every[..., k, :, :] = X_PF
+    flat = every.reshape(-1, 4, 4)
     rows = poses_from_matrices(flat[:, :3, :3], flat[:, :3, 3])
-    return rows.reshape(*stacked.shape[:-2], 7)
+    return rows.reshape(*moments, len(X_PFs), 7)
 
 
 def _in_parent(X_WF: Floats, X_WP: Floats) -> Floats:

@@ -50,12 +50,11 @@ def read_edges(
     transforms: Sequence[Any], arrival: Arrival, *, static: bool
 ) -> tuple[list[tuple[str, Edge]], Refusal]:
     """Return the child's name and edge of each transform that is one, and what the others are."""
-    numbers, names, stamps = [], [], []
+    names, numbers = names_in(transforms), []
     for entry in transforms:
-        p, q, header = entry.transform.translation, entry.transform.rotation, entry.header
+        p, q = entry.transform.translation, entry.transform.rotation
         numbers.append((p.x, p.y, p.z, q.x, q.y, q.z, q.w))
-        names.append((plain_name(header.frame_id), plain_name(entry.child_frame_id)))
-        stamps.append(math.inf if static else seconds_of(header.stamp))
+    stamps = [math.inf if static else seconds_of(entry.header.stamp) for entry in transforms]
     rows = np.array(numbers, dtype=np.float64).reshape(-1, 7)
     good = are_transforms(rows) & np.array([_are_names(*both) for both in names], dtype=bool)
     since = {s: ALWAYS if static else arrival.since(s) for s in set(stamps)}
@@ -78,6 +77,14 @@ def matrices_of(rows: Floats) -> Floats:
     Xs[:, :3, :3], Xs[:, :3, 3] = matrices_from_poses(rows)
     Xs[:, 3, 3] = 1.0
     return Xs
+
+
+def names_in(transforms: Sequence[Any]) -> list[tuple[str, str]]:
+    """Return the names of the parent and the child of each transform."""
+    return [
+        (plain_name(entry.header.frame_id), plain_name(entry.child_frame_id))
+        for entry in transforms
+    ]
 
 
 def plain_name(name: str) -> str:

@@ -22,6 +22,8 @@ import math
 from collections.abc import Collection, Hashable, Mapping
 from typing import Any
 
+import numpy as np
+
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.inputs.tf_chains import (
@@ -29,6 +31,7 @@ from drake_geom_ros.ros.inputs.tf_chains import (
     Chains,
     Floats,
     Placed,
+    PosedByRun,
     Posing,
     held_since,
     placed,
@@ -38,6 +41,7 @@ from drake_geom_ros.ros.inputs.tf_edges import Edge, Refusal, plain_name, read_e
 from drake_geom_ros.ros.inputs.tf_past import Chain, TfPast
 from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, shared, unlinked
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
+from drake_geom_ros.ros.scene.driven_robot import oldest
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
@@ -133,6 +137,37 @@ class TfInput:
         loose = self._loose_parents()
         names = self._names_of_frames(scene) if loose else ()
         return any(f.get_value() in frames and not loose.isdisjoint(own) for f, own in names)
+
+    def run_of(self, scene: EditableScene, X_PCs: Mapping[str, Floats]) -> PosedByRun | None:
+        """Return what transforms (m, 4, 4) of TF frames pose that come again and again.
+
+        They are of the parents that TF has for them now, and each later than the one before. None
+        where a message of them could pose other frames than the next.
+        """
+        ends = self._ends(scene)
+        is_settled = not (self._changed or self._unknown or self._moved(ends))
+        if not is_settled or self._version != scene.model_version:
+            return None
+        for names in self._with_two_names(scene):
+            if ALWAYS not in {self._edges[name].since for name in names}:
+                return None  # who is followed may change
+        posing = self._posing(scene, set(X_PCs), ends)
+        is_ours = all(scene.feeders.is_fed_by(TF, value) for value in posing.values)
+        if not (posing.is_by_names and is_ours) or posing.left_out:
+            return None
+        parents, chains, others = dict(posing.steps), [], []
+        for name in posing.names:
+            chain, since = list[str](), list[Since]()
+            while name in parents:
+                if name in X_PCs:
+                    chain.append(name)
+                else:
+                    since.append(self._edges[name].since)
+                name = parents[name]
+            chains.append(tuple(chain))
+            others.append(oldest(ends[name].since, *since))
+        rows = self._rows(scene, posing, ends, X_PCs) if posing.frames else np.zeros((0, 0, 7))
+        return PosedByRun(posing.ids, rows, tuple(chains), tuple(others))
 
     def _loose_parents(self) -> frozenset[str]:
         """Return the parents of transforms that have no transform of their own."""
