@@ -158,7 +158,8 @@ def _transforms_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Re
         none = np.zeros(len(at), dtype=np.int64)
         return Repeated(topic, layout, at, none, none, np.zeros((len(at), 0)), none > 0)
     numbers = np.stack([layout.numbers(rows, path) for path in TRANSFORM_NUMBERS], axis=-1)
-    is_good = are_transforms(numbers.reshape(-1, 7)).reshape(numbers.shape[:2]).all(axis=1)
+    are_good = are_transforms(numbers.reshape(-1, 7)).reshape(numbers.shape[:2])
+    is_good: Flags = np.logical_and.reduce(are_good, axis=1)
     for parts in (seconds, nanoseconds):
         is_good &= (parts == parts[:, :1]).all(axis=1)
     stamps = zip(seconds[:, 0].tolist(), nanoseconds[:, 0].tolist(), strict=True)
