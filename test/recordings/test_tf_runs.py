@@ -80,6 +80,8 @@ def unusual(kind, rng, t):
     elif kind == 'no stamp':
         for each in message.transforms:
             each.header.stamp.sec = each.header.stamp.nanosec = 0
+    elif kind == 'lagging':  # each is later than the one before, and was overtaken
+        message = told(rng, 0.05 + t - 0.5, LEFT)
     elif kind == 'late':
         message = told(rng, t - 0.5, LEFT)
     elif kind == 'rewind':
@@ -105,7 +107,18 @@ def unusual(kind, rng, t):
 
 KINDS = (
     *('nan', 'quaternion', 'far', 'parent', 'lost parent', 'loop', 'new name', 'second name'),
-    *('no name', 'stamps', 'no stamp', 'late', 'rewind', 'ahead', 'twice', 'part', 'empty'),
+    *(
+        'no name',
+        'stamps',
+        'no stamp',
+        'late',
+        'lagging',
+        'rewind',
+        'ahead',
+        'twice',
+        'part',
+        'empty',
+    ),
     *('static', 'static child', 'handed over', 'stand', 'pause', 'jump'),
 )
 STREAMS = ((LEFT,), (LEFT, RIGHT), (LEFT, RIGHT, OTHERS), (LEFT, THINGS, OTHERS), (RIGHT, MARK))
@@ -116,17 +129,15 @@ def messages(events, seed, *, clock):
     rng = np.random.default_rng(seed)
     found, t, ahead = [still(rng, 0.0)], 0.0, 0.0
     for event in events:
-        if event == 'pause':
-            t += 2.5
+        what, count = event
+        if what in ('pause', 'jump'):
+            t, ahead = (t + 2.5, ahead) if what == 'pause' else (t, ahead + 100.0)
             continue
-        if event == 'jump':
-            ahead += 100.0
+        if isinstance(what, str):
+            for _ in range(count):
+                t += 0.004
+                found.append(unusual(what, rng, t))
             continue
-        if isinstance(event, str):
-            t += 0.004
-            found.append(unusual(event, rng, t))
-            continue
-        streams, count = event
         for _ in range(count):
             t += 0.005
             if clock:
@@ -134,8 +145,8 @@ def messages(events, seed, *, clock):
                 found.append((t, '/clock', recorder.clock(now)))
             late = rng.choice([0.0, 0.001])
             found += [
-                (t + 0.001 * k, '/tf', told(rng, t + ahead - late, streams[k]))
-                for k in range(len(streams))
+                (t + 0.001 * k, '/tf', told(rng, t + ahead - late, what[k]))
+                for k in range(len(what))
                 if rng.random() < 0.95
             ]
     return found
@@ -200,7 +211,8 @@ def both_ways(place, told_of, rate):
 
 
 steady = st.tuples(st.sampled_from(STREAMS), st.integers(1, 24))
-events = st.lists(st.one_of(steady, st.sampled_from(KINDS)), min_size=4, max_size=10)
+rare = st.tuples(st.sampled_from(KINDS), st.sampled_from([1, 1, 12]))
+events = st.lists(st.one_of(steady, rare), min_size=4, max_size=10)
 
 
 @settings(max_examples=40, deadline=None)
@@ -219,9 +231,10 @@ def test_runs_of_tf_are_as_one_by_one(place, events, seed, clock, rate):
 @pytest.mark.parametrize('kind', KINDS)
 def test_each_unusual_message_is_taken_as_itself_and_runs_go_on_behind_it(place, kind):
     every = (LEFT, RIGHT, OTHERS)
-    told_of = messages([(every, 60), kind, (every, 60)], 3, clock=kind == 'jump')
-    at_once, one_by_one, taken = both_ways(place, told_of, 0.0)
+    drawn = [(every, 40), (kind, 1), (every, 40), (kind, 20), (every, 40)]
+    at_once, one_by_one, taken = both_ways(place, messages(drawn, 3, clock=kind == 'jump'), 0.0)
     assert at_once == one_by_one
     assert at_once[0]
-    # Of a frame with two moving names it may change which counts: from there on one by one.
-    assert taken > (150 if kind == 'second name' else 300)
+    # Of a frame with two moving names it may change which counts, and with a frame that two
+    # pose by turns nothing is simple: from there on one by one.
+    assert taken > (100 if kind in ('second name', 'handed over') else 300)

@@ -13,7 +13,7 @@ the usual way: so the scene is left as all of them would have left it. No ROS im
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -29,7 +29,7 @@ from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.driven_robot import DrivenRobot, oldest, or_zero
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
-from drake_geom_ros.ros.scene.feeders import JOINTS, TF
+from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 
 Floats = NDArray[np.float64]
@@ -148,6 +148,8 @@ class _Telling:
         self._heard[number] = next(iter(since)) or ALWAYS
         if self._heard[number] == ALWAYS:  # they are declared static
             return False
+        if not self._are_fed_by(MESSAGES, frames):
+            return False
         self._ids.append(ids)
         self._rows.append(self._numbers(number).reshape(-1, len(ids), 7))
         self._groups.append(PosedGroup(frames, (number,), ALWAYS))
@@ -205,23 +207,24 @@ class _Telling:
             senders = tuple(sorted({self._told_by[child] for child in chain}))
             found.setdefault((senders, others), set()).add(value)
         groups = [PosedGroup(frozenset(values), *key) for key, values in found.items()]
-        if not self._hold(groups):
+        if not self._hold(TF, groups):
             return False
         self._groups += groups
         self._ids.append(run.ids)
         self._rows.append(run.rows)
         return True
 
-    def _hold(self, groups: Sequence[PosedGroup]) -> bool:
-        """Return whether frames are as senders left them.
+    def _are_fed_by(self, feeder: str, frames: Collection[int]) -> bool:
+        """Return whether nobody else posed any of some frames last."""
+        return all(self._scene.feeders.is_fed_by(feeder, value) for value in frames)
 
-        If not, somebody else posed one meanwhile, or it is declared static.
-        """
+    def _hold(self, feeder: str, groups: Sequence[PosedGroup]) -> bool:
+        """Return whether frames are as senders left them, and none is declared static."""
         heard = [self._heard.get(k, ALWAYS) for k in range(self._count)]
         return all(
-            self._scene.posed_since(FrameId(value)) == group.since(heard)
+            self._are_fed_by(feeder, group.frames)
+            and {self._scene.posed_since(FrameId(v)) for v in group.frames} == {group.since(heard)}
             for group in groups
-            for value in group.frames
         )
 
     def tell_links(self, joints: JointInput) -> bool:
@@ -237,7 +240,7 @@ class _Telling:
                 group._replace(frames=frozenset(robot.links[row] for row in group.frames))
                 for group in groups
             ]
-            if not self._hold(groups):
+            if not self._hold(JOINTS, groups):
                 return False
             self._groups += groups
             positions = np.tile(robot.positions(), (len(self._last[0]), 1))

@@ -55,11 +55,6 @@ class Posing:
         """The values of the frames' ids (n,)."""
         return np.array([frame.get_value() for frame in self.frames], dtype=np.int64)
 
-    @cached_property
-    def values(self) -> frozenset[int]:
-        """The values of the frames' ids."""
-        return frozenset(self.ids.tolist())
-
 
 class PosedByRun(NamedTuple):
     """Frames that transforms pose which come again and again."""

@@ -152,8 +152,7 @@ class TfInput:
             if ALWAYS not in {self._edges[name].since for name in names}:
                 return None  # who is followed may change
         posing = self._posing(scene, set(X_PCs), ends)
-        is_ours = all(scene.feeders.is_fed_by(TF, value) for value in posing.values)
-        if not (posing.is_by_names and is_ours) or posing.left_out:
+        if not posing.is_by_names or posing.left_out:
             return None
         parents, chains, others = dict(posing.steps), [], []
         for name in posing.names:
