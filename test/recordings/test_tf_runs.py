@@ -238,3 +238,13 @@ def test_each_unusual_message_is_taken_as_itself_and_runs_go_on_behind_it(place,
     # Of a frame with two moving names it may change which counts, and with a frame that two
     # pose by turns nothing is simple: from there on one by one.
     assert taken > (100 if kind in ('second name', 'handed over') else 300)
+
+
+@pytest.mark.parametrize('first', [LEFT[:1], (('odom', 'base'),)])
+def test_which_of_two_names_is_followed_changes_where_it_does_one_by_one(place, first):
+    """A frame follows its longer name, until nothing was heard of that for a second."""
+    other = (('odom', 'base'),) if first == LEFT[:1] else LEFT[:1]
+    drawn = [((first, RIGHT), 30), ((other, RIGHT), 300), ((first, other), 30)]
+    at_once, one_by_one, taken = both_ways(place, messages(drawn, 5, clock=False), 0.0)
+    assert at_once == one_by_one
+    assert taken > 40
