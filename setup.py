@@ -26,6 +26,7 @@ EXTRAS = {
     'cross_check': ['python-fcl>=0.7.0.5'],  # a second opinion
     'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` writes
     'recordings': ['mcap>=1.3', 'rosbags>=0.11'],  # reports of what ROS recorded
+    'volume_meshes': ['meshio>=5.3'],  # tetrahedra in .vtk files
     'view': ['imageio>=2.20', 'viser>=1.1', 'websockets>=14'],  # the page
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser

@@ -48,11 +48,13 @@ In the examples `g` is the module `geometry`, `m` is `math`, `np` is NumPy, and
 _IN_WORDS = """
 ### Other differences
 
-- Mesh files are OBJ, glTF, and what pydrake does not read: GLB, STL, PLY and Collada (DAE, in
-  metres by its `<unit>`), but not `.vtk`. glTF is turned to z up and scaled after that, as in
+- Mesh files are OBJ, glTF, VTK (in ASCII), and what pydrake does not read: GLB, STL, PLY and DAE
+  (Collada, in metres by its `<unit>`). glTF is turned to z up and scaled after that, as in
   pydrake; one with a skin or with morph targets that are on is refused, where pydrake takes the
   mesh as it is before it is bent. Files that a mesh file refers to are not opened: buffers of glTF
   must be embedded, and `supporting_files` of an `InMemoryMesh` are kept, not read.
+- Vertices of a `.vtk` file that no tetrahedron has are left out; pydrake counts their distance to
+  the boundary in the pressure.
 - Numbers for which pydrake ends the process, such as `Capsule(1, 0)`, raise a RuntimeError.
 - Every answer has an `error_bound`, and every query takes `accuracy`: see [concepts](concepts.md).
 - A file that was pickled with pydrake contains objects of pydrake.

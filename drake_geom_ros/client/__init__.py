@@ -9,6 +9,12 @@ May import: ``math``, ``common``; numpy, ROS.
 """
 
 from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient
+from drake_geom_ros.client.contact_surfaces import (
+    ContactSurface,
+    ContactSurfaces,
+    PairsWithoutSurface,
+    PairWithoutSurface,
+)
 from drake_geom_ros.client.held_filter import HeldFilter, sleep
 from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.listening import SceneListener
@@ -57,6 +63,10 @@ __all__ = [
     'Penetration',
     'PointDistances',
     'PointDistance',
+    'ContactSurfaces',
+    'ContactSurface',
+    'PairsWithoutSurface',
+    'PairWithoutSurface',
     'RefusedError',
     'NoAnswerError',
     'IncompleteError',

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.time import Time
 
+from drake_geom_ros.client.contact_surfaces import ContactSurfaces
 from drake_geom_ros.client.left_out import LeftOut
 from drake_geom_ros.client.listening import SceneListener
 from drake_geom_ros.client.planners import PlannersQuestions
@@ -235,6 +236,29 @@ class SceneGraphClient(PlannersQuestions):
             accuracy=accuracy,
         )
         return found if allow_incomplete else found.whole('point_distances')
+
+    def contact_surfaces(
+        self,
+        poses: Poses | None = None,
+        polygons: bool = False,
+        with_fallback: bool = False,
+        allow_incomplete: bool = False,
+        joints: JointValues | None = None,
+    ) -> ContactSurfaces:
+        """Return where geometries with hydroelastic properties press each other.
+
+        Pairs that overlap without a surface are refused, or ``with_fallback`` told by
+        ``without_surface``. The ``polygons`` of the surfaces are there where they are asked for.
+        """
+        found = self._named(
+            ContactSurfaces,
+            'compute_contact_surfaces',
+            poses=frame_poses(poses or {}),
+            joints=joint_positions(joints or {}),
+            polygons=polygons,
+            with_fallback=with_fallback,
+        )
+        return found if allow_incomplete else found.whole('contact_surfaces')
 
     def has_collisions(
         self,

@@ -10,6 +10,7 @@ from drake_geom_msgs import msg
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from drake_geom_ros.client.contact_surfaces import ContactSurfaces
 from drake_geom_ros.client.results import (
     Penetrations,
     PointDistances,
@@ -72,6 +73,10 @@ class SceneListener:
     def on_point_distances(self, take: Callable[[PointDistances], None]) -> None:
         """Call ``take`` with each result of ``~/point_distances``."""
         self._listen(msg.PointDistances, 'point_distances', PointDistances, take)
+
+    def on_contact_surfaces(self, take: Callable[[ContactSurfaces], None]) -> None:
+        """Call ``take`` with each result of ``~/contact_surfaces``."""
+        self._listen(msg.ContactSurfaces, 'contact_surfaces', ContactSurfaces, take)
 
     def _listen(
         self,

@@ -23,11 +23,11 @@ Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
 Record = TypeVar('Record')
 Rows = TypeVar('Rows', bound='Results[Any]')
-Pairs = TypeVar('Pairs', bound='_PairResults[Any]')
+Pairs = TypeVar('Pairs', bound='PairResults[Any]')
 
 
 @dataclass(frozen=True)
-class _Pair:
+class Pair:
     """Two geometries; names are ``frame/geometry``."""
 
     id_a: int
@@ -39,7 +39,7 @@ class _Pair:
 
 
 @dataclass(frozen=True)
-class SignedDistance(_Pair):
+class SignedDistance(Pair):
     """The signed distance [m] of two geometries; ``|distance - truth| <= error_bound``.
 
     ``p_ACa`` and ``p_BCb`` (3,) [m] are the nearest points, each in its geometry's frame;
@@ -59,7 +59,7 @@ class SignedDistance(_Pair):
 
 
 @dataclass(frozen=True)
-class Penetration(_Pair):
+class Penetration(Pair):
     """The depth [m] by which two geometries overlap; ``|depth - truth| <= error_bound``.
 
     ``p_WCa`` and ``p_WCb`` (3,) [m] are the deepest points, in the world.
@@ -103,6 +103,9 @@ class Results(Sequence[Record], Generic[Record]):
     must not look like free space: ``bool()`` of none raises IncompleteError.
     """
 
+    _PREFIX = ''  # of the message's columns
+    _KEY: str  # the column that has as many entries as there are rows
+
     def __init__(
         self,
         message: Any,
@@ -115,18 +118,18 @@ class Results(Sequence[Record], Generic[Record]):
         self._left_out = self._missing_from(message)
         self.waiting_frames = self._left_out.frames
         self.is_complete = not self._left_out.number if is_complete is None else is_complete
-        self._rows = np.arange(len(message.error_bound)) if rows is None else rows
+        count = len(getattr(message, self._PREFIX + self._KEY))
+        self._rows = np.arange(count) if rows is None else rows
         self.table = table
         self.scene_version = int(message.scene_version)
         # [s] of the newest pose used
         self.stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1_000_000_000
         self.oldest_pose_age = float(message.oldest_pose_age)  # [s]; inf: unknown
         self.oldest_frame = table.frame_name(message.oldest_frame)  # empty: no pose grows old
-        self.error_bound = self._column('error_bound')  # (n,) [m]
-        self.method = self._column('method', kind=np.int64)  # (n,) METHOD_* constants
 
     def _column(self, name: str, width: int = 1, kind: type = np.float64) -> NDArray[Any]:
-        values: NDArray[Any] = np.asarray(getattr(self._message, name)).astype(kind)
+        column = getattr(self._message, self._PREFIX + name)
+        values: NDArray[Any] = np.asarray(column).astype(kind)
         return (values if width == 1 else values.reshape(-1, width))[self._rows]
 
     def _row(self, k: int, *names: str) -> dict[str, Any]:
@@ -173,8 +176,10 @@ class Results(Sequence[Record], Generic[Record]):
         """Return the record of row ``k``."""
 
 
-class _PairResults(Results[Record]):
+class PairResults(Results[Record]):
     """Results of pairs."""
+
+    _KEY = 'id_a'
 
     def __init__(
         self,
@@ -186,7 +191,6 @@ class _PairResults(Results[Record]):
         super().__init__(message, table, rows, is_complete)
         self.id_a = self._column('id_a', kind=np.int64)  # (n,)
         self.id_b = self._column('id_b', kind=np.int64)  # (n,)
-        self.nhat_BA_W = self._column('nhat_ba_w', 3)  # (n, 3)
 
     @staticmethod
     def _missing_from(message: Any) -> LeftOut:
@@ -214,7 +218,23 @@ class _PairResults(Results[Record]):
         return {**of_a, 'id_b': b.id, 'source_b': b.source, 'name_b': b.short_name}
 
 
-class SignedDistances(_PairResults[SignedDistance]):
+class _CertifiedPairs(PairResults[Record]):
+    """Results of pairs with normals, and how exact they are."""
+
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        super().__init__(message, table, rows, is_complete)
+        self.nhat_BA_W = self._column('nhat_ba_w', 3)  # (n, 3)
+        self.error_bound = self._column('error_bound')  # (n,) [m]
+        self.method = self._column('method', kind=np.int64)  # (n,) METHOD_* constants
+
+
+class SignedDistances(_CertifiedPairs[SignedDistance]):
     """The signed distances of a SignedDistancePairs message, with names.
 
     Arrays: ``distance``, ``error_bound``, ``lower_bound`` (n,) [m], ``p_ACa``, ``p_BCb``,
@@ -253,7 +273,7 @@ class SignedDistances(_PairResults[SignedDistance]):
         return SignedDistance(**self._pair(k), **columns)
 
 
-class Penetrations(_PairResults[Penetration]):
+class Penetrations(_CertifiedPairs[Penetration]):
     """The overlaps of a PenetrationPairs message, with names.
 
     Arrays: ``depth``, ``error_bound`` (n,) [m], ``p_WCa``, ``p_WCb``, ``nhat_BA_W`` (n, 3),
@@ -284,6 +304,8 @@ class PointDistances(Results[PointDistance]):
     ``p_GN``, ``grad_W`` (n, 3).
     """
 
+    _KEY = 'id_g'
+
     def __init__(
         self,
         message: Any,
@@ -292,6 +314,8 @@ class PointDistances(Results[PointDistance]):
         is_complete: bool | None = None,
     ) -> None:
         super().__init__(message, table, rows, is_complete)
+        self.error_bound = self._column('error_bound')  # (n,) [m]
+        self.method = self._column('method', kind=np.int64)  # (n,) METHOD_* constants
         self.point_index = self._column('point_index', kind=np.int64)  # (n,)
         self.id = self._column('id_g', kind=np.int64)  # (n,)
         self.distance = self._column('distance')  # (n,) [m]

@@ -20,6 +20,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros import rule_topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
+from drake_geom_ros.ros.contact_topics import contact_topic
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
@@ -102,6 +103,7 @@ class ConfiguredNode:
                 ('cycle_report', messages.CycleReport),
             )
         }
+        contacts = contact_topic(surface, settings)
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = Shown(
@@ -113,7 +115,9 @@ class ConfiguredNode:
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
         told = (*self._beside.values(), self._cameras.beside, decided)
-        self._cycle = Cycle(messages, publishers, self._costs, self._replays, self._rules, told)
+        self._cycle = Cycle(
+            messages, publishers, self._costs, self._replays, self._rules, contacts, told
+        )
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,
@@ -391,8 +395,3 @@ class ConfiguredNode:
             self._node.get_logger().warning(_NO_CLOCK, once=True)
         message.header.stamp = now.to_msg()
         self._diagnostics_publisher.publish(message)
-
-
-def seconds_now(node: LifecycleNode) -> float:
-    """Return the node's time [s] (simulated when use_sim_time is set)."""
-    return float(node.get_clock().now().nanoseconds * 1e-9)

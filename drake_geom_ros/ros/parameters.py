@@ -56,6 +56,7 @@ class NodeParameters:
     cross_check: float = 0.0
     closing_speeds: bool = False
     lcm_url: str = ''
+    contact_polygons: bool = False
     obstacles: tuple[str, ...] = ()
     obstacle_resolution: float = 0.03
     obstacle_reach: float = 3.0
@@ -153,6 +154,9 @@ TEXTS = {
     'lcm_url': (
         'LCM network, such as udpm://239.255.76.67:7667?ttl=0, on which the scene is shown to '
         "Drake's visualiser, marker_rate times a second; empty: none. Needs lcm."
+    ),
+    'contact_polygons': (
+        'Messages on ~/contact_surfaces hold the polygons of the surfaces, too.' + _LIVE
     ),
     'obstacles': (
         'Maps of what sensors see: points (~/obstacles/points), depth (~/obstacles/depth/...), '

@@ -22,8 +22,8 @@ VERSION = '0.2.0'  # of the format
 RESULTS = tuple(
     f'~/{name}'
     for name in (
-        *('cycle_report', 'geometry_poses', 'markers', 'penetrations', 'point_distances', 'scene'),
-        *('signed_distances', 'transition_event'),
+        *('contact_surfaces', 'cycle_report', 'geometry_poses', 'markers', 'penetrations'),
+        *('point_distances', 'scene', 'signed_distances', 'transition_event'),
         *('proximity_events', 'proximity_states', 'speed_scale'),
         'cameras/*',  # topics of cameras come and go: the star stands for any of them
     )

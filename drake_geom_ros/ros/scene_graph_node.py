@@ -27,7 +27,7 @@ from rosgraph_msgs.msg import Clock
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
 from drake_geom_ros.ros.callback_groups import CallbackGroups
-from drake_geom_ros.ros.configured_node import ConfiguredNode, seconds_now
+from drake_geom_ros.ros.configured_node import ConfiguredNode
 from drake_geom_ros.ros.conversions.paddings import paddings_of
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks, settle
@@ -129,7 +129,7 @@ class SceneGraphNode(LifecycleNode):
     def _open(self, values: NodeParameters) -> ConfiguredNode:
         """Return what a configured node has."""
         start = time.perf_counter()
-        clocks = Clocks(lambda: seconds_now(self))
+        clocks = Clocks(lambda: _seconds_now(self))
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
         live.files = file_access(values)
         live.most_megabytes = values.max_answer_size
@@ -212,6 +212,11 @@ class SceneGraphNode(LifecycleNode):
                 self._configured.follow(old, new)
 
         self._guard.attempt(follow_parameters)
+
+
+def _seconds_now(node: LifecycleNode) -> float:
+    """Return the node's time [s] (simulated when use_sim_time is set)."""
+    return float(node.get_clock().now().nanoseconds * 1e-9)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from drake_geom_msgs.msg import GeometryPoses as GeometryPosesMessage
 from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from drake_geom_ros.ros.outputs.effects import Beside, unheard
@@ -58,7 +59,9 @@ class Shown:
         self._markers = MarkerPublisher(
             live,
             markers,
-            SimpleNamespace(Marker=Marker, MarkerArray=MarkerArray, Point=Point),
+            SimpleNamespace(
+                Marker=Marker, MarkerArray=MarkerArray, Point=Point, ColorRGBA=ColorRGBA
+            ),
             lambda: settings.values.max_distance,
             self.beside['markers'].did,
             tell,

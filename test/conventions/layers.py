@@ -103,7 +103,7 @@ _CORE = (
 )
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
-    'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
+    'ros/conversions': ((*_CORE, 'geometry/queries', 'ros/conversions'), ('numpy',)),
     'ros/scene': ((*_HELD, 'geometry/render', 'trajectories'), ('numpy',)),
     'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
     'ros/outputs': (
@@ -203,6 +203,7 @@ LAYERS = {
 # One file for what nobody else may touch.
 EXCEPTIONS = {
     'geometry/meshes/_library.py': 'trimesh',
+    'geometry/meshes/_vtk_file.py': 'meshio',
     'geometry/visualizer/drake_visualizer.py': 'lcm',
 }
 

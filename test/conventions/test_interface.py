@@ -78,7 +78,9 @@ def test_arrays_of_numbers_tell_their_shape(path):
 
 
 def test_lengths_and_times_tell_their_unit():
-    units = re.compile(r'\[(m|s|-|m/s|rad/s|rad|Hz|pixels|m, unit quaternion x y z w)\]')
+    units = re.compile(
+        r'\[(m|m\^2|N|N m|Pa|s|-|m/s|rad/s|rad|Hz|pixels|m, unit quaternion x y z w)\]'
+    )
     for path in DEFINITIONS:
         for line in code_lines(path.read_text()):
             match = LINE.fullmatch(line)

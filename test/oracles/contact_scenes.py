@@ -22,6 +22,8 @@ def shape_of(geometry, body):
         return geometry.Convex(points=np.array(body.sizes).T, label='hull')
     if body.kind == 'Mesh':  # a box, of its corners and triangles
         return geometry.Mesh.FromMeshData(geometry.MeshData(*body.sizes))
+    if body.kind == 'MeshFile':  # its path and scale
+        return geometry.Mesh(*body.sizes)
     return getattr(geometry, body.kind)(*body.sizes)
 
 

@@ -15,6 +15,23 @@ SIDES = np.array(
     ]
 )
 
+CENTRE = BOX.mean(axis=0)
+
+
+def vtk(points=None, cells=None, kinds=None, version='3.0'):
+    """Return a legacy .vtk file of tetrahedra, those of the box about its centre."""
+    if points is None:
+        points = np.vstack((BOX, CENTRE))
+    if cells is None:
+        cells = [(*side, len(BOX)) for side in SIDES[:, ::-1].tolist()]
+    lines = [f'# vtk DataFile Version {version}', 'tetrahedra', 'ASCII']
+    lines += ['DATASET UNSTRUCTURED_GRID', f'POINTS {len(points)} double']
+    lines += [' '.join(map(repr, row)) for row in np.asarray(points, dtype=float).tolist()]
+    lines += [f'CELLS {len(cells)} {sum(len(cell) + 1 for cell in cells)}']
+    lines += [' '.join(map(str, (len(cell), *cell))) for cell in cells]
+    lines += [f'CELL_TYPES {len(cells)}', *map(str, kinds or [10] * len(cells))]
+    return '\n'.join(lines) + '\n'
+
 
 def gltf_tree(nodes=None, **changes):
     """Return glTF 2.0 of the box: mesh 0, with these nodes (all of them in the scene)."""

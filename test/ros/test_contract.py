@@ -40,6 +40,7 @@ PARAMETERS = {
     'replay_dir': ('', True),
     'replay_limit': (20, True),
     'lcm_url': ('', False),
+    'contact_polygons': (False, True),
     'service_depth': (1000, False),
     'max_answer_size': (64.0, True),
     'watchdog': (60.0, False),

@@ -77,7 +77,7 @@ def test_every_topic_in_the_table_is_there(minimal, lone_client):
         for name, kind in rows
         if name != 'joint_states'
     }
-    assert len(listed) == 14
+    assert len(listed) == 15
 
     def there():
         topics = dict(lone_client.node.get_topic_names_and_types())

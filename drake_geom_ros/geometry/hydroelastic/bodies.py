@@ -19,10 +19,15 @@ from drake_geom_ros.geometry.hydroelastic._meshing import (
     ellipsoid_body,
     pyramids,
 )
+from drake_geom_ros.geometry.meshes._surface_distances import distances_to_surface
 from drake_geom_ros.geometry.meshes._welding import closed_surface
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
-from drake_geom_ros.geometry.meshes.volume_surface import ConvertVolumeToSurfaceMesh
+from drake_geom_ros.geometry.meshes.volume_surface import (
+    ConvertVolumeToSurfaceMesh,
+    check_elements,
+    on_boundary,
+)
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
 from drake_geom_ros.geometry.shapes.primitives import (
     Box,
@@ -142,6 +147,8 @@ def _compliant(shape: Shape, material: HydroelasticMaterial) -> CompliantBody | 
 
 def _cut(shape: Shape, material: HydroelasticMaterial) -> CutBody:
     """Return the tetrahedra of a shape."""
+    if isinstance(shape, Mesh) and (mesh := shape.volume_mesh()) is not None:
+        return _by_distance(mesh)
     if isinstance(shape, (Mesh, Convex)):
         return _hull_body(*shape.hull_surface())
     if isinstance(shape, Box):
@@ -158,6 +165,26 @@ def _cut(shape: Shape, material: HydroelasticMaterial) -> CutBody:
     if isinstance(shape, Cylinder):
         return cylinder_body(shape.radius(), 0.5 * shape.length(), hint)
     return capsule_body(shape.radius(), 0.5 * shape.length(), hint)
+
+
+def _by_distance(mesh: VolumeMesh) -> CutBody:
+    """Return tetrahedra with extents that grow with the distance to their boundary.
+
+    As Drake's MakeVolumeMeshPressureField has it: 1 where the distance is the largest.
+    """
+    check_elements(mesh, 'its tetrahedra as scaled')
+    points, boundary = mesh.vertex_array(), ConvertVolumeToSurfaceMesh(mesh)
+    inner = ~on_boundary(mesh)
+    if not inner.any():
+        raise GeometryError(
+            'all vertices of its tetrahedra are on their boundary, where there is no pressure; '
+            'RefineVolumeMesh puts some inside'
+        )
+    distances = np.zeros(len(points))
+    distances[inner] = distances_to_surface(
+        points[inner], boundary.vertex_array(), boundary.triangle_array()
+    )
+    return CutBody(mesh, distances / distances.max())
 
 
 def _hull_body(vertices: Floats, triangles: NDArray[np.int64]) -> CutBody:

@@ -10,13 +10,14 @@ from collections.abc import Callable
 from xml.etree.ElementTree import ParseError
 
 from drake_geom_ros.common.stand_ins import stand_in
-from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.errors import GeometryError, MeshFileError
 from drake_geom_ros.geometry.meshes._dae_file import parse_dae
 from drake_geom_ros.geometry.meshes._gltf_file import parse_gltf
 from drake_geom_ros.geometry.meshes._obj_file import parse_obj
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
 from drake_geom_ros.geometry.meshes._ply_file import parse_ply
 from drake_geom_ros.geometry.meshes._stl_file import parse_stl
+from drake_geom_ros.geometry.meshes._vtk_file import parse_vtk
 
 _READERS: dict[str, Callable[[bytes], ParsedMesh]] = {
     'dae': parse_dae,
@@ -24,8 +25,10 @@ _READERS: dict[str, Callable[[bytes], ParsedMesh]] = {
     'gltf': parse_gltf,
     'ply': parse_ply,
     'stl': parse_stl,
+    'vtk': parse_vtk,
 }
 FORMATS = tuple(sorted({'obj', *_READERS}))  # the suffixes, in lower case
+VOLUME_FORMATS = ('vtk',)  # those of tetrahedra
 
 
 def parse_mesh(data: bytes, kind: str, filename: str) -> ParsedMesh:
@@ -45,7 +48,7 @@ def parse_mesh(data: bytes, kind: str, filename: str) -> ParsedMesh:
         )
     try:
         return _READERS[kind](data)
-    except (ValueError, ParseError) as error:
+    except (ValueError, ParseError, GeometryError) as error:
         raise MeshFileError(f'{filename!r} cannot be read: {error}') from None
     except Exception as error:
         # What a document of another structure leads to: errors of many kinds.

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
+
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
@@ -15,13 +17,15 @@ class ParsedMesh(NamedTuple):
     """Vertices (n, 3) [m] and triangles (m, 3) of them, as a file's own rules place them.
 
     ``colours`` (m, 3) from 0 to 1 of the triangles, None where the file has none; ``remarks`` say
-    in words what was done to the numbers of the file, and what was not.
+    in words what was done to the numbers of the file, and what was not. ``volume`` are the
+    tetrahedra that the triangles are the boundary of, None where the file has none.
     """
 
     vertices: Floats
     triangles: Indices
     colours: NDArray[np.float32] | None = None
     remarks: tuple[str, ...] = ()
+    volume: VolumeMesh | None = None
 
 
 class Pieces:

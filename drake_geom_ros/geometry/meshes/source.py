@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
-from drake_geom_ros.geometry.meshes._formats import FORMATS, parse_mesh
+from drake_geom_ros.geometry.meshes._formats import FORMATS, VOLUME_FORMATS, parse_mesh
 from drake_geom_ros.geometry.meshes._hull_polygons import united
 from drake_geom_ros.geometry.meshes._library import convex_hull
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
 from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.math.tolerances import FARTHEST
 
 # A file is read whole, and its numbers need some ten times its size; a scan of 2 million triangles
@@ -172,6 +173,20 @@ def surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
     return _scaled(vertices, scale3, source), turned(triangles, scale3)
 
 
+def volume(mesh: MeshGiven, scale3: Floats) -> VolumeMesh | None:
+    """Return the tetrahedra of a mesh, scaled along x, y, z; None where it is a surface alone."""
+    source = mesh_source(mesh)
+    if _kind_of(source) not in VOLUME_FORMATS:
+        return None  # and no file is read for that
+    assert not isinstance(source, MeshData)
+    found = _parsed(source).volume
+    assert found is not None
+    elements = found.element_array()
+    if np.prod(np.sign(scale3)) < 0.0:  # a mirror image turns every one inside out
+        elements = elements[:, [1, 0, 2, 3]]
+    return VolumeMesh.FromArrays(elements, _scaled(found.vertex_array(), scale3, source))
+
+
 def _scaled(vertices: Floats, scale3: Floats, source: MeshKey) -> Floats:
     """Return the vertices of a scaled mesh; raises MeshFileError for one beyond FARTHEST."""
     with np.errstate(over='ignore'):
@@ -189,12 +204,19 @@ def turned(triangles: Indices, scale3: Floats) -> Indices:
     return triangles[:, ::-1] if np.prod(np.sign(scale3)) < 0.0 else triangles
 
 
+def _kind_of(source: MeshKey) -> str:
+    """Return the format of a file, empty of numbers."""
+    if isinstance(source, InMemoryMesh):
+        return source.mesh_file.extension().lstrip('.')
+    return '' if isinstance(source, MeshData) else source.kind
+
+
 def _content(source: MeshFile | InMemoryMesh) -> tuple[bytes, str, str]:
     """Return the bytes of a file, its format, and its name for messages."""
     if isinstance(source, MeshFile):
         return source.content(), source.kind, source.filename
     file = source.mesh_file
-    return file.contents(), file.extension().lstrip('.'), file.filename_hint()
+    return file.contents(), _kind_of(source), file.filename_hint()
 
 
 class Triangles(NamedTuple):

@@ -6,6 +6,7 @@ import itertools
 from collections import defaultdict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
@@ -32,6 +33,17 @@ def ConvertVolumeToSurfaceMesh(volume: VolumeMesh) -> TriangleSurfaceMesh:
     return TriangleSurfaceMesh.FromArrays(
         triangles.reshape(-1, 3), volume.vertex_array()[used].reshape(-1, 3)
     )
+
+
+def on_boundary(volume: VolumeMesh) -> NDArray[np.bool_]:
+    """Return which vertices (n,) of a mesh are corners of its boundary."""
+    return _on_boundary(volume.element_array(), volume.num_vertices())
+
+
+def _on_boundary(elements: Indices, count: int) -> NDArray[np.bool_]:
+    found = np.zeros(count, dtype=np.bool_)
+    found[outer_faces(elements).reshape(-1, 3)[neighbours_of(elements).ravel() < 0]] = True
+    return found
 
 
 def outer_faces(elements: Indices) -> Indices:
@@ -126,10 +138,8 @@ def _refined(elements: Indices, p_MVs: Floats, corners: int) -> tuple[Indices, F
 def _inner_on_boundary(elements: Indices, count: int, corners: int) -> Indices:
     """Return the simplices (k, corners) that are inside and have all corners on the boundary."""
     outer = outer_faces(elements).reshape(-1, 3)[neighbours_of(elements).ravel() < 0]
-    on_boundary = np.zeros(count, dtype=np.bool_)
-    on_boundary[outer] = True
     parts = _parts(elements, corners)
-    inner = set(map(tuple, parts[on_boundary[parts].all(axis=1)].tolist()))
+    inner = set(map(tuple, parts[_on_boundary(elements, count)[parts].all(axis=1)].tolist()))
     inner -= set(map(tuple, _parts(outer, corners).tolist()))
     return np.array(sorted(inner), dtype=np.int64).reshape(-1, corners)
 

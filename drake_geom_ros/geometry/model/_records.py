@@ -111,7 +111,8 @@ class GeometryRecord:
         material = material_of(self.proximity, named(self))
         if material is None:
             return None
-        if isinstance(self.shape, Mesh) and is_solid(self) and material.is_compliant:
+        hull = isinstance(self.shape, Mesh) and self.shape.volume_mesh() is None
+        if hull and is_solid(self) and material.is_compliant:
             raise GeometryError(
                 f'{named(self)} has hydroelastic properties, and a compliant Mesh would be its '
                 "convex hull, but it has the property ('mesh', 'solid'): make it rigid"

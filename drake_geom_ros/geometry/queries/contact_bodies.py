@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -13,6 +14,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     KIND,
     SWALLOWED,
     TURNED,
+    Asked,
     Bodies,
 )
 from drake_geom_ros.geometry._contact_surfaces.packing import (
@@ -38,6 +40,31 @@ Indices = NDArray[np.int64]
 _PACKED: WeakKeyDictionary[HydroelasticBody, PackedBody] = WeakKeyDictionary()
 
 
+class NoSurface(IntEnum):
+    """Why two geometries that overlap have no contact surface."""
+
+    NO_PROPERTIES = 1
+    BOTH_RIGID = 2
+    HALF_SPACES = 3
+    TOO_DEEP = 4
+    FACES_LEFT_OUT = 5
+
+    def in_words(self) -> str:
+        """Return the reason, and what can be done."""
+        return _REASONS[self]
+
+
+_REASONS = {
+    NoSurface.NO_PROPERTIES: 'one of them has no hydroelastic properties; give it some',
+    NoSurface.BOTH_RIGID: 'both are rigid; make one of them compliant',
+    NoSurface.HALF_SPACES: 'both are half spaces',
+    NoSurface.TOO_DEEP: 'one is so deep within the other that their pressures are equal nowhere',
+    NoSurface.FACES_LEFT_OUT: (
+        'all its faces are left out, for one pressure does not grow along their normals'
+    ),
+}
+
+
 class ContactBodies(NamedTuple):
     """The bodies of the geometries with hydroelastic properties."""
 
@@ -46,22 +73,33 @@ class ContactBodies(NamedTuple):
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
 
-    def why_not(self, M: int, N: int, state: int) -> str:
-        """Return why two geometries that overlap have no surface, and what can be done.
+    def load_kernels(self) -> None:
+        """Compile what makes surfaces, or load it from the cache; nothing without a body."""
+        if (self.body_of < 0).all():
+            return
+        # Only who may ask for surfaces loads their kernels, and those of solids behind them.
+        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
 
-        By their places among ``ids``, and what ``Surfaces.states`` says of the pair.
+        none = np.zeros((0, 2), dtype=np.int64)
+        n = len(self.ids)
+        surfaces_of(
+            self.bodies,
+            Asked(none, self.ids, self.body_of, np.zeros((n, 3, 3)), np.zeros((n, 3))),
+        )
+
+    def why_not(self, M: Indices, N: Indices, states: Indices) -> Indices:
+        """Return why pairs (k,) that overlap have no surface: values of NoSurface.
+
+        By the places of geometries among ``ids``, and what ``Surfaces.states`` says of the pairs.
         """
-        if state == TURNED:
-            return 'all its faces are left out, for one pressure does not grow along their normals'
-        if state == SWALLOWED:
-            return 'one is so deep within the other that their pressures are equal nowhere'
-        rows = self.body_of[M], self.body_of[N]
-        if min(rows) < 0:
-            return 'one of them has no hydroelastic properties; give it some'
-        kinds = self.bodies.table[rows, KIND]
-        if (kinds == HALF_SPACE).all():
-            return 'both are half spaces'
-        return 'both are rigid; make one of them compliant'
+        rows = np.column_stack((self.body_of[M], self.body_of[N]))
+        reasons = np.full(len(rows), NoSurface.BOTH_RIGID.value)
+        half_spaces = self.bodies.table[rows, KIND] == HALF_SPACE
+        reasons[half_spaces.all(axis=1)] = NoSurface.HALF_SPACES
+        reasons[(rows < 0).any(axis=1)] = NoSurface.NO_PROPERTIES
+        reasons[states == SWALLOWED] = NoSurface.TOO_DEEP
+        reasons[states == TURNED] = NoSurface.FACES_LEFT_OUT
+        return reasons
 
 
 def contact_bodies(model: Model, ids: Indices, before: ContactBodies | None) -> ContactBodies:

@@ -13,12 +13,13 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Asked,
     Surfaces,
 )
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._records import named
-from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
+from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, NoSurface
 from drake_geom_ros.geometry.queries.contact_surfaces import (
     ContactSurfaceResults,
     HydroelasticContactRepresentation,
@@ -28,6 +29,14 @@ from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
 
 Indices = NDArray[np.int64]
+
+
+class Contacts(NamedTuple):
+    """Contact surfaces; and the pairs that overlap and have none, and why (p,): a NoSurface."""
+
+    surfaces: ContactSurfaceResults
+    others: PenetrationResults
+    reasons: Indices
 
 
 class _Found(NamedTuple):
@@ -77,12 +86,16 @@ class ContactQueries:
         a pressure does not grow along their normals. Collision filters leave pairs out, and
         ``ComputeContactSurfacesWithFallback`` answers for them by points.
         """
-        found = self._found(representation)
-        if others := self._others(found):
-            pair = [id.get_value() for id in (others[0].id_A, others[0].id_B)]
-            at = int(np.flatnonzero((found.ids == pair).all(axis=1))[0])
-            raise self._refusal('ComputeContactSurfaces', found, at)
-        return found.surfaces
+        contacts = self.contacts(representation)
+        self.refuse_others(contacts)
+        return contacts.surfaces
+
+    def refuse_others(self, contacts: Contacts) -> None:
+        """Raise GeometryError where pairs overlap that have no surface: see above."""
+        others = contacts.others
+        if others:
+            pair = np.array([others.id_A[0], others.id_B[0]])
+            raise self._refusal('ComputeContactSurfaces', pair, int(contacts.reasons[0]))
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -94,8 +107,40 @@ class ContactQueries:
 
         These are the pairs for which ``ComputeContactSurfaces`` raises.
         """
+        contacts = self.contacts(representation)
+        return contacts.surfaces, list(contacts.others)
+
+    def contacts(
+        self,
+        representation: HydroelasticContactRepresentation = (
+            HydroelasticContactRepresentation.kPolygon
+        ),
+        overlaps: PenetrationResults | None = None,
+    ) -> Contacts:
+        """Return what ComputeContactSurfacesWithFallback does, as arrays, with the reasons.
+
+        ``overlaps`` are those of ComputePointPairPenetration, where these are known already.
+        """
         found = self._found(representation)
-        return found.surfaces, self._others(found)
+        if not found.out.counts[LEFT]:
+            none = np.zeros(0, dtype=np.int64)
+            return Contacts(found.surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
+        if overlaps is None:
+            overlaps = self.ComputePointPairPenetration()
+        states = found.out.states
+        without = states >= UNABLE
+        rows = zip(found.ids[without].tolist(), states[without].tolist(), strict=True)
+        left = {tuple(pair): state for pair, state in rows}
+        ids = np.column_stack((overlaps.id_A, overlaps.id_B))
+        found_states = np.array([left.get(tuple(pair), 0) for pair in ids.tolist()], np.int64)
+        kept = found_states >= UNABLE
+        reasons = self._reasons(ids[kept], found_states[kept])
+        return Contacts(found.surfaces, overlaps.of(kept), reasons)
+
+    def hydroelastic_geometries(self) -> Indices:
+        """Return the values of the ids (b,) of all geometries with hydroelastic properties."""
+        bodies = self._state.contact_bodies()
+        return bodies.ids[bodies.body_of >= 0]
 
     def contact_surfaces(
         self,
@@ -111,28 +156,25 @@ class ContactQueries:
         """
         found = self._found(representation)
         if found.out.counts[LEFT] and (overlap := found.out.states > UNABLE).any():
-            raise self._refusal('contact_surfaces', found, int(np.argmax(overlap)))
+            at = int(np.argmax(overlap))
+            (reason,) = self._reasons(found.ids[at : at + 1], found.out.states[at : at + 1])
+            raise self._refusal('contact_surfaces', found.ids[at], int(reason))
         return found.surfaces
 
-    def _others(self, found: _Found) -> list[PenetrationAsPointPair]:
-        """Return the penetration of the pairs that overlap and have no surface."""
-        if not found.out.counts[LEFT]:
-            return []
-        left = found.out.states >= UNABLE
-        pairs = {(GeometryId(a), GeometryId(b)) for a, b in found.ids[left].tolist()}
-        points = self.ComputePointPairPenetration()
-        return [each for each in points if (each.id_A, each.id_B) in pairs]
-
-    def _refusal(self, call: str, found: _Found, at: int) -> GeometryError:
-        """Return what is raised for a pair that overlaps and has no surface."""
+    def _reasons(self, ids: Indices, states: Indices) -> Indices:
+        """Return why pairs of ids (k, 2) of these states have no surface."""
         bodies = self._state.contact_bodies()
-        ids = found.ids[at].tolist()
-        names = ' and '.join(named(self._state.model.geometry(GeometryId(id))) for id in ids)
-        M, N = np.searchsorted(bodies.ids, ids).tolist()
-        why = bodies.why_not(M, N, int(found.out.states[at]))
+        M, N = np.searchsorted(bodies.ids, ids).T
+        return bodies.why_not(M, N, states)
+
+    def _refusal(self, call: str, pair: Indices, reason: int) -> GeometryError:
+        """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""
+        names = ' and '.join(
+            named(self._state.model.geometry(GeometryId(id))) for id in pair.tolist()
+        )
         return GeometryError(
-            f'{call}: {names} overlap and have no surface: {why}. Filter the pair, or use '
-            'ComputeContactSurfacesWithFallback.'
+            f'{call}: {names} overlap and have no surface: {NoSurface(reason).in_words()}. Filter '
+            'the pair, or use ComputeContactSurfacesWithFallback.'
         )
 
     def _found(self, representation: HydroelasticContactRepresentation) -> _Found:

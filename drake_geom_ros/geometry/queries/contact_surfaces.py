@@ -327,6 +327,24 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         centres.flags.writeable = False
         return centres
 
+    @cached_property
+    def max_pressures(self) -> Floats:
+        """The largest pressure (k,) [Pa] of each surface."""
+        if not len(self):
+            return np.zeros(0)
+        ends = self._surfaces.ends
+        starts = np.concatenate(([0], ends[self.face_offsets[1:-1] - 1]))
+        largest: Floats = np.maximum.reduceat(self._surfaces.pressures, starts)
+        largest.flags.writeable = False
+        return largest
+
+    def polygon_arrays(self) -> tuple[Floats, Floats, Indices]:
+        """Return corners (n, 3) [m], pressures (n,) [Pa], and where each polygon ends (f,).
+
+        Those of all surfaces, one after another: see ``face_offsets``.
+        """
+        return self._surfaces.points, self._surfaces.pressures, self._surfaces.ends
+
     def __len__(self) -> int:
         return len(self._found)
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.engine.warm_up import warm_up
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
-from drake_geom_ros.geometry._proximity.runtime.compiled import Tell
+from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation
 from drake_geom_ros.geometry.ids import SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
@@ -87,7 +87,10 @@ class SceneGraphContext(SceneHolder):
             warm_up(tell)
         if part == 'cycle':
             return []
-        return self._state.engine.prepare(self._state.up_to_date_world(), tell)
+        kernels = self._state.engine.prepare(self._state.up_to_date_world(), tell)
+        with compilation(tell, 'contact surfaces', 1, 1):
+            self._state.contact_bodies().load_kernels()
+        return kernels
 
     def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:
         """Pose all frames of a source, or none.

@@ -1,8 +1,7 @@
 """What queries return: sequences of records, which are made when indexed, over arrays.
 
-A record costs about a microsecond of Python, which for all pairs of a large scene is more than
-the whole query (measured: 0.7 us to 1 us each). So a query returns a read-only sequence that
-keeps NumPy arrays and makes the record of an index when somebody asks for it.
+A record costs about 1 us of Python, for all pairs of a large scene more than the whole query. So
+a query returns a read-only sequence of arrays, which makes a record when somebody asks for it.
 """
 
 from __future__ import annotations
@@ -101,8 +100,7 @@ class ResultSequence(Sequence[Record], Generic[Record, Batch]):
 
     def sort(self, *, key: Callable[[Record], Any], reverse: bool = False) -> None:
         """Order the results by ``key(record)``, as ``list.sort`` does; the arrays follow."""
-        keys = [key(record) for record in self]
-        order = sorted(range(len(self)), key=keys.__getitem__, reverse=reverse)
+        order = sorted(range(len(self)), key=[*map(key, self)].__getitem__, reverse=reverse)
         arrays: list[Any] = [array[order] for array in self._batch]
         for array in arrays:
             array.flags.writeable = False
@@ -234,6 +232,10 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
     def depth_jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
         """Return the derivatives (k, n) of the depths, as ``distance_jacobian`` of distances."""
         return self._jacobian(J_As, J_Bs)
+
+    def of(self, mask: NDArray[np.bool_]) -> PenetrationResults:
+        """Return those of these pairs that a mask (k,) names."""
+        return type(self)(PairBatch(self._ids[mask], self._rows[mask]), self._kept_poses)
 
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]

@@ -34,7 +34,9 @@ from drake_geom_ros.geometry.meshes.source import (
     numbers_of,
     surface,
     triangles_of,
+    volume,
 )
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
 
 Floats = NDArray[np.float64]
@@ -188,6 +190,7 @@ class Convex(_FromMesh):
 class Mesh(_FromMesh):
     """The triangle mesh in a file, scaled by ``scale``: one number, or one for each axis.
 
+    Of a .vtk file it is the boundary of its tetrahedra, which contact surfaces take.
     The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. In proximity
     queries it counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that
     its surface encloses. To points it is that body either way, if it bounds one; else it is its
@@ -204,6 +207,13 @@ class Mesh(_FromMesh):
         that is not a mesh.
         """
         return surface(self._mesh, self.scale3())
+
+    def volume_mesh(self) -> VolumeMesh | None:
+        """Return the tetrahedra of a .vtk file, scaled; None of a mesh that is a surface alone.
+
+        Raises MeshFileError for a file that is not a mesh.
+        """
+        return volume(self._mesh, self.scale3())
 
     def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
         if is_solid:

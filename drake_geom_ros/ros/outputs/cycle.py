@@ -15,6 +15,7 @@ from drake_geom_ros.ros.conversions.results import (
     fill_penetrations,
     fill_signed_distances,
 )
+from drake_geom_ros.ros.outputs.contact_topic import PUBLISHED, ContactTopic
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside, Effect
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
@@ -32,11 +33,12 @@ _STILL_NEAR = 'nothing moved far enough to bring other pairs near'
 _ALL_COMPILED = 'every kernel of the scene is compiled'
 _NONE_KEPT = 'no pair of two resting bodies'
 _NOTHING_LEFT = 'no pair left to compute'
-_OF_A_CYCLE = ('publish ~/penetrations', 'publish ~/signed_distances')
+_OF_A_CYCLE = ('publish ~/penetrations', 'publish ~/signed_distances', PUBLISHED)
+_OF_PAIRS = ('penetrations', 'signed_distances', 'contact_surfaces')
 
 
 class Cycle:
-    """Runs cycles over three publishers; nothing is computed for nobody."""
+    """Runs cycles over four publishers; nothing is computed for nobody."""
 
     def __init__(
         self,
@@ -45,17 +47,20 @@ class Cycle:
         costs: LevelCosts,
         replays: Replays,
         rules: RuleEvents,
+        contacts: ContactTopic,
         beside: Sequence[Beside] = (),
     ) -> None:
         """Publish on ``publishers``: penetrations, signed_distances and cycle_report.
 
-        ``costs`` are told what was computed, ``replays`` and ``rules`` what was answered.
+        ``contacts`` publishes contact surfaces; ``costs`` are told what was computed, ``replays``
+        and ``rules`` what was answered.
         What was done ``beside`` the cycles since the last report is told in the next one.
         """
         self._beside = beside
         self._costs = costs
         self._replays = replays
         self.rules = rules
+        self.contacts = contacts
         self._publishers = publishers
         # Filled anew each cycle: making one costs as much as filling it (30 us).
         self._messages = {
@@ -85,20 +90,25 @@ class Cycle:
             name: publisher.get_subscription_count() > 0
             for name, publisher in self._publishers.items()
         }
-        if not any(wanted.values()):
+        pressing = self.contacts.is_wanted
+        if not any(wanted.values()) and not pressing:
+            self.contacts.leave_out(None)
             self.rules.look_at(scene, None, 0.0)
             return
         moment, waiting = scene.moment(), scene.waiting()
-        for message in self._messages.values():
+        for message in (*self._messages.values(), self.contacts.message):
             waiting.tell_pairs(message)
         scene.tell_effects(detailed=wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None
-        if wanted['signed_distances'] or wanted['penetrations']:
+        wanted['contact_surfaces'] = pressing and self.contacts.has_participants(scene)
+        if any(wanted[name] for name in _OF_PAIRS):
             computed, published = self._answer(scene, moment, wanted, max_distance, time_budget)
         else:
             self.rules.look_at(scene, None, 0.0)
             published = [_unpublished('penetrations'), _unpublished('signed_distances')]
+        if not wanted['contact_surfaces']:
+            published += self.contacts.leave_out(moment if pressing else None)
         if wanted['cycle_report']:
             effects += _computed(computed) + published
             effects += [beside.take() for beside in self._beside]
@@ -115,7 +125,7 @@ class Cycle:
     ) -> tuple[Effects, list[Effect]]:
         """Compute, publish what is wanted, and return what that took.
 
-        One narrow phase serves both: a pair's depth is minus its signed distance.
+        One narrow phase serves all: a pair's depth is minus its signed distance.
         """
         query = scene.query
         reach = max_distance if wanted['signed_distances'] else 0.0
@@ -128,8 +138,10 @@ class Cycle:
         self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
         published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         twists = scene.twists()
+        if wanted['penetrations'] or wanted['contact_surfaces']:
+            overlaps = distances.penetrations()
         if wanted['penetrations']:
-            message, overlaps = self._messages['penetrations'], distances.penetrations()
+            message = self._messages['penetrations']
             fill_penetrations(message, overlaps)
             if twists is not None:
                 fill_closing_speeds(message, closing_speeds(overlaps, twists))
@@ -140,6 +152,8 @@ class Cycle:
             if twists is not None:
                 fill_closing_speeds(message, closing_speeds(distances, twists))
             published[1] = self._publish('signed_distances', moment)
+        if wanted['contact_surfaces']:
+            published += self.contacts.answer(scene, moment, overlaps)
         self.rules.look_at(scene, distances, reach)
         if self.cross_check is not None:
             self.cross_check.look_at(scene, distances, reach)

@@ -144,6 +144,7 @@ class Diagnostics:
             'pairs left out because of them': waiting.pairs,
             'transient filters': _owned(scene.filter_owners, scene.filter_leases),
             'proximity rules': scene.rules,
+            'contact surfaces': cycle.contacts.told,
             'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
             'memory [MB]': f'{_memory() / 2**20:.1f}',

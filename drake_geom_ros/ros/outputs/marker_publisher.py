@@ -13,6 +13,7 @@ from drake_geom_ros.ros.outputs.markers import DELETE_ALL, MarkerPart, MarkerWri
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.viewing.looks import LAYERS, Colour, looks_of
+from drake_geom_ros.viewing.patches import Patches
 
 Key = tuple[str, GeometryId]
 
@@ -32,8 +33,9 @@ class MarkerPublisher:
         did: Callable[[int, float], None],
         tell: Callable[[str], None] = lambda text: None,
     ) -> None:
-        """``types`` holds Marker, MarkerArray and Point; pairs within ``max_distance()`` [m].
+        """``types`` holds Marker, MarkerArray, Point and ColorRGBA.
 
+        Pairs within ``max_distance()`` [m] are drawn.
         ``did(count, seconds)`` is told of each message: how many markers, how long it took;
         ``tell(text)`` of what cannot be drawn, once a version of the scene.
         """
@@ -44,6 +46,7 @@ class MarkerPublisher:
         self._types = types
         self._max_distance = max_distance
         self._listeners = 0
+        self._shows_surfaces = False
         self._version = -1
         self._looks: dict[Key, tuple[list[MarkerPart], Colour]] = {}
         self._shown: dict[Key, tuple[int, bytes]] = {}
@@ -62,6 +65,13 @@ class MarkerPublisher:
         writer = MarkerWriter(self._types, view.moment.world_frame, stamp)
         results = view.query.ComputeSignedDistancePairwiseClosestPoints(self._max_distance())
         markers = self._geometry(view, writer) + writer.pairs(results)
+        if len(view.query.hydroelastic_geometries()):
+            surfaces = view.query.contacts(overlaps=results.penetrations()).surfaces
+            markers.append(writer.surfaces(Patches.of(surfaces)))
+            self._shows_surfaces = True
+        elif self._shows_surfaces:
+            markers.append(writer.surfaces(Patches.none()))
+            self._shows_surfaces = False
         self._publisher.publish(self._types.MarkerArray(markers=markers))
         self._did(len(markers), time.perf_counter() - start)
 

@@ -2,10 +2,10 @@
 
 Namespaces: ``proximity`` (translucent) and ``illustration`` for geometry by its role;
 ``contacts`` (witness points), ``normals`` (out of B into A) and ``distances`` (from witness to
-witness) for the pairs. A geometry keeps its marker ids while it lives: three are set aside for
-each, because RViz has no capsule and a cylinder with two balls stands for one. Hulls and meshes
-are drawn as the triangles of the hull that queries see, solids as their own. A half space is a
-plate.
+witness) for the pairs; ``contact_surfaces``, coloured by pressure. A geometry keeps its marker ids
+while it lives: three are set aside for each, because RViz has no capsule and a cylinder with two
+balls stands for one. Hulls and meshes are drawn as the triangles of the hull that queries see,
+solids as their own. A half space is a plate.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import fill_pose
 from drake_geom_ros.viewing.looks import NORMAL_LENGTH, PAIR_COLOURS, Colour, mesh_surface
+from drake_geom_ros.viewing.patches import Patches
 
 # visualization_msgs/Marker
 CUBE, SPHERE, CYLINDER, LINE_LIST, SPHERE_LIST, TRIANGLE_LIST = 1, 2, 3, 5, 7, 11
@@ -89,7 +90,7 @@ def parts_of(shape: Shape, solid: bool = False) -> list[MarkerPart]:
 
 
 class MarkerWriter:
-    """Makes markers in the world frame; ``types`` holds Marker and Point."""
+    """Makes markers in the world frame; ``types`` holds Marker, Point and ColorRGBA."""
 
     def __init__(self, types: Any, world_frame: str, stamp: Any) -> None:
         self._types = types
@@ -136,6 +137,18 @@ class MarkerWriter:
             self._list(LINE_LIST, 'normals', np.stack((p_WCas, tips), axis=1)[touching]),
             self._list(LINE_LIST, 'distances', np.stack((p_WCas, p_WCbs), axis=1)[~touching]),
         ]
+
+    def surfaces(self, patches: Patches) -> Any:
+        """Return the marker of all contact surfaces; without any, its deletion."""
+        marker = self._marker('contact_surfaces', 0, ADD if len(patches) else DELETE)
+        marker.type = TRIANGLE_LIST
+        marker.pose.orientation.w = 1.0
+        _fill_scale_and_colour(marker, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0))
+        corners = patches.triangles.ravel()
+        marker.points = self._points(patches.vertices[corners])
+        colours = patches.colours()[corners].tolist()
+        marker.colors = [self._types.ColorRGBA(r=r, g=g, b=b, a=1.0) for r, g, b in colours]
+        return marker
 
     def _list(self, kind: int, namespace: str, points: NDArray[np.float64]) -> Any:
         """Return one marker of many points (k, 2, 3); without any, its deletion."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from drake_geom_ros.common.free_memory import free_memory
 from drake_geom_ros.geometry import ArgumentError, HalfSpace, Role
+from drake_geom_ros.ros.conversions.contact_surfaces import fill_contact_surfaces, size_of
 from drake_geom_ros.ros.conversions.fields import fill_pose, unsigned
 from drake_geom_ros.ros.conversions.results import (
     CANDIDATE_SIZE,
@@ -49,7 +50,7 @@ def _limit(name: str, value: float) -> float:
     return value or math.inf
 
 
-def _require_room(live: LiveScene, rows: int, size: int, instead: str) -> None:
+def _require_room(live: LiveScene, rows: int, size: float, instead: str) -> None:
     """Raise ArgumentError for an answer of ``rows`` of ``size`` [bytes] that is too large."""
     if (megabytes := rows * size / 1e6) > live.most_megabytes:
         raise ArgumentError(
@@ -152,6 +153,28 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)
     view.waiting().tell_geometries(response.result)
+    response.message = view.reservations()
+
+
+def compute_contact_surfaces(live: LiveScene, request: Any, response: Any) -> None:
+    """Report where bodies press each other."""
+    view = live.view(request.poses, request.joints)
+    query = view.query
+    participants = len(query.hydroelastic_geometries())
+    if not participants:
+        raise ArgumentError(
+            'no geometry has hydroelastic properties: give some to the role proximity, in the '
+            'group `hydroelastic` (see docs/contact_surfaces.md)'
+        )
+    contacts = query.contacts()
+    if len(contacts.others) and not request.with_fallback:
+        query.refuse_others(contacts)
+    rows = len(contacts.surfaces) + len(contacts.others)
+    size = size_of(contacts, request.polygons)
+    _require_room(live, rows, size / max(rows, 1), 'ask without polygons, or filter pairs')
+    fill_contact_surfaces(response.result, contacts, participants, request.polygons)
+    view.moment.stamp(response.result)
+    view.waiting().tell_pairs(response.result)
     response.message = view.reservations()
 
 

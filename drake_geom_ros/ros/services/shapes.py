@@ -32,6 +32,7 @@ from drake_geom_ros.ros.conversions.scene import properties_from_message, set_ro
 from drake_geom_ros.ros.conversions.shapes import shape_from_message
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files.hydroelastic import GROUP as HYDROELASTIC
 
 _Result = TypeVar('_Result')
 # Is made in a scene graph, or in a copy of it that is given as the context.
@@ -67,8 +68,10 @@ def _registered(
             with _at(place.format(k)):
                 parent, anchored = _parent(scene, message, source_name)
             parents.append(parent)
-            is_new |= instance.proximity_properties() is not None and _calls_for_more(
-                scene.inspector, instance.shape(), anchored
+            properties = instance.proximity_properties()
+            is_new |= properties is not None and (
+                properties.HasGroup(HYDROELASTIC)
+                or _calls_for_more(scene.inspector, instance.shape(), anchored)
             )
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> list[GeometryId]:
@@ -133,7 +136,9 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
     properties = properties_from_message(request.role)
     with live.reading() as scene:
         source, geometry = scene.owned_geometry(request.geometry)
-        is_new = isinstance(properties, ProximityProperties) and _is_new(scene.inspector, geometry)
+        is_new = isinstance(properties, ProximityProperties) and (
+            properties.HasGroup(HYDROELASTIC) or _is_new(scene.inspector, geometry)
+        )
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.AssignRole(
@@ -154,8 +159,10 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
         source, geometry = scene.owned_geometry(request.geometry)
         scene.refuse_maps(source)
         inspector = scene.inspector
-        proximity = inspector.GetProximityProperties(geometry) is not None
-        is_new = proximity and _is_new(inspector, geometry, shape)
+        proximity = inspector.GetProximityProperties(geometry)
+        is_new = proximity is not None and (
+            proximity.HasGroup(HYDROELASTIC) or _is_new(inspector, geometry, shape)
+        )
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.ChangeShape(context=context, source_id=source, geometry_id=geometry, shape=shape)

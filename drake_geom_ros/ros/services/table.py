@@ -89,6 +89,11 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
         queries.compute_signed_distance_to_point,
     ),
     (
+        'compute_contact_surfaces',
+        srv.ComputeContactSurfaces,
+        queries.compute_contact_surfaces,
+    ),
+    (
         'find_collision_candidates',
         srv.FindCollisionCandidates,
         queries.find_collision_candidates,

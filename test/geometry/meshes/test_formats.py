@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.mesh_files import BOX, SIDES, dae, glb, gltf
+from oracles.mesh_files import BOX, SIDES, dae, glb, gltf, vtk
 
 from drake_geom_ros.geometry import Convex, MeshFileError
 from drake_geom_ros.geometry.meshes._formats import FORMATS, parse_mesh
@@ -28,8 +28,9 @@ FILES = {
     'obj': obj_text(BOX, SIDES),
     'ply': PLY,
     'stl': STL,
+    'vtk': vtk(),
 }
-OTHERS = ['3dxml', '3mf', 'off', 'stl_ascii', 'xaml', 'xyz', 'zae', 'vtk', 'fbx', 'mesh', '']
+OTHERS = ['3dxml', '3mf', 'off', 'stl_ascii', 'xaml', 'xyz', 'zae', 'vtu', 'fbx', 'mesh', '']
 
 
 def written(folder, suffix, content):
@@ -60,10 +61,10 @@ def test_each_is_read(tmp_path, kind, upper):
 @pytest.mark.parametrize('kind', OTHERS)
 def test_any_other_is_refused_with_the_list(tmp_path, kind):
     path = written(tmp_path, kind, 'OFF\n0 0 0\n')
-    with pytest.raises(MeshFileError, match='dae, glb, gltf, obj, ply, stl') as told:
+    with pytest.raises(MeshFileError, match='dae, glb, gltf, obj, ply, stl, vtk') as told:
         surface(path, np.ones(3))
     assert repr(kind) in str(told.value)
-    with pytest.raises(MeshFileError, match='dae, glb, gltf, obj, ply, stl'):
+    with pytest.raises(MeshFileError, match='dae, glb, gltf, obj, ply, stl, vtk'):
         Convex(path).GetConvexHull()
 
 

@@ -8,6 +8,7 @@ from ros.live_scenes import Topic, live_scene
 from drake_geom_ros.geometry import CollisionFilterDeclaration, FramePoseVector, GeometrySet
 from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.outputs.contact_topic import NOBODY, ContactTopic
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
@@ -95,6 +96,12 @@ def topics():
     return {name: PlainTopic(0) for name in ('penetrations', 'signed_distances', 'cycle_report')}
 
 
+@pytest.fixture
+def pressed():
+    """Return the topic of contact surfaces."""
+    return PlainTopic(0)
+
+
 def no_rules():
     """Return what decides about proximity rules, of which there is none."""
     topics = RuleTopics(Topic(), Topic(), Topic())
@@ -102,10 +109,17 @@ def no_rules():
 
 
 @pytest.fixture
-def cycle(live, topics):
+def cycle(live, topics, pressed):
     kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
-    return Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules())
+    return Cycle(
+        Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules(), contacts(pressed)
+    )
+
+
+def contacts(topic):
+    """Return what publishes contact surfaces on a topic."""
+    return ContactTopic(topic, Message(), lambda: False)
 
 
 def run(asked, cycle, topics, *names):
@@ -119,6 +133,55 @@ def run(asked, cycle, topics, *names):
 def effects(report):
     ran = zip(report['effects'], report['effect_ran'], strict=True)
     return [name for name, yes in ran if yes]
+
+
+PRESSING = """
+frames:
+  - {name: a, pose: {}}
+  - {name: b, pose: {position: [0.15, 0, 0]}}
+  - {name: c, pose: {position: [0, 0.15, 0]}}
+geometries:
+  - {name: ball, frame: a, shape: {type: sphere, radius: 0.1}, roles: {proximity: {hydroelastic: {
+     compliance_type: compliant, hydroelastic_modulus: 1e5, resolution_hint: 0.05}}}}
+  - {name: ball, frame: b, shape: {type: sphere, radius: 0.1}, roles: {proximity: {hydroelastic: {
+     compliance_type: rigid, resolution_hint: 0.05}}}}
+  - {name: ball, frame: c, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+def reasons_of(report):
+    told = zip(report['effects'], report['effect_reasons'], strict=True)
+    return {name: reason for name, reason in told if reason}
+
+
+def test_where_nothing_can_press_nothing_is_computed_and_that_is_told(
+    asked, cycle, topics, pressed
+):
+    pressed.listeners = 1
+    report = run(asked, cycle, topics, 'cycle_report')
+    assert effects(report) == ['poses', 'publish ~/contact_surfaces']
+    assert reasons_of(report)['contact surfaces'] == cycle.contacts.told == NOBODY
+    (message,) = pressed.published
+    assert (message['participants'], list(message['id_a']), message['scene_version']) == (
+        *(0, []),
+        topics['cycle_report'].published[-1]['scene_version'],
+    )
+
+
+@pytest.mark.parametrize('live', [live_scene(PRESSING)])
+def test_surfaces_are_computed_while_somebody_listens(live, asked, cycle, topics, pressed):
+    report = run(asked, cycle, topics, 'cycle_report')
+    assert reasons_of(report)['contact surfaces'] == NO_SUBSCRIBER
+    assert cycle.contacts.told == 'not asked for'
+    pressed.listeners = 1
+    for others in ((), ('penetrations',), ('penetrations', 'signed_distances')):
+        report = run(asked, cycle, topics, 'cycle_report', *others)
+        assert {'contact surfaces', 'publish ~/contact_surfaces'} <= set(effects(report))
+        message = pressed.published[-1]
+        assert (message['participants'], len(message['id_a'])) == (2, 1)
+        assert len(message['point_pair_id_a']) == 1  # of the one without properties
+        assert cycle.contacts.told == '1, and 1 pair that overlaps without'
+    assert len({bytes(m['area']) for m in pressed.published}) == 1
 
 
 def test_without_subscribers_nothing_is_asked_or_published(asked, cycle, topics):
@@ -135,7 +198,7 @@ def test_a_report_alone_asks_for_nothing(asked, cycle, topics):
     assert effects(report) == ['poses']
     reasons = dict(zip(report['effects'], report['effect_reasons'], strict=True))
     assert [reasons[name] for name in COMPUTED] == [NO_SUBSCRIBER] * len(COMPUTED)
-    assert report['unpublished_messages'] == 2
+    assert report['unpublished_messages'] == 3
     assert report['broadphase_pairs'] == report['geometries_updated'] == 0
 
 
@@ -144,7 +207,7 @@ def test_only_what_somebody_listens_to_is_published(asked, cycle, topics):
     assert asked.times == 1
     assert 'publish ~/penetrations' in effects(report)
     assert topics['signed_distances'].published == []
-    assert report['unpublished_messages'] == 1
+    assert report['unpublished_messages'] == 2
     # 0.05 m apart: penetrations alone do not look that far, distances do.
     assert (report['broadphase_pairs'], sum(report['method_pairs'])) == (0, 0)
     report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
@@ -227,13 +290,16 @@ def test_what_is_done_beside_the_cycles_is_told_once(live, asked, topics):
     ]
     kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
-    cycle = Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules(), beside)
+    cycle = Cycle(
+        *(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), no_rules()),
+        *(contacts(PlainTopic(0)), beside),
+    )
 
     def told():
         report = run(asked, cycle, topics, 'cycle_report')
         names = ('effects', 'effect_ran', 'effect_counts', 'effect_seconds', 'effect_reasons')
         rows = list(zip(*(report[name] for name in names), strict=True))
-        assert report['unpublished_messages'] == 2  # of the cycle's own
+        assert report['unpublished_messages'] == 3  # of the cycle's own
         return rows[-2:]
 
     points, scene = 'publish ~/point_distances', 'publish ~/scene'

@@ -10,7 +10,9 @@ from drake_geom_ros.ros.outputs import diagnostics
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
 from drake_geom_ros.ros.scene.waiting import Waiting
 
-CYCLE = Plain(count=3, worst_error_bound=0.0)
+CYCLE = Plain(
+    count=3, worst_error_bound=0.0, contacts=Plain(told='1, and 0 pairs that overlap without')
+)
 NOBODY = Waiting([], 0, 0)
 
 

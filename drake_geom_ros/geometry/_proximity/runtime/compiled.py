@@ -283,8 +283,9 @@ class Entry:
         return dispatcher(*arguments)
 
     def _uncompiled(self, *arguments: Any) -> Any:
-        if any(a.ndim != kind.ndim for a, kind in zip(arguments, self._types, strict=True)):
-            raise TypeError('another number of dimensions')
+        for argument, kind in zip(arguments, self._types, strict=True):
+            if isinstance(kind, types.Array) and argument.ndim != kind.ndim:
+                raise TypeError('another number of dimensions')
         return self._function(*arguments)
 
 

@@ -1,0 +1,166 @@
+"""Contact surfaces of a scene_graph node with names, and the pairs that overlap without one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, TypeVar
+
+import numpy as np
+
+from drake_geom_ros.client.left_out import IncompleteError
+from drake_geom_ros.client.results import Floats, Ids, Pair, PairResults
+from drake_geom_ros.client.scene_table import SceneTable
+
+_SHOWN = 3  # pairs in a sentence
+_REASONS = {
+    1: 'one has no hydroelastic properties',
+    2: 'both are rigid',
+    3: 'both are half spaces',
+    4: 'one is too deep within the other',
+    5: 'all faces are left out: one pressure does not grow along their normals',
+}
+_Surfaces = TypeVar('_Surfaces', bound='ContactSurfaces')
+
+
+@dataclass(frozen=True)
+class ContactSurface(Pair):
+    """Where two geometries press each other: ``area`` [m^2], ``max_pressure`` [Pa].
+
+    ``centroid`` and ``centre_of_pressure`` (3,) [m], ``force_on_A_W`` (3,) [N] and
+    ``torque_on_A_Wo_W`` (3,) [N m] about the world's origin are in the world.
+    """
+
+    area: float
+    max_pressure: float
+    centroid: Floats
+    centre_of_pressure: Floats
+    force_on_A_W: Floats
+    torque_on_A_Wo_W: Floats
+
+
+@dataclass(frozen=True)
+class PairWithoutSurface(Pair):
+    """Two geometries that overlap and have no contact surface, why, and how deep [m]."""
+
+    reason: str
+    depth: float
+    error_bound: float
+    p_WCa: Floats
+    p_WCb: Floats
+    nhat_BA_W: Floats
+
+
+class PairsWithoutSurface(PairResults[PairWithoutSurface]):
+    """The pairs of a ContactSurfaces message that overlap and have no surface.
+
+    Arrays: ``depth``, ``error_bound`` (n,) [m], ``p_WCa``, ``p_WCb``, ``nhat_BA_W`` (n, 3),
+    ``reason`` (n,) REASON_* constants, ``id_a``, ``id_b`` (n,).
+    """
+
+    _PREFIX = 'point_pair_'
+
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        super().__init__(message, table, rows, is_complete)
+        self.reason = self._column('reason', kind=np.int64)  # (n,)
+        self.depth = self._column('depth')  # (n,) [m]
+        self.error_bound = self._column('error_bound')  # (n,) [m]
+        self.p_WCa = self._column('p_wca', 3)  # (n, 3) [m]
+        self.p_WCb = self._column('p_wcb', 3)  # (n, 3) [m]
+        self.nhat_BA_W = self._column('nhat_ba_w', 3)  # (n, 3)
+
+    def _record(self, k: int) -> PairWithoutSurface:
+        columns = self._row(k, 'depth', 'error_bound', 'p_WCa', 'p_WCb', 'nhat_BA_W')
+        number = int(self.reason[k])
+        reason = _REASONS.get(number, f'reason {number}')
+        return PairWithoutSurface(**self._pair(k), reason=reason, **columns)
+
+
+class ContactSurfaces(PairResults[ContactSurface]):
+    """The surfaces of a ContactSurfaces message, with names.
+
+    Arrays: ``area`` (n,) [m^2], ``max_pressure`` (n,) [Pa], ``centroid``, ``centre_of_pressure``
+    (n, 3) [m], ``force_on_A_W`` (n, 3) [N], ``torque_on_A_Wo_W`` (n, 3) [N m], ``faces`` (n,),
+    ``id_a``, ``id_b`` (n,). ``without_surface`` are the pairs that overlap and have none, and
+    ``participants`` the number of geometries with hydroelastic properties.
+
+    No surface need not mean that nothing touches: ``bool()`` of none raises IncompleteError where
+    pairs overlap without one, and where no geometry takes part.
+    """
+
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        super().__init__(message, table, rows, is_complete)
+        self.participants = int(message.participants)
+        self.area = self._column('area')
+        self.max_pressure = self._column('max_pressure')
+        self.centroid = self._column('p_wc', 3)
+        self.centre_of_pressure = self._column('centre_of_pressure', 3)
+        self.force_on_A_W = self._column('force_on_a_w', 3)
+        self.torque_on_A_Wo_W = self._column('torque_on_a_wo_w', 3)
+        self.faces = self._column('faces', kind=np.int64)
+        self.without_surface = PairsWithoutSurface(message, table)
+
+    def whole(self: _Surfaces, what: str) -> _Surfaces:
+        """Return the results if they are complete; raise IncompleteError about ``what`` if not."""
+        if not self.participants:
+            raise IncompleteError(
+                f'{what}: no geometry of the scene has hydroelastic properties, so nothing was '
+                'computed; see docs/contact_surfaces.md'
+            )
+        return super().whole(what)
+
+    def between(self: _Surfaces, a: str, b: str = '*') -> _Surfaces:
+        """Return the surfaces of what ``a`` names with what ``b`` names, as of other results.
+
+        ``without_surface`` are then those of these pairs.
+        """
+        found = super().between(a, b)
+        found.without_surface = self.without_surface.between(a, b)
+        return found
+
+    def polygons(self, k: int) -> list[tuple[Floats, Floats]]:
+        """Return corners (m, 3) [m] in the world and pressures (m,) [Pa] of surface k's polygons.
+
+        Raises RuntimeError where the message has none: they were not asked for.
+        """
+        message, row = self._message, int(self._rows[k])
+        if not message.has_polygons:
+            raise RuntimeError(
+                'these results have no polygons: ask with polygons=True, or set the parameter '
+                'contact_polygons of the node'
+            )
+        first = int(np.sum(np.asarray(message.faces[:row], dtype=np.int64)))
+        ends = np.concatenate(([0], np.asarray(message.polygon_ends))).astype(np.int64)
+        p_WVs = np.reshape(np.asarray(message.p_wv, dtype=np.float64), (-1, 3))
+        pressures = np.asarray(message.pressure, dtype=np.float64)
+        bounds = ends[first : first + int(message.faces[row]) + 1].tolist()
+        return [(p_WVs[begin:end], pressures[begin:end]) for begin, end in pairwise(bounds)]
+
+    def __bool__(self) -> bool:
+        """Return whether there is a surface; raise IncompleteError where none says too little."""
+        if not len(self) and len(self.without_surface):
+            pairs = self.without_surface[:_SHOWN]
+            told = ', '.join(f'{p.name_a} and {p.name_b} ({p.reason})' for p in pairs)
+            raise IncompleteError(
+                f'no surface, and yet pairs overlap: {told}; see without_surface'
+            )
+        return super().__bool__()
+
+    def _record(self, k: int) -> ContactSurface:
+        columns = self._row(
+            *(k, 'area', 'max_pressure', 'centroid', 'centre_of_pressure'),
+            *('force_on_A_W', 'torque_on_A_Wo_W'),
+        )
+        return ContactSurface(**self._pair(k), **columns)

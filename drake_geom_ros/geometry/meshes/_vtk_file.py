@@ -1,0 +1,84 @@
+"""Legacy .vtk files of tetrahedra, which meshio reads; nobody else imports it.
+
+Of the format this reads an ASCII UNSTRUCTURED_GRID whose cells are all tetrahedra (type 10); data
+of points and cells are skipped. There is no unit: numbers are metres, as in Drake.
+"""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
+from drake_geom_ros.geometry.meshes.volume_surface import (
+    ConvertVolumeToSurfaceMesh,
+    check_elements,
+)
+
+_MISSING = (
+    'meshio is not installed, and .vtk files take it: pip install meshio, or this package with '
+    "its extra 'volume_meshes'"
+)
+_TETRAHEDRA = 'its cells must be tetrahedra, of type 10'
+
+
+def parse_vtk(data: bytes) -> ParsedMesh:
+    """Return the boundary of a file's tetrahedra, and these: see ``ParsedMesh.volume``.
+
+    Vertices of no tetrahedron are left out. Raises ValueError, or what meshio raises, for another
+    content, and for tetrahedra that have no volume or are inside out.
+    """
+    _check_kind(data)
+    read = _read(data)
+    declared = re.search(rb'^\s*CELL_TYPES\s+(\d+)', data, re.IGNORECASE | re.MULTILINE)
+    kinds = {block.type for block in read.cells}
+    if others := kinds - {'tetra'}:
+        raise ValueError(f'it has cells of the kind {", ".join(sorted(others))}; {_TETRAHEDRA}')
+    if not kinds:
+        raise ValueError(f'it has no cells; {_TETRAHEDRA}')
+    elements = np.concatenate([np.asarray(block.data, dtype=np.int64) for block in read.cells])
+    # meshio leaves out cells behind the last type of a file that ends early.
+    if declared is None or len(elements) != int(declared[1]):
+        raise ValueError(f'it ends early: {len(elements)} cells of those that it announces')
+    volume = _used(VolumeMesh.FromArrays(elements, np.asarray(read.points, dtype=np.float64)))
+    check_elements(volume, 'its tetrahedra')
+    boundary = ConvertVolumeToSurfaceMesh(volume)
+    vertices, triangles = boundary.vertex_array(), boundary.triangle_array()
+    return ParsedMesh(vertices.copy(), triangles.copy(), volume=volume)
+
+
+def _check_kind(data: bytes) -> None:
+    """Raise ValueError for what is no legacy file in ASCII of an unstructured grid."""
+    lines = [line.strip().upper() for line in data[:2000].splitlines()]
+    if not lines or not lines[0].startswith(b'# VTK DATAFILE VERSION'):
+        raise ValueError("it does not begin with '# vtk DataFile Version', as legacy files do")
+    if len(lines) < 3 or lines[2] != b'ASCII':
+        raise ValueError('its third line must be ASCII: files that are BINARY are not read')
+    kind = next((line.split()[1:] for line in lines if line.startswith(b'DATASET')), [])
+    if kind != [b'UNSTRUCTURED_GRID']:
+        raise ValueError('its DATASET must be an UNSTRUCTURED_GRID')
+
+
+def _read(data: bytes) -> Any:
+    """Return what meshio makes of a file, which it takes from a disk only."""
+    try:
+        from meshio import vtk
+    except ImportError:
+        raise ValueError(_MISSING) from None
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, 'mesh.vtk')
+        path.write_bytes(data)
+        return vtk.read(path)
+
+
+def _used(mesh: VolumeMesh) -> VolumeMesh:
+    """Return the mesh with those of its vertices that an element has."""
+    used, elements = np.unique(mesh.element_array(), return_inverse=True)
+    rows: NDArray[np.int64] = elements.reshape(-1, 4)
+    return VolumeMesh.FromArrays(rows, mesh.vertex_array()[used])

@@ -1,0 +1,60 @@
+"""Contact surfaces as they are drawn: triangles, coloured by pressure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ContactSurfaceResults
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# From no pressure to the largest: dark blue, teal, yellow, which differ in lightness, too.
+_COLOURS = ((0.10, 0.10, 0.45), (0.10, 0.55, 0.60), (1.00, 0.90, 0.15))
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """Surfaces: corners (v, 3) [m] in the world, pressures (v,) [Pa], triangles (t, 3)."""
+
+    vertices: Floats
+    pressures: Floats
+    triangles: Indices
+
+    @classmethod
+    def of(cls, surfaces: ContactSurfaceResults) -> Patches:
+        """Return the polygons of surfaces as fans of triangles."""
+        return cls.of_polygons(*surfaces.polygon_arrays())
+
+    @classmethod
+    def of_polygons(cls, vertices: Floats, pressures: Floats, ends: Indices) -> Patches:
+        """Return polygons that each end in the vertices where ``ends`` (f,) says."""
+        sizes = np.diff(ends, prepend=0)
+        counts = sizes - 2
+        first = np.repeat(ends - sizes, counts)
+        within = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
+        second = first + within + 1
+        return cls(vertices, pressures, np.column_stack((first, second, second + 1)))
+
+    @classmethod
+    def none(cls) -> Patches:
+        """Return no surfaces."""
+        return cls(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3), dtype=np.int64))
+
+    def __len__(self) -> int:
+        return len(self.triangles)
+
+    @property
+    def max_pressure(self) -> float:
+        """The largest pressure [Pa]; 0 without any."""
+        return float(self.pressures.max(initial=0.0))
+
+    def colours(self) -> Floats:
+        """Return the colour (v, 3) of each corner, from 0 to 1; the largest pressure is yellow."""
+        shares = self.pressures / (self.max_pressure or 1.0)
+        at = np.linspace(0.0, 1.0, len(_COLOURS))
+        channels = zip(*_COLOURS, strict=True)
+        return np.column_stack([np.interp(shares, at, channel) for channel in channels])
