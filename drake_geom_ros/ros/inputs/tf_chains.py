@@ -18,6 +18,7 @@ from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.ros.inputs.tf_edges import Edge
 from drake_geom_ros.ros.inputs.tf_troubles import loop_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
+from drake_geom_ros.ros.scene.driven_robot import oldest
 
 Floats = NDArray[np.float64]
 
@@ -100,6 +101,46 @@ class Chains:
         return tuple(reversed(kept))
 
 
+def hangs_on(
+    name: str, changed: Collection[str], known: dict[str, bool], edges: Mapping[str, Edge]
+) -> bool:
+    """Return whether the chain from a TF frame to the world holds a changed transform.
+
+    ``known`` is of which TF frames that was found; it is added to.
+    """
+    chain = []
+    while name in edges and name not in known:
+        chain.append(name)
+        if name in changed:
+            known[name] = True
+            break
+        name = edges[name].parent
+    found = known.get(name, False)
+    known |= dict.fromkeys(chain, found)
+    return found
+
+
+def parts_of(
+    posing: Posing,
+    ends: Mapping[str, Placed],
+    edges: Mapping[str, Edge],
+    coming: Collection[str],
+) -> tuple[tuple[tuple[str, ...], ...], tuple[Since, ...]]:
+    """Return of each frame which transforms of its chain come, and since when the rest holds."""
+    parents, chains, others = dict(posing.steps), [], []
+    for name in posing.names:
+        chain, since = list[str](), list[Since]()
+        while name in parents:
+            if name in coming:
+                chain.append(name)
+            else:
+                since.append(edges[name].since)
+            name = parents[name]
+        chains.append(tuple(chain))
+        others.append(oldest(ends[name].since, *since))
+    return tuple(chains), tuple(others)
+
+
 def placed(
     steps: Iterable[tuple[str, str]], ends: Mapping[str, Placed], X_PCs: Mapping[str, Floats]
 ) -> dict[str, Floats]:
@@ -140,11 +181,5 @@ def held_since(
     """Return since when TF frames are where they are: as the oldest transform of the chain."""
     found = {name: end.since for name, end in ends.items()}
     for child, parent in steps:
-        found[child] = _older(found[parent], edges[child].since)
+        found[child] = oldest(found[parent], edges[child].since)
     return found
-
-
-def _older(one: Since, other: Since) -> Since:
-    if one is other or other is ALWAYS:
-        return one
-    return other if one is ALWAYS else Since(*map(min, one, other))

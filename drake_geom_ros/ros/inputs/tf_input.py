@@ -33,7 +33,9 @@ from drake_geom_ros.ros.inputs.tf_chains import (
     Placed,
     PosedByRun,
     Posing,
+    hangs_on,
     held_since,
+    parts_of,
     placed,
     poses_in,
 )
@@ -41,7 +43,6 @@ from drake_geom_ros.ros.inputs.tf_edges import Edge, Refusal, plain_name, read_e
 from drake_geom_ros.ros.inputs.tf_past import Chain, TfPast
 from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, shared, unlinked
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
-from drake_geom_ros.ros.scene.driven_robot import oldest
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
@@ -154,19 +155,8 @@ class TfInput:
         posing = self._posing(scene, set(X_PCs), ends)
         if not posing.is_by_names or posing.left_out:
             return None
-        parents, chains, others = dict(posing.steps), [], []
-        for name in posing.names:
-            chain, since = list[str](), list[Since]()
-            while name in parents:
-                if name in X_PCs:
-                    chain.append(name)
-                else:
-                    since.append(self._edges[name].since)
-                name = parents[name]
-            chains.append(tuple(chain))
-            others.append(oldest(ends[name].since, *since))
         rows = self._rows(scene, posing, ends, X_PCs) if posing.frames else np.zeros((0, 0, 7))
-        return PosedByRun(posing.ids, rows, tuple(chains), tuple(others))
+        return PosedByRun(posing.ids, rows, *parts_of(posing, ends, self._edges, X_PCs))
 
     def _loose_parents(self) -> frozenset[str]:
         """Return the parents of transforms that have no transform of their own."""
@@ -274,7 +264,7 @@ class TfInput:
                 continue
             if name is not None and chains.lead(name):
                 found[frame] = name
-                if self._hangs_on(name, changed, moved):
+                if hangs_on(name, changed, moved, self._edges):
                     affected.add(frame)
         # Of a nested frame the pose in its parent changes when either moves; while the parent
         # waits for a pose from elsewhere it is not known.
@@ -398,19 +388,6 @@ class TfInput:
             if ALWAYS not in (first, second) and second.heard - first.heard > _GONE:
                 return known[1]
         return known[0] if known else None
-
-    def _hangs_on(self, name: str, changed: set[str], known: dict[str, bool]) -> bool:
-        """Return whether the chain from a TF frame to the world holds a changed transform."""
-        chain = []
-        while name in self._edges and name not in known:
-            chain.append(name)
-            if name in changed:
-                known[name] = True
-                break
-            name = self._edges[name].parent
-        found = known.get(name, False)
-        known |= dict.fromkeys(chain, found)
-        return found
 
 
 def _footing(end: Placed) -> tuple[bytes, Since]:
