@@ -7,12 +7,11 @@ from collections import defaultdict
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.meshes._facet_mesh import Floats, Indices
+from drake_geom_ros.geometry.meshes._library import connected_pieces
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
 from drake_geom_ros.geometry.meshes.tolerances import FLAT_TETRAHEDRON
 from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES, VolumeMesh, signed_volumes
@@ -45,9 +44,10 @@ def on_boundary(volume: VolumeMesh) -> NDArray[np.bool_]:
 def count_pieces(volume: VolumeMesh) -> int:
     """Return in how many pieces a mesh is, whose elements share no face."""
     neighbours = neighbours_of(volume.element_array())
-    rows, sides = np.nonzero(neighbours >= 0)
-    graph = coo_array((np.ones(len(rows)), (rows, neighbours[rows, sides])), 2 * [len(neighbours)])
-    return int(connected_components(graph, directed=False, return_labels=False))
+    each = np.repeat(np.arange(len(neighbours)), 4)
+    beyond = np.where(neighbours.ravel() < 0, each, neighbours.ravel())
+    # As triangles of elements: they are joined as those of vertices are.
+    return len(connected_pieces(np.column_stack((each, beyond, each)), len(neighbours)))
 
 
 def _on_boundary(elements: Indices, count: int) -> NDArray[np.bool_]:
