@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._contact_surfaces.arrays import Bodies
+from drake_geom_ros.geometry._contact_surfaces.packing import packed, packed_half_space
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_DISTANCE,
@@ -25,10 +28,11 @@ from drake_geom_ros.geometry._proximity.world.world import (
     PointShapes,
     World,
 )
-from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.errors import GeometryError, PoseError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.model.scene_content import SceneContent, proximity_keys_on
+from drake_geom_ros.geometry.queries.contact_queries import Contacts
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.padding import (
     Paddings,
@@ -38,9 +42,11 @@ from drake_geom_ros.geometry.queries.padding import (
 )
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.query_results import (
+    PenetrationResults,
     PointDistanceResults,
     SignedDistanceResults,
 )
+from drake_geom_ros.geometry.queries.state_contacts import StateContacts
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 Floats = NDArray[np.float64]
@@ -75,6 +81,9 @@ class PackedScene:
     moved: Indices  # the frames whose poses make a state
     paddings: Floats  # (n,) [m] of the geometries, and of which points take a mesh's surface
     meshes: NDArray[np.bool_]  # (n,)
+    # What they are to contact surfaces; of those who ask about none no body.
+    body_of: Indices  # (n,) the row of each one's body; -1: it has none
+    bodies: Bodies
 
     @classmethod
     def of(
@@ -84,13 +93,14 @@ class PackedScene:
         still: Mapping[int, Floats] | None = None,
         *,
         about_points: bool = True,
+        about_contacts: bool = False,
     ) -> tuple[PackedScene, Indices]:
         """Return a context's scene of now, and its geometries' id values (n,) by their place.
 
         ``frame_ids`` are values of the frames that states pose, ``still`` the poses X_PF (7,) of
         those among them that have the same in each state: what is welded to the world stays so
         there, and nowhere else. Only who asks ``about_points`` has to pack what meshes are to
-        these. Raises PoseError for one that is
+        these, and who asks ``about_contacts`` their bodies. Raises PoseError for one that is
         not there or is there twice, and for other frames that never had a pose.
         """
         state = state_of(context)
@@ -116,6 +126,9 @@ class PackedScene:
         near.bring_up_to_date(world, _unwelded(state, frame_ids, still or {}), math.inf)
         table = world.geometries
         none = np.zeros(len(table.ids))
+        body_of, bodies = np.full(len(table.ids), -1), packed([packed_half_space(0.0)])
+        if about_contacts:
+            _, _, body_of, bodies = state.contact_bodies()
         paddings = state.paddings() or Paddings(none, none.astype(bool))
         # What no state keeps is no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
@@ -138,6 +151,8 @@ class PackedScene:
             moved=rows,
             paddings=paddings.radii,
             meshes=paddings.meshes,
+            body_of=body_of,
+            bodies=bodies,
         )
         return scene, table.ids
 
@@ -146,9 +161,10 @@ class PackedScene:
         """A name for the content: the SHA-256 of all arrays."""
         found = hashlib.sha256()
         for field in fields(self):
-            array = getattr(self, field.name)
-            found.update(f'{field.name} {array.dtype.str} {array.shape}\n'.encode())
-            found.update(np.ascontiguousarray(array).tobytes())
+            value = getattr(self, field.name)
+            for array in value if isinstance(value, Bodies) else (value,):
+                found.update(f'{field.name} {array.dtype.str} {array.shape}\n'.encode())
+                found.update(np.ascontiguousarray(array).tobytes())
         return found.hexdigest()
 
     def has_moving_pairs(self) -> bool:
@@ -200,6 +216,10 @@ class StateQueries:
         self._world = scene.world()
         self._loops = StateLoops(self._world, scene.pairs.copy(), scene.moved.copy())
         self._paddings = Paddings(scene.paddings, scene.meshes) if scene.paddings.any() else None
+        self._contacts = None
+        if (scene.body_of >= 0).any():
+            rows = scene.moved.copy()
+            self._contacts = StateContacts(scene.world(), rows, scene.body_of, scene.bodies)
 
     def has_collisions(
         self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None
@@ -275,6 +295,32 @@ class StateQueries:
         keep = rows[:, POINT_DISTANCE] - rows[:, POINT_ERROR_BOUND] <= threshold
         batch = PointBatch(batch.ids[keep], batch.points[keep], rows[keep])
         return _count_of_each(counts, keep), PointDistanceResults(batch)
+
+    def contacts(self, poses: Floats, accuracy: str, stop: Indices) -> Iterator[Contacts]:
+        """Yield what QueryObject.contacts tells of each state (N, n, 7), overlaps at a level.
+
+        Raises GeometryError where no geometry has hydroelastic properties.
+        """
+        if self._contacts is None:
+            raise GeometryError(
+                'Contacts of states were asked for, and no geometry has hydroelastic properties: '
+                'see AddRigidHydroelasticProperties and AddCompliantHydroelasticProperties.'
+            )
+        reach = 0.0 if self._paddings is None else self._paddings.of_pair
+        done, counts, (ids, _) = self._loops.within(poses, GAPS_OF_LEVELS['bound'], reach, stop)
+        _check_done(done, poses, stop)
+        for number, last in enumerate(np.cumsum(counts).tolist()):
+            _check_done(number if stop[0] else len(poses), poses, stop)
+            state = poses[number : number + 1]
+            overlaps = partial(self._penetrations, state, accuracy, stop)
+            pairs = ids[last - int(counts[number]) : last]
+            yield self._contacts.of(state[0], pairs, overlaps)
+
+    def _penetrations(self, state: Floats, accuracy: str, stop: Indices) -> PenetrationResults:
+        """Return ComputePointPairPenetration of a state (1, n, 7)."""
+        _, found = self.within(state, accuracy, 0.0, stop)
+        assert isinstance(found, SignedDistanceResults)
+        return found.penetrations()
 
     def _padded(
         self, poses: Floats, accuracy: str, reach: float, stop: Indices
