@@ -81,15 +81,12 @@ def quaternions_from_rotations(Rs: ArrayLike) -> Floats:
     xx, yy, zz = R[:, 0, 0], R[:, 1, 1], R[:, 2, 2]
     xy, xz, yz = R[:, 0, 1] + R[:, 1, 0], R[:, 0, 2] + R[:, 2, 0], R[:, 1, 2] + R[:, 2, 1]
     wx, wy, wz = R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]
-    products = np.stack(
-        (
-            np.stack((1.0 + xx - yy - zz, xy, xz, wx), axis=1),
-            np.stack((xy, 1.0 - xx + yy - zz, yz, wy), axis=1),
-            np.stack((xz, yz, 1.0 - xx - yy + zz, wz), axis=1),
-            np.stack((wx, wy, wz, 1.0 + xx + yy + zz), axis=1),
-        ),
-        axis=1,
-    )
+    products = np.empty((len(R), 4, 4))
+    products[:, 0, 0], products[:, 1, 1] = 1.0 + xx - yy - zz, 1.0 - xx + yy - zz
+    products[:, 2, 2], products[:, 3, 3] = 1.0 - xx - yy + zz, 1.0 + xx + yy + zz
+    mixed = (((0, 1), xy), ((0, 2), xz), ((1, 2), yz), ((0, 3), wx), ((1, 3), wy), ((2, 3), wz))
+    for (row, column), sums in mixed:
+        products[:, row, column] = products[:, column, row] = sums
     largest = np.argmax(np.diagonal(products, axis1=1, axis2=2), axis=1)
     rows = products[np.arange(len(R)), largest]
     quaternions: Floats = rows / np.linalg.norm(rows, axis=1)[:, None]

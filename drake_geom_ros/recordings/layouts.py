@@ -1,29 +1,40 @@
 """Many messages of one sender at once: where their numbers stand in bytes, learnt from rosbags.
 
 A sender's messages differ in stamps and numbers only, so all have the same length, and the same
-bytes elsewhere. Where a number stands is seen by what rosbags writes for another value of it.
+bytes elsewhere. Where numbers stand is seen by what rosbags writes for other values of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import reduce
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, store_of
+from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF, store_of
 from drake_geom_ros.recordings.storages import Topic
 
 Bytes = NDArray[np.uint8]
+Indices = NDArray[np.int64]
 
-# What may differ, by its path in the message: of one number the type, of many None.
-_STAMP: dict[str, str | None] = {'header.stamp.sec': '<i4', 'header.stamp.nanosec': '<u4'}
-_FIELDS: dict[str, dict[str, str | None]] = {
-    JOINTS: {**_STAMP, 'position': None, 'velocity': None, 'effort': None},
-    POSES: {**_STAMP, 'poses': None},
+# What may differ, by its path in the message, and its type: `*` stands for each of a sequence.
+_STAMP = {'header.stamp.sec': '<i4', 'header.stamp.nanosec': '<u4'}
+TRANSFORMS = 'transforms.*'
+# Of each transform x y z qx qy qz qw.
+TRANSFORM_NUMBERS = tuple(
+    f'{TRANSFORMS}.transform.{part}.{axis}'
+    for part, axes in (('translation', 'xyz'), ('rotation', 'xyzw'))
+    for axis in axes
+)
+_FIELDS: dict[str, dict[str, str]] = {
+    JOINTS: {**_STAMP, 'position': '<f8', 'velocity': '<f8', 'effort': '<f8'},
+    POSES: {**_STAMP, 'poses': '<f8'},
     CLOCK: {'clock.sec': '<i4', 'clock.nanosec': '<u4'},
+    TF: {
+        **{f'{TRANSFORMS}.{path}': kind for path, kind in _STAMP.items()},
+        **dict.fromkeys(TRANSFORM_NUMBERS, '<f8'),
+    },
 }
 _HEAD = 4  # bytes that say how what follows is written: they count, but for the last two
 _MOST_LAYOUTS = 64  # of a topic: its messages come one by one where they never repeat
@@ -33,8 +44,7 @@ _MOST_BYTES = 1 << 16
 class Field(NamedTuple):
     """Where the numbers of a field stand."""
 
-    start: int
-    stop: int
+    places: Indices  # of their bytes, in order
     type: str
 
 
@@ -59,17 +69,27 @@ class Layout:
         if len(own) != len(data) or own[:2] != data[:2]:
             raise ValueError('it is written in another way than rosbags writes')
         self.fields = {
-            path: _field(read(data), path, kind, own, written)
+            path: _field(lambda: read(data), path, kind, own, written)
             for path, kind in _FIELDS[topic.type].items()
         }
         self._model = np.frombuffer(own, dtype=np.uint8)
         self._counts = np.ones(len(own), dtype=np.bool_)
         self._counts[2:_HEAD] = False
         for field in self.fields.values():
-            self._counts[field.start : field.stop] = False
-        for place in np.flatnonzero(self._counts).tolist():
-            if place >= _HEAD and _is_padding(own, place, read, written):
+            self._counts[field.places] = False
+        for place in self._may_be_padding():
+            if _is_padding(own, place, read, written):
                 self._counts[place] = False
+
+    def _may_be_padding(self) -> Indices:
+        """Return the bytes that may say nothing: rosbags writes 0 there, behind another 0.
+
+        For padding comes behind the end of a text, or behind a length, which is no such large one.
+        """
+        zero = self._model == 0
+        may_be = self._counts & zero & np.append(False, zero[:-1])
+        may_be[:_HEAD] = False
+        return np.flatnonzero(may_be)
 
     def of(self, rows: Bytes) -> NDArray[np.bool_]:
         """Return which messages (n, bytes) are of this layout."""
@@ -79,7 +99,7 @@ class Layout:
     def numbers(self, rows: Bytes, path: str) -> NDArray[Any]:
         """Return the numbers (n, k) of a field of messages that are of this layout."""
         field = self.fields[path]
-        return np.ascontiguousarray(rows[:, field.start : field.stop]).view(field.type)
+        return np.ascontiguousarray(rows[:, field.places]).view(field.type)
 
 
 class Layouts:
@@ -95,7 +115,7 @@ class Layouts:
         known = (topic, size) in self._known
         return topic.type in _FIELDS and size <= _MOST_BYTES and (known or count > 1)
 
-    def of(self, topic: Topic, rows: Bytes) -> list[tuple[Layout, NDArray[np.int64]]]:
+    def of(self, topic: Topic, rows: Bytes) -> list[tuple[Layout, Indices]]:
         """Return which messages (n, bytes) of one length share a layout; others are left out."""
         known = self._known.setdefault((topic, rows.shape[1]), [])
         left, found = np.arange(len(rows)), []
@@ -119,26 +139,48 @@ class Layouts:
         return found
 
 
-def _field(message: Any, path: str, kind: str | None, own: bytes, written: Any) -> Field:
-    """Return where a field stands: there all bytes differ when all of its bits do."""
-    *above, name = path.split('.')
-    owner = reduce(getattr, above, message)
-    value = getattr(owner, name)
-    if kind is None:
-        values = np.ascontiguousarray(value, dtype='<f8')
-        if not values.size:
-            return Field(0, 0, '<f8')
-        other: Any = (~values.view(np.uint64)).view(np.float64)
+def _field(read: Any, path: str, kind: str, own: bytes, written: Any) -> Field:
+    """Return where a field stands: there all bytes differ when all of its bits do.
+
+    ``read()`` is a message of the bytes ``own``.
+    """
+    values = _values(read(), path, kind)
+    if not values.size:
+        return Field(np.zeros(0, dtype=np.int64), kind)
+    other = (~values.view(f'<u{values.itemsize}')).view(kind)
+    there = np.frombuffer(_changed(read(), path, other, written), np.uint8)
+    places = np.flatnonzero(there != np.frombuffer(own, np.uint8))
+    # All distinct, so their order is seen.
+    some = np.arange(1, len(values) + 1).astype(kind)
+    seen = np.frombuffer(_changed(read(), path, some, written), np.uint8)[places]
+    if len(places) != values.nbytes or seen.tobytes() != some.tobytes():
+        raise ValueError(f'{path} does not stand in its order')
+    return Field(places, kind)
+
+
+def _owners(message: Any, path: str) -> Iterator[tuple[Any, str]]:
+    """Yield what has the fields of a path, and the name of the field there."""
+    name, _, rest = path.partition('.')
+    if not rest:
+        yield message, name
+    elif name == '*':
+        for each in message:
+            yield from _owners(each, rest)
     else:
-        values = np.array([value], dtype=kind)
-        other = int((~values)[0])
-    setattr(owner, name, other)
-    there = np.frombuffer(written(message), np.uint8) != np.frombuffer(own, np.uint8)
-    start = int(np.argmax(there))
-    stop = start + values.nbytes
-    if not there[start:stop].all() or int(there.sum()) != values.nbytes:
-        raise ValueError(f'{path} does not stand in one piece')
-    return Field(start, stop, values.dtype.str)
+        yield from _owners(getattr(message, name), rest)
+
+
+def _values(message: Any, path: str, kind: str) -> NDArray[Any]:
+    found = (np.atleast_1d(getattr(*each)) for each in _owners(message, path))
+    return np.concatenate([np.zeros(0), *found]).astype(kind)
+
+
+def _changed(message: Any, path: str, values: NDArray[Any], written: Any) -> bytes:
+    """Return the bytes of a message with other values of a field."""
+    for k, (owner, name) in enumerate(_owners(message, path)):
+        is_array = isinstance(getattr(owner, name), np.ndarray)
+        setattr(owner, name, values if is_array else values[k].item())
+    return bytes(written(message))
 
 
 def _is_padding(own: bytes, place: int, read: Any, written: Any) -> bool:

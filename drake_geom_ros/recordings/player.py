@@ -12,17 +12,20 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.recordings.layouts import Layouts
-from drake_geom_ros.recordings.message_types import CLOCK, POSES
+from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.opened import Opened
 from drake_geom_ros.recordings.playback import Moment
 from drake_geom_ros.recordings.recording import Recorded, recorded
-from drake_geom_ros.recordings.repeats import Batch, Stretch
+from drake_geom_ros.recordings.repeats import Batch, Stamp, Stretch
 from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
-from drake_geom_ros.recordings.storages import NANOSECONDS
+from drake_geom_ros.recordings.storages import NANOSECONDS, Topic
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
+from drake_geom_ros.ros.scene import feeders
 
 _SHORTEST = 8  # messages of a run: to tell one takes as long as some messages
+_MOST_POSES = 2**19  # of a run: 30 MB, and some times that while it is told
+_FEEDERS = {JOINTS: feeders.JOINTS, POSES: feeders.MESSAGES, TF: feeders.TF}
 
 
 class Player:
@@ -35,6 +38,7 @@ class Player:
         self._layouts = Layouts()
         # What the senders pose whose last message was taken, by layout: nothing else came since.
         self._taken: dict[int, frozenset[Any]] = {}
+        self._patience = _SHORTEST  # messages to be taken one by one where no run could be told
         self._first = -1  # the first pose's time [ns]
         self.count = 0  # of states
         # [ns] of the whole recording: a sender that fell silent before its end is to be seen.
@@ -69,11 +73,17 @@ class Player:
             stretch = self._stretch(batch, k)
             run = self._run_of(stretch) if stretch.count >= _SHORTEST else None
             if run is not None:
+                self._patience = _SHORTEST
                 yield from self._play_run(stretch, run)
-            else:
-                for each in range(k, max(k + 1, stretch.end)):
-                    yield from self._play_one(batch, each)
-            k = max(k + 1, stretch.end)
+                k = stretch.end
+                continue
+            end = max(k + 1, stretch.end)
+            if stretch.count >= _SHORTEST:  # what hindered may have gone some messages later
+                end = min(end, k + self._patience)
+                self._patience *= 2
+            for each in range(k, end):
+                yield from self._play_one(batch, each)
+            k = end
 
     def _stretch(self, batch: Batch, begin: int) -> Stretch:
         """Return the messages from one on that may be a run."""
@@ -82,8 +92,10 @@ class Player:
             return Stretch(batch, begin, begin)
         may_be = batch.is_good[begin:] & np.array([*known, False])[batch.owner[begin:]]
         may_be &= batch.times[begin:] < self._playback.next_look
-        stops = np.flatnonzero(~may_be)
-        return Stretch(batch, begin, begin + int(stops[0]) if len(stops) else len(batch.raws))
+        with self._playback.live.reading() as scene:
+            most = max(_SHORTEST, _MOST_POSES // scene.inspector.num_frames())
+        stops = [*np.flatnonzero(~may_be)[:1].tolist(), len(may_be), most]
+        return Stretch(batch, begin, begin + min(stops))
 
     def _play_one(self, batch: Batch, k: int) -> Iterator[Block]:
         """Take one message."""
@@ -102,39 +114,41 @@ class Player:
 
     def _learn(self, batch: Batch, k: int, message: Recorded, *, has_posed: bool) -> None:
         """Note whose message was taken last."""
-        owner = int(batch.owner[k])
-        if message.topic.type == CLOCK:
+        owner, topic = int(batch.owner[k]), message.topic
+        if topic.type == CLOCK:
             return
-        if not (has_posed and owner >= 0):
+        role = self._roles[topic.name]
+        # Transforms that pose nothing change nothing for others, either.
+        if not (has_posed or role == 'tf') or role == 'tf_static' or owner < 0:
             self._taken.clear()
             return
         with self._playback.live.reading() as scene:
-            posed = subjects_of(
-                self._playback.inputs, scene, message.message, self._topic(k, batch)
+            named = subjects_of(
+                self._playback.inputs, scene, message.message, *self._feeder(topic)
             )
-        self._taken = {k: each for k, each in self._taken.items() if each.isdisjoint(posed)}
-        self._taken[id(batch.repeated[owner].layout)] = posed
+        self._taken = {k: each for k, each in self._taken.items() if each.isdisjoint(named)}
+        self._taken[id(batch.repeated[owner].layout)] = named
 
-    def _topic(self, k: int, batch: Batch) -> str | None:
-        """Return the topic of joint states as robots name it; None where it is one of poses."""
-        topic = batch.raws[k].topic
-        if topic.type == POSES:
-            return None
-        return self._roles[topic.name].partition(':')[2]
+    def _feeder(self, topic: Topic) -> tuple[str, str]:
+        """Return how a topic poses, and that of joint states as robots name it."""
+        return _FEEDERS[topic.type], self._roles[topic.name].partition(':')[2]
 
     def _run_of(self, stretch: Stretch) -> PoseRun | None:
         batch, senders = stretch.batch, []
         for number, owner in enumerate(stretch.owners):
             repeated = batch.repeated[owner]
             at, rows = stretch.rows_of(number)
+            feeder, topic = self._feeder(repeated.topic)
             senders.append(
                 Sender(
                     sample=repeated.layout.sample,
-                    topic=self._topic(stretch.begin + int(at[0]), batch),
+                    feeder=feeder,
+                    topic=topic,
                     # None is good that is the first of a batch, so there is one before.
                     before=repeated.numbers[rows[0] - 1],
                     at=at,
                     numbers=repeated.numbers[rows],
+                    first=seconds_of(Stamp(*batch.stamps[stretch.begin + int(at[0])].tolist())),
                 )
             )
         if not senders:
@@ -184,6 +198,6 @@ class Player:
             if k in last:
                 moments.append((k, playback.moment))
             heard[sender] = arrival().since(seconds_of(stamp))
-            if not self._rate:
+            if not self._rate and sender in run.posing:
                 take(time, k + 1)
         return found, moments

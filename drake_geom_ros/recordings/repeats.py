@@ -10,15 +10,29 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.recordings.layouts import Bytes, Layout, Layouts, rows_of
-from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES
+from drake_geom_ros.recordings.layouts import (
+    TRANSFORM_NUMBERS,
+    TRANSFORMS,
+    Bytes,
+    Layout,
+    Layouts,
+    rows_of,
+)
+from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.playback import is_jump
 from drake_geom_ros.recordings.storages import NANOSECONDS, Raw, Topic
+from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.inputs.tf_edges import are_transforms
 
 Indices = NDArray[np.int64]
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-_STAMP = {CLOCK: 'clock', JOINTS: 'header.stamp', POSES: 'header.stamp'}
+_STAMP = {
+    CLOCK: 'clock',
+    JOINTS: 'header.stamp',
+    POSES: 'header.stamp',
+    TF: f'{TRANSFORMS}.header.stamp',
+}
 _NUMBERS = {JOINTS: 'position', POSES: 'poses'}
 _FINITE = {JOINTS: ('position', 'velocity'), POSES: ('poses',), CLOCK: ()}
 
@@ -38,8 +52,10 @@ class Repeated(NamedTuple):
     at: Indices  # (n,) their places in the batch
     seconds: Indices  # (n,) of stamps, or of the clock
     nanoseconds: Indices  # (n,)
-    numbers: Floats  # (n, k) positions or poses; of a clock none
-    is_good: Flags  # (n,) finite, and no clock that jumps; no stamp is that of the one before
+    numbers: Floats  # (n, k) positions, poses or transforms; of a clock none
+    # (n,) finite, and no clock that jumps; no stamp is that of the one before. Those of TF have
+    # one stamp each, behind that of the one before, and nothing of them is refused.
+    is_good: Flags
 
 
 class Batch:
@@ -114,6 +130,8 @@ def _repeated(raws: Sequence[Raw], layouts: Layouts) -> list[Repeated]:
 
 def _arrays_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeated:
     """Return what messages of a layout say."""
+    if topic.type == TF:
+        return _transforms_of(topic, layout, at, rows)
     stamp = _STAMP[topic.type]
     parts = (layout.numbers(rows, f'{stamp}.{name}')[:, 0] for name in ('sec', 'nanosec'))
     seconds, nanoseconds = (part.astype(np.int64) for part in parts)
@@ -128,3 +146,26 @@ def _arrays_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeat
     is_good[1:] &= unstamped[1:] | (np.diff(seconds) != 0) | (np.diff(nanoseconds) != 0)
     numbers = layout.numbers(rows, _NUMBERS[topic.type])
     return Repeated(topic, layout, at, seconds, nanoseconds, numbers, is_good)
+
+
+def _transforms_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeated:
+    """Return what messages of TF say."""
+    seconds, nanoseconds = (
+        layout.numbers(rows, f'{_STAMP[TF]}.{name}').astype(np.int64)
+        for name in ('sec', 'nanosec')
+    )
+    if not seconds.shape[1]:  # no transforms at all
+        none = np.zeros(len(at), dtype=np.int64)
+        return Repeated(topic, layout, at, none, none, np.zeros((len(at), 0)), none > 0)
+    numbers = np.stack([layout.numbers(rows, path) for path in TRANSFORM_NUMBERS], axis=-1)
+    are_good = are_transforms(numbers.reshape(-1, 7)).reshape(numbers.shape[:2])
+    is_good: Flags = np.logical_and.reduce(are_good, axis=1)
+    for parts in (seconds, nanoseconds):
+        is_good &= (parts == parts[:, :1]).all(axis=1)
+    stamps = zip(seconds[:, 0].tolist(), nanoseconds[:, 0].tolist(), strict=True)
+    held = np.array([seconds_of(Stamp(*each)) for each in stamps])
+    is_good[0] = False  # behind what is not here
+    is_good[1:] &= (np.diff(held) > 0.0) | ((held == 0.0)[1:] & (held == 0.0)[:-1])
+    return Repeated(
+        topic, layout, at, seconds[:, 0], nanoseconds[:, 0], numbers.reshape(len(at), -1), is_good
+    )

@@ -1,11 +1,13 @@
 """Where numbers stand in the bytes of messages is learnt from rosbags, and holds for all alike."""
 
+from functools import reduce
+
 import numpy as np
 import pytest
 from recordings import recorder
 
 from drake_geom_ros.recordings.layouts import Layout, Layouts, rows_of
-from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, message_of
+from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF, message_of
 from drake_geom_ros.recordings.storages import Topic
 
 
@@ -46,6 +48,42 @@ def test_numbers_are_those_of_each_message(kind, seed):
             assert told.tolist() == np.atleast_1d(getattr(owner, name)).tolist()
 
 
+@pytest.mark.parametrize('count', [1, 2, 7])
+def test_numbers_of_transforms_are_those_of_each(count):
+    rng = np.random.default_rng(count)
+    edges = [(f'p{"x" * k}', f'c{"y" * (k % 3)}{k}') for k in range(count)]
+    messages = []
+    for _ in range(9):
+        rows = rng.normal(size=(count, 7)).round(rng.integers(3))  # some are equal
+        message = recorder.transforms(
+            0.0, *((*edge, row) for edge, row in zip(edges, rows, strict=True))
+        )
+        for entry in message.transforms:
+            entry.header.stamp = recorder.stamp(rng.uniform(0.0, 1e4))
+        messages.append(message)
+    ((layout, chosen),) = Layouts().of(Topic('/tf', TF), rows_of(list(map(written, messages))))
+    assert chosen.tolist() == list(range(9))
+    data = rows_of([written(message) for message in messages])
+    for path in layout.fields:
+        star, *names = path.removeprefix('transforms.').split('.')
+        assert star == '*'
+        told = [[reduce(getattr, names, each) for each in m.transforms] for m in messages]
+        assert layout.numbers(data, path).tolist() == told
+    assert len(layout.fields) == 9
+
+
+def test_transforms_of_other_names_and_none_at_all():
+    rows = np.random.default_rng(0).normal(size=(2, 7))
+    one = recorder.transforms(1.0, ('a', 'bc', rows[0]), ('a', 'de', rows[1]))
+    other = recorder.transforms(2.0, ('a', 'de', rows[0]), ('a', 'bc', rows[1]))
+    found = Layouts().of(Topic('/tf', TF), rows_of([written(m) for m in (one, other, one)]))
+    assert [chosen.tolist() for _, chosen in found] == [[0, 2]]
+    empty = written(recorder.transforms(1.0))
+    ((layout, chosen),) = Layouts().of(Topic('/tf', TF), rows_of([empty, empty]))
+    assert chosen.tolist() == [0, 1]
+    assert all(not field.places.size for field in layout.fields.values())
+
+
 def test_other_names_and_other_lengths_are_other_layouts():
     rng = np.random.default_rng(0)
     names = (['aa', 'bb'], ['ab', 'ba'], ['aa', 'bb'])
@@ -60,17 +98,23 @@ def test_other_names_and_other_lengths_are_other_layouts():
     assert layout.of(rows_of([written(message), written(other)])).tolist() == [True, False]
 
 
-def test_what_stands_between_numbers_may_be_anything():
-    topic = Topic('/t', JOINTS)
+@pytest.mark.parametrize('kind', [JOINTS, TF])
+def test_what_stands_between_numbers_may_be_anything(kind):
+    topic = Topic('/t', kind)
     message = recorder.joint_state(1.0, ['joint'], [0.5])
+    if kind == TF:
+        row = (0.5, 0, 0, 0, 0, 0, 1)
+        message = recorder.transforms(1.0, ('ab', 'cd', row), ('base', 'e', row))
     model, own = Layout(topic, written(message)), written(message)
     dirty = bytearray(own)
     for place in np.flatnonzero(~model._counts[4:]).tolist():
-        inside = any(f.start <= place + 4 < f.stop for f in model.fields.values())
+        inside = any(place + 4 in f.places for f in model.fields.values())
         if not inside:
             dirty[place + 4] = 0xAB
     assert bytes(dirty) != own
-    assert message_of(topic, bytes(dirty)).position.tolist() == [0.5]
+    assert written(message_of(topic, bytes(dirty))) == own
+    # To 4 bytes before each length, to 8 before the first number of a kind: counted by hand.
+    assert sum(a != b for a, b in zip(own, dirty, strict=True)) == (9 if kind == JOINTS else 15)
     assert model.of(rows_of([bytes(dirty)])).all()
     assert Layout(topic, bytes(dirty)).of(rows_of([own])).all()
 

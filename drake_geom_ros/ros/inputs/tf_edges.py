@@ -24,10 +24,19 @@ class Edge(NamedTuple):
     """The newest transform of a TF frame C in its parent P."""
 
     parent: str
-    R_PC: Floats
-    p_PC: Floats  # [m]
+    X_PC: Floats  # (4, 4)
     stamp: float  # [s] of the message; inf for a static one
     since: Since
+
+    @property
+    def R_PC(self) -> Floats:
+        """The rotation (3, 3)."""
+        return self.X_PC[:3, :3]
+
+    @property
+    def p_PC(self) -> Floats:
+        """The translation (3,) [m]."""
+        return self.X_PC[:3, 3]
 
 
 class Refusal(NamedTuple):
@@ -41,22 +50,41 @@ def read_edges(
     transforms: Sequence[Any], arrival: Arrival, *, static: bool
 ) -> tuple[list[tuple[str, Edge]], Refusal]:
     """Return the child's name and edge of each transform that is one, and what the others are."""
-    rows = np.zeros((len(transforms), 7))
-    for row, entry in zip(rows, transforms, strict=True):
+    names, numbers = names_in(transforms), []
+    for entry in transforms:
         p, q = entry.transform.translation, entry.transform.rotation
-        row[:] = p.x, p.y, p.z, q.x, q.y, q.z, q.w
-    good = are_poses(rows) & (np.abs(rows[:, :3]) <= _FARTHEST).all(axis=1)
-    good &= np.array([_are_names(*_names(entry)) for entry in transforms], dtype=bool)
+        numbers.append((p.x, p.y, p.z, q.x, q.y, q.z, q.w))
+    stamps = [math.inf if static else seconds_of(entry.header.stamp) for entry in transforms]
+    rows = np.array(numbers, dtype=np.float64).reshape(-1, 7)
+    good = are_transforms(rows) & np.array([_are_names(*both) for both in names], dtype=bool)
+    since = {s: ALWAYS if static else arrival.since(s) for s in set(stamps)}
     kept = np.flatnonzero(good).tolist()
-    edges = []
-    for k, R_PC, p_PC in zip(kept, *matrices_from_poses(rows[kept]), strict=True):
-        parent, child = _names(transforms[k])
-        stamp, since = math.inf, ALWAYS
-        if not static:
-            stamp = seconds_of(transforms[k].header.stamp)
-            since = arrival.since(stamp)
-        edges.append((child, Edge(parent, R_PC, p_PC, stamp, since)))
-    return edges, _refusal(transforms, rows, np.flatnonzero(~good).tolist())
+    edges = [
+        (names[k][1], Edge(names[k][0], X_PC, stamps[k], since[stamps[k]]))
+        for k, X_PC in zip(kept, matrices_of(rows[kept]), strict=True)
+    ]
+    return edges, _refusal(names, rows, np.flatnonzero(~good).tolist())
+
+
+def are_transforms(rows: Floats) -> NDArray[np.bool_]:
+    """Return which rows (n, 7), x y z qx qy qz qw, are taken as transforms (n,)."""
+    return np.asarray(are_poses(rows) & (np.abs(rows[:, :3]) <= _FARTHEST).all(axis=1))
+
+
+def matrices_of(rows: Floats) -> Floats:
+    """Return the matrices (n, 4, 4) of transforms (n, 7)."""
+    Xs = np.zeros((len(rows), 4, 4))
+    Xs[:, :3, :3], Xs[:, :3, 3] = matrices_from_poses(rows)
+    Xs[:, 3, 3] = 1.0
+    return Xs
+
+
+def names_in(transforms: Sequence[Any]) -> list[tuple[str, str]]:
+    """Return the names of the parent and the child of each transform."""
+    return [
+        (plain_name(entry.header.frame_id), plain_name(entry.child_frame_id))
+        for entry in transforms
+    ]
 
 
 def plain_name(name: str) -> str:
@@ -64,21 +92,16 @@ def plain_name(name: str) -> str:
     return name.removeprefix('/')
 
 
-def _names(entry: Any) -> tuple[str, str]:
-    """Return the names of the parent and the child."""
-    return plain_name(entry.header.frame_id), plain_name(entry.child_frame_id)
-
-
 def _are_names(parent: str, child: str) -> bool:
     return bool(parent and child and parent != child)
 
 
-def _refusal(transforms: Sequence[Any], rows: Floats, bad: list[int]) -> Refusal:
+def _refusal(names: Sequence[tuple[str, str]], rows: Floats, bad: list[int]) -> Refusal:
     if not bad:
         return Refusal(0, '')
-    told = [_fault(*_names(transforms[k]), rows[k]) for k in bad[:_SHOWN]]
+    told = [_fault(*names[k], rows[k]) for k in bad[:_SHOWN]]
     more = f' and {len(bad) - _SHOWN} more' if len(bad) > _SHOWN else ''
-    words = f'{len(bad)} of {len(transforms)} transforms were left out: '
+    words = f'{len(bad)} of {len(names)} transforms were left out: '
     return Refusal(len(bad), words + '; '.join(told) + more)
 
 

@@ -19,18 +19,29 @@ more than a second (a bag begins anew) what was known from ``/tf`` is forgotten.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Collection, Hashable, Mapping
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.math.batched import poses_from_matrices
+from drake_geom_ros.ros.inputs.tf_chains import (
+    WORLD,
+    Chains,
+    Floats,
+    Placed,
+    PosedByRun,
+    Posing,
+    hangs_on,
+    held_since,
+    parts_of,
+    placed,
+    poses_in,
+)
 from drake_geom_ros.ros.inputs.tf_edges import Edge, Refusal, plain_name, read_edges
 from drake_geom_ros.ros.inputs.tf_past import Chain, TfPast
-from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, loop_of, shared, unlinked
+from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, shared, unlinked
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import TF
@@ -40,19 +51,7 @@ from drake_geom_ros.ros.scene.pose_ages import time_of
 _GONE = 1.0  # [s] a name of which nothing is heard so much longer than of the other is not in use
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
-
-Floats = NDArray[np.float64]
-
-
-class _Placed(NamedTuple):
-    """Where a TF frame is in the world, and since when."""
-
-    R_WF: Floats
-    p_WF: Floats  # [m]
-    since: Since
-
-
-_WORLD = _Placed(np.eye(3), np.zeros(3), ALWAYS)
+_MOST_POSINGS = 64  # sets of transforms that come together of which it is kept what they pose
 
 
 class TfInput:
@@ -64,12 +63,15 @@ class TfInput:
         self._changed: set[str] = set()  # the TF frames of which was heard since the last time
         self._claims = Claims()
         self._past = TfPast(self.edge)
-        self._loops: list[str] = []
+        self._loops: tuple[str, ...] = ()
         self._stamp: Any = None
         self._version = self._named_version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
-        self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
+        self._unknown: frozenset[FrameId] = frozenset()  # that TF knows, but not their parents
         self._loose: frozenset[str] | None = None  # parents that are no child; None: to be found
+        # The names of frames that TF has by two; None: to be found.
+        self._two_names: list[tuple[str, ...]] | None = None
+        self._posings: dict[Hashable, Posing] = {}  # what transforms pose, for the tree of now
         self._chained: dict[FrameId, str] = {}  # of whose chains the past is kept
         self._footing: dict[str, tuple[bytes, Since]] = {}  # as chains were followed last
 
@@ -92,7 +94,7 @@ class TfInput:
                     now = self._clocks.steady()
                     self._claims.notice(child, edge.parent, known.parent, now)
                 if known is None or known.parent != edge.parent:
-                    self._loose, self._chained = None, {}
+                    self._tree_has_changed()
                 if known is not None and known.stamp == edge.stamp != 0.0:
                     edge = edge._replace(since=edge.since.said_again(known.since))
                 self._edges[child] = edge
@@ -137,6 +139,25 @@ class TfInput:
         names = self._names_of_frames(scene) if loose else ()
         return any(f.get_value() in frames and not loose.isdisjoint(own) for f, own in names)
 
+    def run_of(self, scene: EditableScene, X_PCs: Mapping[str, Floats]) -> PosedByRun | None:
+        """Return what transforms (m, 4, 4) of TF frames pose that come again and again.
+
+        They are of the parents that TF has for them now, and each later than the one before. None
+        where a message of them could pose other frames than the next.
+        """
+        ends = self._ends(scene)
+        is_settled = not (self._changed or self._unknown or self._moved(ends))
+        if not is_settled or self._version != scene.model_version:
+            return None
+        for names in self._with_two_names(scene):
+            if ALWAYS not in {self._edges[name].since for name in names}:
+                return None  # who is followed may change
+        posing = self._posing(scene, set(X_PCs), ends)
+        if not posing.is_by_names or posing.left_out:
+            return None
+        rows = self._rows(scene, posing, ends, X_PCs) if posing.frames else np.zeros((0, 0, 7))
+        return PosedByRun(posing.ids, rows, *parts_of(posing, ends, self._edges, X_PCs))
+
     def _loose_parents(self) -> frozenset[str]:
         """Return the parents of transforms that have no transform of their own."""
         if self._loose is None:
@@ -160,7 +181,7 @@ class TfInput:
             known = self._edges.get(child)
             if known and known.stamp < math.inf and edge.stamp < known.stamp - _REWIND:
                 self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
-                self._loose, self._chained = None, {}
+                self._tree_has_changed()
                 self._past.forget()
                 return
 
@@ -177,60 +198,121 @@ class TfInput:
         known = self._edges.get(child)
         return known is None or known.stamp == math.inf or edge.stamp >= known.stamp
 
-    def _pose(self, scene: EditableScene, changed: set[str]) -> int:
+    def _pose(self, scene: EditableScene, heard: set[str]) -> int:
         """Pose the frames of the scene whose chains hold a changed transform; return how many."""
-        heard = changed
-        if self._version != scene.model_version:
-            changed, self._version = set(self._edges), scene.model_version
-            self._chained = {}
         ends = self._ends(scene)
-        moved = dict.fromkeys(self._moved(ends), True)
+        posing = self._posing(scene, heard, ends)
         self._footing = {name: _footing(end) for name, end in ends.items()}
-        placed: dict[str, _Placed | None] = {**ends}
-        self._loops = []
-        found: dict[FrameId, _Placed] = {}
-        followed: dict[FrameId, str] = {}
-        affected = set()
+        self._loops, self._unknown = posing.loops, posing.unknown
+        if posing.left_out:
+            scene.leave_out(posing.left_out)
+        if posing.frames:
+            rows = self._rows(scene, posing, ends, {})
+            since = held_since(posing.steps, ends, self._edges)
+            together: dict[Since, set[int]] = {}
+            for name, value in zip(posing.names, posing.ids.tolist(), strict=True):
+                together.setdefault(since[name], set()).add(value)
+            posed = {frozenset(frames): moment for moment, frames in together.items()}
+            poses = FramePoseVector.FromArrays(posing.ids, rows)
+            scene.pose(poses, posed, self._stamp, TF, rows, self._past)
+            if scene.history is not None:
+                followed = zip(posing.frames, posing.names, strict=True)
+                unkept = {f for f, name in followed if self._chained.get(f) != name}
+                if unkept:
+                    self._keep_chains(scene, unkept, ends)
+        return len(posing.frames)
+
+    def _posing(self, scene: EditableScene, heard: set[str], ends: Mapping[str, Placed]) -> Posing:
+        """Return what the transforms that were heard pose; what names alone tell is kept."""
+        moved = self._moved(ends)
+        is_new = self._version != scene.model_version
+        if is_new:
+            self._version = scene.model_version
+            self._tree_has_changed()
+        if is_new or moved or self._unknown:
+            return self._followed_up(scene, heard, set(self._edges) if is_new else heard, ends)
+        by_turns = tuple(map(self._followed, self._with_two_names(scene)))
+        others = scene.feeders.fed_by_others(TF)
+        key = frozenset(heard), tuple(ends), by_turns, scene.attached, others
+        posing = self._posings.get(key)
+        if posing is None:
+            posing = self._followed_up(scene, heard, heard, ends)
+            if len(self._posings) >= _MOST_POSINGS:
+                self._posings.clear()
+            if posing.is_by_names:
+                self._posings[key] = posing
+        return posing
+
+    def _followed_up(
+        self,
+        scene: EditableScene,
+        heard: set[str],
+        changed: set[str],
+        ends: Mapping[str, Placed],
+    ) -> Posing:
+        """Return what changed transforms pose, by following chains."""
+        moved = dict.fromkeys(self._moved(ends), True)
+        chains = Chains(self._edges, ends)
+        found: dict[FrameId, str] = {}
+        affected, left_out = set[FrameId](), []
         for frame, names in self._names_of_frames(scene):
             name = self._followed(names)
             if frame.get_value() in scene.attached:
-                scene.leave_out([frame] if name in heard else [])
+                left_out += [frame] if name in heard else []
                 continue
             if name not in heard and scene.feeders.is_fed_by_others(TF, frame.get_value()):
                 continue
-            if name is not None and (here := self._place(name, placed)) is not None:
-                found[frame], followed[frame] = here, name
-                if self._hangs_on(name, changed, moved):
+            if name is not None and chains.lead(name):
+                found[frame] = name
+                if hangs_on(name, changed, moved, self._edges):
                     affected.add(frame)
-        inspector = scene.inspector
         # Of a nested frame the pose in its parent changes when either moves; while the parent
         # waits for a pose from elsewhere it is not known.
         affected |= self._unknown
-        to_pose = [f for f in found if affected & {f, inspector.GetParentFrame(f)}]
-        query = scene.query
-        self._unknown = {
-            f
-            for f in to_pose
-            if not ((P := inspector.GetParentFrame(f)) in found or query.is_placed(P))
-        }
-        to_pose = [f for f in to_pose if f not in self._unknown]
-        if to_pose:
-            X_PFs = [
-                _in_parent(scene, inspector.GetParentFrame(f), found[f], found) for f in to_pose
-            ]
-            ids = np.array([frame.get_value() for frame in to_pose], dtype=np.int64)
-            rows = poses_from_matrices([R for R, _ in X_PFs], [p for _, p in X_PFs])
-            since: dict[Since, list[int]] = {}
-            for frame in to_pose:
-                since.setdefault(found[frame].since, []).append(frame.get_value())
-            posed = {frozenset(frames): moment for moment, frames in since.items()}
-            poses = FramePoseVector.FromArrays(ids, rows)
-            scene.pose(poses, posed, self._stamp, TF, rows, self._past)
-            if scene.history is not None:
-                unkept = {f for f in to_pose if self._chained.get(f) != followed[f]}
-                if unkept:
-                    self._keep_chains(scene, unkept, ends)
-        return len(to_pose)
+        in_parents = {f: scene.inspector.GetParentFrame(f) for f in found}
+        to_pose = [f for f, P in in_parents.items() if f in affected or P in affected]
+        unknown = frozenset(
+            f for f in to_pose if not ((P := in_parents[f]) in found or scene.query.is_placed(P))
+        )
+        frames = tuple(f for f in to_pose if f not in unknown)
+        world = scene.names.world
+        parents = tuple(None if (P := in_parents[f]) == world else found.get(P, P) for f in frames)
+        names_of = tuple(found[f] for f in frames)
+        steps = chains.steps([*names_of, *(P for P in parents if isinstance(P, str))])
+        told = tuple(chains.loops), tuple(left_out), unknown
+        return Posing(frames, names_of, parents, steps, *told)
+
+    def _rows(
+        self,
+        scene: EditableScene,
+        posing: Posing,
+        ends: Mapping[str, Placed],
+        X_PCs: Mapping[str, Floats],
+    ) -> Floats:
+        """Return the poses X_PF (n, 7) of frames now, or (m, n, 7) of many moments.
+
+        ``X_PCs`` are the transforms (m, 4, 4) of TF frames at these; what else there is rests.
+        """
+        now = {child: self._edges[child].X_PC for child, _ in posing.steps}
+        X_WFs = placed(posing.steps, ends, {**now, **X_PCs})
+        return poses_in(
+            [X_WFs[name] for name in posing.names],
+            [
+                X_WFs[P] if isinstance(P, str) else None if P is None else _matrix(scene, P)
+                for P in posing.parents
+            ],
+        )
+
+    def _with_two_names(self, scene: HeldScene) -> list[tuple[str, ...]]:
+        """Return the names of the frames of the scene that TF has by two names."""
+        if self._two_names is None:
+            every = (names for _, names in self._names_of_frames(scene))
+            self._two_names = [n for n in every if len(n) > 1 and self._edges.keys() >= set(n)]
+        return self._two_names
+
+    def _tree_has_changed(self) -> None:
+        self._loose, self._two_names, self._chained = None, None, {}
+        self._posings.clear()
 
     def _keep_chains(
         self, scene: HeldScene, frames: Collection[FrameId], ends: Collection[str]
@@ -250,13 +332,13 @@ class TfInput:
             self._past.follow(frame.get_value(), Chain(tuple(children), called[here]))
             self._chained[frame] = first
 
-    def _ends(self, scene: HeldScene) -> dict[str, _Placed]:
+    def _ends(self, scene: HeldScene) -> dict[str, Placed]:
         """Return where chains of TF may end, by TF name: the world frame comes first.
 
         The others are frames on the world whose own transform TF does not have, and that were
         posed otherwise.
         """
-        ends = {scene.world_frame: _WORLD}
+        ends = {scene.world_frame: WORLD}
         names = self._loose_parents() - ends.keys()
         if not names:
             return ends
@@ -274,11 +356,10 @@ class TfInput:
                 and scene.query.is_placed(frame)
                 and not scene.feeders.is_fed_by(TF, frame.get_value())
             ):
-                X_WF = scene.query.X_WF(frame)
-                ends[name] = _Placed(X_WF.rotation().matrix(), X_WF.translation(), since)
+                ends[name] = Placed(_matrix(scene, frame), since)
         return ends
 
-    def _moved(self, ends: Mapping[str, _Placed]) -> list[str]:
+    def _moved(self, ends: Mapping[str, Placed]) -> list[str]:
         """Return which ends of chains are not where they were when chains were followed last."""
         return [n for n, end in ends.items() if self._footing.get(n) != _footing(end)]
 
@@ -308,56 +389,12 @@ class TfInput:
                 return known[1]
         return known[0] if known else None
 
-    def _place(self, name: str, placed: dict[str, _Placed | None]) -> _Placed | None:
-        """Return where a TF frame is in the world; None where no chain leads there."""
-        chain = []
-        while name not in placed:
-            placed[name] = None  # what is not known leads nowhere, and neither does a loop
-            if name in self._edges:
-                chain.append(name)
-                name = self._edges[name].parent
-        base = placed[name]
-        if name in chain:
-            self._loops.append(loop_of(chain[chain.index(name) :]))
-        for child in reversed(chain):
-            if base is not None:
-                edge = self._edges[child]
-                base = _Placed(
-                    base.R_WF @ edge.R_PC,
-                    base.p_WF + base.R_WF @ edge.p_PC,
-                    Since(*map(min, base.since, edge.since)),
-                )
-            placed[child] = base
-        return base
 
-    def _hangs_on(self, name: str, changed: set[str], known: dict[str, bool]) -> bool:
-        """Return whether the chain from a TF frame to the world holds a changed transform."""
-        chain = []
-        while name in self._edges and name not in known:
-            chain.append(name)
-            if name in changed:
-                known[name] = True
-                break
-            name = self._edges[name].parent
-        found = known.get(name, False)
-        known |= dict.fromkeys(chain, found)
-        return found
-
-
-def _footing(end: _Placed) -> tuple[bytes, Since]:
+def _footing(end: Placed) -> tuple[bytes, Since]:
     """Return where the end of a chain is, and since when, to be compared."""
-    return end.R_WF.tobytes() + end.p_WF.tobytes(), end.since
+    return end.X_WF.tobytes(), end.since
 
 
-def _in_parent(
-    scene: EditableScene, parent: FrameId, here: _Placed, found: dict[FrameId, _Placed]
-) -> tuple[Floats, Floats]:
-    """Return R_PF, p_PF: TF tells where P is, or else the live scene does."""
-    if parent == scene.names.world:
-        return here.R_WF, here.p_WF
-    if parent in found:
-        R_WP, p_WP = found[parent].R_WF, found[parent].p_WF
-    else:
-        X_WP = scene.query.X_WF(parent)
-        R_WP, p_WP = X_WP.rotation().matrix(), X_WP.translation()
-    return R_WP.T @ here.R_WF, R_WP.T @ (here.p_WF - p_WP)
+def _matrix(scene: HeldScene, frame: FrameId) -> Floats:
+    """Return X_WF (4, 4) of the live scene."""
+    return scene.query.X_WF(frame).GetAsMatrix4()

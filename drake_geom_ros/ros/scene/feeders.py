@@ -45,6 +45,10 @@ class Feeders:
                 self._handed[frame] = now
             theirs -= fresh
 
+    def fed_by_others(self, feeder: str) -> frozenset[int]:
+        """Return the frames that somebody else than a feeder was the last to pose."""
+        return frozenset().union(*(some for who, some in self._frames.items() if who != feeder))
+
     def is_fed_by_others(self, feeder: str, frame: int) -> bool:
         """Return whether somebody else than a feeder was the last who posed a frame."""
         return any(frame in frames for who, frames in self._frames.items() if who != feeder)
