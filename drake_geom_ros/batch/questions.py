@@ -21,10 +21,10 @@ from drake_geom_ros.geometry import (
     PoseError,
     SceneGraphContext,
 )
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.query_gradients import distance_gradients
 from drake_geom_ros.geometry.queries.state_queries import (
     Found,
-    PackedScene,
     StateError,
     StateQueries,
 )
