@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from drake_geom_ros import geometry
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, StateQueries
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.state_queries import StateQueries
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses
 

@@ -19,6 +19,7 @@ May import: ``math``, ``common``, ``geometry``, ``scene_files``, ``trajectories`
 
 from drake_geom_ros.batch.checker import Checker, Clearance
 from drake_geom_ros.batch.cluster import cluster_executor
+from drake_geom_ros.batch.contacts import ContactsOfStates
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker, check_path, check_paths
@@ -34,6 +35,7 @@ __all__ = [
     'check_path',
     'check_paths',
     'Joints',
+    'ContactsOfStates',
     'LeastDistances',
     'PairsOfStates',
     'PointsOfStates',

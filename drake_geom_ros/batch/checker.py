@@ -29,8 +29,9 @@ from drake_geom_ros.geometry.queries.joint_queries import (
     OUTSIDE,
     JointQueries,
 )
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 
 Floats = NDArray[np.float64]
 _DOUBLES = np.dtype(np.float64)

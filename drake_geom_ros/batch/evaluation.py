@@ -73,7 +73,9 @@ def evaluate(
       out is certified to be no nearer than the last one's: ``PairsOfStates``;
     - ``'within'``: all pairs up to ``max_distance`` [m]: ``PairsOfStates``;
     - ``'points'``: the distances of all geometries to ``points`` (m, 3) [m] in World, which are
-      closed forms at every level: ``PointsOfStates``.
+      closed forms at every level: ``PointsOfStates``;
+    - ``'contacts'``: area, force and centre of pressure of all contact surfaces, and the pairs
+      that overlap and have none: ``ContactsOfStates``.
 
     ``max_distance`` [m] leaves out what is farther away: of ``least`` and ``nearest`` only what is
     certified to be. ``by_joints`` adds ``joint_gradient`` (k, q), the derivatives of the distances
@@ -84,7 +86,8 @@ def evaluate(
     states (0: a good one). ``progress`` writes a line to standard error, or is called with the
     states done and all. An interrupt ends it at once.
 
-    Raises ArgumentError for what cannot be asked, PoseError for a state that is none and for
+    Raises ArgumentError for what cannot be asked, GeometryError for contacts where no geometry has
+    hydroelastic properties, PoseError for a state that is none and for
     frames that have no pose, BatchError for workers of another version.
     """
     if threads < 0 or block_size < 0:
@@ -104,6 +107,8 @@ def evaluate(
     found = Gathered(want, len(rows), geometry_ids, names)
     # Of many points a few states take as long as many of pairs.
     least = LEAST_BLOCK if question.points is None else LEAST_BLOCK // (1 + len(question.points))
+    if want == 'contacts':
+        least = 1  # one takes as long as hundreds of others
     local = size_for_all(len(rows), threads, LOCAL_BLOCK, max(1, least))
     size = block_size or (local if executor is None else REMOTE_BLOCK)
     blocks = blocks_of(len(rows), size) or [(0, 0)]

@@ -13,7 +13,7 @@ from drake_geom_ros.geometry import SceneGraphContext
 from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 
 Indices = NDArray[np.int64]
 

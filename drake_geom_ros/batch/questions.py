@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.batch.contacts import contact_columns
 from drake_geom_ros.batch.joint_gradients import joint_gradients
 from drake_geom_ros.batch.joints import Arm, poses_of_arms, still_poses
 from drake_geom_ros.geometry import (
@@ -20,10 +21,10 @@ from drake_geom_ros.geometry import (
     PoseError,
     SceneGraphContext,
 )
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.query_gradients import distance_gradients
 from drake_geom_ros.geometry.queries.state_queries import (
     Found,
-    PackedScene,
     StateError,
     StateQueries,
 )
@@ -31,7 +32,7 @@ from drake_geom_ros.geometry.queries.state_queries import (
 Floats = NDArray[np.float64]
 Columns = dict[str, NDArray[Any]]
 
-WANTS = ('collision', 'least', 'nearest', 'within', 'points')
+WANTS = ('collision', 'least', 'nearest', 'within', 'points', 'contacts')
 _OF_PAIRS = (
     *('distance', 'error_bound', 'method'),
     *('nhat_BA_W', 'is_nhat_BA_W_unique', 'p_WCa', 'p_WCb'),
@@ -46,8 +47,9 @@ class Question:
     ``collision`` whether a pair overlaps or, of a finite ``max_distance`` [m], is not certified to
     be farther apart; ``least`` the pair of the least lower bound; ``nearest`` the ``count`` pairs
     of the least ones; ``within`` all pairs; ``points`` the distances to points (m, 3) [m] in
-    World. These leave out what is farther than ``max_distance``. Raises ArgumentError for what
-    cannot be asked.
+    World. These leave out what is farther than ``max_distance``. ``contacts`` are the contact
+    surfaces, and the pairs that overlap without one. Raises ArgumentError for what cannot be
+    asked.
     """
 
     want: str
@@ -70,6 +72,11 @@ class Question:
                 f"max_distance={self.max_distance} with want='collision' must be a margin >= 0 "
                 'in metres, or infinity to ask for overlap alone; what is as deep as that tells '
                 "want='least'"
+            )
+        if self.want == 'contacts' and self.max_distance != math.inf:
+            raise ArgumentError(
+                f"max_distance={self.max_distance} with want='contacts' must be infinity: what "
+                'does not overlap does not press'
             )
         if self.count < 1 or (self.count != 1 and self.want != 'nearest'):
             raise ArgumentError(f'count={self.count} must be >= 1, and goes with nearest')
@@ -123,7 +130,11 @@ class Job:
         if question.by_joints and not arms:
             raise ArgumentError('by_joints goes with joint values: states and joints, not poses')
         scene, geometry_ids = PackedScene.of(
-            context, ids, still_poses(arms, ids), about_points=question.want == 'points'
+            context,
+            ids,
+            still_poses(arms, ids),
+            about_points=question.want == 'points',
+            about_contacts=question.want == 'contacts',
         )
         return cls(scene, question, arms), geometry_ids
 
@@ -184,6 +195,8 @@ class Job:
             points = np.ascontiguousarray(asked.points, dtype=np.float64)
             limit = asked.max_distance
             return _columns(queries.points(poses, points, limit, stop, shared=shared))
+        if asked.want == 'contacts':
+            return contact_columns(queries.contacts(poses, asked.accuracy, stop))
         if asked.want == 'within':
             return _columns(queries.within(poses, asked.accuracy, asked.max_distance, stop))
         limits = asked.accuracy, asked.max_distance, asked.count

@@ -2,52 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.batch.contacts import ContactsOfStates
+from drake_geom_ros.batch.names import Names, PairNames
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-
-
-class Names:
-    """The names of geometries, ``source::frame/geometry``, by the values of their ids."""
-
-    _known: Mapping[int, str] = {}
-
-    def names_of(self, ids: Indices) -> NDArray[np.str_]:
-        """Return the names of id values (k,), empty where there is no geometry.
-
-        Raises GeometryError for what is no geometry of the scene that was asked.
-        """
-        values, places = np.unique(ids, return_inverse=True)
-        unknown = [value for value in values.tolist() if value and value not in self._known]
-        if unknown:
-            raise GeometryError(f'{unknown[0]} is the id of no geometry that these results know')
-        told = [self._known[value] if value else '' for value in values.tolist()]
-        return np.array(told, dtype=np.str_)[places.reshape(np.shape(ids))]
-
-
-class PairNames(Names):
-    """The names of the pairs of results."""
-
-    id_A: Indices
-    id_B: Indices
-
-    @property
-    def name_A(self) -> NDArray[np.str_]:
-        """The names (k,) of the first geometries, empty where there is no pair."""
-        return self.names_of(self.id_A)
-
-    @property
-    def name_B(self) -> NDArray[np.str_]:
-        """The names (k,) of the second geometries, empty where there is no pair."""
-        return self.names_of(self.id_B)
 
 
 class _LeastDistances(NamedTuple):
@@ -117,10 +83,10 @@ class PointsOfStates(Names, _PointsOfStates):
         return self.names_of(self.id_G)
 
 
-_Found = TypeVar('_Found', LeastDistances, PairsOfStates, PointsOfStates)
-_IDS = ('id_A', 'id_B', 'id_G')
+_Found = TypeVar('_Found', LeastDistances, PairsOfStates, PointsOfStates, ContactsOfStates)
+_IDS = ('id_A', 'id_B', 'id_G', 'id_M', 'id_N')
 
-Results = Flags | LeastDistances | PairsOfStates | PointsOfStates
+Results = Flags | LeastDistances | PairsOfStates | PointsOfStates | ContactsOfStates
 
 
 class Gathered:
@@ -158,7 +124,10 @@ class Gathered:
         columns = {
             name: np.concatenate([block.pop(name) for block in blocks]) for name in list(blocks[0])
         }
-        columns['offsets'] = np.concatenate(([0], np.cumsum(columns.pop('counts'))))
+        columns['offsets'] = _offsets(columns.pop('counts'))
+        if self._want == 'contacts':
+            columns['point_offsets'] = _offsets(columns.pop('point_counts'))
+            return self._named(ContactsOfStates(**columns))
         if self._want == 'points':
             return self._named(PointsOfStates(**columns))
         return self._named(PairsOfStates(**_with_joints(columns)))
@@ -166,6 +135,11 @@ class Gathered:
     def _named(self, found: _Found) -> _Found:
         found._known = self._known
         return found
+
+
+def _offsets(counts: Indices) -> Indices:
+    """Return where the rows of each state begin, and those of the last end (N + 1,)."""
+    return np.concatenate(([0], np.cumsum(counts)))
 
 
 def _with_joints(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:

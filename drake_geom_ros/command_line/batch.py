@@ -29,6 +29,8 @@ from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, Scen
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
+# What a file holds has one row, or one run of rows, a state.
+_WANTS = tuple(want for want in WANTS if want != 'contacts')
 
 
 def add_to(commands: Any) -> None:
@@ -45,7 +47,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--names', nargs='+', metavar='NAME', help='joints or frames that the columns are of'
     )
-    parser.add_argument('--what', choices=WANTS, default='least', help='(default: least)')
+    parser.add_argument('--what', choices=_WANTS, default='least', help='(default: least)')
     parser.add_argument('--points', metavar='FILE', help='points for --what points, as for query')
     parser.add_argument(
         '--count', type=int, default=1, metavar='K', help='pairs for --what nearest (default: 1)'

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch import LeastDistances
 from drake_geom_ros.batch.running import cores
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.recordings.states import Block
 from drake_geom_ros.recordings.storages import NANOSECONDS

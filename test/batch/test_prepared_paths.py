@@ -14,7 +14,7 @@ from drake_geom_ros.geometry import (
     GeometrySet,
     SceneGraph,
 )
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import load_scene
 

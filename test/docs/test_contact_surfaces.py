@@ -16,9 +16,11 @@ def printed(*arguments):
     return run.stdout.strip()
 
 
-def test_the_example_prints_what_is_said():
-    code, _of_a_node = re.findall(r'```python\n(.*?)```', PAGE, re.S)
-    assert f'`{printed("-c", code)}`' in PAGE
+def test_the_examples_print_what_is_said():
+    code, of_states, _of_a_node = re.findall(r'```python\n(.*?)```', PAGE, re.S)
+    first, second = printed('-c', code + of_states).splitlines()
+    assert f'`{first}`' in PAGE
+    assert f'`{second}`' in PAGE
 
 
 def test_the_table_is_that_of_the_example(tmp_path):

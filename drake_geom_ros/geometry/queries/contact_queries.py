@@ -53,6 +53,28 @@ class _Found(NamedTuple):
         return np.sort(self.all_ids[self.pairs], axis=1)
 
 
+def without_surface(
+    bodies: ContactBodies, ids: Indices, states: Indices, overlaps: PenetrationResults
+) -> tuple[PenetrationResults, Indices]:
+    """Return the overlaps that have no surface, and why (p,): a NoSurface.
+
+    Of pairs of ids (k, 2), the lower one first, by what ``Surfaces.states`` (k,) says of them.
+    """
+    without = states >= UNABLE
+    rows = zip(ids[without].tolist(), states[without].tolist(), strict=True)
+    left = {tuple(pair): state for pair, state in rows}
+    overlapping = np.column_stack((overlaps.id_A, overlaps.id_B))
+    found = np.array([left.get(tuple(pair), 0) for pair in overlapping.tolist()], np.int64)
+    kept = found >= UNABLE
+    return overlaps.of(kept), _reasons_of(bodies, overlapping[kept], found[kept])
+
+
+def _reasons_of(bodies: ContactBodies, ids: Indices, states: Indices) -> Indices:
+    """Return why pairs of ids (k, 2) of these states have no surface."""
+    M, N = np.searchsorted(bodies.ids, ids).T
+    return bodies.why_not(M, N, states)
+
+
 class ContactQueries:
     """What a query object answers about contact surfaces; it has all other queries too."""
 
@@ -127,15 +149,9 @@ class ContactQueries:
             return Contacts(found.surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
         if overlaps is None:
             overlaps = self.ComputePointPairPenetration()
-        states = found.out.states
-        without = states >= UNABLE
-        rows = zip(found.ids[without].tolist(), states[without].tolist(), strict=True)
-        left = {tuple(pair): state for pair, state in rows}
-        ids = np.column_stack((overlaps.id_A, overlaps.id_B))
-        found_states = np.array([left.get(tuple(pair), 0) for pair in ids.tolist()], np.int64)
-        kept = found_states >= UNABLE
-        reasons = self._reasons(ids[kept], found_states[kept])
-        return Contacts(found.surfaces, overlaps.of(kept), reasons)
+        bodies = self._state.contact_bodies()
+        others = without_surface(bodies, found.ids, found.out.states, overlaps)
+        return Contacts(found.surfaces, *others)
 
     def hydroelastic_geometries(self) -> Indices:
         """Return the values of the ids (b,) of all geometries with hydroelastic properties."""
@@ -163,9 +179,7 @@ class ContactQueries:
 
     def _reasons(self, ids: Indices, states: Indices) -> Indices:
         """Return why pairs of ids (k, 2) of these states have no surface."""
-        bodies = self._state.contact_bodies()
-        M, N = np.searchsorted(bodies.ids, ids).T
-        return bodies.why_not(M, N, states)
+        return _reasons_of(self._state.contact_bodies(), ids, states)
 
     def _refusal(self, call: str, pair: Indices, reason: int) -> GeometryError:
         """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.states.joint_checks import (
 from drake_geom_ros.geometry._proximity.states.joint_loops import JointLoops
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 
 # What is said of a state; see ``JointQueries.verdict``.
 __all__ = ['FREE', 'NEAR', 'NO_POSE', 'NO_STATE', 'OUTSIDE', 'JointQueries', 'Least']

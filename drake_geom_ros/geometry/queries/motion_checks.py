@@ -20,7 +20,7 @@ from drake_geom_ros.geometry.queries.motion_queries import (
     MotionQueries,
     MotionQuestion,
 )
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]

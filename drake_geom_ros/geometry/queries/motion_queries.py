@@ -29,8 +29,8 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]

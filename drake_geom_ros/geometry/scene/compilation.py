@@ -17,7 +17,8 @@ from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInsta
 from drake_geom_ros.geometry.model.properties import PerceptionProperties, ProximityProperties
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, StateQueries
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.state_queries import StateQueries
 from drake_geom_ros.geometry.render.camera_properties import CameraProperties
 from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
 from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams

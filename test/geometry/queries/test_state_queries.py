@@ -19,7 +19,8 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     SceneGraph,
 )
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, StateError, StateQueries
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.state_queries import StateError, StateQueries
 from drake_geom_ros.math import RigidTransform
 
 GO_ON = np.zeros(1, dtype=np.int64)

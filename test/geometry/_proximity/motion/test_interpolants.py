@@ -16,7 +16,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     INTERPOLATED_POSITION,
     INTERPOLATED_ROTATION,
 )
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.math.batched import matrices_from_poses
 
 mpmath.mp.dps = 50

@@ -1,0 +1,113 @@
+"""Contact surfaces by state: the columns of a block, and what ``evaluate`` returns of all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.batch.names import PairNames
+from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.geometry.queries.contact_bodies import NoSurface
+from drake_geom_ros.geometry.queries.contact_queries import Contacts
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Columns, and the arrays of the surfaces of a state that they are.
+_OF_SURFACES = {
+    'id_M': 'id_M',
+    'id_N': 'id_N',
+    'area': 'areas',
+    'centroid': 'centroids',
+    'centre_of_pressure': 'centres_of_pressure',
+    'force_on_M_W': 'forces_on_M_W',
+    'torque_on_M_Wo_W': 'torques_on_M_Wo_W',
+    'max_pressure': 'max_pressures',
+}
+_OF_OTHERS = ('id_A', 'id_B', 'depth', 'error_bound')
+
+
+class _ContactsOfStates(NamedTuple):
+    offsets: Indices  # (N + 1,) of the surfaces
+    id_M: Indices  # (k,) values of GeometryId, the lower ones
+    id_N: Indices  # (k,)
+    area: Floats  # (k,) [m^2]
+    centroid: Floats  # (k, 3) [m]
+    centre_of_pressure: Floats  # (k, 3) [m]
+    force_on_M_W: Floats  # (k, 3) [N]
+    torque_on_M_Wo_W: Floats  # (k, 3) [N m], about World's origin
+    max_pressure: Floats  # (k,) [Pa]
+    point_offsets: Indices  # (N + 1,) of the pairs that overlap and have no surface
+    id_A: Indices  # (p,) values of GeometryId
+    id_B: Indices  # (p,)
+    depth: Floats  # (p,) [m]
+    error_bound: Floats  # (p,) [m]
+    reason: Indices  # (p,) values of NoSurface
+
+
+class ContactsOfStates(PairNames, _ContactsOfStates):
+    """The contact surfaces of N states, and the pairs that overlap and have none.
+
+    Surfaces of state s are rows ``offsets[s]`` to ``offsets[s + 1]``, sorted by (id_M, id_N), with
+    ``ContactSurface``'s quantities in World. Pairs without a surface are rows ``point_offsets[s]``
+    to ``point_offsets[s + 1]``: how deep, and why. ``name_A`` and ``name_B`` are theirs.
+    """
+
+    @property
+    def name_M(self) -> NDArray[np.str_]:
+        """The names (k,) of the geometries of lower id."""
+        return self.names_of(self.id_M)
+
+    @property
+    def name_N(self) -> NDArray[np.str_]:
+        """The names (k,) of the geometries of higher id."""
+        return self.names_of(self.id_N)
+
+    def total_areas(self, *, with_fallback: bool = False) -> Floats:
+        """Return the area (N,) [m^2] of all surfaces of each state, 0 where nothing presses.
+
+        Raises GeometryError, which names the first, where pairs overlap without a surface, whose
+        area nobody knows; ``with_fallback`` they are left to who looks at ``point_offsets``.
+        """
+        if len(self.id_A) and not with_fallback:
+            state = int(np.searchsorted(self.point_offsets, 0, 'right')) - 1
+            raise GeometryError(
+                f'total_areas: in state {state} {self.name_A[0]} and {self.name_B[0]} overlap and '
+                f'have no surface: {NoSurface(int(self.reason[0])).in_words()}; in all states '
+                f'{len(self.id_A)} pairs do. Filter such pairs, or say with_fallback=True.'
+            )
+        of = np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+        totals = np.zeros(len(self.offsets) - 1)
+        np.add.at(totals, of, self.area)
+        return totals
+
+
+def contact_columns(each: Iterable[Contacts]) -> dict[str, NDArray[Any]]:
+    """Return the contacts of states, one after another, by column."""
+    rows: dict[str, list[Any]] = {name: [] for name in (*_OF_SURFACES, *_OF_OTHERS, 'reason')}
+    counts, point_counts = [], []
+    for surfaces, others, reasons in each:
+        counts.append(len(surfaces))
+        point_counts.append(len(others))
+        # Copies: the polygons behind them are not kept.
+        for name, array in _OF_SURFACES.items():
+            rows[name].append(getattr(surfaces, array).copy())
+        for name in _OF_OTHERS:
+            rows[name].append(getattr(others, name).copy())
+        rows['reason'].append(reasons)
+    columns = {name: _joined(name, arrays) for name, arrays in rows.items()}
+    columns['counts'] = np.array(counts, dtype=np.int64)
+    columns['point_counts'] = np.array(point_counts, dtype=np.int64)
+    return columns
+
+
+def _joined(name: str, arrays: list[NDArray[Any]]) -> NDArray[Any]:
+    """Return the rows of all states; of no state arrays of the right kind."""
+    if arrays:
+        return np.concatenate(arrays)
+    wide = name.endswith('_W') or name in ('centroid', 'centre_of_pressure')
+    whole = name.startswith('id_') or name == 'reason'
+    return np.zeros((0, 3) if wide else 0, dtype=np.int64 if whole else np.float64)

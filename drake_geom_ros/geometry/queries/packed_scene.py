@@ -1,0 +1,203 @@
+"""The proximity geometry of a scene as arrays, which may go to another process."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import Bodies
+from drake_geom_ros.geometry._contact_surfaces.packing import packed, packed_half_space
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
+from drake_geom_ros.geometry._proximity.world.world import (
+    FrameTable,
+    GeometryTable,
+    PointShapes,
+    World,
+)
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.ids import FrameId
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
+from drake_geom_ros.geometry.model.scene_content import SceneContent, proximity_keys_on
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
+from drake_geom_ros.geometry.queries.padding import (
+    Paddings,
+)
+from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
+from drake_geom_ros.math.tolerances import WELDED_STAYS
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class PackedScene:
+    """The proximity geometry of a context as arrays, which may go to another process.
+
+    Frames and geometries are known by their place; ids, which no other process shares, are left
+    out. So two scenes of the same content have the same ``digest``, whoever made them.
+    """
+
+    parents: Indices  # (nf,) of the frames; the first is the world
+    R_PFs: Floats  # (nf, 3, 3) poses of the frames that no state moves
+    p_PFs: Floats  # (nf, 3) [m]
+    frames: Indices  # (n,) of the geometries
+    R_FGs: Floats  # (n, 3, 3)
+    p_FGs: Floats  # (n, 3) [m]
+    roundings: Floats  # (n, 2) of X_FG
+    types: Indices  # (n,)
+    starts: Indices  # (n + 1,) of the shapes' parameters
+    pool: Floats
+    # What they are to points; of those who ask about none the same.
+    point_types: Indices
+    point_starts: Indices
+    point_pool: Floats
+    pairs: Indices  # (k, 2) that no filter leaves out
+    moved: Indices  # the frames whose poses make a state
+    paddings: Floats  # (n,) [m] of the geometries, and of which points take a mesh's surface
+    meshes: NDArray[np.bool_]  # (n,)
+    # What they are to contact surfaces; of those who ask about none no body.
+    body_of: Indices  # (n,) the row of each one's body; -1: it has none
+    bodies: Bodies
+
+    @classmethod
+    def of(
+        cls,
+        context: SceneGraphContext,
+        frame_ids: Indices,
+        still: Mapping[int, Floats] | None = None,
+        *,
+        about_points: bool = True,
+        about_contacts: bool = False,
+    ) -> tuple[PackedScene, Indices]:
+        """Return a context's scene of now, and its geometries' id values (n,) by their place.
+
+        ``frame_ids`` are values of the frames that states pose, ``still`` the poses X_PF (7,) of
+        those among them that have the same in each state: what is welded to the world stays so
+        there, and nowhere else. Only who asks ``about_points`` has to pack what meshes are to
+        these, and who asks ``about_contacts`` their bodies. Raises PoseError for one that is
+        not there or is there twice, and for other frames that never had a pose.
+        """
+        state = state_of(context)
+        world = state.up_to_date_world()
+        if about_points:
+            know_point_shapes(world, state.model)
+        world = world.copy()
+        named = world.named(frame_ids)
+        if named is None or len(np.unique(frame_ids)) < len(frame_ids):
+            known = world.has_frames(frame_ids)
+            bad = frame_ids[~known].tolist() or sorted(frame_ids.tolist())
+            problem = 'are not in this scene' if not known.all() else 'are not all different'
+            raise PoseError(f'States were refused: these frames {problem}: {state.describe(bad)}.')
+        rows = named.rows
+        world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows])
+        if waiting := world.unposed_frames().tolist():
+            raise PoseError(
+                'States were refused: these frames, which they do not name, never had a pose: '
+                f'{state.describe(waiting)}.'
+            )
+        world.update()
+        near = NeighbourList(world)
+        near.bring_up_to_date(world, _unwelded(state, frame_ids, still or {}), math.inf)
+        table = world.geometries
+        none = np.zeros(len(table.ids))
+        body_of, bodies = np.full(len(table.ids), -1), packed([packed_half_space(0.0)])
+        if about_contacts:
+            _, _, body_of, bodies = state.contact_bodies()
+        paddings = state.paddings() or Paddings(none, none.astype(bool))
+        # What no state keeps is no part of the content.
+        R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
+        R_PFs[rows], p_PFs[rows] = np.eye(3), 0.0
+        scene = cls(
+            parents=world.frames.parents,
+            R_PFs=R_PFs,
+            p_PFs=p_PFs,
+            frames=table.frames,
+            R_FGs=table.R_FGs,
+            p_FGs=table.p_FGs,
+            roundings=table.roundings,
+            types=table.types,
+            starts=table.starts,
+            pool=table.pool,
+            point_types=world.point_shapes.types,
+            point_starts=world.point_shapes.starts,
+            point_pool=world.point_shapes.pool,
+            pairs=near.pairs,
+            moved=rows,
+            paddings=paddings.radii,
+            meshes=paddings.meshes,
+            body_of=body_of,
+            bodies=bodies,
+        )
+        return scene, table.ids
+
+    @property
+    def digest(self) -> str:
+        """A name for the content: the SHA-256 of all arrays."""
+        found = hashlib.sha256()
+        for field in fields(self):
+            value = getattr(self, field.name)
+            for array in value if isinstance(value, Bodies) else (value,):
+                found.update(f'{field.name} {array.dtype.str} {array.shape}\n'.encode())
+                found.update(np.ascontiguousarray(array).tobytes())
+        return found.hexdigest()
+
+    def has_moving_pairs(self) -> bool:
+        """Return whether any pair has a geometry that hangs on a frame which states pose."""
+        moving = np.isin(np.arange(len(self.parents)), self.moved)
+        for frame, parent in enumerate(self.parents.tolist()):
+            moving[frame] |= moving[parent]
+        return bool(moving[self.frames[self.pairs]].any())
+
+    def world(self) -> World:
+        """Return a world of its own, all frames with a pose."""
+        count = len(self.parents)
+        world = World(
+            FrameTable(np.arange(count), self.parents.copy()),
+            GeometryTable(
+                ids=np.arange(len(self.types)),
+                frames=self.frames.copy(),
+                R_FGs=self.R_FGs.copy(),
+                p_FGs=self.p_FGs.copy(),
+                roundings=self.roundings.copy(),
+                types=self.types.copy(),
+                starts=self.starts.copy(),
+                pool=self.pool.copy(),
+            ),
+        )
+        types, starts = self.point_types.copy(), self.point_starts.copy()
+        kinds = frozenset(types.tolist())
+        world.point_shapes = PointShapes(types, starts, self.point_pool.copy(), kinds)
+        rows = np.arange(1, count)
+        world.set_poses(rows, self.R_PFs[1:].copy(), self.p_PFs[1:].copy())
+        return world
+
+
+def _unwelded(
+    content: SceneContent, frame_ids: Indices, still: Mapping[int, Floats]
+) -> FilterState:
+    """Return the filters where no frame that states move from its place is welded to the world."""
+    filters = content.filters
+    moved = [
+        frame
+        for frame in filters.welded.keys() & set(frame_ids.tolist())
+        if not _stays_welded(filters.welded[frame], still.get(frame))
+    ]
+    if moved:
+        filters = filters.copy()
+        for frame in moved:
+            filters.unweld(frame, proximity_keys_on(content.model, FrameId(frame)))
+    return filters
+
+
+def _stays_welded(first: Floats | None, pose: Floats | None) -> bool:
+    """Tell whether a pose (7,) of all states is the first one that a welded frame had, if any."""
+    if pose is None:
+        return False
+    _, (X_WF,) = arrays_of(FramePoseVector.FromArrays(np.ones(1, dtype=np.int64), pose[None]))
+    return first is None or bool(np.abs(X_WF - first).max() <= WELDED_STAYS)

@@ -1,0 +1,57 @@
+"""Contact surfaces of many states, one after another: what a context of each would tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import LEFT, Asked, Bodies
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
+from drake_geom_ros.geometry._proximity.world.world import Named, World
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
+from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
+from drake_geom_ros.geometry.queries.contact_queries import Contacts, without_surface
+from drake_geom_ros.geometry.queries.contact_surfaces import (
+    ContactSurfaceResults,
+    HydroelasticContactRepresentation,
+)
+from drake_geom_ros.geometry.queries.query_results import PenetrationResults
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class StateContacts:
+    """Contacts of states of a world of its own, for one thread; ids are places in the scene.
+
+    A state is a pose (7,) in its parent of each frame of ``rows`` (n,); all others stay.
+    """
+
+    def __init__(self, world: World, rows: Indices, body_of: Indices, bodies: Bodies) -> None:
+        self._world = world
+        self._named = Named(world.frames.ids[rows], rows)
+        self._bodies = ContactBodies(0, np.arange(len(body_of)), body_of, bodies)
+
+    def of(
+        self, pose: Floats, pairs: Indices, overlaps: Callable[[], PenetrationResults]
+    ) -> Contacts:
+        """Return the contacts of a state (n, 7) among pairs (k, 2), all that may overlap.
+
+        ``overlaps`` are asked for where a pair may be without a surface.
+        """
+        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+
+        world, bodies = self._world, self._bodies
+        _, X_PFs = arrays_of(FramePoseVector.FromArrays(self._named.ids + 1, pose))
+        world.pose(self._named, X_PFs)
+        world.update()
+        pairs = np.sort(pairs, axis=1)
+        asked = Asked(pairs, bodies.ids, bodies.body_of, world.R_WGs, world.p_WGs)
+        out = surfaces_of(bodies.bodies, asked)
+        surfaces = ContactSurfaceResults(out, HydroelasticContactRepresentation.kPolygon)
+        if not out.counts[LEFT]:
+            none = np.zeros(0, dtype=np.int64)
+            return Contacts(surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
+        return Contacts(surfaces, *without_surface(bodies, pairs, out.states, overlaps()))
