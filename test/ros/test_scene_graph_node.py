@@ -310,7 +310,7 @@ def test_nothing_is_computed_for_nobody(client):
     report = reports[-1]
     reasons = dict(zip(report.effects, report.effect_reasons, strict=True))
     assert reasons['narrowphase'] == 'no subscriber'
-    assert report.unpublished_messages == 2
+    assert report.unpublished_messages == 3  # penetrations, distances, contact surfaces
     distances = client.listen(msg.SignedDistancePairs, 'signed_distances')
 
     def busy():
