@@ -55,8 +55,8 @@ class NodeParameters:
     replay_limit: int = 20
     cross_check: float = 0.0
     closing_speeds: bool = False
-    lcm_url: str = ''
     contact_polygons: bool = False
+    lcm_url: str = ''
     obstacles: tuple[str, ...] = ()
     obstacle_resolution: float = 0.03
     obstacle_reach: float = 3.0
@@ -151,12 +151,12 @@ TEXTS = {
         'Messages of pairs tell how fast these come together and when they meet, from '
         '~/frame_twists or from the last two stamped poses of a frame.'
     ),
+    'contact_polygons': (
+        'Messages on ~/contact_surfaces hold the polygons of the surfaces, too.' + _LIVE
+    ),
     'lcm_url': (
         'LCM network, such as udpm://239.255.76.67:7667?ttl=0, on which the scene is shown to '
         "Drake's visualiser, marker_rate times a second; empty: none. Needs lcm."
-    ),
-    'contact_polygons': (
-        'Messages on ~/contact_surfaces hold the polygons of the surfaces, too.' + _LIVE
     ),
     'obstacles': (
         'Maps of what sensors see: points (~/obstacles/points), depth (~/obstacles/depth/...), '

@@ -8,12 +8,13 @@ and no safety function: see docs/what_it_vouches_for.md.
 import rclpy
 from gripper import Gripper
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import Bool
 
 from drake_geom_ros.client import ProximityMonitor
+from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
 PERIOD = 0.02  # [s] between two words on ~/stop
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -52,22 +53,15 @@ class StopMonitor(Node):
 
 
 def main():
-    """Watch until interrupted."""
-    rclpy.init()
-    monitor = StopMonitor()
-    try:
-        rclpy.spin(monitor)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except RuntimeError:  # what rclpy raises where a signal ends its context while it waits
-        if rclpy.ok():
+    """Watch until interrupted, or until a callback fails."""
+    with StopSignals() as signals:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        monitor = StopMonitor()
+        try:
+            spin_until_stopped(monitor, signals)
+        finally:
             monitor.stop_for_good()
-            raise
-    except BaseException:
-        monitor.stop_for_good()
-        raise
-    finally:
-        rclpy.try_shutdown()
+            rclpy.try_shutdown()
 
 
 if __name__ == '__main__':

@@ -79,7 +79,8 @@ class Watched:
 
     def close(self):
         self.monitor.send_signal(signal.SIGINT)
-        self.monitor.wait(20.0)
+        assert self.monitor.wait(20.0) == 0
+        self.client.wait_for(lambda: self.stops and self.stops[-1].data, 'stop as its last word')
         assert self.node.end() == 0, self.node.output()
         assert 'Traceback' not in self.log.read_text()
 
