@@ -1,7 +1,8 @@
 """The rooms of the house from the ground up: what each may import of ours, and of others."""
 
 _K = 'geometry/_proximity/kernels'
-_GROUND = ('math', 'geometry/_proximity', 'geometry/_proximity/runtime')
+_RUNTIME = 'geometry/_proximity/runtime'
+_GROUND = ('math', 'geometry/_proximity', _RUNTIME)
 _SHAPES = (*_GROUND, _K, f'{_K}/shapes')
 _CALLING = (*_SHAPES, f'{_K}/calling')
 _CORES = (*_CALLING, f'{_K}/closed_forms', f'{_K}/cores')
@@ -14,7 +15,11 @@ _POINTS = (*_PAIRS, 'geometry/_proximity/points')
 # A question each, and imports only downwards: see the ``__init__`` of each room.
 PROXIMITY_ROOMS = {
     'geometry/_proximity': (('math', 'geometry/_proximity'), ()),
-    'geometry/_proximity/runtime': (_GROUND, ('numpy', 'numba', 'llvmlite')),
+    _RUNTIME: ((*_GROUND, f'{_RUNTIME}/numba_inside'), ('numpy', 'numba', 'llvmlite')),
+    f'{_RUNTIME}/numba_inside': (
+        (f'{_RUNTIME}/numba_inside',),
+        ('numpy', 'numba', 'llvmlite'),
+    ),
     'geometry/_proximity/filters': ((*_GROUND, 'geometry/_proximity/filters'), ('numpy',)),
     _K: ((*_GROUND, _K), ('numpy',)),
     f'{_K}/shapes': (_SHAPES, ('numpy', 'numba', 'llvmlite')),

@@ -3,13 +3,14 @@
 import ast
 
 import pytest
-from conventions.source_tree import PACKAGE, SOURCES, name_of
+from conventions.source_tree import PACKAGE, SOURCES, imports_of, name_of
 
 # Of libraries, where they have no public way: names, and what they are read for.
 ALLOWED = {
     'command_line/configurations.py': {'_MutuallyExclusiveGroup'},  # a type; argparse exports none
     # Numba's compiled libraries, under a check of its version.
-    'geometry/_proximity/runtime/pipeline.py': {'_final_module', '_reload_init', '_getvalue'},
+    'geometry/_proximity/runtime/numba_inside/pipeline.py': {'_final_module', '_reload_init'},
+    'geometry/_proximity/runtime/numba_inside/array_views.py': {'_getvalue'},
     'math/missing.py': {'_getframe'},  # who asks; inspect.stack() reads source files
     'ros/parameters.py': {'_parameter_overrides', '_parameters'},  # what a node was started with
     'ros/surface.py': {'_parameter_overrides'},
@@ -62,6 +63,18 @@ def test_no_file_reads_private_names_of_what_others_make(path):
     allowed = ALLOWED.get(path.relative_to(PACKAGE).as_posix(), set())
     found = foreign_names(ast.parse(path.read_text()))
     assert {(line, name) for line, name in found if name not in allowed} == set()
+
+
+INSIDE = 'geometry/_proximity/runtime/numba_inside/'
+# Of Numba's inner packages what its manual documents for others.
+DOCUMENTED = ('numba.core.event', 'numba.core.cgutils')
+
+
+@pytest.mark.parametrize('path', SOURCES, ids=name_of)
+def test_one_room_relies_on_the_inside_of_numba(path):
+    inner = [n for n in imports_of(path.read_text()) if n.startswith(('numba.core', 'numba.np'))]
+    found = [name for name in inner if name not in DOCUMENTED]
+    assert found == [] or path.relative_to(PACKAGE).as_posix().startswith(INSIDE)
 
 
 def test_what_is_allowed_is_needed():

@@ -28,11 +28,11 @@ from numba.core import event
 from drake_geom_ros.geometry._proximity.runtime.progress import Progress
 
 if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
-    from drake_geom_ros.geometry._proximity.runtime import pipeline as _intermediate
+    from drake_geom_ros.geometry._proximity.runtime import numba_inside as _inside
 
-    intermediate: Any = _intermediate
+    numba_inside: Any = _inside
 else:
-    intermediate = None
+    numba_inside = None
 
 _FOLDER = 'drake_geom_ros'
 _VERSION = 'kernels-'  # a digest follows
@@ -228,10 +228,10 @@ def allocating(function: _F) -> _F:
 def view(function: _F) -> _F:
     """Return the function compiled to what shows a part of an array and holds no reference to it.
 
-    See ``intermediate``; without that it counts references.
+    See ``numba_inside``; without that it counts references.
     """
-    if intermediate is not None and not config.DISABLE_JIT:
-        shown: _F = getattr(intermediate, function.__name__)
+    if numba_inside is not None and not config.DISABLE_JIT:
+        shown: _F = getattr(numba_inside, function.__name__)
         return shown
     dispatcher: _F = _compiled(function, forceinline=True)
     return dispatcher
@@ -315,15 +315,15 @@ def _compiled(
 
 
 def options(*, counted: bool) -> dict[str, Any]:
-    """Return further options of what is compiled: see ``intermediate``."""
-    return {} if intermediate is None else intermediate.options(counted)
+    """Return further options of what is compiled: see ``numba_inside``."""
+    return {} if numba_inside is None else numba_inside.options(counted)
 
 
 def for_compiled_callers(dispatcher: Any, *, constants: bool) -> Any:
-    """Return the dispatcher, as compiled code is to call it: see ``intermediate``."""
-    if config.DISABLE_JIT or intermediate is None:
+    """Return the dispatcher, as compiled code is to call it: see ``numba_inside``."""
+    if config.DISABLE_JIT or numba_inside is None:
         return dispatcher
-    return intermediate.for_compiled_callers(dispatcher, constants)
+    return numba_inside.for_compiled_callers(dispatcher, constants)
 
 
 def address_of(function: Any, signature: Any) -> Any:
@@ -333,8 +333,8 @@ def address_of(function: Any, signature: Any) -> Any:
     """
     if config.DISABLE_JIT:
         return function
-    if intermediate is not None:
-        return intermediate.address_of(function, signature)
+    if numba_inside is not None:
+        return numba_inside.address_of(function, signature)
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE_FOLDER and str(Path(CACHE_FOLDER) / 'addresses')
     try:

@@ -21,7 +21,7 @@ from numba import carray, config, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.runtime.compiled import intermediate, made
+from drake_geom_ros.geometry._proximity.runtime.compiled import made, numba_inside
 
 # The fields of records that are handed over: the type of their numbers, and the extents that
 # follow the first one, None for those that differ from array to array.
@@ -84,8 +84,8 @@ def taker(record: type[tuple[Any, ...]]) -> Any:
     """Return the compiled function that makes a record of its handle."""
     if config.DISABLE_JIT:
         return lambda handle: handle
-    if intermediate is not None:
-        return intermediate.taker(record, _fields(record))
+    if numba_inside is not None:
+        return numba_inside.taker(record, _fields(record))
     numbers, arrays = count(), []
     names = {'__name__': __name__, 'record': record, 'carray': carray, 'pointer': _pointer}
     for name, dtype, extents in _fields(record):

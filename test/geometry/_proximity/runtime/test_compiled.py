@@ -244,7 +244,7 @@ def test_what_compiled_code_calls_has_no_version_for_python_until_that_calls_it(
 
 @pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
 def test_another_numba_compiles_in_its_own_way(monkeypatch):
-    monkeypatch.setattr(compiled, 'intermediate', None)
+    monkeypatch.setattr(compiled, 'numba_inside', None)
 
     @compiled.compiled
     def inner(x, k):

@@ -8,10 +8,10 @@ if config.DISABLE_JIT:
 
 from drake_geom_ros.geometry._proximity.runtime import compiled
 
-if compiled.intermediate is None:
+if compiled.numba_inside is None:
     pytest.skip('of the pinned version of Numba only', allow_module_level=True)
 
-from drake_geom_ros.geometry._proximity.runtime.pipeline import _called_by, _Library
+from drake_geom_ros.geometry._proximity.runtime.numba_inside.pipeline import _called_by, _Library
 
 
 def library(*called):

@@ -21,7 +21,7 @@ import numba
 numba.version_info = numba.version_info._replace(short=(0, 0))  # as if it were another one
 from geometry._proximity.runtime.test_pipeline import answers
 from drake_geom_ros.geometry._proximity.runtime import compiled
-print(json.dumps([compiled.intermediate is None, *answers()]))
+print(json.dumps([compiled.numba_inside is None, *answers()]))
 """
 
 
@@ -36,7 +36,7 @@ def answers():
 @pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
 def test_another_numba_gives_the_same_answers(tmp_path):
     """By its public ways alone: references are counted, and ``numba.cfunc`` makes addresses."""
-    if compiled.intermediate is None:
+    if compiled.numba_inside is None:
         pytest.skip('this is another Numba')
     done = subprocess.run(
         [sys.executable, '-W', 'ignore', '-c', CODE],

@@ -1,4 +1,4 @@
-"""The front end of Numba as our functions need it; like ``pipeline``, for the version pinned.
+"""The front end of Numba as our functions need it.
 
 Half of what the front end did was for what our code does not have: passes for closures, literals
 and generators, live variables found anew after each of them, and the search through dozens of
