@@ -11,6 +11,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     UNIQUE,
     OrientedShape,
 )
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius, core_radius
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     SolidPair,
@@ -79,7 +80,7 @@ def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: B
         a, b = places[k, 0], places[k, 1]
         if not is_of_surfaces(types[a], types[b]):
             continue
-        if max(types[a], types[b]) > SOLID:
+        if is_map(max(types[a], types[b])):
             unique[k] = False  # of the cells of a map nobody has looked
             continue
         numbers = row(rows, k)

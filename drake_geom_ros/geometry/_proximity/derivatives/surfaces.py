@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
@@ -19,4 +20,4 @@ def is_of_surfaces(type_a: int, type_b: int) -> bool:
     """
     highest = max(type_a, type_b)
     of_solid = highest == SOLID and type_a != HALF_SPACE and type_b != HALF_SPACE
-    return of_solid or highest > SOLID
+    return of_solid or is_map(highest)

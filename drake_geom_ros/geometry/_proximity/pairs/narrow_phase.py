@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.pair_table import TYPE_COUNT
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
     CONVEX,
@@ -108,7 +109,7 @@ def _call_in_order(
     extreme = extreme or vanishes(A.kind, shape_a) or vanishes(B.kind, shape_b)
     if extreme and B.kind <= CONVEX:
         call_by_address(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
-    elif B.kind > SOLID:
+    elif is_map(B.kind):
         call_by_address(kernels[OVER_MAP], address, A, B, p_AB_W, aim, out)
     else:
         call_kernel(address, A, B, p_AB_W, aim, out)
