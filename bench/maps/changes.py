@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,14 +34,14 @@ def run(counts: list[int], changes: list[int]) -> None:
         cells = _cells(rng, count)
         scene = _Scene(cells)
         print(f'{len(cells)} cells, ms for ' + ', '.join(_STEPS) + ', all')
-        _tell('made whole', [scene.put(lambda: _cells(rng, count))[1] for _ in range(_TURNS)])
+        whole = partial(_cells, rng, count)
+        _tell('made whole', [scene.put(whole)[1] for _ in range(_TURNS)])
         for change in changes:
             times = []
             for _ in range(_TURNS):
                 gone = Cells(_RESOLUTION, np.sort(rng.choice(cells.packed, change, replace=False)))
                 new = _cells(rng, change)
-                before = cells
-                cells, seconds = scene.put(lambda b=before, n=new, g=gone: b.changed(n, g))
+                cells, seconds = scene.put(partial(cells.changed, new, gone))
                 times.append(seconds)
             _tell(f'{change} added, {change} removed', times)
 
@@ -71,7 +72,7 @@ class _Scene:
         self._ask()
 
     def put(self, make: Callable[[], Cells]) -> tuple[Cells, Floats]:
-        """Have the scene hold cells that are made now; return them and the seconds of each step."""
+        """Have the scene hold cells that are made now; return them and each step's seconds."""
         clock = [time.process_time()]
 
         def timed(result: Any) -> Any:

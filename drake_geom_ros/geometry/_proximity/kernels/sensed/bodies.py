@@ -199,14 +199,14 @@ def _length_beyond(gaps: Vector) -> float:
 
 @inlined
 def _way_from(is_round: bool, h: Vector, q: Vector) -> Vector:
-    """Return the way to q from what is nearest in a box of half size h, or in its cylinder along z.
+    """Return the way to q from what is nearest in a box of half size h, or its cylinder along z.
 
     Part by part outwards along normals, so that no rounding turns it, however short it is. What is
     nearest then is also what is farthest along the way, of the box or cylinder.
     """
     z = math.copysign(max(abs(q[2]) - h[2], 0.0), q[2])
     if is_round:
-        rho = math.hypot(q[0], q[1])
+        rho = norm((q[0], q[1], 0.0))
         barrel = max(rho - h[0], 0.0)
         s = barrel / rho if barrel > 0.0 else 0.0
         return (s * q[0], s * q[1], z)
@@ -238,9 +238,9 @@ def least_apart(at: Between, box_A: NodeBox, box_B: NodeBox, limit: float) -> fl
     """Return a lower bound [m] of the signed distance of what is in two boxes, of A and of B.
 
     What lies in a body is no nearer, and no deeper, than that body, and a gap along any direction,
-    a negative one too, is never more than the signed distance. So directions are tried, the normals
-    of faces first, those of the way from A's box, or cylinder, to the middle of the other last: of
-    a small box that one misses little. A few roundings of the pair's size may be missing, less than
+    a negative one too, is never more than the signed distance. So directions are tried: normals of
+    faces first, the way from A's box, or cylinder, to the middle of the other last, which of a
+    small box misses little. A few roundings of the pair's size may be missing, less than
     ``noise_of``. Of what is beyond the limit [m] less is told.
     """
     R, p, k = at.R, at.p, box_B.half
