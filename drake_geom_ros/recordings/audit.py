@@ -13,6 +13,7 @@ from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
 from drake_geom_ros.recordings.opened import Opened, opened_recording
 from drake_geom_ros.recordings.playback import Refused
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.recorded_pairs import (
     Compared,
     Outcome,
@@ -22,7 +23,6 @@ from drake_geom_ros.recordings.recorded_pairs import (
     recorded_pairs,
 )
 from drake_geom_ros.recordings.recording import Recorded
-from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.replay import Finding, Judge, RecordedEvent, events_of
 from drake_geom_ros.ros.scene.pose_ages import time_of
@@ -55,12 +55,13 @@ class Audit:
 
     entries: list[Audited] = field(default_factory=list)
     silent: tuple[str, ...] = ()  # topics of results without a message
+    begin: int = 0  # [ns] of the recording
     damage: tuple[Damage, ...] = ()  # what could not be read
     refused: tuple[Refused, ...] = ()  # messages of which no pose was taken
 
     def reservations(self) -> list[str]:
         """Return in words what was not audited; empty where all that was recorded is judged."""
-        told = [f'{each.file}: {each.reason}' for each in self.damage]
+        told = [each.in_words(self.begin) for each in self.damage]
         told += [each.in_words() for each in self.refused]
         told += [f'no message of {topic} was recorded' for topic in self.silent]
         if not self.entries:
@@ -122,6 +123,7 @@ def audit(
     # A node tells of events when there are any, and of results in each cycle.
     results = dict.fromkeys(topic.name for topic in recorded if topic.type in _RESULTS)
     found.silent = tuple(topic for topic in results if topic not in auditor.heard)
+    found.begin = opened.recording.begin
     found.damage = tuple(opened.recording.damage)
     found.refused = tuple(opened.playback.refused)
     return found

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TEXT, TF
-from drake_geom_ros.recordings.storages import Topic
+from drake_geom_ros.recordings.raw_messages import Topic
 
 _MOST_SHOWN = 20
 
