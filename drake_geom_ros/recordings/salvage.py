@@ -130,7 +130,7 @@ def _decompressed(data: bytes, compression: str) -> bytes:
     if compression == 'zstd':
         from zstandard import ZstdDecompressor
 
-        return ZstdDecompressor().decompressobj().decompress(data)
+        return bytes(ZstdDecompressor().decompressobj().decompress(data))
     return data
 
 

@@ -143,7 +143,7 @@ def test_whatever_is_harmed_nothing_false_is_told_and_nothing_lost_in_silence(
     except RecordingError:
         return
     told = [each.message for each in found]
-    # A whole chunk bears a checksum; that in which a file breaks off has none that could be checked.
+    # A whole chunk bears a checksum; that in which a file breaks off cannot be checked.
     if small.suffix == '.mcap' and not (places and keep < 1.0):
         assert all(each is not None for each in told)
         assert {int(each.data[:6]) for each in told} <= set(range(200))
