@@ -33,6 +33,7 @@ def recorded_poses(
     scene: str | Path | SceneDescription,
     rate: float,
     topics: Topics | None = None,
+    world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
     tell: Callable[[str], None] | None = None,
 ) -> list[TimedPoses]:
@@ -40,7 +41,7 @@ def recorded_poses(
 
     ``tell`` is called with what is not known, was refused, or could not be read.
     """
-    opened = opened_recording(path, scene, topics, 1.0, 'exact', 'world', package_roots)
+    opened = opened_recording(path, scene, topics, 1.0, 'exact', world_frame, package_roots)
     player = Player(opened, StateBlocks(opened.playback, ()), rate)
     found = []
     for block in player.blocks():
