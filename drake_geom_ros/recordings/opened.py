@@ -58,10 +58,9 @@ def opened_recording(
         playback.note(f'{topic} has no message: the time of recording counts', recording.begin)
     _take_robots(recording, playback, roles)
     robots = playback.robots_topics()
-    names = {topic.name for topic in recording.topics}
-    for topic in sorted(map(asked.full, robots)):
-        if topic not in names:
-            playback.note(f'{topic}, which moves a robot, was not recorded', recording.begin)
+    there = {topic.name for topic in recording.topics}
+    for missing in sorted({*map(asked.full, robots)} - there):
+        playback.note(f'{missing}, which moves a robot, was not recorded', recording.begin)
     roles = roles_of(recording.topics, asked, robots, with_robots=alone)
     return Opened(recording, playback, {t: role for t, role in roles.items() if t not in silent})
 
