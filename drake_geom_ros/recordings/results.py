@@ -164,6 +164,7 @@ class _Sum:
 
     def __init__(self) -> None:
         self.states = self._stale = self._waiting = self._left_out = 0
+        self._first, self._last = math.inf, 0.0  # [s] stale ones
         self._frames: dict[str, None] = {}
         self.lower = math.inf  # [m] the least
         self.least: Moment | None = None
@@ -172,6 +173,9 @@ class _Sum:
     def take(self, pairs: SetClearance) -> None:
         self.states += len(pairs.times)
         self._stale += int(pairs.is_stale.sum())
+        if pairs.is_stale.any():
+            ends = pairs.times[pairs.is_stale][[0, -1]].tolist()
+            self._first, self._last = min(self._first, ends[0]), ends[1]
         self._waiting += int(pairs.is_waiting.sum())
         self._left_out = max(self._left_out, int(pairs.left_out.max(initial=0)))
         self._frames.update(dict.fromkeys(pairs.waiting_frames))
@@ -188,7 +192,10 @@ class _Sum:
         if self.is_certified and (unknown := self.proofs.result().unknown):
             yield f'nothing is proved of {counted(unknown, "motion")}'
         if self._stale:
-            yield f'{self._stale} of {self.states} states are stale'
+            yield (
+                f'{self._stale} of {self.states} states are stale, or of unknown age, between '
+                f'{self._first:.3f} and {self._last:.3f} s'
+            )
         if self._waiting:
             names = ', '.join([*self._frames][:_MOST_NAMES])
             yield (
