@@ -34,7 +34,9 @@ class ShownContacts(NamedTuple):
             return cls(patches, [], [words])
         said = counted(surfaces, 'contact surface')
         if surfaces:
-            said += f', from no pressure (dark blue) to {in_pascals(patches.max_pressure)} (yellow)'
+            said += (
+                f', from no pressure (dark blue) to {in_pascals(patches.max_pressure)} (yellow)'
+            )
         return cls(patches, [said], left.in_words())
 
 

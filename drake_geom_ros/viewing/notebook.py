@@ -78,8 +78,8 @@ def show(
 
     The pairs up to ``max_distance`` [m] are drawn by their nearest points, red where they overlap;
     a negative one draws none. ``contacts`` draws the contact surfaces, coloured by pressure; what
-    they do not show is a warning. ``see_through`` is how much of a body covers what is behind it. The
-    camera is at ``from_W`` and looks at ``at_W`` (3,) [m], or has all of the scene in sight.
+    they do not show is a warning. ``see_through`` is how much of a body covers what is behind it.
+    The camera is at ``from_W`` and looks at ``at_W`` (3,) [m], or has all of the scene in sight.
     Raises PoseError for frames without a pose, ArgumentError for what cannot be shown.
     """
     if (joints is None) != (q is None) or (from_W is None) != (at_W is None):

@@ -65,7 +65,8 @@ def colours_of(pressures: Floats, most: float) -> Floats:
     """Return the colours (..., 3), from 0 to 1, of pressures (...,) [Pa] from 0 to ``most``."""
     at = np.linspace(0.0, 1.0, len(_COLOURS))
     shares = pressures / (most or 1.0)
-    return np.stack([np.interp(shares, at, channel) for channel in zip(*_COLOURS, strict=True)], -1)
+    channels = zip(*_COLOURS, strict=True)
+    return np.stack([np.interp(shares, at, channel) for channel in channels], axis=-1)
 
 
 def in_pascals(pressure: float) -> str:

@@ -12,8 +12,9 @@ frames:
 geometries:
   - {name: table, shape: {type: half_space},
      roles: {proximity: {hydroelastic: {compliance_type: rigid}}}}
-  - {name: ball, frame: ball, shape: {type: sphere, radius: 0.05}, roles: {proximity: {hydroelastic:
-     {compliance_type: compliant, hydroelastic_modulus: 1e6, resolution_hint: 0.01}}}}
+  - {name: ball, frame: ball, shape: {type: sphere, radius: 0.05},
+     roles: {proximity: {hydroelastic: {compliance_type: compliant, hydroelastic_modulus: 1e6,
+     resolution_hint: 0.01}}}}
   - {name: bare, frame: bare, shape: {type: sphere, radius: 0.05}}
 """
 

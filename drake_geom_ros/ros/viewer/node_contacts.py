@@ -24,7 +24,7 @@ class NodeContacts:
     """Asks while somebody wants to see; the last answer is shown until the next one comes."""
 
     def __init__(self, services: Services, server: str, changed: Callable[[], None]) -> None:
-        """``changed()`` is called, from the thread that spins, when an answer comes."""
+        """Ask with ``services``; ``changed()`` is called by who spins when an answer comes."""
         self._services, self._server, self._changed = services, server, changed
         self._lock = threading.Lock()
         self._answer: Any = None

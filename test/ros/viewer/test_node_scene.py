@@ -177,7 +177,8 @@ def test_contact_surfaces_are_asked_for_while_they_are_wished_for(tmp_path, lone
     )
     path = tmp_path / 'pressing.yaml'
     path.write_text(PRESSING)
-    with start_node(tmp_path, scene_file=str(path)):
+    node = start_node(tmp_path / 'log', scene_file=path)
+    try:
 
         def found():
             moment = shown.moment(0.1, 'exact', contacts=True)
@@ -189,3 +190,5 @@ def test_contact_surfaces_are_asked_for_while_they_are_wished_for(tmp_path, lone
         np.testing.assert_array_equal(moment.patches.triangles, expected.patches.triangles)
         assert set(expected.remarks) <= set(moment.remarks)
         assert len(shown.moment(0.1, 'exact').patches) == 0
+    finally:
+        node.end()
