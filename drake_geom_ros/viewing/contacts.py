@@ -43,18 +43,18 @@ class ShownContacts(NamedTuple):
 class Left(NamedTuple):
     """How many pairs overlap without a surface; the names of the first, and why: a NoSurface."""
 
-    count: int
+    pairs: int
     names: tuple[str, str] = ('', '')
     reason: int = 0
 
     def in_words(self) -> list[str]:
         """Return what there is to tell."""
-        if not self.count:
+        if not self.pairs:
             return []
-        overlap = 'overlaps' if self.count == 1 else 'overlap'
+        overlap = 'overlaps' if self.pairs == 1 else 'overlap'
         why = NoSurface(self.reason).in_words()
         return [
-            f'NOT SHOWN: {counted(self.count, "pair")} that {overlap} without a contact surface: '
+            f'NOT SHOWN: {counted(self.pairs, "pair")} that {overlap} without a contact surface: '
             f'{self.names[0]} and {self.names[1]}: {why}'
         ]
 

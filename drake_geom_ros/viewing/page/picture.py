@@ -5,6 +5,7 @@ What is foreign, such as a name, is only ever the text of a label: nodes are cal
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -270,8 +271,9 @@ class _Surfaces:
 
 def _coloured(patches: Patches) -> bytes:
     """Return patches as glTF, their colours a texture by pressure: exact within triangles, too."""
-    import trimesh  # which viser brings along, with pillow
     from PIL import Image
+
+    trimesh: Any = importlib.import_module('trimesh')  # half of it has no types
 
     shades = np.rint(255.0 * colours_of(np.linspace(0.0, 1.0, _SHADES), 1.0)).astype(np.uint8)
     # From the middle of the first texel to that of the last one.
