@@ -3,5 +3,5 @@
 In: a scene to show, and clicks.
 Out: a page in the browser.
 May import: ``math``, ``common``, ``geometry``, ``trajectories``, ``viewing``; numpy, viser,
-    imageio, websockets, and of what viser brings along trimesh and PIL.
+    imageio, websockets, trimesh, PIL.
 """
