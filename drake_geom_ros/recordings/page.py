@@ -14,9 +14,9 @@ from drake_geom_ros.recordings.audit import Audit
 from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.comparing import SetComparison
 from drake_geom_ros.recordings.highlights import AGES, Ages, Highlights
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.results import Told
 from drake_geom_ros.recordings.set_clearance import Moment
-from drake_geom_ros.recordings.storages import NANOSECONDS
 
 Pictures = Mapping[tuple[str, int], bytes]  # PNGs by the set and the number of a moment
 MOMENTS = 10  # in the table of each set of pairs

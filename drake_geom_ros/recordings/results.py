@@ -15,6 +15,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
 from drake_geom_ros.recordings.playback import Refused, Trouble
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.set_clearance import (
     Certified,
     Moment,
@@ -23,7 +24,6 @@ from drake_geom_ros.recordings.set_clearance import (
     Span,
     joined,
 )
-from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -102,7 +102,7 @@ class Told(Facts):
 
     def reservations(self) -> list[str]:
         """Return in words what is not known; empty where everything is."""
-        told = [f'{each.file}: {each.reason}; {self._until(each)}' for each in self.damage]
+        told = [each.in_words(self.begin) for each in self.damage]
         if self.gaps:
             lost = sum(gap.end - gap.begin for gap in self.gaps)
             ends = 'at the beginning' if self.gaps[0].begin <= 0.0 else ''
@@ -116,11 +116,6 @@ class Told(Facts):
         for name, each in self._sums.items():
             told += [f'{name}: {words}' for words in each.reservations()]
         return told
-
-    def _until(self, damage: Damage) -> str:
-        if damage.until < self.begin:
-            return 'it told nothing'
-        return f'it told something until {(damage.until - self.begin) / NANOSECONDS:.3f} s'
 
     def least(self, name: str = '', *, allow_incomplete: bool = False) -> Moment:
         """Return the state and pair of the least lower bound, of one set or of all.

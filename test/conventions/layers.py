@@ -186,7 +186,7 @@ LAYERS = {
             *_HELD,
             *('ros/inputs', 'batch', 'replay', 'viewing', 'recordings'),
         ),
-        ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib', 'PIL'),
+        ('numpy', 'yaml', 'rosbags', 'mcap', 'lz4', 'zstandard', 'matplotlib', 'PIL'),
     ),
     'command_line': (
         (
