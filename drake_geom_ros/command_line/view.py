@@ -66,6 +66,11 @@ def add_to(commands: Any) -> None:
         help='pairs farther apart are left out [m], until the slider is moved (default: 0.1)',
     )
     parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument(
+        '--contacts',
+        action='store_true',
+        help='compute and show contact surfaces from the beginning, coloured by pressure',
+    )
     parser.add_argument('--host', default=LOCALHOST, help=f'default: {LOCALHOST}, this machine')
     parser.add_argument('--port', type=int, default=PORT, help=f'default: {PORT}')
     parser.set_defaults(run=run)
@@ -114,6 +119,7 @@ def open_page(options: argparse.Namespace) -> Page:
         timeline=timeline,
         max_distance=options.max_distance,
         accuracy=options.accuracy,
+        contacts=options.contacts,
         tell=lambda text: print(text, file=sys.stderr, flush=True),
     )
 

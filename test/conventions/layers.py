@@ -179,7 +179,7 @@ LAYERS = {
     ),
     'viewing/page': (
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
-        ('numpy', 'viser', 'imageio', 'websockets'),
+        ('numpy', 'viser', 'imageio', 'websockets', 'trimesh', 'PIL'),
     ),
     'recordings': (
         (
