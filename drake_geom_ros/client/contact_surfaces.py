@@ -9,8 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drake_geom_ros.client.left_out import IncompleteError
-from drake_geom_ros.client.results import Floats, Ids, Pair, PairResults
-from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.client.results import Floats, Pair, PairResults
 
 _SHOWN = 3  # pairs in a sentence
 _REASONS = {
@@ -60,14 +59,8 @@ class PairsWithoutSurface(PairResults[PairWithoutSurface]):
 
     _PREFIX = 'point_pair_'
 
-    def __init__(
-        self,
-        message: Any,
-        table: SceneTable,
-        rows: Ids | None = None,
-        is_complete: bool | None = None,
-    ) -> None:
-        super().__init__(message, table, rows, is_complete)
+    def _read(self, message: Any) -> None:
+        super()._read(message)
         self.reason = self._column('reason', kind=np.int64)  # (n,)
         self.depth = self._column('depth')  # (n,) [m]
         self.error_bound = self._column('error_bound')  # (n,) [m]
@@ -94,14 +87,8 @@ class ContactSurfaces(PairResults[ContactSurface]):
     pairs overlap without one, and where no geometry takes part.
     """
 
-    def __init__(
-        self,
-        message: Any,
-        table: SceneTable,
-        rows: Ids | None = None,
-        is_complete: bool | None = None,
-    ) -> None:
-        super().__init__(message, table, rows, is_complete)
+    def _read(self, message: Any) -> None:
+        super()._read(message)
         self.participants = int(message.participants)
         self.area = self._column('area')
         self.max_pressure = self._column('max_pressure')
@@ -110,7 +97,7 @@ class ContactSurfaces(PairResults[ContactSurface]):
         self.force_on_A_W = self._column('force_on_a_w', 3)
         self.torque_on_A_Wo_W = self._column('torque_on_a_wo_w', 3)
         self.faces = self._column('faces', kind=np.int64)
-        self.without_surface = PairsWithoutSurface(message, table)
+        self.without_surface = PairsWithoutSurface(message, self.table)
 
     def whole(self: _Surfaces, what: str) -> _Surfaces:
         """Return the results if they are complete; raise IncompleteError about ``what`` if not."""

@@ -126,6 +126,11 @@ class Results(Sequence[Record], Generic[Record]):
         self.stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1_000_000_000
         self.oldest_pose_age = float(message.oldest_pose_age)  # [s]; inf: unknown
         self.oldest_frame = table.frame_name(message.oldest_frame)  # empty: no pose grows old
+        self._read(message)
+
+    @abstractmethod
+    def _read(self, message: Any) -> None:
+        """Take over the columns that results of a kind have."""
 
     def _column(self, name: str, width: int = 1, kind: type = np.float64) -> NDArray[Any]:
         column = getattr(self._message, self._PREFIX + name)
@@ -181,14 +186,7 @@ class PairResults(Results[Record]):
 
     _KEY = 'id_a'
 
-    def __init__(
-        self,
-        message: Any,
-        table: SceneTable,
-        rows: Ids | None = None,
-        is_complete: bool | None = None,
-    ) -> None:
-        super().__init__(message, table, rows, is_complete)
+    def _read(self, message: Any) -> None:
         self.id_a = self._column('id_a', kind=np.int64)  # (n,)
         self.id_b = self._column('id_b', kind=np.int64)  # (n,)
 
@@ -221,14 +219,8 @@ class PairResults(Results[Record]):
 class _CertifiedPairs(PairResults[Record]):
     """Results of pairs with normals, and how exact they are."""
 
-    def __init__(
-        self,
-        message: Any,
-        table: SceneTable,
-        rows: Ids | None = None,
-        is_complete: bool | None = None,
-    ) -> None:
-        super().__init__(message, table, rows, is_complete)
+    def _read(self, message: Any) -> None:
+        super()._read(message)
         self.nhat_BA_W = self._column('nhat_ba_w', 3)  # (n, 3)
         self.error_bound = self._column('error_bound')  # (n,) [m]
         self.method = self._column('method', kind=np.int64)  # (n,) METHOD_* constants
@@ -241,14 +233,8 @@ class SignedDistances(_CertifiedPairs[SignedDistance]):
     ``nhat_BA_W`` (n, 3), ``id_a``, ``id_b``, ``method`` (n,).
     """
 
-    def __init__(
-        self,
-        message: Any,
-        table: SceneTable,
-        rows: Ids | None = None,
-        is_complete: bool | None = None,
-    ) -> None:
-        super().__init__(message, table, rows, is_complete)
+    def _read(self, message: Any) -> None:
+        super()._read(message)
         self.max_distance = float(message.max_distance)  # [m]
         self.distance = self._column('distance')  # (n,) [m]
         self.p_ACa = self._column('p_aca', 3)  # (n, 3) [m]
@@ -280,14 +266,8 @@ class Penetrations(_CertifiedPairs[Penetration]):
     ``id_a``, ``id_b``, ``method`` (n,).
     """
 
-    def __init__(
-        self,
-        message: Any,
-        table: SceneTable,
-        rows: Ids | None = None,
-        is_complete: bool | None = None,
-    ) -> None:
-        super().__init__(message, table, rows, is_complete)
+    def _read(self, message: Any) -> None:
+        super()._read(message)
         self.depth = self._column('depth')  # (n,) [m]
         self.p_WCa = self._column('p_wca', 3)  # (n, 3) [m]
         self.p_WCb = self._column('p_wcb', 3)  # (n, 3) [m]
@@ -306,14 +286,7 @@ class PointDistances(Results[PointDistance]):
 
     _KEY = 'id_g'
 
-    def __init__(
-        self,
-        message: Any,
-        table: SceneTable,
-        rows: Ids | None = None,
-        is_complete: bool | None = None,
-    ) -> None:
-        super().__init__(message, table, rows, is_complete)
+    def _read(self, message: Any) -> None:
         self.error_bound = self._column('error_bound')  # (n,) [m]
         self.method = self._column('method', kind=np.int64)  # (n,) METHOD_* constants
         self.point_index = self._column('point_index', kind=np.int64)  # (n,)

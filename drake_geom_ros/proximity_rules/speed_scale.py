@@ -35,11 +35,8 @@ class SpeedScale:
         }
         self._slow = np.array(list(self._curves), dtype=np.int64)
         self._ends = np.array([curve[0, -1] for curve in self._curves.values()])
-
-    @property
-    def is_asked_for(self) -> bool:
-        """Whether any rule says how fast to go; without one there is nothing to say."""
-        return bool(self._stops.any()) or len(self._slow) > 0
+        # Whether any rule says how fast to go; without one there is nothing to say.
+        self.is_asked_for = bool(self._stops.any()) or bool(self._curves)
 
     def value(self, entered: Flags, reasons: Reasons, limits: Limits) -> float:
         """Return the scale for the rules (r,) that are entered, and what is known of each."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from drake_geom_ros.recordings.storages import Topic
+from drake_geom_ros.recordings.raw_messages import Topic
 
 TF = 'tf2_msgs/msg/TFMessage'
 JOINTS = 'sensor_msgs/msg/JointState'

@@ -22,10 +22,10 @@ from drake_geom_ros.recordings.motions import Motions
 from drake_geom_ros.recordings.opened import Opened
 from drake_geom_ros.recordings.pair_sets import PairSet
 from drake_geom_ros.recordings.player import Player
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.results import Facts, States
 from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 from drake_geom_ros.recordings.states import Block, StateBlocks, Travelled
-from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.recordings.topics import maps_in, told_nothing
 
 Progress = Callable[[int, float], None]  # states, seconds of the recording

@@ -25,6 +25,14 @@ def others(times):
     return [(t, '/rosout', recorder.text('all is well')) for t in times]
 
 
+def test_when_poses_were_stale_is_said(tmp_path, balls):  # noqa: F811
+    silent = [(t, '/node/frame_poses', recorder.frame_poses(t, 'b', [HERE])) for t in (2.5, 2.7)]
+    run = recorder.record(tmp_path / 'run', still([0.0, 0.5, 1.0]) + silent + still([2.8]))
+    found = clearance(run, balls, between=['a:b'], stale_after=1.6)
+    (told,) = found.reservations()
+    assert told == ('a:b: 1 of 6 states are stale, or of unknown age, between 2.700 and 2.700 s')
+
+
 @pytest.mark.parametrize('rate', [0.0, 20.0])
 @pytest.mark.parametrize('sqlite', [False, True])
 def test_a_driver_that_died_before_the_end_is_no_whole_run(tmp_path, balls, rate, sqlite):  # noqa: F811

@@ -69,7 +69,8 @@ class PoseQueries:
 
     def waiting_frames(self) -> list[FrameId]:
         """Return the frames that never had a pose, parents first."""
-        return [FrameId(v) for v in self._state.up_to_date_world().unposed_frames().tolist()]
+        world = self._state.up_to_date_world()
+        return [] if world.is_whole else [FrameId(v) for v in world.unposed_frames().tolist()]
 
     def is_placed(self, id: FrameId | GeometryId) -> bool:
         """Return whether a frame, or that of a geometry, and all its parents have a pose."""
@@ -94,11 +95,12 @@ class PoseQueries:
         world = self._state.up_to_date_world()
         world.update()
         values, known = np.asarray(ids, dtype=np.int64), world.geometries.ids
-        if unknown := np.setdiff1d(values, known).tolist():
-            raise RoleError(
-                f'these ids belong to no geometry with the proximity role: {unknown[:5]}'
-            )
         rows = world.geometry_rows(values)
+        is_known = rows < len(known)
+        is_known[is_known] = known[rows[is_known]] == values[is_known]
+        if not is_known.all():
+            unknown = sorted(set(values[~is_known].tolist()))[:5]
+            raise RoleError(f'these ids belong to no geometry with the proximity role: {unknown}')
         return world.R_WGs[rows], world.p_WGs[rows]
 
 

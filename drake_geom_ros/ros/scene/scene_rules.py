@@ -246,8 +246,8 @@ class SceneRules:
     def _rows(self, frames: Collection[int]) -> Flags:
         """Return which geometries (n,) hang on any of some frames."""
         flags = np.zeros(len(self._monitor.watched.ids), dtype=np.bool_)
-        for frame in frames:
-            flags[self._hanging.get(frame, ())] = True
+        if frames:
+            flags[[row for frame in frames for row in self._hanging.get(frame, ())]] = True
         return flags
 
     def _fastest(self, inspector: SceneGraphInspector, twists: Twists | None) -> float:
