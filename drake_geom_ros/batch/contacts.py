@@ -85,6 +85,31 @@ class ContactsOfStates(PairNames, _ContactsOfStates):
         return totals
 
 
+def rows_of_pairs(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return contacts by column as one row for each pair that overlaps, as files hold them.
+
+    Of each state those with a surface come first. What a pair has not is NaN, which no sum hides;
+    ``reason`` is 0 where there is a surface. ``counts`` (N,) are the pairs of each state.
+    """
+    counts, others = columns['counts'], columns['point_counts']
+    states = np.arange(len(counts))
+    of = np.concatenate((np.repeat(states, counts), np.repeat(states, others)))
+    order = np.argsort(of, kind='stable')
+    k, p = len(columns['area']), len(columns['depth'])
+    found = {
+        'id_A': np.concatenate((columns['id_M'], columns['id_A'])),
+        'id_B': np.concatenate((columns['id_N'], columns['id_B'])),
+        'reason': np.concatenate((np.zeros(k, dtype=np.int64), columns['reason'])),
+    }
+    for name in _OF_SURFACES:
+        if name not in ('id_M', 'id_N'):
+            nothing = np.full((p, *columns[name].shape[1:]), np.nan)
+            found[name.replace('_M_', '_A_')] = np.concatenate((columns[name], nothing))
+    for name in ('depth', 'error_bound'):
+        found[name] = np.concatenate((np.full(k, np.nan), columns[name]))
+    return {'counts': counts + others, **{name: rows[order] for name, rows in found.items()}}
+
+
 def contact_columns(each: Iterable[Contacts]) -> dict[str, NDArray[Any]]:
     """Return the contacts of states, one after another, by column."""
     rows: dict[str, list[Any]] = {name: [] for name in (*_OF_SURFACES, *_OF_OTHERS, 'reason')}

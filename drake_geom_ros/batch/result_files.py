@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch.questions import Columns
 from drake_geom_ros.batch.running import BatchError
 from drake_geom_ros.common.whole_files import whole_file
+from drake_geom_ros.geometry.queries.contact_bodies import NoSurface
 
 SUFFIXES = ('.npz', '.parquet')
 _ABOUT = ('scene', 'question', 'versions')
@@ -49,6 +50,15 @@ _MEANINGS = {
     'gradient': 'derivative of the distance by the spatial velocities, angular before linear, of '
     'the frames of A (6) and B (6) in World; `geometry_frames` has their names',
     'joint_gradient': 'derivative of the distance by the joint values, by `joints`',
+    'area': 'of the contact surface [m^2]; NaN: the pair overlaps and has none',
+    'centroid': 'of the surface [m], in World; NaN: none',
+    'centre_of_pressure': 'mean position weighted by pressure [m], in World; NaN: none',
+    'force_on_A_W': 'of the pressure on A [N], in World; on B the opposite; NaN: unknown',
+    'torque_on_A_Wo_W': 'of the pressure on A about the origin of World [N m]; NaN: unknown',
+    'max_pressure': 'the largest of the surface [Pa]; NaN: none',
+    'depth': 'how deep a pair without a surface overlaps [m]; NaN: it has one',
+    'reason': 'why there is no surface: 0 there is one, '
+    + ', '.join(f'{each.value} {each.name.lower().replace("_", " ")}' for each in NoSurface),
     'point_index': 'which point',
     'grad_W': 'gradient of the distance by the point, in World',
     'is_grad_W_unique': 'whether it is the only one',

@@ -22,8 +22,9 @@ class Summary:
     """How many states and answers there are, how many collide, and how distances are spread."""
 
     def __init__(self) -> None:
-        self.states = self.colliding = self.answers = 0
-        self.has_distances = False
+        self.states = self.colliding = self.surfaces = self.without = 0
+        self.largest_force = 0.0  # [N]
+        self.of_what = ''
         self._lower: list[Floats] = []
         self._upper: list[Floats] = []
 
@@ -34,16 +35,43 @@ class Summary:
             yield block
 
     def _add(self, block: Columns) -> None:
+        if 'area' in block:
+            self._add_contacts(block)
+            return
         if 'collision' in block:
+            self.of_what = 'collision'
             self.states += len(block['collision'])
             self.colliding += int(block['collision'].sum())
             return
-        self.has_distances = True
+        self.of_what = 'distances'
         found, bound = block['distance'], block['error_bound']
         self.states += len(block.get('counts', found))
         there = np.isfinite(found)
         self._lower.append((found - bound)[there])
         self._upper.append((found + bound)[there])
+
+    def _add_contacts(self, block: Columns) -> None:
+        self.of_what = 'contacts'
+        self.states += len(block['counts'])
+        pressing = block['reason'] == 0
+        self.surfaces += int(pressing.sum())
+        self.without += int((~pressing).sum())
+        of = np.repeat(np.arange(len(block['counts'])), block['counts'])
+        self.colliding += len(np.unique(of))
+        forces = np.linalg.norm(block['force_on_A_W'][pressing], axis=1)
+        self.largest_force = max(self.largest_force, float(forces.max(initial=0.0)))
+
+    def _contact_lines(self) -> list[str]:
+        """Return what there is to tell of contacts: pairs without a surface are no free space."""
+        told = [
+            f'states with pairs that overlap {self.colliding}',
+            f'contact surfaces {self.surfaces}, largest force {self.largest_force:.6g} N',
+        ]
+        if self.without:
+            told.append(
+                f'PAIRS THAT OVERLAP WITHOUT A SURFACE {self.without}: area and force are NaN'
+            )
+        return told
 
     @property
     def lower(self) -> Floats:
@@ -58,7 +86,9 @@ class Summary:
     def lines(self) -> list[str]:
         """Return what there is to tell."""
         told = [f'states {self.states}']
-        if not self.has_distances:
+        if self.of_what == 'contacts':
+            return [*told, *self._contact_lines()]
+        if self.of_what != 'distances':
             share = self.colliding / max(self.states, 1)
             return [*told, f'colliding {self.colliding} ({100.0 * share:.2f} %)']
         lower = self.lower

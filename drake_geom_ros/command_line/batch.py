@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch import WANTS, Joints, Question, cluster_executor
+from drake_geom_ros.batch.contacts import rows_of_pairs
 from drake_geom_ros.batch.evaluation import computed
 from drake_geom_ros.batch.parts import Parts
 from drake_geom_ros.batch.questions import Columns, Job
@@ -29,8 +30,6 @@ from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, Scen
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
-# What a file holds has one row, or one run of rows, a state.
-_WANTS = tuple(want for want in WANTS if want != 'contacts')
 
 
 def add_to(commands: Any) -> None:
@@ -47,7 +46,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--names', nargs='+', metavar='NAME', help='joints or frames that the columns are of'
     )
-    parser.add_argument('--what', choices=_WANTS, default='least', help='(default: least)')
+    parser.add_argument('--what', choices=WANTS, default='least', help='(default: least)')
     parser.add_argument('--points', metavar='FILE', help='points for --what points, as for query')
     parser.add_argument(
         '--count', type=int, default=1, metavar='K', help='pairs for --what nearest (default: 1)'
@@ -96,8 +95,10 @@ def run(options: argparse.Namespace) -> int:
     scene_graph = SceneGraph()
     loaded = load_and_tell(options.scene, scene_graph, options.srdf, options.package_root)
     check_outputs(outputs, files_of(scene_graph, loaded.robots.values()))
-    if options.picture and options.what == 'collision':
-        raise SceneFileError('--picture shows distances, of which collision has none', '--what')
+    if options.picture and options.what in ('collision', 'contacts'):
+        raise SceneFileError(
+            f'--picture shows distances, of which --what {options.what} has none', '--what'
+        )
     states = read_states(options.states, options.names)
     points = points_of_file(options.points) if options.points else None
     question = Question(
@@ -171,6 +172,8 @@ def _columns(parts: Parts, states: States, without_states: bool) -> Iterator[Col
     name = 'poses' if states.are_poses else 'states'
     for block in parts.blocks:
         columns = parts.get(block)
+        if 'point_counts' in columns:
+            columns = rows_of_pairs(columns)
         yield columns if without_states else {**columns, name: states.rows[slice(*block)]}
 
 

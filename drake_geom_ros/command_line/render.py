@@ -18,7 +18,7 @@ from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.query import limit
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import FrameId, FramePoseVector, Role
+from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, Role
 from drake_geom_ros.scene_files import (
     CameraDescription,
     SceneFileError,
@@ -28,6 +28,7 @@ from drake_geom_ros.scene_files import (
 )
 from drake_geom_ros.scene_files.cameras import RENDERERS
 from drake_geom_ros.sensors import CameraInfo
+from drake_geom_ros.viewing.contacts import contacts_of
 from drake_geom_ros.viewing.notebook import Shown
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.snapshot import Camera, looking, picture
@@ -91,6 +92,12 @@ def add_to(commands: Any) -> None:
         help='a picture CAMERA_view.png, too, whose bodies cover only this share of what is '
         'behind them (default: 0.4)',
     )
+    parser.add_argument(
+        '--contacts',
+        action='store_true',
+        help='a picture CAMERA_view.png, too, with the contact surfaces of geometries that have '
+        'hydroelastic properties, coloured by pressure',
+    )
     parser.add_argument('--output', required=True, metavar='DIR', help='folder to write to')
     parser.set_defaults(run=run)
 
@@ -123,7 +130,7 @@ def run(options: argparse.Namespace) -> int:
         for frame, camera in cameras:
             path = folder / f'{camera.name}{suffix}'
             _write(scene, frame, camera, path, inputs)
-            if options.nearest is not None or options.see_through is not None:
+            if options.nearest is not None or options.see_through is not None or options.contacts:
                 _write_view(scene, frame, camera, path, inputs, options)
             done += 1
             _show_progress(done, total)
@@ -183,10 +190,15 @@ def _write_view(
     pairs = None
     if options.nearest is not None:
         pairs = Pairs.of(query.ComputeSignedDistancePairwiseClosestPoints(options.nearest))
+    patches = None
+    if options.contacts:
+        patches, said, missing = contacts_of(query, lambda id: scene.names[GeometryId(id)])
+        for remark in (*said, *missing):
+            print(f'{path.name}: {remark}')
     camera = Camera(query.X_WF(frame) @ description.X_FC, description.intrinsics)
     cover = 1.0 if options.see_through is None else options.see_through
     _, role = RENDERERS[description.shows]
-    shown = Shown(picture(query, camera, role, cover, pairs))
+    shown = Shown(picture(query, camera, role, cover, pairs, patches))
     file = path.with_name(f'{path.name}_view.png')
     check_outputs({'the image': file}, inputs)
     shown.save(file)

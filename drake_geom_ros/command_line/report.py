@@ -3,14 +3,13 @@
 import argparse
 import math
 import sys
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.command_line.recording_input import add_topics_to
 from drake_geom_ros.command_line.report_making import THRESHOLDS, UNREADABLE, make_report
 from drake_geom_ros.command_line.scene_input import read_and_tell
 from drake_geom_ros.geometry import GeometryError
-from drake_geom_ros.recordings import Topics
 from drake_geom_ros.recordings.comparing import WAYS
 from drake_geom_ros.recordings.files import runs_in
 from drake_geom_ros.recordings.report import PAGE
@@ -38,7 +37,11 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--scene', metavar='FILE', help='scene file; without: the robot_description in RUN'
     )
-    parser.add_argument('--out', required=True, metavar='FOLDER', help='made where it is missing')
+    parser.add_argument(
+        '--out',
+        metavar='FOLDER',
+        help="made where it is missing (default: RUN's name and _report, in the current folder)",
+    )
     parser.add_argument(
         '--between',
         action='append',
@@ -120,20 +123,10 @@ def _add_judgements(parser: argparse.ArgumentParser) -> None:
 
 def _add_options_of_a_node(parser: argparse.ArgumentParser) -> None:
     """Add what a node has as parameters and remapped topics."""
-    names = ', '.join(field.name for field in fields(Topics))
     parser.add_argument(
         '--stale-after', type=float, default=STALE_AFTER, metavar='S', help='[s] (default: 1)'
     )
-    parser.add_argument(
-        '--topic',
-        action='append',
-        default=[],
-        metavar='NAME=TOPIC',
-        help=f'another topic than the usual one, or none: NAME is one of {names}',
-    )
-    parser.add_argument(
-        '--world-frame', default='world', metavar='NAME', help='as TF calls it (default: world)'
-    )
+    add_topics_to(parser)
     parser.add_argument(
         '--package-root',
         action='append',
@@ -148,6 +141,7 @@ def run(options: argparse.Namespace) -> int:
 
     Of a folder of runs there is a folder with the report of each, and the gravest exit code.
     """
+    options.out = options.out or name_of(options.recording[0])
     runs = runs_in(Path(options.recording[0])) if len(options.recording) == 1 else []
     folder = Path(options.out).resolve()
     runs = [each for each in runs if not folder.is_relative_to(each.resolve())]
@@ -172,3 +166,9 @@ def run(options: argparse.Namespace) -> int:
             print(f'{place.name}: {error}{older}', file=sys.stderr)
             codes.append(UNREADABLE)
     return min(codes, key=_BY_GRAVITY.index)
+
+
+def name_of(recording: str) -> str:
+    """Return the folder of a report where none is named: in the current one."""
+    place = Path(recording).resolve()
+    return f'{place.name if place.is_dir() else place.stem}_report'

@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.batch import cluster_executor
+from drake_geom_ros.command_line.recording_input import topics_of
 from drake_geom_ros.command_line.report_telling import (
     progress,
     tell,
     tell_of_audit,
     tell_of_comparison,
 )
-from drake_geom_ros.recordings import Audit, Outcome, SetComparison, Topics, audit, compare_runs
+from drake_geom_ros.recordings import Audit, Outcome, SetComparison, audit, compare_runs
 from drake_geom_ros.recordings.comparison_report import write_comparison
 from drake_geom_ros.recordings.files import files_read, places_of
 from drake_geom_ros.recordings.kept_states import KeptClearances, KeptStates
@@ -83,7 +84,7 @@ def make_report(options: argparse.Namespace, scene: SceneDescription | None) -> 
 def _opened(options: argparse.Namespace, scene: SceneDescription | None) -> _Runs:
     def opened(paths: str | list[str]) -> Opened:
         return opened_recording(
-            *(paths, scene, Topics.of(options.topic), options.stale_after, 'exact'),
+            *(paths, scene, topics_of(options), options.stale_after, 'exact'),
             *(options.world_frame, options.package_root),
         )
 
@@ -167,7 +168,7 @@ def _found(
     if options.audit:
         audited = audit(
             *(options.recording, scene),
-            topics=Topics.of(options.topic),
+            topics=topics_of(options),
             stale_after=options.stale_after,
             world_frame=options.world_frame,
             package_roots=options.package_root,
@@ -182,7 +183,7 @@ def _write(options: argparse.Namespace, found: _Found, folder: Path) -> list[Pat
     thresholds = sorted(options.threshold or THRESHOLDS)
     written = []
     if found.compared is not None:
-        written += write_comparison(found.compared, folder, options.by)
+        written += write_comparison(found.compared, folder, options.compare)
     return written + write_report(
         *(found.run, folder, title, [str(place) for place in places], thresholds),
         audited=found.audited,

@@ -14,6 +14,7 @@ from drake_geom_ros.command_line.configurations import (
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.query import limit
+from drake_geom_ros.command_line.recording_input import add_topics_to, topics_of
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, FramePoseVector
 from drake_geom_ros.recordings.recorded_poses import recorded_poses
@@ -50,6 +51,7 @@ def add_to(commands: Any) -> None:
         metavar='HZ',
         help='moments a second of a recording (default: 20)',
     )
+    add_topics_to(parser)
     add_scene_options(parser)
     moving = parser.add_mutually_exclusive_group()
     moving.add_argument('--poses', metavar='FILE', help='poses of frames over time, CSV or JSON')
@@ -64,6 +66,11 @@ def add_to(commands: Any) -> None:
         help='pairs farther apart are left out [m], until the slider is moved (default: 0.1)',
     )
     parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument(
+        '--contacts',
+        action='store_true',
+        help='compute and show contact surfaces from the beginning, coloured by pressure',
+    )
     parser.add_argument('--host', default=LOCALHOST, help=f'default: {LOCALHOST}, this machine')
     parser.add_argument('--port', type=int, default=PORT, help=f'default: {PORT}')
     parser.set_defaults(run=run)
@@ -112,6 +119,7 @@ def open_page(options: argparse.Namespace) -> Page:
         timeline=timeline,
         max_distance=options.max_distance,
         accuracy=options.accuracy,
+        contacts=options.contacts,
         tell=lambda text: print(text, file=sys.stderr, flush=True),
     )
 
@@ -128,6 +136,8 @@ def _timeline_of_recording(
         raise ArgumentError(f'--rate {options.rate} must be > 0 [Hz]')
     recorded = recorded_poses(
         *(options.scene, posed.description, options.rate),
+        topics=topics_of(options),
+        world_frame=options.world_frame,
         package_roots=options.package_root,
         tell=lambda words: print(f'not known, or wrong: {words}', file=sys.stderr),
     )

@@ -9,7 +9,7 @@ In: recordings (MCAP, sqlite3), and a scene file or the robot's description in t
 Out: least distances over time, what was left out, stale or damaged; tables, plots, a report.
 May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
     ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``, ``replay``, ``viewing``;
-    numpy, yaml, rosbags, mcap, matplotlib, PIL.
+    numpy, yaml, rosbags, mcap, lz4, zstandard, matplotlib, PIL.
 """
 
 from drake_geom_ros.recordings.audit import Audit, Audited, audit

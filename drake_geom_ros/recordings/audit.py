@@ -13,6 +13,7 @@ from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
 from drake_geom_ros.recordings.opened import Opened, opened_recording
 from drake_geom_ros.recordings.playback import Refused
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.recorded_pairs import (
     Compared,
     Outcome,
@@ -22,7 +23,6 @@ from drake_geom_ros.recordings.recorded_pairs import (
     recorded_pairs,
 )
 from drake_geom_ros.recordings.recording import Recorded
-from drake_geom_ros.recordings.storages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.replay import Finding, Judge, RecordedEvent, events_of
 from drake_geom_ros.ros.scene.pose_ages import time_of
@@ -55,12 +55,13 @@ class Audit:
 
     entries: list[Audited] = field(default_factory=list)
     silent: tuple[str, ...] = ()  # topics of results without a message
+    begin: int = 0  # [ns] of the recording
     damage: tuple[Damage, ...] = ()  # what could not be read
     refused: tuple[Refused, ...] = ()  # messages of which no pose was taken
 
     def reservations(self) -> list[str]:
         """Return in words what was not audited; empty where all that was recorded is judged."""
-        told = [f'{each.file}: {each.reason}' for each in self.damage]
+        told = [each.in_words(self.begin) for each in self.damage]
         told += [each.in_words() for each in self.refused]
         told += [f'no message of {topic} was recorded' for topic in self.silent]
         if not self.entries:
@@ -110,6 +111,8 @@ def audit(
         *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
     )
     recorded = opened.recording.topics
+    inside = (topics or Topics()).prefix
+    recorded = [topic for topic in recorded if topic.name.startswith(inside)]
     said = [topic.name for topic in recorded if topic.type in _KINDS]
     if not said:
         raise RecordingError(
@@ -117,11 +120,12 @@ def audit(
             'proximity events was recorded'
         )
     tables = [topic.name for topic in recorded if topic.type == SCENE]
-    auditor = _Auditor(opened, [*said, *tables])
+    auditor = _Auditor(opened, [*said, *tables], one_scene=len(tables) == 1)
     found = auditor.run()
     # A node tells of events when there are any, and of results in each cycle.
     results = dict.fromkeys(topic.name for topic in recorded if topic.type in _RESULTS)
     found.silent = tuple(topic for topic in results if topic not in auditor.heard)
+    found.begin = opened.recording.begin
     found.damage = tuple(opened.recording.damage)
     found.refused = tuple(opened.playback.refused)
     return found
@@ -139,12 +143,14 @@ class _State(NamedTuple):
 class _Auditor:
     """Plays a recording; keeps the states of a while, and what waits to be judged."""
 
-    def __init__(self, opened: Opened, topics: Sequence[str]) -> None:
+    def __init__(self, opened: Opened, topics: Sequence[str], *, one_scene: bool) -> None:
         self._playback, self._roles = opened.playback, opened.roles
         self._messages = opened.recording.messages([*self._roles, *topics])
         self._states: deque[_State] = deque(maxlen=_MOST_KEPT)
         self._waiting: deque[Recorded] = deque()
-        self._names: dict[int, dict[int, str]] = {}  # by names_version
+        # By node, whose topics begin alike, and names_version; one scene is that of all.
+        self._one_scene = one_scene
+        self._names: dict[tuple[str, int], dict[int, str]] = {}
         self._sequences: dict[str, int] = {}  # the last event of each topic
         self._begin, self._first = opened.recording.begin, 0
         self.heard: set[str] = set()  # topics of messages that were judged
@@ -161,12 +167,16 @@ class _Auditor:
                 self._waiting.append(message)
             elif message.topic.type == SCENE:
                 if message.message is not None:
-                    self._names[int(message.message.names_version)] = names_in(message.message)
+                    known = self._node_of(message), int(message.message.names_version)
+                    self._names[known] = names_in(message.message)
             elif self._playback.take(message, self._roles[message.topic.name]):
                 self._keep(message.time, message.topic.name)
         while self._waiting:
             self._judge(self._waiting.popleft())
         return self.audit
+
+    def _node_of(self, said: Recorded) -> str:
+        return '' if self._one_scene else said.topic.name.rpartition('/')[0]
 
     def _keep(self, time: int, topic: str) -> None:
         with self._playback.live.reading() as scene:
@@ -193,7 +203,7 @@ class _Auditor:
 
     def _of_pairs(self, said: Recorded, states: Sequence[_State]) -> Compared:
         message, kind = said.message, said.topic.type
-        names = self._names.get(int(message.names_version))
+        names = self._names.get((self._node_of(said), int(message.names_version)))
         if names is None:
             why = f'no ~/scene of names_version {message.names_version} was recorded'
             return Compared(Outcome.NOT_REPRODUCIBLE, why)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF, store_of
-from drake_geom_ros.recordings.storages import Topic
+from drake_geom_ros.recordings.raw_messages import Topic
 
 Bytes = NDArray[np.uint8]
 Indices = NDArray[np.int64]

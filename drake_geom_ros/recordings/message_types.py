@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from drake_geom_ros.recordings.storages import Topic
+from drake_geom_ros.recordings.raw_messages import Topic
 
 TF = 'tf2_msgs/msg/TFMessage'
 JOINTS = 'sensor_msgs/msg/JointState'
@@ -16,6 +16,9 @@ DISTANCES = 'drake_geom_msgs/msg/SignedDistancePairs'
 OVERLAPS = 'drake_geom_msgs/msg/PenetrationPairs'
 EVENTS = 'drake_geom_msgs/msg/ProximityEvents'
 CLOCK = 'rosgraph_msgs/msg/Clock'
+CLOUD = 'sensor_msgs/msg/PointCloud2'
+IMAGE = 'sensor_msgs/msg/Image'
+OCTOMAP = 'octomap_msgs/msg/Octomap'
 
 _BETWEEN = f'{"=" * 80}\n'  # definitions in the text of one
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.playback import Playback
 from drake_geom_ros.recordings.recording import Recording
-from drake_geom_ros.recordings.topics import Topics, roles_of
+from drake_geom_ros.recordings.topics import Topics, roles_of, told_no_robot
 from drake_geom_ros.scene_files import SceneDescription, read_scene
 
 _ROBOT = 'robot_description'
@@ -37,6 +37,9 @@ def opened_recording(
     Arguments are those of ``clearance``. Raises RecordingError, SceneFileError.
     """
     recording, asked = Recording(path), topics or Topics()
+    if not recording.end:
+        names = ', '.join(map(str, recording.files))
+        raise RecordingError(f'{names}: no message was recorded')
     if isinstance(scene, (str, Path)):
         scene = read_scene(str(scene), package_roots=[str(root) for root in package_roots])
     alone = scene is None
@@ -50,14 +53,14 @@ def opened_recording(
         accuracy=accuracy,
     )
     if alone and _ROBOT not in roles.values():
-        raise RecordingError(
-            'no scene was given, and no robot_description was recorded: give a scene file, or '
-            f'say which topic it is by {_ROBOT}=TOPIC'
-        )
+        raise RecordingError(told_no_robot(recording.topics))
     for topic in silent:
         playback.note(f'{topic} has no message: the time of recording counts', recording.begin)
     _take_robots(recording, playback, roles)
     robots = playback.robots_topics()
+    there = {topic.name for topic in recording.topics}
+    for missing in sorted({*map(asked.full, robots)} - there):
+        playback.note(f'{missing}, which moves a robot, was not recorded', recording.begin)
     roles = roles_of(recording.topics, asked, robots, with_robots=alone)
     return Opened(recording, playback, {t: role for t, role in roles.items() if t not in silent})
 

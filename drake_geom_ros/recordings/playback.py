@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.recording import Recorded
 from drake_geom_ros.recordings.report_record import digest
-from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.inputs.joint_input import JointInput, NothingOfOursError
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs

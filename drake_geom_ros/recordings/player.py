@@ -15,10 +15,10 @@ from drake_geom_ros.recordings.layouts import Layouts
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.opened import Opened
 from drake_geom_ros.recordings.playback import Moment
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Topic
 from drake_geom_ros.recordings.recording import Recorded, recorded
 from drake_geom_ros.recordings.repeats import Batch, Stamp, Stretch
 from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
-from drake_geom_ros.recordings.storages import NANOSECONDS, Topic
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
 from drake_geom_ros.ros.scene import feeders

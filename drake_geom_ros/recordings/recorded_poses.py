@@ -14,8 +14,8 @@ from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.player import Player
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.states import Block, StateBlocks
-from drake_geom_ros.recordings.storages import NANOSECONDS
 from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.scene_files import SceneDescription, poses_in_parents
 
@@ -33,6 +33,7 @@ def recorded_poses(
     scene: str | Path | SceneDescription,
     rate: float,
     topics: Topics | None = None,
+    world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
     tell: Callable[[str], None] | None = None,
 ) -> list[TimedPoses]:
@@ -40,7 +41,7 @@ def recorded_poses(
 
     ``tell`` is called with what is not known, was refused, or could not be read.
     """
-    opened = opened_recording(path, scene, topics, 1.0, 'exact', 'world', package_roots)
+    opened = opened_recording(path, scene, topics, 1.0, 'exact', world_frame, package_roots)
     player = Player(opened, StateBlocks(opened.playback, ()), rate)
     found = []
     for block in player.blocks():
@@ -53,7 +54,7 @@ def recorded_poses(
             time = (stamp - player.begin) / NANOSECONDS
             found.append(TimedPoses(time, names, np.vstack((rows, rest))))
     if tell is not None:
-        told = [f'{each.file}: {each.reason}' for each in opened.recording.damage]
+        told = [each.in_words(player.begin) for each in opened.recording.damage]
         for words in [*told, *(each.words for each in opened.playback.troubles)]:
             tell(words)
     return found

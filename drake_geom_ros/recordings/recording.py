@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 from drake_geom_ros.recordings.files import missing_files, places_of
 from drake_geom_ros.recordings.message_types import message_of
-from drake_geom_ros.recordings.storages import Damage, Raw, Storage, Topic
+from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, Topic
+from drake_geom_ros.recordings.storages import Storage
 
 _MISSING = 'metadata.yaml names it, and it is not there'
 _MOST_MESSAGES, _MOST_BYTES = 4096, 1 << 23  # of a batch
@@ -36,7 +37,7 @@ class Recording:
     def __init__(self, paths: str | Path | Sequence[str | Path]) -> None:
         """``paths``: a file, a folder that rosbag2 wrote, or several of these."""
         self._storages = [Storage(place) for place in places_of(paths)]
-        self._missing = [Damage(str(path), _MISSING, 0) for path in missing_files(paths)]
+        self._missing = [Damage(str(path), Lost(_MISSING), 0) for path in missing_files(paths)]
         spans = [storage.span for storage in self._storages if storage.span is not None]
         self.begin = min((first for first, _ in spans), default=0)
         self.end = max((last for _, last in spans), default=0)

@@ -20,7 +20,7 @@ from drake_geom_ros.recordings.layouts import (
 )
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.playback import is_jump
-from drake_geom_ros.recordings.storages import NANOSECONDS, Raw, Topic
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Raw, Topic
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.inputs.tf_edges import are_transforms
 

@@ -6,44 +6,20 @@ A whole file is read in the order of its times. What is wrong with a damaged one
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Collection, Iterator
-from contextlib import closing
+from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, Topic
+from drake_geom_ros.recordings.salvage import hidden_fault_of, rest_of, words_of
 
 _LIBRARIES = (
     'recordings are read by rosbags and mcap: pip install rosbags mcap, or this package with its '
     "extra 'recordings'"
 )
-NANOSECONDS = 10**9  # in a second
-
-
-class Topic(NamedTuple):
-    """A topic as a recording knows it."""
-
-    name: str
-    type: str
-    encoding: str = ''  # of the definition: 'ros2msg', 'ros2idl', or empty where there is none
-    definition: str = ''
-
-
-class Raw(NamedTuple):
-    """A message as bytes."""
-
-    time: int  # [ns] when it was recorded
-    topic: Topic
-    data: bytes
-
-
-class Damage(NamedTuple):
-    """What could not be read of a file, and until when [ns] it told something; 0: never."""
-
-    file: str
-    reason: str
-    until: int
 
 
 class Storage:
@@ -55,7 +31,7 @@ class Storage:
         self.damage: list[Damage] = []
         self.topics: list[Topic] = []
         self.span: tuple[int, int] | None = None  # [ns] of the messages of all topics
-        self._is_whole = True
+        self._is_whole, self._reason = True, ''
         self._look()
         log = path.with_name(f'{path.name}-wal')
         if log.is_file() and log.stat().st_size:
@@ -77,10 +53,11 @@ class Storage:
             except GeneratorExit:
                 raise
             except Exception as error:  # of rosbags, sqlite or any codec: nobody lists them
-                self._damaged(_words(error), until)
+                self._reason = words_of(error)
             if self.path.is_dir():
+                self._damaged(self._reason, until)
                 return
-        for raw in self._rest(names, tells=True):
+        for raw in self._rest(names):
             # What was read before the damage is not read twice.
             if raw.time > until:
                 yield raw
@@ -97,9 +74,9 @@ class Storage:
                     self.span = reader.start_time, reader.end_time - 1
         except Exception as error:
             if self.path.is_dir():
-                raise RecordingError(f'{self.path}: {_words(error)}') from None
+                raise RecordingError(f'{self.path}: {words_of(error)}') from None
             self._is_whole = False
-            self._reason = _words(error)
+            self._reason = words_of(error)
             self._look_at_the_rest()
             if not self.topics:
                 raise RecordingError(
@@ -108,7 +85,7 @@ class Storage:
 
     def _look_at_the_rest(self) -> None:
         found: dict[Topic, None] = {}
-        for raw in self._rest((), tells=False):
+        for raw in rest_of(self.path, []):
             found[raw.topic] = None
             first, last = self.span or (raw.time, raw.time)
             self.span = min(first, raw.time), max(last, raw.time)
@@ -122,23 +99,36 @@ class Storage:
             topics = {(each.topic, each.id): _topic(each) for each in asked}
             if not asked:
                 return
+            left = sum(each.msgcount for each in asked)
             for connection, time, data in reader.messages(asked):
+                left -= 1
                 yield Raw(time, topics[connection.topic, connection.id], data)
+        if left > 0:
+            fault = f'{counted(left, "message")} that its index tells of cannot be found'
+            raise RecordingError(fault)
+        if self.path.suffix == '.db3' and self._hidden_fault:
+            raise RecordingError(self._hidden_fault)
 
-    def _rest(self, names: Collection[str], *, tells: bool) -> Iterator[Raw]:
-        """Yield what can be read of a damaged file, of all topics where none is named."""
-        read = _rest_of_mcap if self.path.suffix == '.mcap' else _rest_of_sqlite
-        until, reasons = 0, [] if self._is_whole else [self._reason]
-        for raw in read(self.path, reasons):
+    @cached_property
+    def _hidden_fault(self) -> str:
+        return hidden_fault_of(self.path)
+
+    def _rest(self, names: Collection[str]) -> Iterator[Raw]:
+        """Yield what can be read of a damaged file of some topics, and note what cannot."""
+        lost: list[Lost] = []
+        until = 0
+        for raw in rest_of(self.path, lost):
             until = max(until, raw.time)
-            if not names or raw.topic.name in names:
+            if raw.topic.name in names:
                 yield raw
-        if tells:
-            for reason in reasons:
-                self._damaged(reason, until)
+        for each in lost or [Lost(self._reason)]:
+            self._note(each, until)
 
     def _damaged(self, reason: str, until: int) -> None:
-        self.damage.append(Damage(str(self.path), reason, max(until, 0)))
+        self._note(Lost(reason), until)
+
+    def _note(self, lost: Lost, until: int) -> None:
+        self.damage.append(Damage(str(self.path), lost, max(until, 0)))
 
 
 def _topic(connection: Any) -> Topic:
@@ -148,88 +138,3 @@ def _topic(connection: Any) -> Topic:
     kind = {MessageDefinitionFormat.MSG: 'ros2msg', MessageDefinitionFormat.IDL: 'ros2idl'}
     encoding = kind.get(connection.msgdef.format, '')
     return Topic(connection.topic, connection.msgtype, encoding, connection.msgdef.data)
-
-
-def _rest_of_mcap(path: Path, reasons: list[str]) -> Iterator[Raw]:
-    """Yield the messages of the whole chunks, in the order of the file, sorted in each chunk."""
-    from mcap.records import Channel, Chunk, Message, Schema
-    from mcap.stream_reader import StreamReader, breakup_chunk
-
-    topics: dict[int, Topic] = {}
-    schemas: dict[int, Any] = {}
-
-    def messages(records: list[Any]) -> Iterator[Raw]:
-        found = []
-        for record in records:
-            if isinstance(record, Schema):
-                schemas[record.id] = record
-            elif isinstance(record, Channel):
-                schema = schemas[record.schema_id]
-                text = schema.data.decode()
-                topics[record.id] = Topic(record.topic, schema.name, schema.encoding, text)
-            elif isinstance(record, Message):
-                found.append(Raw(record.log_time, topics[record.channel_id], record.data))
-        yield from sorted(found, key=lambda raw: raw.time)
-
-    with path.open('rb') as file:
-        limit = path.stat().st_size
-        try:
-            reader = StreamReader(file, emit_chunks=True, record_size_limit=limit)
-            for record in reader.records:
-                if not isinstance(record, Chunk):
-                    yield from messages([record])
-                    continue
-                try:
-                    records = breakup_chunk(record, validate_crc=True)
-                except Exception as error:
-                    first, last = record.message_start_time, record.message_end_time
-                    reasons.append(
-                        f'a chunk is damaged and left out, from {first} to {last} ns: '
-                        f'{_words(error)}'
-                    )
-                    continue
-                yield from messages(records)
-        except GeneratorExit:
-            raise
-        except Exception as error:
-            reasons.append(f'it breaks off: {_words(error)}')
-
-
-def _rest_of_sqlite(path: Path, reasons: list[str]) -> Iterator[Raw]:
-    """Yield the messages in the order in which they were written, up to the damage."""
-    place = f'{path.absolute().as_uri()}?mode=ro&immutable=1'
-    try:
-        with closing(sqlite3.connect(place, uri=True)) as database:
-            # Else a file that is shorter than its header says is refused as a whole.
-            database.execute('PRAGMA writable_schema=ON')
-            topics = {
-                number: Topic(name, kind)
-                for number, name, kind in database.execute('SELECT id, name, type FROM topics')
-            }
-            defined = _definitions(database)
-            topics = {
-                number: topic._replace(
-                    **dict(zip(('encoding', 'definition'), defined[topic.type], strict=True))
-                )
-                if topic.type in defined
-                else topic
-                for number, topic in topics.items()
-            }
-            asked = 'SELECT topic_id, timestamp, data FROM messages ORDER BY id'
-            for number, time, data in database.execute(asked):
-                yield Raw(time, topics[number], data)
-    except sqlite3.Error as error:
-        reasons.append(f'it breaks off: {_words(error)}')
-
-
-def _definitions(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
-    """Return encoding and text of message types, which recordings have since ROS 2 Iron."""
-    asked = 'SELECT topic_type, encoding, encoded_message_definition FROM message_definitions'
-    try:
-        return {kind: (encoding, text) for kind, encoding, text in database.execute(asked)}
-    except sqlite3.Error:
-        return {}
-
-
-def _words(error: BaseException) -> str:
-    return ' '.join(str(error).split()) or type(error).__name__

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TEXT, TF
-from drake_geom_ros.recordings.storages import Topic
+from drake_geom_ros.recordings.message_types import (
+    CLOCK,
+    CLOUD,
+    IMAGE,
+    JOINTS,
+    OCTOMAP,
+    POSES,
+    TEXT,
+    TF,
+)
+from drake_geom_ros.recordings.raw_messages import Topic
 
 _MOST_SHOWN = 20
 
@@ -19,7 +28,9 @@ class Topics:
 
     The usual ones are ``/tf``, ``/joint_states`` and so on, of poses the only topic of
     ``drake_geom_msgs/msg/FramePoses``. Descriptions of robots are taken where there is no scene,
-    or where their topic is named.
+    or where their topic is named. In a ``namespace``, such as ``cell_1``, are all of these but
+    ``/clock``, and ``/tf`` and ``/tf_static`` where they were recorded there; so are names that do
+    not begin with a slash, also those that robots of the scene have, and what the node said.
     """
 
     tf: str | None = None
@@ -29,12 +40,13 @@ class Topics:
     robot_description: str | None = None
     robot_description_semantic: str | None = None
     clock: str | None = None
+    namespace: str = ''
 
     @classmethod
-    def of(cls, texts: Iterable[str]) -> Topics:
+    def of(cls, texts: Iterable[str], namespace: str = '') -> Topics:
         """Return what ``NAME=TOPIC`` says; raises RecordingError for another name."""
-        names = [field.name for field in fields(cls)]
-        given = {}
+        names = [*KINDS]
+        given = {'namespace': namespace}
         for text in texts:
             name, equals, topic = text.partition('=')
             if name not in names or not equals:
@@ -45,8 +57,18 @@ class Topics:
             given[name] = topic
         return replace(cls(), **given)
 
+    def full(self, name: str) -> str:
+        """Return the full name of a topic, as a node in the namespace resolves it."""
+        return name if name.startswith('/') else f'{self.prefix}{name}'
 
-_TYPES = {
+    @property
+    def prefix(self) -> str:
+        """What names in the namespace begin with."""
+        space = self.namespace.strip('/')
+        return f'/{space}/' if space else '/'
+
+
+KINDS = {  # of messages, by what they are used as
     'tf': TF,
     'tf_static': TF,
     'joint_states': JOINTS,
@@ -55,6 +77,9 @@ _TYPES = {
     'robot_description_semantic': TEXT,
     'clock': CLOCK,
 }
+
+# Of the inputs of a node that maps are made from.
+_ENDS = {CLOUD: '/obstacles/points', IMAGE: '/obstacles/depth/image_rect_raw', OCTOMAP: ''}
 
 
 def roles_of(
@@ -71,35 +96,39 @@ def roles_of(
     RecordingError for one that is named and was not recorded, that is of another type, or where
     several could be meant.
     """
+    _check_namespace(asked, recorded)
     found: dict[str, str] = {}
-    for role, kind in _TYPES.items():
+    for role, kind in KINDS.items():
         named = getattr(asked, role)
         if named is None and role.startswith('robot') and not with_robots:
             continue
-        if topic := _topic_of(role, kind, named, recorded):
+        if topic := _topic_of(role, kind, asked, recorded):
             found[topic] = role
     for name in robots_topics:
-        topic = name if name.startswith('/') else f'/{name}'
-        _check(topic, 'joint_states', JOINTS, recorded)
+        topic = asked.full(name)
+        _check(topic, 'the topic of joint values of a robot in the scene', JOINTS, recorded)
         if any(each.name == topic for each in recorded):
             found[topic] = f'joint_states:{name}'
     return found
 
 
-def _topic_of(role: str, kind: str, named: str | None, recorded: Sequence[Topic]) -> str:
-    """Return the topic of a role; empty for none."""
+def _check_namespace(asked: Topics, recorded: Sequence[Topic]) -> None:
+    """Raise RecordingError for a namespace in which nothing was recorded."""
     names = [topic.name for topic in recorded]
+    if names and not any(name.startswith(asked.prefix) for name in names):
+        raise RecordingError(
+            f'namespace {asked.namespace!r}: no topic in it was recorded; there are {_some(names)}'
+        )
+
+
+def _topic_of(role: str, kind: str, asked: Topics, recorded: Sequence[Topic]) -> str:
+    """Return the topic of a role; empty for none."""
+    names, named = [topic.name for topic in recorded], getattr(asked, role)
     if named == '':
         return ''
     if named is None and role == 'frame_poses':
-        of_type = sorted({topic.name for topic in recorded if topic.type == kind})
-        if len(of_type) > 1:
-            raise RecordingError(
-                f'poses were recorded on {" and ".join(of_type)}: say which by '
-                f'frame_poses={of_type[0]}, or frame_poses= for none'
-            )
-        return of_type[0] if of_type else ''
-    topic = f'/{role}' if named is None else named if named.startswith('/') else f'/{named}'
+        return _topic_of_poses(asked, recorded)
+    topic = _usual(role, asked, names) if named is None else asked.full(named)
     if topic not in names:
         if named is None:
             return ''
@@ -111,29 +140,86 @@ def _topic_of(role: str, kind: str, named: str | None, recorded: Sequence[Topic]
     return topic
 
 
+def _topic_of_poses(asked: Topics, recorded: Sequence[Topic]) -> str:
+    """Return the only topic of poses, whatever the node was called."""
+    of_type = sorted({topic.name for topic in recorded if topic.type == POSES})
+    of_type = [name for name in of_type if name.startswith(asked.prefix)]
+    if len(of_type) > 1:
+        raise RecordingError(
+            f'poses were recorded on {" and ".join(of_type)}: say which by '
+            f'--topic frame_poses={of_type[0]}, or --topic frame_poses= for none; a --namespace '
+            'leaves those in it'
+        )
+    return of_type[0] if of_type else ''
+
+
+def _usual(role: str, asked: Topics, names: Sequence[str]) -> str:
+    """Return the topic that a node of the namespace hears; TF is everybody's or its own."""
+    everybodys, own = f'/{role}', asked.full(role)
+    if role == 'clock' or (role.startswith('tf') and own not in names):
+        return everybodys
+    if role.startswith('tf') and own != everybodys and everybodys in names:
+        raise RecordingError(
+            f'both {everybodys} and {own} were recorded: say which by --topic {role}={own}'
+        )
+    return own
+
+
 def _check(topic: str, role: str, kind: str, recorded: Sequence[Topic]) -> None:
     """Raise RecordingError for a topic of another type."""
     types = [each.type for each in recorded if each.name == topic and each.type != kind]
     if types:
         others = sorted({each.name for each in recorded if each.type == kind})
         like = f'; of this type there are {_some(others)}' if others else ''
-        raise RecordingError(
-            f'{topic} is of the type {types[0]}, and {role} is {kind}: name another topic by '
-            f'{role}=TOPIC, or none by {role}={like}'
+        advice = (
+            f': name another topic by --topic {role}=TOPIC, or none by --topic {role}='
+            if role in KINDS
+            else ''
         )
+        raise RecordingError(
+            f'{topic} is of the type {types[0]}, and {role} is {kind}{advice}{like}'
+        )
+
+
+def maps_in(recorded: Sequence[Topic]) -> tuple[str, ...]:
+    """Return the topics that a node makes maps of, as it calls them; OctoMaps of any name."""
+    found = [topic.name for topic in recorded if topic.name.endswith(_ENDS.get(topic.type, ' '))]
+    return tuple(dict.fromkeys(found))
 
 
 def told_nothing(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
     """Return in words which topics were used, and which others could be."""
-    used = _some(sorted(roles)) if roles else 'none'
+    return f'topics used: {_some(sorted(roles)) if roles else "none"}{_others(recorded, roles)}'
+
+
+def told_no_robot(recorded: Sequence[Topic]) -> str:
+    """Return in words that there is no robot, and where one could be."""
+    texts = [topic.name for topic in recorded if topic.type == TEXT]
+    words = 'no scene was given, and no robot_description was recorded: give a scene file'
+    if not texts:
+        return f'{words}; no topic of the type {TEXT} was recorded'
+    named = [name for name in texts if name.endswith('/robot_description')]
+    first = (named or texts)[0]
+    space = first.removesuffix('/robot_description').strip('/')
+    by = f', or all of a namespace by --namespace {space}' if named and space else ''
+    return (
+        f'{words}, or say which topic it is by --topic robot_description={first}{by}; of its type '
+        f'there are {_some(texts)}'
+    )
+
+
+def _others(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
+    """Return in words which topics could be used that are not."""
     like = {
         topic.name: role
         for topic in recorded
-        for role, kind in _TYPES.items()
+        for role, kind in KINDS.items()
         if topic.type == kind and topic.name not in roles and kind != TEXT
     }
-    hints = [f'{role}={name}' for name, role in sorted(like.items())]
-    return f'topics used: {used}' + (f'; others could be: {_some(hints)}' if hints else '')
+    hints = [f'--topic {role}={name}' for name, role in sorted(like.items())]
+    spaces = sorted({name.split('/')[1] for name in like if name.count('/') > 1})
+    hints += [f'--namespace {space}' for space in spaces]
+    return f'; others could be: {_some(hints)}' if hints else ''
 
 
 def _some(names: Sequence[str]) -> str:

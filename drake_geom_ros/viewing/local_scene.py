@@ -24,6 +24,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry.queries.fixed_geometries import FixedGeometries
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import poses_in_parents
+from drake_geom_ros.viewing.contacts import ShownContacts, contacts_of
 from drake_geom_ros.viewing.looks import geometry_name, looks_of
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.scene import Cast, Moment
@@ -70,8 +71,9 @@ class LocalScene:
         """Return a number that grows with every change."""
         return self._changes
 
-    def moment(self, max_distance: float, accuracy: str) -> Moment:
-        """Return where everything is, and the pairs up to a distance [m]."""
+    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
+        """Return where everything is, the pairs up to a distance [m], and contact surfaces."""
+        shown = ShownContacts.none()
         with self._lock:
             R_WFs, p_WFs, there = self._context.X_WFs(self._frame_ids)
             results = self._query.ComputeSignedDistancePairwiseClosestPoints(
@@ -79,7 +81,13 @@ class LocalScene:
             )
             R_WGs, p_WGs, placed = self._fixed.X_WGs(self._context)
             cast = self._cast_of(placed)
-        return Moment(cast, R_WGs, p_WGs, Pairs.of(results), R_WFs[there], p_WFs[there])
+            if contacts:
+                shown = contacts_of(self._query, self._names.__getitem__)
+        return Moment(
+            *(cast, R_WGs, p_WGs, Pairs.of(results), R_WFs[there], p_WFs[there]),
+            remarks=[*shown.said, *shown.missing],
+            patches=shown.patches,
+        )
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
         """Return why a pair is not reported; raises RuntimeError for what has no such role."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
@@ -16,12 +17,15 @@ from drake_geom_ros.geometry import (
     FrameId,
     FramePoseVector,
     GeometryError,
+    GeometryId,
     QueryObject,
     Role,
     SceneGraph,
     SceneGraphContext,
 )
 from drake_geom_ros.sensors import CameraInfo
+from drake_geom_ros.viewing.contacts import contacts_of
+from drake_geom_ros.viewing.looks import geometry_name
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.snapshot import Camera, Pixels, camera_for, looking, picture
 
@@ -68,12 +72,14 @@ def show(
     size: tuple[int, int] = (640, 480),
     fov_y: float = 0.6,
     role: Role = Role.kProximity,
+    contacts: bool = False,
 ) -> Shown:
     """Return a picture of a scene as it stands, or in a state q (c,) of some joints.
 
     The pairs up to ``max_distance`` [m] are drawn by their nearest points, red where they overlap;
-    a negative one draws none. ``see_through`` is how much of a body covers what is behind it. The
-    camera is at ``from_W`` and looks at ``at_W`` (3,) [m], or has all of the scene in sight.
+    a negative one draws none. ``contacts`` draws the contact surfaces, coloured by pressure; what
+    they do not show is a warning. ``see_through`` is how much of a body covers what is behind it.
+    The camera is at ``from_W`` and looks at ``at_W`` (3,) [m], or has all of the scene in sight.
     Raises PoseError for frames without a pose, ArgumentError for what cannot be shown.
     """
     if (joints is None) != (q is None) or (from_W is None) != (at_W is None):
@@ -88,7 +94,15 @@ def show(
     pairs = None
     if max_distance >= 0.0:
         pairs = Pairs.of(query.ComputeSignedDistancePairwiseClosestPoints(max_distance))
-    return Shown(picture(query, camera, role, see_through, pairs))
+    patches = None
+    if contacts:
+        inspector = query.inspector()
+        patches, _, missing = contacts_of(
+            query, lambda id: geometry_name(inspector, GeometryId(id))
+        )
+        for remark in missing:
+            warnings.warn(f'show: {remark}', stacklevel=2)
+    return Shown(picture(query, camera, role, see_through, pairs, patches))
 
 
 def _in_state(scene: Any, joints: _Joints, q: Any) -> QueryObject:

@@ -54,7 +54,24 @@ class Patches:
 
     def colours(self) -> Floats:
         """Return the colour (v, 3) of each corner, from 0 to 1; the largest pressure is yellow."""
-        shares = self.pressures / (self.max_pressure or 1.0)
-        at = np.linspace(0.0, 1.0, len(_COLOURS))
-        channels = zip(*_COLOURS, strict=True)
-        return np.column_stack([np.interp(shares, at, channel) for channel in channels])
+        return colours_of(self.shares(), 1.0)
+
+    def shares(self) -> Floats:
+        """Return what share (v,) of the largest pressure there is at each corner."""
+        return self.pressures / (self.max_pressure or 1.0)
+
+
+def colours_of(pressures: Floats, most: float) -> Floats:
+    """Return the colours (..., 3), from 0 to 1, of pressures (...,) [Pa] from 0 to ``most``."""
+    at = np.linspace(0.0, 1.0, len(_COLOURS))
+    shares = pressures / (most or 1.0)
+    channels = zip(*_COLOURS, strict=True)
+    return np.stack([np.interp(shares, at, channel) for channel in channels], axis=-1)
+
+
+def in_pascals(pressure: float) -> str:
+    """Return a pressure [Pa] in words: ``88.3 kPa``."""
+    for unit, words in ((1e9, 'GPa'), (1e6, 'MPa'), (1e3, 'kPa')):
+        if pressure >= unit:
+            return f'{pressure / unit:.3g} {words}'
+    return f'{pressure:.3g} Pa'

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.viewing.looks import Look
 from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.patches import Patches
 from drake_geom_ros.viewing.rules import ShownRule
 from drake_geom_ros.viewing.short_names import short_names
 
@@ -60,13 +61,15 @@ class Moment:
     # What is to be said of the moment, such as how old it is.
     remarks: Sequence[str] = field(default=())
     rules: Sequence[ShownRule] = field(default=())
+    # Contact surfaces, where they were asked for; the remarks say what they do not show.
+    patches: Patches = field(default_factory=Patches.none)
 
 
 class ShownScene(Protocol):
     """A scene that a page shows. Its methods are called from any thread."""
 
-    def moment(self, max_distance: float, accuracy: str) -> Moment:
-        """Return where everything is, and the pairs up to a distance [m]."""
+    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
+        """Return where everything is, the pairs up to a distance [m], and contact surfaces."""
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
         """Return why a pair of geometries, by id values, is not reported; empty where it is.

@@ -36,13 +36,14 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
 from drake_geom_ros.sensors import CameraInfo
-from drake_geom_ros.viewing.looks import PAIR_COLOURS, colour_of, is_solid
+from drake_geom_ros.viewing.looks import colour_of, is_solid
+from drake_geom_ros.viewing.overlays import with_pairs, with_patches
 from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.patches import Patches
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
-MOST_PAIRS = 200  # lines of a picture: the nearest
 _STEEP = 0.999  # cosine to the vertical beyond which +y, not +z, is up
 _FITTINGS, _FILLED = 4, 0.92  # how often a camera is moved, to fill so much of the image
 _NEAR, _FAR = 0.01, 1000.0  # [m] what a camera sees
@@ -50,8 +51,6 @@ _SAMPLES = 2  # along each side of a pixel
 _FROM = (1.0, -1.4, 0.9)  # from where a scene is looked at that nobody placed a camera for
 _OPAQUE = 0.99
 _BAND = 32  # rows that are laid over one another at once: a scene has many layers
-_TOLD = 5  # pairs whose distance is written beside, the nearest that have room for it
-_TEXT = (60, 14)  # [pixels] of such a text
 _ROLES: dict[Role, tuple[Any, Any]] = {
     Role.kProximity: (ProximityProperties, GeometryInstance.set_proximity_properties),
     Role.kIllustration: (IllustrationProperties, GeometryInstance.set_illustration_properties),
@@ -68,12 +67,17 @@ class Camera:
 
     def pixels(self, p_WPs: Floats) -> Floats:
         """Return where points (n, 3) [m] are in the image (n, 2); NaN for those behind."""
-        p_CPs = (p_WPs - self.X_WC.translation()) @ self.X_WC.rotation().matrix()
+        p_CPs = self.in_camera(p_WPs)
         z = np.where(p_CPs[:, 2] > _NEAR, p_CPs[:, 2], np.nan)
         info = self.info
         focal = np.array([info.focal_x(), info.focal_y()])
         centre = np.array([info.center_x(), info.center_y()])
         found: Floats = p_CPs[:, :2] / z[:, None] * focal + centre
+        return found
+
+    def in_camera(self, p_WPs: Floats) -> Floats:
+        """Return points (n, 3) [m] in the camera's frame, z ahead."""
+        found: Floats = (p_WPs - self.X_WC.translation()) @ self.X_WC.rotation().matrix()
         return found
 
     def core(self) -> RenderCameraCore:
@@ -132,12 +136,14 @@ def picture(
     role: Role = Role.kProximity,
     see_through: float = 1.0,
     pairs: Pairs | None = None,
+    patches: Patches | None = None,
 ) -> Pixels:
     """Return the pixels (height, width, 3) of a scene as it stands.
 
     ``see_through`` is how much of a body covers what is behind it, 1: all of it; half spaces do.
     ``pairs`` are drawn as lines between their nearest points, over all else, red where bodies
-    overlap, with their distances. Raises GeometryError for another cover than in (0, 1].
+    overlap, with their distances, and ``patches``, contact surfaces, by their pressures, with a
+    scale. Raises GeometryError for another cover than in (0, 1].
     """
     if not 0.0 < see_through <= 1.0:
         raise GeometryError(f'see_through = {see_through} must be in (0, 1]')
@@ -145,8 +151,12 @@ def picture(
     layers = [_drawn(query, camera, role, ids, cover) for ids, cover in groups]
     bands = range(0, len(layers[0].colours), _BAND)
     found = np.concatenate([_laid_over(layers, slice(k, k + _BAND)) for k in bands])
+    if patches is not None and len(patches):
+        p_WVs = patches.vertices
+        found = with_patches(found, camera.pixels(p_WVs), camera.in_camera(p_WVs)[:, 2], patches)
     if pairs is not None and len(pairs):
-        found = _with_pairs(found, camera, pairs)
+        ends = camera.pixels(pairs.segments().reshape(-1, 3)).reshape(-1, 2, 2)
+        found = with_pairs(found, ends, pairs)
     return found
 
 
@@ -227,41 +237,3 @@ def _laid_over(layers: list[_Layer], rows: slice) -> Pixels:
         found = share * colour + (1.0 - share) * found
     pixels: Pixels = np.rint(found).astype(np.uint8)
     return pixels
-
-
-def _with_pairs(pixels: Pixels, camera: Camera, pairs: Pairs) -> Pixels:
-    """Return an image with lines between nearest points, and the distances of the first ones."""
-    try:
-        from PIL import Image, ImageDraw
-    except ImportError as error:
-        raise GeometryError(f'pictures need pillow ({error}): pip install pillow') from None
-    image = Image.fromarray(pixels)
-    pen = ImageDraw.Draw(image)
-    order = np.argsort(-pairs.distance, kind='stable')[-MOST_PAIRS:]  # the nearest on top
-    segments = pairs.segments()[order]
-    ends = camera.pixels(segments.reshape(-1, 3)).reshape(-1, 2, 2)
-    for row, line in zip(order.tolist(), ends, strict=True):
-        if not np.isfinite(line).all():
-            continue
-        overlaps = pairs.distance[row] < 0.0
-        colour = _bytes('contacts' if overlaps else 'distances')
-        a, b = (tuple(end) for end in line.tolist())
-        pen.line([a, b], fill=(0, 0, 0), width=5)
-        pen.line([a, b], fill=colour, width=3)
-        for x, y in (a, b):
-            pen.ellipse((x - 3, y - 3, x + 3, y + 3), fill=colour, outline=(0, 0, 0))
-    written: list[Floats] = []
-    for row, line in zip(order[::-1].tolist(), ends[::-1], strict=True):
-        place = line.mean(axis=0)
-        near = any((np.abs(place - other) < _TEXT).all() for other in written)
-        if len(written) < _TOLD and not near and np.isfinite(place).all():
-            written.append(place)
-            x, y = place.tolist()
-            text = f'{1e3 * pairs.distance[row]:.1f} mm'
-            pen.text((x + 6, y - 12), text, fill=(0, 0, 0), stroke_width=2, stroke_fill='white')
-    return np.asarray(image)
-
-
-def _bytes(name: str) -> tuple[int, int, int]:
-    red, green, blue, _ = PAIR_COLOURS[name]
-    return round(255 * red), round(255 * green), round(255 * blue)

@@ -5,6 +5,7 @@ import csv
 import numpy as np
 import pytest
 from conventions.source_tree import ROOT
+from viewing.scenes import PRESSING
 
 from drake_geom_ros.command_line.pictures import millimetres
 from drake_geom_ros.command_line.program import main
@@ -99,6 +100,22 @@ def test_a_camera_looks_where_it_is_told():
 def test_millimetres_leave_out_what_has_no_depth():
     depths = np.array([0.0, 0.0004, 1.2345, 65.534, 65.6, np.inf], np.float32)
     assert millimetres(depths).tolist() == [0, 0, 1234, 65534, 0, 0]
+
+
+def test_contact_surfaces_are_drawn_where_they_are_asked_for(tmp_path, capsys):
+    scene = tmp_path / 'pressing.yaml'
+    scene.write_text(PRESSING)
+    looks = ('--from', '0.3', '-0.5', '0.4', '--at', '0', '0', '0', '--size', '80', '60')
+    assert 'camera_view.png' not in render(tmp_path / 'bare', str(scene), *looks)
+    assert 'contact surface' not in capsys.readouterr().out
+    assert 'camera_view.png' in render(tmp_path / 'out', str(scene), *looks, '--contacts')
+    told = capsys.readouterr().out
+    assert 'camera: 1 contact surface, from no pressure (dark blue) to ' in told
+    assert 'camera: NOT SHOWN: 1 pair that overlaps without a contact surface' in told
+    other = ('--see-through', '1.0')
+    render(tmp_path / 'other', str(scene), *looks, *other)
+    shown, plain = (pixels(tmp_path / each / 'camera_view.png') for each in ('out', 'other'))
+    assert (shown != plain).any(axis=2).sum() > 20
 
 
 @pytest.mark.parametrize(

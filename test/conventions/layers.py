@@ -184,14 +184,14 @@ LAYERS = {
     ),
     'viewing/page': (
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
-        ('numpy', 'viser', 'imageio', 'websockets'),
+        ('numpy', 'viser', 'imageio', 'websockets', 'trimesh', 'PIL'),
     ),
     'recordings': (
         (
             *_HELD,
             *('ros/inputs', 'batch', 'replay', 'viewing', 'recordings'),
         ),
-        ('numpy', 'yaml', 'rosbags', 'mcap', 'matplotlib', 'PIL'),
+        ('numpy', 'yaml', 'rosbags', 'mcap', 'lz4', 'zstandard', 'matplotlib', 'PIL'),
     ),
     'command_line': (
         (

@@ -71,7 +71,7 @@ LIBRARIES = {
 OPTIONAL = {
     *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'pinocchio', 'mpmath', 'distributed', 'pyarrow'),
     *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules', 'xacro', 'rosbags', 'mcap'),
-    'meshio',
+    *('meshio', 'lz4', 'zstandard'),
 }
 
 

@@ -8,7 +8,7 @@ from recordings import recorder
 
 from drake_geom_ros.recordings.layouts import Layout, Layouts, rows_of
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF, message_of
-from drake_geom_ros.recordings.storages import Topic
+from drake_geom_ros.recordings.raw_messages import Topic
 
 
 def written(message):

@@ -132,15 +132,23 @@ class JointInput:
         age = self._clocks.ages()
         robots = self._driven(scene)
         for robot in robots:
+            if base_of(scene, robot) is None:
+                told.append(
+                    f'the base of {robot.name!r} never had a pose, so its links wait: pose its '
+                    'root link by the scene file, ~/frame_poses or TF, or let that be the world '
+                    'frame (world_frame of a node, --world-frame of a report)'
+                )
             if silent := robot.without_value():
                 told.append(
                     f'{counted(len(silent), "joint")} of {robot.name!r} never had a value, and '
-                    f'the links that depend on them wait: {some_of(silent)}'
+                    f'the links that depend on them wait: {some_of(silent)}; publish them on '
+                    f'{robot.topic or "joint_states"}'
                 )
             if unheard := robot.unheard():
                 told.append(
                     f'nothing was heard of {counted(len(unheard), "joint")} of {robot.name!r}; '
-                    f'there the scene file counts: {some_of(unheard)}'
+                    f'there the scene file counts: {some_of(unheard)}; publish them on '
+                    f'{robot.topic or "joint_states"}'
                 )
             stale = [
                 name

@@ -65,7 +65,8 @@ def unlinked(
     return [
         f'{counted(len(names), "frame")} from TF cannot be posed: {some_of(names, SHOWN)}; the '
         f'chain ends in {end[:80]!r}. Publish the transform from the world frame {good[0]!r} '
-        f'to {end[:80]!r}, or start the node with world_frame:={end[:80]}'
+        f'to {end[:80]!r}, or let {end[:80]!r} be the world frame: world_frame:={end[:80]} of a '
+        f'node, --world-frame {end[:80]} of a report'
         for end, names in list(lost.items())[:SHOWN]
     ]
 

@@ -24,6 +24,8 @@ from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.conversions.proximity_rules import rules_from_message
 from drake_geom_ros.ros.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.ros.conversions.shapes import shape_from_message
+from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
+from drake_geom_ros.viewing.contacts import ShownContacts
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
@@ -48,6 +50,7 @@ class NodeScene:
         self._server = server
         self._lock = threading.RLock()
         self._services = Services(node, server)
+        self._contacts = NodeContacts(self._services, server, self._changed)
         self._changes = 0
         self._troubles: list[str] = []
         self._known = -1  # the version of the scene's names
@@ -77,11 +80,12 @@ class NodeScene:
         """Return what changes with each message, and each second while none comes."""
         return self._changes, int(time.monotonic() - self._heard)
 
-    def moment(self, max_distance: float, accuracy: str) -> Moment:
+    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
         """Return where everything is, and the pairs up to a distance [m].
 
         They are those of the topic as far as these go; farther ones, and those of another
-        accuracy than ``exact``, are asked for now and shown when they come.
+        accuracy than ``exact``, are asked for now and shown when they come. So are contact
+        surfaces.
         """
         with self._lock:
             results = self._results
@@ -94,7 +98,13 @@ class NodeScene:
             none = np.zeros((0, 3, 3)), np.zeros((0, 3))
             remarks = self._remarks() + self._left_out(results)
             rules = self._shown_rules(pairs)
-            return Moment(self._cast, R_WGs, p_WGs, pairs, *none, remarks, rules)
+            shown = ShownContacts.none()
+            if contacts:
+                shown = self._contacts.shown(self._known, self._names)
+                remarks += [*shown.said, *shown.missing]
+            return Moment(
+                *(self._cast, R_WGs, p_WGs, pairs, *none, remarks, rules), patches=shown.patches
+            )
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
         """Return why a pair is not reported; raises GeometryError where the node does not say."""
@@ -177,6 +187,10 @@ class NodeScene:
     def _take_results(self, message: msg.SignedDistancePairs) -> None:
         with self._lock:
             self._results = message
+            self._changes += 1
+
+    def _changed(self) -> None:
+        with self._lock:
             self._changes += 1
 
     def _take_rules(self, message: msg.ProximityStates) -> None:

@@ -3,5 +3,5 @@
 In: a scene to show, and clicks.
 Out: a page in the browser.
 May import: ``math``, ``common``, ``geometry``, ``trajectories``, ``viewing``; numpy, viser,
-    imageio, websockets.
+    imageio, websockets, trimesh, PIL.
 """

@@ -32,6 +32,8 @@ class AnswerPanel:
         select: Callable[[tuple[int, int]], None],
         max_distance: float,
         accuracy: str,
+        *,
+        contacts: bool = False,
     ) -> None:
         """``touch()`` is called when another picture is due, ``select(pair)`` with id values."""
         self._select = select
@@ -44,6 +46,7 @@ class AnswerPanel:
             self._frames = gui.add_checkbox('frames', False)
             self._normals = gui.add_checkbox('normals', True)
             self._bounds = gui.add_checkbox('error bounds', False)
+            self.contacts = gui.add_checkbox('contact surfaces', contacts)
         with gui.add_folder('Answer'):
             farthest = max(_FARTHEST, max_distance)
             self.max_distance = gui.add_slider(
@@ -60,7 +63,7 @@ class AnswerPanel:
             button.on_click(partial(self._clicked, row))
         for handle in (
             *(*self._layers.values(), self._names, self._frames, self._normals, self._bounds),
-            *(self.max_distance, self.level),
+            *(self.contacts, self.max_distance, self.level),
         ):
             handle.on_update(lambda _: touch())
 

@@ -45,9 +45,13 @@ class Page:
         timeline: Timeline | None = None,
         max_distance: float = 0.1,
         accuracy: str = 'exact',
+        contacts: bool = False,
         tell: Callable[[str], None] = lambda text: None,
     ) -> None:
-        """``joints`` and ``timeline`` move a scene of this process; ``tell`` takes progress."""
+        """``joints`` and ``timeline`` move a scene of this process; ``tell`` takes progress.
+
+        ``contacts`` is whether contact surfaces are computed and shown from the beginning.
+        """
         server = served.server
         self._server, self._scene, self._tell = server, scene, tell
         self.url = served.url  # to open; with its token, where one is needed
@@ -71,7 +75,9 @@ class Page:
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(cast_shadow=False)
         self._status = server.gui.add_html('')
-        self.answer = AnswerPanel(server.gui, self.touch, self.select, max_distance, accuracy)
+        self.answer = AnswerPanel(
+            *(server.gui, self.touch, self.select, max_distance, accuracy), contacts=contacts
+        )
         self.rules = RulesPanel(server.gui)
         self.filters = FilterPanel(server.gui, scene, local)
         self.motion = None
@@ -153,7 +159,11 @@ class Page:
     def draw(self) -> None:
         """Draw the scene as it is now."""
         before = None if self.moment is None else self.moment.cast
-        moment = self._scene.moment(self.answer.max_distance.value, self.answer.accuracy)
+        moment = self._scene.moment(
+            self.answer.max_distance.value,
+            self.answer.accuracy,
+            contacts=self.answer.contacts.value,
+        )
         with self._server.atomic():
             self.picture.show(moment, self.answer.wishes(), self.selected)
         if moment.cast is not before:

@@ -5,6 +5,7 @@ What is foreign, such as a name, is only ever the text of a label: nodes are cal
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -17,6 +18,7 @@ from drake_geom_ros.math.batched import quaternions_from_rotations
 from drake_geom_ros.viewing.batches import Batch, batches_of
 from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS
 from drake_geom_ros.viewing.pairs import Pairs, in_words
+from drake_geom_ros.viewing.patches import Patches, colours_of
 from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
 from drake_geom_ros.viewing.scene import Cast, Moment
 
@@ -29,6 +31,7 @@ _THIN, _THICK = 2.0, 6.0  # [pixels]
 _MANY = 100  # copies of a surface: of more, those far away are drawn by fewer triangles
 _SMALL = 0.8  # of viser's own size of labels
 _POINT_SIZE = 0.012  # [m]
+_SHADES = 256  # of the colours of pressures
 _AXIS_LENGTH, _AXIS_RADIUS = 0.08, 0.002  # [m]
 
 
@@ -93,6 +96,7 @@ class Picture:
             precision='float32',
             visible=False,
         )
+        self._surfaces = _Surfaces(scene)
         self._depths = [_Label(scene, f'/pairs/depths/{k}') for k in range(_DEPTHS)]
         self._told = _Label(scene, '/pairs/told')
         self._axes: Any = None
@@ -110,6 +114,7 @@ class Picture:
         for level, lines in self._of_rules.items():
             rows = np.array(rows_of_level(moment.rules, moment.pairs, level), dtype=np.int64)
             lines.show(moment.pairs.rows(rows).segments())
+        self._surfaces.show(moment.patches)
         self._show_selected(moment.pairs, wishes, selected)
         self._show_names(moment, wishes)
         self._show_frames(moment, wishes)
@@ -244,6 +249,52 @@ class _Lines:
     def show(self, segments: Floats) -> None:
         """Draw segments (n, 2, 3) [m] instead of those before."""
         _set_points(self._handle, segments)
+
+
+class _Surfaces:
+    """Contact surfaces, coloured by pressure."""
+
+    def __init__(self, scene: Any) -> None:
+        self._scene = scene
+        self._handle: Any = None
+
+    def show(self, patches: Patches) -> None:
+        """Draw patches instead of those before."""
+        if self._handle is not None:
+            self._handle.remove()
+            self._handle = None
+        if len(patches):
+            self._handle = self._scene.add_glb(
+                '/contact_surfaces', _coloured(patches), cast_shadow=False, receive_shadow=False
+            )
+
+
+def _coloured(patches: Patches) -> bytes:
+    """Return patches as glTF, their colours a texture by pressure: exact within triangles, too."""
+    from PIL import Image
+
+    trimesh: Any = importlib.import_module('trimesh')  # half of it has no types
+
+    shades = np.rint(255.0 * colours_of(np.linspace(0.0, 1.0, _SHADES), 1.0)).astype(np.uint8)
+    # From the middle of the first texel to that of the last one.
+    along = (0.5 + (_SHADES - 1) * patches.shares()) / _SHADES
+    visual = trimesh.visual.TextureVisuals(
+        uv=np.column_stack((along, np.full(len(along), 0.5))),
+        material=trimesh.visual.material.PBRMaterial(
+            baseColorTexture=Image.fromarray(shades[None]), doubleSided=True
+        ),
+    )
+    mesh = trimesh.Trimesh(patches.vertices, patches.triangles, visual=visual, process=False)
+    found: bytes = mesh.export(file_type='glb', tree_postprocessor=_make_unlit)
+    return found
+
+
+def _make_unlit(tree: Any) -> None:
+    """Let the materials of a glTF tree need no light."""
+    name = 'KHR_materials_unlit'
+    tree['extensionsUsed'] = [name]
+    for material in tree['materials']:
+        material['extensions'] = {name: {}}
 
 
 def _set_points(handle: Any, points: Floats) -> None:

@@ -61,7 +61,7 @@ def test_a_robot_stands_as_its_file_says_and_its_age_is_unknown(folder, clock):
         (told,) = joints.troubles(scene, 1.0)
         assert told == (
             "nothing was heard of 3 joints of 'arm'; there the scene file counts: "
-            'shoulder, wrist, finger'
+            'shoulder, wrist, finger; publish them on joint_states'
         )
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from drake_geom_msgs.msg import FramePoses, GeometryPoses
 from ros.harness import SENSOR, start_node
+from viewing.scenes import PRESSING, local_scene
 
 from drake_geom_ros.geometry import GeometryError, Role
 from drake_geom_ros.proximity_rules import Level
@@ -165,5 +166,29 @@ def test_what_the_pairs_leave_out_is_said(lone_client, shown, tmp_path):
     try:
         told = 'NOT COMPLETE: 3 pairs left out, as frames never had a pose: s::b'
         lone_client.wait_for(lambda: told in shown.moment(1.0, 'exact').remarks, told)
+    finally:
+        node.end()
+
+
+def test_contact_surfaces_are_asked_for_while_they_are_wished_for(tmp_path, lone_client, shown):
+    missing = shown.moment(0.1, 'exact', contacts=True)
+    assert 'no contact surfaces: nobody serves /scene_graph/compute_contact_surfaces' in (
+        missing.remarks
+    )
+    path = tmp_path / 'pressing.yaml'
+    path.write_text(PRESSING)
+    node = start_node(tmp_path / 'log', scene_file=path)
+    try:
+
+        def found():
+            moment = shown.moment(0.1, 'exact', contacts=True)
+            return moment if len(moment.patches) else None
+
+        moment = lone_client.wait_for(found, 'contact surfaces')
+        expected = local_scene(PRESSING).moment(0.1, 'exact', contacts=True)
+        np.testing.assert_array_equal(moment.patches.pressures, expected.patches.pressures)
+        np.testing.assert_array_equal(moment.patches.triangles, expected.patches.triangles)
+        assert set(expected.remarks) <= set(moment.remarks)
+        assert len(shown.moment(0.1, 'exact').patches) == 0
     finally:
         node.end()

@@ -1,13 +1,15 @@
 """The page without a browser: what viser is told to show, and what its controls do."""
 
+import io
 import re
 import threading
 from urllib.parse import unquote
 
 import numpy as np
 import pytest
+import trimesh
 from viewing.page.pages import TEXT, page_of, value, wait_for
-from viewing.scenes import local_scene
+from viewing.scenes import PRESSING, local_scene
 from viewing.test_batches import looks_of_shapes
 
 from drake_geom_ros.geometry import Box, FramePoseVector, GeometryError
@@ -148,10 +150,42 @@ def test_a_motion_is_played_and_its_least_distance_found():
         page.motion.play.value = False
 
 
+def surfaces(scene):
+    """Return the surfaces that a local scene has now, as they are drawn."""
+    return scene.moment(0.0, 'exact', contacts=True).patches
+
+
+def test_contact_surfaces_are_shown_while_they_are_wished_for():
+    with page_of(PRESSING) as (page, scene):
+        shown = page.picture._surfaces
+        assert shown._handle is None
+        assert 'contact surface' not in page._status.content
+        page.answer.contacts.value = True
+        wait_for(lambda: shown._handle is not None, 'a surface')
+        sent = trimesh_of(shown._handle)
+        patches = surfaces(scene)
+        assert sent.triangles.shape == (len(patches), 3, 3)
+        corners = patches.vertices[patches.triangles]
+        np.testing.assert_allclose(sent.triangles, corners, rtol=0, atol=1e-6)
+        said = '1 contact surface, from no pressure (dark blue) to'
+        wait_for(lambda: said in page._status.content, 'what is said of it')
+        assert 'NOT SHOWN: 1 pair that overlaps without a contact surface' in page._status.content
+        # Without a surface the one before is not left there.
+        scene.place(('scene', 'ball'), RigidTransform([0, 0, 1.0]))
+        wait_for(lambda: shown._handle is None, 'nothing')
+        wait_for(lambda: '0 contact surfaces' in page._status.content, 'that there is none')
+
+
+def trimesh_of(handle):
+    """Return what a node of viser is told to draw."""
+    loaded = trimesh.load(io.BytesIO(handle.glb_data), file_type='glb')
+    return loaded.to_geometry()
+
+
 def test_an_unforeseen_error_is_told_and_the_page_goes_on(opened, monkeypatch):
     page, scene = opened
     moment = scene.moment
-    monkeypatch.setattr(scene, 'moment', lambda *_: 1 / 0)
+    monkeypatch.setattr(scene, 'moment', lambda *_, **__: 1 / 0)
     page.touch()
     wait_for(lambda: 'ZeroDivisionError' in page._status.content, 'the error')
     monkeypatch.setattr(scene, 'moment', moment)
@@ -199,7 +233,7 @@ class Crowd:
     def version(self):
         return self.changes
 
-    def moment(self, max_distance, accuracy):
+    def moment(self, max_distance, accuracy, *, contacts=False):
         Rs, none = np.tile(np.eye(3), (len(self.p_WGs), 1, 1)), np.zeros((0, 3))
         return Moment(self.cast, Rs, self.p_WGs, Pairs.none(), np.zeros((0, 3, 3)), none)
 

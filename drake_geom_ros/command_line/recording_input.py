@@ -1,0 +1,35 @@
+"""Options that say how the topics of a recording are called."""
+
+import argparse
+
+from drake_geom_ros.recordings import Topics
+from drake_geom_ros.recordings.topics import KINDS
+
+
+def add_topics_to(parser: argparse.ArgumentParser) -> None:
+    """Add what a node has as namespace, remapped topics and world frame."""
+    parser.add_argument(
+        '--topic',
+        action='append',
+        default=[],
+        metavar='NAME=TOPIC',
+        help='another topic of a recording than the usual one, or none: NAME is one of '
+        f'{", ".join(KINDS)}',
+    )
+    parser.add_argument(
+        '--namespace',
+        default='',
+        metavar='NAME',
+        help='where a recording has joint_states, robot_description and so on',
+    )
+    parser.add_argument(
+        '--world-frame',
+        default='world',
+        metavar='NAME',
+        help='as TF calls it in a recording (default: world)',
+    )
+
+
+def topics_of(options: argparse.Namespace) -> Topics:
+    """Return which topics are asked for; raises RecordingError for a name that is none."""
+    return Topics.of(options.topic, options.namespace)

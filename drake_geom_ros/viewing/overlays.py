@@ -1,0 +1,136 @@
+"""What is drawn over a picture of a scene: pairs as lines, contact surfaces by their pressures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.viewing.looks import PAIR_COLOURS
+from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.patches import Patches, colours_of, in_pascals
+
+Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+
+MOST_PAIRS = 200  # lines of a picture: the nearest
+_TOLD = 5  # pairs whose distance is written beside, the nearest that have room for it
+_TEXT = (60, 14)  # [pixels] of such a text
+_SAMPLES = 2  # of a patch along each side of a pixel
+_SCALE = (120, 10, 8)  # [pixels] length, height, and distance to the lower left corner
+
+
+def with_pairs(pixels: Pixels, ends: Floats, pairs: Pairs) -> Pixels:
+    """Return an image with lines between nearest points, and the distances of the first ones.
+
+    ``ends`` (k, 2, 2) [pixels] are where the pairs' witnesses are in it, NaN for those behind.
+    """
+    image, pen = _drawable(pixels)
+    order = np.argsort(-pairs.distance, kind='stable')[-MOST_PAIRS:]  # the nearest on top
+    ends = ends[order]
+    for row, line in zip(order.tolist(), ends, strict=True):
+        if not np.isfinite(line).all():
+            continue
+        overlaps = pairs.distance[row] < 0.0
+        colour = _bytes('contacts' if overlaps else 'distances')
+        a, b = (tuple(end) for end in line.tolist())
+        pen.line([a, b], fill=(0, 0, 0), width=5)
+        pen.line([a, b], fill=colour, width=3)
+        for x, y in (a, b):
+            pen.ellipse((x - 3, y - 3, x + 3, y + 3), fill=colour, outline=(0, 0, 0))
+    written: list[Floats] = []
+    for row, line in zip(order[::-1].tolist(), ends[::-1], strict=True):
+        place = line.mean(axis=0)
+        near = any((np.abs(place - other) < _TEXT).all() for other in written)
+        if len(written) < _TOLD and not near and np.isfinite(place).all():
+            written.append(place)
+            x, y = place.tolist()
+            _write(pen, (x + 6, y - 12), f'{1e3 * pairs.distance[row]:.1f} mm')
+    return np.asarray(image)
+
+
+def with_patches(pixels: Pixels, at: Floats, z: Floats, patches: Patches) -> Pixels:
+    """Return an image with contact surfaces by their pressures, and a scale of these.
+
+    ``at`` (v, 2) [pixels] is where their corners are in it, NaN for those behind, and ``z`` (v,)
+    [m] how far ahead of the camera.
+    """
+    height, width = pixels.shape[:2]
+    size = _SAMPLES * height, _SAMPLES * width
+    pressures = _seen(size, _SAMPLES * at, z, patches)
+    there = np.isfinite(pressures)
+    colours = 255.0 * colours_of(np.where(there, pressures, 0.0), patches.max_pressure)
+    blocks = (height, _SAMPLES, width, _SAMPLES)
+    share = there.reshape(blocks).mean(axis=(1, 3))[..., None]
+    painted = (colours * there[..., None]).reshape(*blocks, 3).mean(axis=(1, 3))
+    found: Pixels = np.rint(painted + (1.0 - share) * pixels).astype(np.uint8)
+    return _with_scale(found, patches.max_pressure)
+
+
+def _seen(size: tuple[int, int], at: Floats, z: Floats, patches: Patches) -> Floats:
+    """Return the pressure at each pixel of an image (h, w), of the nearest patch; NaN: none."""
+    pressures, nearest = np.full(size, np.nan), np.full(size, np.inf)
+    limits = np.array([size[1], size[0]])
+    # What is linear in space is, over z, linear in the image.
+    z = np.where(z > 0.0, z, np.nan)
+    values = np.column_stack((1.0 / z, patches.pressures / z))
+    for triangle in patches.triangles:
+        corners = at[triangle]
+        if not np.isfinite(corners).all():
+            continue
+        low = np.maximum(np.floor(corners.min(axis=0)), 0).astype(int)
+        high = np.minimum(np.ceil(corners.max(axis=0)), limits).astype(int)
+        edges = corners[1:] - corners[0]
+        twice = edges[0, 0] * edges[1, 1] - edges[0, 1] * edges[1, 0]
+        if (high <= low).any() or twice == 0.0:
+            continue
+        x = np.arange(low[0], high[0])[None, :] + 0.5 - corners[0, 0]
+        y = np.arange(low[1], high[1])[:, None] + 0.5 - corners[0, 1]
+        b = (x * edges[1, 1] - y * edges[1, 0]) / twice
+        c = (y * edges[0, 0] - x * edges[0, 1]) / twice
+        first, second, third = values[triangle]
+        mixed = first + b[..., None] * (second - first) + c[..., None] * (third - first)
+        inside = (b >= 0.0) & (c >= 0.0) & (b + c <= 1.0)
+        place = slice(low[1], high[1]), slice(low[0], high[0])
+        with np.errstate(divide='ignore', invalid='ignore'):
+            distance, pressure = 1.0 / mixed[..., 0], mixed[..., 1] / mixed[..., 0]
+        nearer = inside & (distance < nearest[place])
+        nearest[place][nearer], pressures[place][nearer] = distance[nearer], pressure[nearer]
+    return pressures
+
+
+def _with_scale(pixels: Pixels, most: float) -> Pixels:
+    """Return an image with the colours from no pressure to the largest in its corner."""
+    length, height, margin = _SCALE
+    length = min(length, pixels.shape[1] - 2 * margin)
+    top = pixels.shape[0] - margin - height
+    if length <= 0 or top < _TEXT[1]:
+        return pixels  # an image of a few pixels has no room
+    found = pixels.copy()
+    shades = 255.0 * colours_of(np.linspace(0.0, most, length), most)
+    found[top : top + height, margin : margin + length] = np.rint(shades).astype(np.uint8)
+    image, pen = _drawable(found)
+    pen.rectangle((margin - 1, top - 1, margin + length, top + height), outline=(0, 0, 0))
+    _write(pen, (margin, top - _TEXT[1]), f'0 to {in_pascals(most)}')
+    return np.asarray(image)
+
+
+def _drawable(pixels: Pixels) -> tuple[Any, Any]:
+    """Return an image of pixels, and what draws into it."""
+    try:
+        from PIL import Image, ImageDraw
+    except ImportError as error:
+        raise GeometryError(f'pictures need pillow ({error}): pip install pillow') from None
+    image = Image.fromarray(pixels)
+    return image, ImageDraw.Draw(image)
+
+
+def _write(pen: Any, place: tuple[float, float], text: str) -> None:
+    pen.text(place, text, fill=(0, 0, 0), stroke_width=2, stroke_fill='white')
+
+
+def _bytes(name: str) -> tuple[int, int, int]:
+    red, green, blue, _ = PAIR_COLOURS[name]
+    return round(255 * red), round(255 * green), round(255 * blue)
