@@ -54,7 +54,7 @@ class Came(NamedTuple):
 
     time: float  # [s] of the steady clock
     topic: int
-    number: int  # of the message with the pose that it shows
+    stamp: int  # [ns] of the message with the pose that it shows
 
 
 class Turn(NamedTuple):
@@ -113,8 +113,9 @@ class Measurement:
         # One that is sent again, for who comes late, is no other image.
         came: dict[tuple[int, int], float] = {}
         for image in close():
-            if image.number > first:
-                came.setdefault((image.topic, image.number), image.time)
+            number = route.numbers.get(image.stamp, -1)
+            if number > first:
+                came.setdefault((image.topic, number), image.time)
         # The steady clock is that of time.perf_counter on Linux.
         ages = [when - route.sent[number] for (_, number), when in came.items()]
         all_delays, all_lost = route.result()

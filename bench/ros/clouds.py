@@ -33,7 +33,7 @@ from std_msgs.msg import Header
 
 from bench.ros.meanwhile import beside, delays
 from bench.ros.processes import Processes, memory
-from bench.ros.routes import LAST_ANSWERS, TimedRoute
+from bench.ros.routes import LAST_ANSWERS, Route
 from bench.ros.scenes import two_arms
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
@@ -86,7 +86,7 @@ class Maps:
     def __init__(self) -> None:
         self.delays: dict[float, float] = {}
 
-    def route(self, node: Node, server: str) -> TimedRoute:
+    def route(self, node: Node, server: str) -> Route:
         """Return a route whose answers are looked at."""
         return _MapRoute(self.delays, node, server)
 
@@ -103,7 +103,7 @@ class Maps:
         tell(TAKEN, found, int((end - begin) * RATE))
 
 
-class _MapRoute(TimedRoute):
+class _MapRoute(Route):
     """A route that looks at how old the map was in each answer: its pose is the oldest there."""
 
     def __init__(self, delays: dict[float, float], node: Node, server: str) -> None:

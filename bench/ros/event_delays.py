@@ -41,7 +41,7 @@ class EventRoute(Route):
 
     def _hear(self, message: msg.ProximityEvents) -> None:
         self.events += len(message.sequence)
-        number = message.header.stamp.sec
+        number = self.number_of(message.header.stamp)
         if number in self.sent and number not in self.delays:
             self.delays[number] = time.perf_counter() - self.sent[number]
 

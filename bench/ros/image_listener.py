@@ -1,8 +1,8 @@
 """A subscriber of images that only notes which came when; on SIGTERM it prints one line of JSON.
 
 That is a list of time, topic and stamp of each image: the time is that of the steady clock [s],
-which processes of a machine share, the topic its number among the arguments, and of the stamp it
-is the whole seconds.
+which processes of a machine share, the topic its number among the arguments, and the stamp is in
+nanoseconds.
 
     python -m bench.ros.image_listener TOPIC ...
 """
@@ -36,8 +36,8 @@ class ImageListener(Node):
 
     def _take(self, topic: int, image: bytes) -> None:
         # An Image begins with its stamp; four bytes before it tell how numbers are written.
-        (seconds,) = np.frombuffer(image, '<i4', 1, 4)
-        self.came.append((time.monotonic(), topic, int(seconds)))
+        seconds, nanoseconds = np.frombuffer(image, '<i4', 2, 4).tolist()
+        self.came.append((time.monotonic(), topic, 10**9 * seconds + nanoseconds))
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from bench.ros.routes import TimedRoute, stream
+from bench.ros.routes import Route, stream
 from bench.ros.scenes import Played
 
 RATE = 100.0  # [Hz] of poses
@@ -43,7 +43,7 @@ def delays(
     played: Played,
     ways: dict[str, Callable[[], AbstractContextManager[object]]],
     seconds: float,
-    route_to: Callable[[Node, str], TimedRoute] = TimedRoute,
+    route_to: Callable[[Node, str], Route] = Route,
 ) -> None:
     """Print how late results are in turns of so many seconds: alone, and within each way."""
     rclpy.init()

@@ -20,13 +20,18 @@ WARM_UP = 50  # messages
 
 
 class Route:
-    """A server of results: a publisher to it, and when each answer came."""
+    """A server of results: a publisher to it, and when each answer came.
+
+    Messages bear the time at which they are sent: what others send beside them has stamps of now,
+    too, and a result bears the newest one.
+    """
 
     def __init__(self, node: Node, server: str) -> None:
         self.server = server
         self.publisher = node.create_publisher(FramePoses, f'/{server}/frame_poses', POSES)
         self.listen(node)
         self.latest = SignedDistancePairs()
+        self.numbers: dict[int, int] = {}  # by the stamp [ns]
         self.sent: dict[int, float] = {}  # by number
         self.delays: dict[int, float] = {}
 
@@ -45,18 +50,15 @@ class Route:
     def look_at(self, message: SignedDistancePairs) -> None:
         """Look at an answer that came, whichever it is of."""
 
-    def stamp_of(self, number: int) -> Time:
-        """Return the stamp of a message, which is sent now."""
-        return Time(sec=number)
-
     def number_of(self, stamp: Time) -> int:
-        """Return the number of the message that bore a stamp; of none: one that nobody sent."""
-        return int(stamp.sec)
+        """Return the number of the message that was sent at a time; -1: none was."""
+        return self.numbers.get(10**9 * stamp.sec + stamp.nanosec, -1)
 
     def send(self, message: FramePoses, number: int) -> None:
         """Send a message; its answer is known by its stamp."""
-        message.header.stamp = self.stamp_of(number)
-        self.sent[number] = time.perf_counter()
+        now = time.time_ns()
+        message.header.stamp = Time(sec=now // 10**9, nanosec=now % 10**9)
+        self.numbers[now], self.sent[number] = number, time.perf_counter()
         self.publisher.publish(message)
 
     def result(self) -> tuple[list[float], int]:
@@ -64,27 +66,6 @@ class Route:
         counted = [n for n in self.sent if n > WARM_UP]
         delays = [self.delays[n] for n in counted if n in self.delays]
         return delays, len(counted) - len(delays)
-
-
-class TimedRoute(Route):
-    """A route whose messages bear the time at which they are sent.
-
-    What others send beside them has stamps of now, too, and a result bears the newest one.
-    """
-
-    def __init__(self, node: Node, server: str) -> None:
-        super().__init__(node, server)
-        self._numbers: dict[int, int] = {}  # by the stamp [ns]
-
-    def stamp_of(self, number: int) -> Time:
-        """Return the time of day."""
-        now = time.time_ns()
-        self._numbers[now] = number
-        return Time(sec=now // 10**9, nanosec=now % 10**9)
-
-    def number_of(self, stamp: Time) -> int:
-        """Return the number of the message that was sent then; -1: none was."""
-        return self._numbers.get(10**9 * stamp.sec + stamp.nanosec, -1)
 
 
 class Reports:
