@@ -55,6 +55,7 @@ class Facts:
     silence: Span  # the longest time without a state, be it a gap or not
     damage: tuple[Damage, ...]
     refused: tuple[Refused, ...]  # messages that say nothing of use, by topic
+    maps: tuple[str, ...]  # topics of what sensors see, which is in no distance
     troubles: tuple[Trouble, ...]
     stale_after: float  # [s]
     max_distance: float  # [m]
@@ -113,6 +114,11 @@ class Told(Facts):
                 f'{f", also {ends} of the recording" if ends else ""}'
             )
         told += [each.in_words() for each in self.refused]
+        if self.maps:
+            told.append(
+                f'what sensors see, on {" and ".join(self.maps)}, is in no distance: pairs with '
+                'these maps are not computed'
+            )
         for name, each in self._sums.items():
             told += [f'{name}: {words}' for words in each.reservations()]
         return told
