@@ -1,7 +1,7 @@
 """Two arms against a map: our distances within 0.3 m beside octrees of python-fcl and of Coal.
 
-Coal is told the cutoff, by the least distance that a result begins with. What python-fcl is told
-of that it does not hand on.
+Coal is told the cutoff, by the least distance that a result begins with. python-fcl's ``distance``
+makes such a result of its own at each call (its ``fcl.pyx``), so it cannot be told one.
 """
 
 from __future__ import annotations
