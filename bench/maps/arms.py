@@ -1,4 +1,8 @@
-"""Two arms against a map: our distances within 0.3 m beside octrees of python-fcl and of Coal."""
+"""Two arms against a map: our distances within 0.3 m beside octrees of python-fcl and of Coal.
+
+Coal is told the cutoff, by the least distance that a result begins with. What python-fcl is told
+of that it does not hand on.
+"""
 
 from __future__ import annotations
 
@@ -52,9 +56,13 @@ class CoalSide:
         self._still = coal.Transform3s.Identity()
 
     def distance(self, k: int, R: Floats, p: Floats) -> float:
-        """Return the distance of link k from the map [m], negative where they overlap."""
+        """Return the distance of link k from the map [m], negative where they overlap.
+
+        It is the cutoff where no cell is nearer.
+        """
         coal = self._coal
         result = coal.DistanceResult()
+        result.min_distance = WITHIN
         X = coal.Transform3s(R, p)
         request = coal.DistanceRequest()
         return float(coal.distance(self._links[k], X, self._tree, self._still, request, result))
@@ -102,9 +110,9 @@ def run(states: int, resolution: float) -> None:
                 asked, seconds = _each(side.distance, chosen, R_WGs, p_WGs)
                 theirs[side.name][turn].append(seconds)
                 for k, distance in asked.items():
-                    mine = distances.get(values[k], np.inf)
-                    if min(mine, distance) > 0.0 and min(mine, distance) <= WITHIN:
-                        off[side.name] = max(off[side.name], abs(mine - distance))
+                    mine = min(distances.get(values[k], np.inf), WITHIN)
+                    if min(mine, distance) > 0.0:
+                        off[side.name] = max(off[side.name], abs(mine - min(distance, WITHIN)))
     _tell(np.array(ours), theirs, off, overlaps)
 
 

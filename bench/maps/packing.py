@@ -5,9 +5,12 @@ from __future__ import annotations
 import time
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import OccupiedCells
 from drake_geom_ros.geometry.shapes.primitives import for_queries
+
+Floats = NDArray[np.float64]
 
 _TURNS = 5
 

@@ -28,6 +28,7 @@ from drake_geom_ros.sensed_maps import Cells
 
 Floats = NDArray[np.float64]
 
+STEP = 0.01  # [m]
 _BALLS = 24
 
 
@@ -91,13 +92,18 @@ class Arms:
         return cls(graph, context, joints, links, seen)
 
     def states(self, count: int, rng: np.random.Generator) -> Floats:
-        """Return poses (count, n, 7) of the links along motions in which they touch no cell."""
+        """Return poses (count, n, 7) of the links along motions in which they touch no cell.
+
+        From one state to the next no link's origin moves more than STEP, but between two motions.
+        """
         low, high = self.joints.lower, self.joints.upper
         found: list[Floats] = []
         while sum(map(len, found)) < count:
             ends = rng.uniform(0.75 * low + 0.25 * high, 0.25 * low + 0.75 * high, (2, len(low)))
-            between = np.linspace(0.0, 1.0, 40)[:, None]
-            path = self.joints.poses(ends[0] + between * (ends[1] - ends[0]))
+            way = 1e-3 * (ends[1] - ends[0])
+            first, next_one = self.joints.poses(np.stack([ends[0], ends[0] + way]))
+            moved = np.linalg.norm(next_one[:, :3] - first[:, :3], axis=1).max()
+            path = self.joints.poses(ends[0] + np.arange(40)[:, None] * (STEP / moved) * way)
             free = [poses for poses in path if not self._touches(poses)]
             found.append(np.array(free).reshape(-1, *path.shape[1:]))
         return np.concatenate(found)[:count]

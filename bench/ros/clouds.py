@@ -33,7 +33,7 @@ from std_msgs.msg import Header
 
 from bench.ros.meanwhile import beside, delays
 from bench.ros.processes import Processes, memory
-from bench.ros.routes import TimedRoute
+from bench.ros.routes import LAST_ANSWERS, TimedRoute
 from bench.ros.scenes import two_arms
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
@@ -93,12 +93,14 @@ class Maps:
     @contextmanager
     def sent(self, count: int) -> Iterator[None]:
         """Let clouds be sent to the node, and print what became of them."""
-        self.delays.clear()
-        begin = time.time()
         with beside(send, TAKEN, count):
+            self.delays.clear()
+            begin = time.time()
             yield
-            end = time.time()
-        tell(TAKEN, list(self.delays.values()), int((end - begin) * RATE))
+            end = time.time() - LAST_ANSWERS  # no pose comes then
+        # Those that could be answered, for poses came; until the first one the last map stays.
+        found = [delay for stamp, delay in self.delays.items() if begin <= stamp <= end]
+        tell(TAKEN, found, int((end - begin) * RATE))
 
 
 class _MapRoute(TimedRoute):

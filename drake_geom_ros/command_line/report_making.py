@@ -183,7 +183,7 @@ def _write(options: argparse.Namespace, found: _Found, folder: Path) -> list[Pat
     thresholds = sorted(options.threshold or THRESHOLDS)
     written = []
     if found.compared is not None:
-        written += write_comparison(found.compared, folder, options.by)
+        written += write_comparison(found.compared, folder, options.compare)
     return written + write_report(
         *(found.run, folder, title, [str(place) for place in places], thresholds),
         audited=found.audited,

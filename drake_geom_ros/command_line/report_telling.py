@@ -1,5 +1,6 @@
 """What ``report`` says on standard output, and how far it is on standard error."""
 
+import math
 import sys
 import time
 from collections.abc import Sequence
@@ -41,9 +42,14 @@ def tell_of_comparison(compared: Sequence[SetComparison], other: str, by: str) -
             'are not known of both'
         )
         for pair in each.pairs[:_MOST_PAIRS]:
-            print(f'  {pair.name_A} and {pair.name_B}: {pair.run:.6g} m, there {pair.other:.6g} m')
+            here, there = (_or_never(least) for least in (pair.run, pair.other))
+            print(f'  {pair.name_A} and {pair.name_B}: {here}, there {there}')
     for told in compared[0].not_known_of_other:
         print(f'not known of {other}: {told}')
+
+
+def _or_never(least: float) -> str:
+    return 'never the nearest' if math.isinf(least) else f'{least:.6g} m'
 
 
 def tell_of_audit(audited: Audit) -> None:

@@ -39,6 +39,7 @@ class SetComparison:
     other: Floats  # (m,) [m]
     is_whole: Flags  # (m,) both have states there, and all of these tell of all pairs
     pairs: tuple[PairDifference, ...]  # by how much nearer they came in the run
+    by: str  # 'time' or 'phase'
     not_known_of_run: tuple[str, ...] = ()  # ``Clearances.reservations()``
     not_known_of_other: tuple[str, ...] = ()
 
@@ -111,6 +112,7 @@ def compare_runs(run: Told, other: Told, by: str = 'time') -> list[SetComparison
             other=of_other[name].least,
             is_whole=of_run[name].is_whole & of_other[name].is_whole,
             pairs=_by_pair(of_run[name].of_pairs, of_other[name].of_pairs),
+            by=by,
             not_known_of_run=not_known[0],
             not_known_of_other=not_known[1],
         )

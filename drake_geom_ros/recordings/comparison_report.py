@@ -18,8 +18,8 @@ _COLUMNS = 'set', 'from', 'to', 'distance_m', 'other_m', 'difference_m', 'all_kn
 _DOTS = 110  # an inch
 
 
-def write_comparison(found: Sequence[SetComparison], folder: Path, by: str) -> list[Path]:
-    """Write the files of a comparison; return them."""
+def write_comparison(found: Sequence[SetComparison], folder: Path, other: str) -> list[Path]:
+    """Write the files of a comparison with ``other``; return them."""
     with whole_file(folder / TABLE, newline='') as file:
         rows = csv.writer(file, lineterminator='\n')
         rows.writerow(_COLUMNS)
@@ -28,11 +28,11 @@ def write_comparison(found: Sequence[SetComparison], folder: Path, by: str) -> l
             for numbers, whole in zip(zip(*columns, strict=True), each.is_whole, strict=True):
                 rows.writerow((each.name, *(repr(float(n)) for n in numbers), int(whole)))
     with whole_file(folder / PICTURE, 'wb') as picture:
-        picture.write(_draw(found, by))
+        picture.write(_draw(found, other))
     return [folder / TABLE, folder / PICTURE]
 
 
-def _draw(found: Sequence[SetComparison], by: str) -> bytes:
+def _draw(found: Sequence[SetComparison], other: str) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -41,8 +41,9 @@ def _draw(found: Sequence[SetComparison], by: str) -> bytes:
     axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]
     for place, each in zip(axes, found, strict=True):
         starts, width = each.ends[:-1], each.ends[1] - each.ends[0]
-        for begin in starts[~each.is_whole]:
-            place.axvspan(begin, begin + width, color='0.9', lw=0, zorder=0.5)
+        for k, begin in enumerate(starts[~each.is_whole]):
+            label = None if k else 'not, or not all, known of both'
+            place.axvspan(begin, begin + width, color='0.85', lw=0.5, zorder=0.5, label=label)
         place.plot(starts, each.other, color='tab:grey', lw=1.2, label='the other run')
         place.plot(starts, each.run, color='tab:blue', lw=1.2, label='this run')
         nearer = np.nan_to_num(each.difference, nan=0.0) < 0.0
@@ -57,7 +58,9 @@ def _draw(found: Sequence[SetComparison], by: str) -> bytes:
         place.set_title(plain(each.name), loc='left', fontsize='medium')
         place.set_ylabel('least distance [m]')
         place.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0))
-    axes[-1].set_xlabel('time since the recording began [s]' if by == 'time' else 'phase')
+    is_time = found[0].by == 'time'
+    axes[-1].set_xlabel('time since the recording began [s]' if is_time else 'phase of the motion')
+    figure.suptitle(plain(f'This run beside {other}'))
     picture = BytesIO()
     figure.savefig(picture, format='png')
     return picture.getvalue()

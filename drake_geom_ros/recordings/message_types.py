@@ -16,6 +16,9 @@ DISTANCES = 'drake_geom_msgs/msg/SignedDistancePairs'
 OVERLAPS = 'drake_geom_msgs/msg/PenetrationPairs'
 EVENTS = 'drake_geom_msgs/msg/ProximityEvents'
 CLOCK = 'rosgraph_msgs/msg/Clock'
+CLOUD = 'sensor_msgs/msg/PointCloud2'
+IMAGE = 'sensor_msgs/msg/Image'
+OCTOMAP = 'octomap_msgs/msg/Octomap'
 
 _BETWEEN = f'{"=" * 80}\n'  # definitions in the text of one
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from drake_geom_ros.recordings.audit import Audit
 from drake_geom_ros.recordings.close_moments import CloseMoment
-from drake_geom_ros.recordings.comparing import SetComparison
+from drake_geom_ros.recordings.comparing import PairDifference, SetComparison
 from drake_geom_ros.recordings.highlights import AGES, Ages, Highlights
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.results import Told
@@ -20,6 +20,7 @@ from drake_geom_ros.recordings.set_clearance import Moment
 
 Pictures = Mapping[tuple[str, int], bytes]  # PNGs by the set and the number of a moment
 MOMENTS = 10  # in the table of each set of pairs
+PAIRS = 20  # of two runs
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 76em; padding: 0 1em; }
 table { border-collapse: collapse; margin: 0.6em 0 1.4em; }
@@ -41,8 +42,9 @@ def page(
     audited: Audit | None = None,
     pictures: Pictures | None = None,
     compared: Sequence[SetComparison] | None = None,
+    beside: bytes = b'',
 ) -> str:
-    """Return the report as HTML, the plot (a PNG) in it."""
+    """Return the report as HTML; in it are two PNGs, ``beside`` that of two runs."""
     begin = datetime.fromtimestamp(found.begin / NANOSECONDS, timezone.utc)
     parts = [
         f'<h1>{escape(title)}</h1>',
@@ -55,7 +57,7 @@ def page(
         parts += _of_set(found, name, each, pictures or {})
     parts += _troubles(found)
     parts += [] if audited is None else _audited(audited)
-    parts += [] if compared is None else _compared(compared)
+    parts += [] if compared is None else _compared(compared, beside)
     parts.append(
         f'<p>Read and played in {found.seconds_reading:.2f} s, computed in '
         f'{found.seconds_computing:.2f} s.</p>'
@@ -194,18 +196,38 @@ def _audited(audited: Audit) -> list[str]:
     ]
 
 
-def _compared(compared: Sequence[SetComparison]) -> list[str]:
+def _compared(compared: Sequence[SetComparison], beside: bytes) -> list[str]:
     """Return how much nearer the run comes than another one, and what is not known of that."""
     rows = []
     for each in compared:
         much, where = each.nearer(allow_incomplete=True)
         unknown = int(np.count_nonzero(~each.is_whole))
-        rows.append((each.name, f'{much:.9g}', f'{where:.3f}', f'{unknown} of {len(each.run)}'))
+        unit = 's' if each.by == 'time' else 'of the motion'
+        parts = f'{unknown} of {len(each.run)}'
+        rows.append((each.name, f'{much:.9g}', f'{where:.3f} {unit}', parts))
+    heads = 'between', 'and', 'least distance [m]', 'in the other run [m]', 'difference [m]'
     return [
         '<h2>Beside the other run</h2>',
         _reservations(compared[0].not_known_of_other, 'The other run: '),
         _table(('pairs', 'nearer by [m]', 'at', 'parts not known of both'), rows),
+        f'<img alt="least distances of both runs" src="{_data(beside)}">',
+        *(
+            f'<h3>{escape(each.name)}: pairs where they were the nearest</h3>'
+            + _table(heads, map(_pair, each.pairs[:PAIRS]))
+            + (f'<p>and {more} more.</p>' if (more := len(each.pairs) - PAIRS) > 0 else '')
+            for each in compared
+        ),
     ]
+
+
+def _pair(pair: PairDifference) -> tuple[str, ...]:
+    """Return a pair in two runs; what never was the nearest in one has no distance there."""
+    both = tuple(
+        'never the nearest' if np.isinf(least) else f'{least:.9g}'
+        for least in (pair.run, pair.other)
+    )
+    is_known = np.isfinite([pair.run, pair.other]).all()
+    return pair.name_A, pair.name_B, *both, f'{pair.run - pair.other:.6g}' if is_known else ''
 
 
 def _troubles(found: Told) -> list[str]:

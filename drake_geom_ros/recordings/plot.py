@@ -21,6 +21,7 @@ _DOTS = 110  # an inch
 _GREY, _OTHERS, _KNOWN = '0.85', '0.35', '0.55'
 _LABEL = 40  # points from the label of one threshold to that of the next
 _ROOM = 0.05  # above and below what is drawn, of its height
+_BESIDE = 0.01  # of its width
 
 
 def draw(
@@ -41,7 +42,8 @@ def draw(
     for place, each in zip(axes, told.values(), strict=True):
         _draw_set(place, found, each, thresholds)
     axes[-1].set_xlabel('time since the recording began [s]')
-    axes[-1].set_xlim(0.0, max(found.duration, found.stale_after / 2))
+    end = max(found.duration, found.stale_after / 2)
+    axes[-1].set_xlim(-_BESIDE * end, (1.0 + _BESIDE) * end)  # marks at both ends are whole
     figure.suptitle(plain(title))
     picture = BytesIO()
     figure.savefig(picture, format='png')
@@ -114,7 +116,7 @@ def _shade_thresholds(axes: Any, thresholds: Sequence[float]) -> None:
     for k, threshold in enumerate(sorted(thresholds, reverse=True)):
         colour = ('tab:orange', 'tab:red')[min(k, 1)] if threshold > 0.0 else 'darkred'
         axes.axhspan(-1e9, threshold, color=colour, alpha=0.12, lw=0)
-        axes.axhline(threshold, color=colour, lw=0.8, ls='--')
+        axes.axhline(threshold, color=colour, lw=0.8, ls='--', zorder=1)
         axes.annotate(
             f'{threshold:g} m',
             (1.0, threshold),
@@ -125,6 +127,8 @@ def _shade_thresholds(axes: Any, thresholds: Sequence[float]) -> None:
             textcoords='offset points',
             fontsize='x-small',
             color=colour,
+            bbox={'facecolor': 'white', 'alpha': 0.85, 'lw': 0, 'pad': 0.8},
+            zorder=1.5,  # below what was measured
         )
 
 

@@ -18,6 +18,7 @@ from drake_geom_ros.recordings.tables import write_audit, write_csv, write_npz
 
 CSV, NPZ, PLOT, PAGE = 'clearance.csv', 'clearance.npz', 'clearance.png', 'report.html'
 AUDIT = 'audit.csv'
+_MOMENT = 'closest_{}_{}.png'  # by the numbers of a set of pairs and of a moment
 _ALL = (
     *(CSV, NPZ, PLOT, PAGE, AUDIT, RECORD),
     *(comparison_report.TABLE, comparison_report.PICTURE),
@@ -32,7 +33,8 @@ def check_folder(folder: Path, inputs: Iterable[str | Path | None]) -> None:
 
 def leave_only(folder: Path, written: Iterable[Path]) -> None:
     """Remove what an earlier report of other options left beside a new one."""
-    for name in {*_ALL} - {path.name for path in written}:
+    moments = (path.name for path in folder.glob(_MOMENT.format('*', '*')))
+    for name in {*_ALL, *moments} - {path.name for path in written}:
         (folder / name).unlink(missing_ok=True)
 
 
@@ -54,9 +56,20 @@ def write_report(
     with whole_file(folder / PLOT, 'wb') as picture:
         picture.write(plot)
     with whole_file(folder / PAGE) as text:
-        text.write(page(found, told, title, files, plot, audited, pictures, compared))
-    names = [CSV, NPZ, PLOT, PAGE]
+        beside = b'' if compared is None else (folder / comparison_report.PICTURE).read_bytes()
+        text.write(page(found, told, title, files, plot, audited, pictures, compared, beside))
+    names = [CSV, NPZ, PLOT, PAGE, *_write_pictures(folder, list(told), pictures or {})]
     if audited is not None:
         write_audit(audited, folder / AUDIT)
         names.append(AUDIT)
     return [folder / name for name in names]
+
+
+def _write_pictures(folder: Path, sets: Sequence[str], pictures: Pictures) -> list[str]:
+    """Write the pictures of the closest moments; return their names."""
+    names = []
+    for (of, number), picture in pictures.items():
+        names.append(_MOMENT.format(sets.index(of) + 1, number))
+        with whole_file(folder / names[-1], 'wb') as file:
+            file.write(picture)
+    return names

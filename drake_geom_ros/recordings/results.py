@@ -55,6 +55,7 @@ class Facts:
     silence: Span  # the longest time without a state, be it a gap or not
     damage: tuple[Damage, ...]
     refused: tuple[Refused, ...]  # messages that say nothing of use, by topic
+    maps: tuple[str, ...]  # topics of what sensors see, which is in no distance
     troubles: tuple[Trouble, ...]
     stale_after: float  # [s]
     max_distance: float  # [m]
@@ -113,6 +114,11 @@ class Told(Facts):
                 f'{f", also {ends} of the recording" if ends else ""}'
             )
         told += [each.in_words() for each in self.refused]
+        if self.maps:
+            told.append(
+                f'what sensors see, on {" and ".join(self.maps)}, is in no distance: pairs with '
+                'these maps are not computed'
+            )
         for name, each in self._sums.items():
             told += [f'{name}: {words}' for words in each.reservations()]
         return told
@@ -164,6 +170,7 @@ class _Sum:
 
     def __init__(self) -> None:
         self.states = self._stale = self._waiting = self._left_out = 0
+        self._first, self._last = math.inf, 0.0  # [s] stale ones
         self._frames: dict[str, None] = {}
         self.lower = math.inf  # [m] the least
         self.least: Moment | None = None
@@ -172,6 +179,9 @@ class _Sum:
     def take(self, pairs: SetClearance) -> None:
         self.states += len(pairs.times)
         self._stale += int(pairs.is_stale.sum())
+        if pairs.is_stale.any():
+            ends = pairs.times[pairs.is_stale][[0, -1]].tolist()
+            self._first, self._last = min(self._first, ends[0]), ends[1]
         self._waiting += int(pairs.is_waiting.sum())
         self._left_out = max(self._left_out, int(pairs.left_out.max(initial=0)))
         self._frames.update(dict.fromkeys(pairs.waiting_frames))
@@ -188,7 +198,10 @@ class _Sum:
         if self.is_certified and (unknown := self.proofs.result().unknown):
             yield f'nothing is proved of {counted(unknown, "motion")}'
         if self._stale:
-            yield f'{self._stale} of {self.states} states are stale'
+            yield (
+                f'{self._stale} of {self.states} states are stale, or of unknown age, between '
+                f'{self._first:.3f} and {self._last:.3f} s'
+            )
         if self._waiting:
             names = ', '.join([*self._frames][:_MOST_NAMES])
             yield (

@@ -26,7 +26,7 @@ from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.results import Facts, States
 from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 from drake_geom_ros.recordings.states import Block, StateBlocks, Travelled
-from drake_geom_ros.recordings.topics import told_nothing
+from drake_geom_ros.recordings.topics import maps_in, told_nothing
 
 Progress = Callable[[int, float], None]  # states, seconds of the recording
 STALE_AFTER = 1.0  # [s] the node's default
@@ -133,6 +133,7 @@ class Run:
             silence=self._silence,
             damage=tuple(self._opened.recording.damage),
             refused=tuple(self._opened.playback.refused),
+            maps=maps_in(self._opened.recording.topics),
             troubles=tuple(self._opened.playback.troubles),
             stale_after=self._asked.stale_after,
             max_distance=self._asked.max_distance,

@@ -7,7 +7,16 @@ from dataclasses import dataclass, replace
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TEXT, TF
+from drake_geom_ros.recordings.message_types import (
+    CLOCK,
+    CLOUD,
+    IMAGE,
+    JOINTS,
+    OCTOMAP,
+    POSES,
+    TEXT,
+    TF,
+)
 from drake_geom_ros.recordings.raw_messages import Topic
 
 _MOST_SHOWN = 20
@@ -68,6 +77,9 @@ KINDS = {  # of messages, by what they are used as
     'robot_description_semantic': TEXT,
     'clock': CLOCK,
 }
+
+# Of the inputs of a node that maps are made from.
+_ENDS = {CLOUD: '/obstacles/points', IMAGE: '/obstacles/depth/image_rect_raw', OCTOMAP: ''}
 
 
 def roles_of(
@@ -167,6 +179,12 @@ def _check(topic: str, role: str, kind: str, recorded: Sequence[Topic]) -> None:
         raise RecordingError(
             f'{topic} is of the type {types[0]}, and {role} is {kind}{advice}{like}'
         )
+
+
+def maps_in(recorded: Sequence[Topic]) -> tuple[str, ...]:
+    """Return the topics that a node makes maps of, as it calls them; OctoMaps of any name."""
+    found = [topic.name for topic in recorded if topic.name.endswith(_ENDS.get(topic.type, ' '))]
+    return tuple(dict.fromkeys(found))
 
 
 def told_nothing(recorded: Sequence[Topic], roles: dict[str, str]) -> str:

@@ -97,6 +97,38 @@ class Cells:
             packed = np.union1d(packed, _packed(keys))
         return cls(float(resolution), packed)
 
+    def changed(self, added: Cells | None = None, removed: Cells | None = None) -> Cells:
+        """Return these cells without some and with others, as if they had been made so.
+
+        What is removed and added is there then. Raises MapError for cells of another resolution,
+        and where one that is removed is not there.
+
+        >>> before = Cells.of_points([[0.01, 0.02, 0.0], [0.07, 0.0, 0.0]], 0.05)
+        >>> seen, gone = (Cells.of_points([[x, 0.0, 0.0]], 0.05) for x in (0.11, 0.06))
+        >>> before.changed(added=seen, removed=gone).keys().tolist()
+        [[0, 0, 0], [2, 0, 0]]
+        """
+        packed = self.packed
+        for what, some in (('added', added), ('removed', removed)):
+            if some is not None and some.resolution != self.resolution:
+                raise MapError(
+                    f'{what} cells have a resolution of {some.resolution:g} m; it must be that of '
+                    f'the map, {self.resolution:g} m'
+                )
+        if removed is not None and len(removed):
+            places, is_there = _places_in(packed, removed.packed)
+            if not is_there.all():
+                unknown = Cells(self.resolution, removed.packed[~is_there])
+                raise MapError(
+                    f'{len(unknown)} of {len(removed)} cells to remove are not in the map, the '
+                    f'first is that at {unknown.centres()[0].tolist()} m'
+                )
+            packed = np.delete(packed, places)
+        if added is not None and len(added):
+            places, is_there = _places_in(packed, added.packed)
+            packed = np.insert(packed, places[~is_there], added.packed[~is_there])
+        return Cells(self.resolution, packed)
+
     def moved(self, R: Floats, p: Floats) -> Cells:
         """Return the cells of the same grid that cover these, turned by R and moved by p."""
         centres = self.centres() @ R.T + p
@@ -154,6 +186,15 @@ def _refuse_what_is_nowhere(point: Floats, number: int, resolution: float) -> No
             f'point {number} is {point.tolist()} m; with cells of {resolution:g} m it must be '
             f'finite and within {MOST_STEPS * resolution:g} m of the origin'
         )
+
+
+def _places_in(packed: Keys, some: Keys) -> tuple[Keys, NDArray[np.bool_]]:
+    """Return where ascending keys belong among others that ascend, and which are there."""
+    places = np.searchsorted(packed, some)
+    is_there = np.zeros(len(some), dtype=np.bool_)
+    within = places < len(packed)
+    is_there[within] = packed[places[within]] == some[within]
+    return places, is_there
 
 
 def _packed(keys: Keys) -> Keys:

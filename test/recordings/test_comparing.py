@@ -1,5 +1,7 @@
 """Two runs are compared by time or by phase, and what came nearer is told."""
 
+from base64 import b64encode
+
 import numpy as np
 import pytest
 from recordings import recorder
@@ -54,6 +56,12 @@ def test_what_came_nearer_is_told_and_is_an_exit_code(tmp_path, balls, capsys): 
     assert report(new, old) == 4
     assert 'nearer' in capsys.readouterr().out
     assert (tmp_path / 'out' / 'comparison.png').exists()
+    page = (tmp_path / 'out' / 'report.html').read_text()
+    beside = b64encode((tmp_path / 'out' / 'comparison.png').read_bytes()).decode()
+    assert beside in page
+    (pair,) = found.pairs
+    cells = (pair.name_A, pair.name_B, f'{pair.run:.9g}', f'{pair.other:.9g}')
+    assert ''.join(f'<td>{cell}</td>' for cell in cells) in page.replace(' class=n', '')
     assert report(new, old, '--tolerance', '0.1') == 0
     assert report(old, new) == 0
     short = run_past(tmp_path / 'short', times[:20], x[:20])

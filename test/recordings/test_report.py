@@ -55,6 +55,13 @@ def test_a_report_holds_the_figures_of_clearance(tmp_path, run, balls, capsys): 
     out = tmp_path / 'out'
     told = main(['report', str(run), '--scene', str(balls), '--between', 'a:b', '--out', str(out)])
     assert told == 1  # there is a gap
+    moments = ['closest_1_1.png', 'closest_1_2.png']
+    assert sorted(path.name for path in out.iterdir()) == sorted([*FILES, *moments])
+    page = (out / 'report.html').read_text()
+    for name in moments:
+        assert base64.b64encode((out / name).read_bytes()).decode() in page
+    again = ['report', str(run), '--scene', str(balls), '--between', 'a:b', '--out', str(out)]
+    assert main([*again, '--pictures', '0']) == 1
     assert sorted(path.name for path in out.iterdir()) == FILES
     found = clearance(run, balls, between=['a:b'])
     pairs = found['a:b']

@@ -8,6 +8,7 @@ from recordings import recorder
 from recordings.test_clearance import HERE, balls, poses  # noqa: F401
 
 from drake_geom_ros.command_line.program import main
+from drake_geom_ros.command_line.report_making import NOT_WHOLE
 from drake_geom_ros.recordings import IncompleteRecordingError, Topics, audit, clearance
 
 DISTANCES = 'drake_geom_msgs/msg/SignedDistancePairs'
@@ -22,6 +23,14 @@ def still(times):
 def others(times):
     """Return messages that pose nothing."""
     return [(t, '/rosout', recorder.text('all is well')) for t in times]
+
+
+def test_when_poses_were_stale_is_said(tmp_path, balls):  # noqa: F811
+    silent = [(t, '/node/frame_poses', recorder.frame_poses(t, 'b', [HERE])) for t in (2.5, 2.7)]
+    run = recorder.record(tmp_path / 'run', still([0.0, 0.5, 1.0]) + silent + still([2.8]))
+    found = clearance(run, balls, between=['a:b'], stale_after=1.6)
+    (told,) = found.reservations()
+    assert told == ('a:b: 1 of 6 states are stale, or of unknown age, between 2.700 and 2.700 s')
 
 
 @pytest.mark.parametrize('rate', [0.0, 20.0])
@@ -145,3 +154,42 @@ def test_a_run_that_holds_nothing_is_told_of(tmp_path, balls, capsys):  # noqa: 
     assert 'run_2 holds no recording' in told
     assert main(list(map(str, asked))) == 2
     assert 'reports' not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('has_messages', [True, False])
+def test_maps_that_sensors_see_are_in_no_distance_and_told_of(
+    tmp_path,
+    balls,  # noqa: F811
+    capsys,
+    has_messages,
+):
+    """Nobody computes with them here, so what is told of the rest is not all."""
+    topics = ['/scene_graph/obstacles/points', '/scene_graph/obstacles/depth/image_rect_raw']
+    kinds = ['sensor_msgs/msg/PointCloud2', 'sensor_msgs/msg/Image']
+    elsewhere = [('/camera/points', kinds[0]), ('/camera/obstacles/info', kinds[1])]
+    messages = still(0.1 * np.arange(20))
+    if has_messages:
+        header = recorder.header(0.5, 'world')
+        nothing = np.zeros(0, dtype=np.uint8)
+        cloud = (header, 1, 0, [], False, 16, 0, nothing, True)
+        image = (header, 1, 0, '16UC1', 0, 0, nothing)
+        both = [
+            recorder.store().types[kind](*some)
+            for kind, some in zip(kinds, (cloud, image), strict=True)
+        ]
+        messages += [(0.5 + 0.1 * k, topic, both[k]) for k, topic in enumerate(topics)]
+        messages.sort(key=lambda each: each[0])
+    silent = [*elsewhere] if has_messages else [*zip(topics, kinds, strict=True), *elsewhere]
+    run = recorder.record(tmp_path / 'run', messages, silent=silent)
+    found = clearance(run, balls, between=['a:b'])
+    told = (
+        f'what sensors see, on {" and ".join(sorted(topics, key=found.maps.index))}, is in no '
+        'distance: pairs with these maps are not computed'
+    )
+    assert found.reservations() == [told]
+    with pytest.raises(IncompleteRecordingError, match='pairs with these maps'):
+        found.least()
+    arguments = ['report', str(run), '--scene', str(balls), '--out', str(tmp_path / 'out')]
+    assert main(arguments) == NOT_WHOLE
+    assert f'not known: {told}' in capsys.readouterr().out
+    assert told in (tmp_path / 'out' / 'report.html').read_text()

@@ -40,6 +40,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CONVEX,
+    CYLINDER,
     HALF_SPACE,
     OCCUPIED_CELLS,
     SOLID,
@@ -162,11 +163,16 @@ def centre_of(body: MapBody, i: int) -> Vector:
 
 
 @inlined
+def _reach_along(n: Vector, h: Vector) -> float:
+    """Return how far a box of half size h reaches along n from its middle."""
+    return abs(n[0]) * h[0] + abs(n[1]) * h[1] + abs(n[2]) * h[2]
+
+
+@inlined
 def _above_plane(R: Floats, p: Vector, box: NodeBox) -> float:
     """Return how far a box in B is above the half space A that stands at p, turned by R."""
-    n, h = column(R, 2), box.half
-    reach = abs(n[0]) * h[0] + abs(n[1]) * h[1] + abs(n[2]) * h[2]
-    return dot(n, sub(box.middle, p)) - reach
+    n = column(R, 2)
+    return dot(n, sub(box.middle, p)) - _reach_along(n, box.half)
 
 
 @inlined
@@ -191,6 +197,26 @@ def _length_beyond(gaps: Vector) -> float:
     return norm((max(gaps[0], 0.0), max(gaps[1], 0.0), max(gaps[2], 0.0)))
 
 
+@inlined
+def _way_from(is_round: bool, h: Vector, q: Vector) -> Vector:
+    """Return the way to q from what is nearest in a box of half size h, or its cylinder along z.
+
+    Part by part outwards along normals, so that no rounding turns it, however short it is. What is
+    nearest then is also what is farthest along the way, of the box or cylinder.
+    """
+    z = math.copysign(max(abs(q[2]) - h[2], 0.0), q[2])
+    if is_round:
+        rho = norm((q[0], q[1], 0.0))
+        barrel = max(rho - h[0], 0.0)
+        s = barrel / rho if barrel > 0.0 else 0.0
+        return (s * q[0], s * q[1], z)
+    return (
+        math.copysign(max(abs(q[0]) - h[0], 0.0), q[0]),
+        math.copysign(max(abs(q[1]) - h[1], 0.0), q[1]),
+        z,
+    )
+
+
 class Between(NamedTuple):
     """What bounds of a pair need, few words to hand over: Ao is at p in B, A is turned by R."""
 
@@ -212,8 +238,10 @@ def least_apart(at: Between, box_A: NodeBox, box_B: NodeBox, limit: float) -> fl
     """Return a lower bound [m] of the signed distance of what is in two boxes, of A and of B.
 
     What lies in a body is no nearer, and no deeper, than that body, and a gap along any direction,
-    a negative one too, is never more than the signed distance. A few roundings of the pair's size
-    may be missing, less than ``noise_of``. Of what is beyond the limit [m] less is told.
+    a negative one too, is never more than the signed distance. So directions are tried: normals of
+    faces first, the way from A's box, or cylinder, to the middle of the other last, which of a
+    small box misses little. A few roundings of the pair's size may be missing, less than
+    ``noise_of``. Of what is beyond the limit [m] less is told.
     """
     R, p, k = at.R, at.p, box_B.half
     if at.kind_A == SPHERE:  # whichever way it is turned
@@ -232,4 +260,12 @@ def least_apart(at: Between, box_A: NodeBox, box_B: NodeBox, limit: float) -> fl
         abs(d_A[1]) - h[1] - (abs(R[0, 1]) * k[0] + abs(R[1, 1]) * k[1] + abs(R[2, 1]) * k[2]),
         abs(d_A[2]) - h[2] - (abs(R[0, 2]) * k[0] + abs(R[1, 2]) * k[1] + abs(R[2, 2]) * k[2]),
     )
-    return max(in_B, _length_beyond(in_A) - at.radius)
+    faces = max(in_B, _length_beyond(in_A) - at.radius)
+    if faces > limit:
+        return faces
+    v = _way_from(at.kind_A == CYLINDER, h, d_A)
+    length = norm(v)
+    if length == 0.0:
+        return faces
+    n = rotate(R, scale(1.0 / length, v))
+    return max(faces, length - _reach_along(n, k) - at.radius)

@@ -29,13 +29,13 @@ from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import (
     noise_of,
     towards,
 )
-from drake_geom_ros.geometry._proximity.kernels.sensed.walks import (
+from drake_geom_ros.geometry._proximity.kernels.sensed.leaves import (
     FOUND_WIDTH,
     LEAST,
     OTHER,
     SKIPPED,
-    find_nearest,
 )
+from drake_geom_ros.geometry._proximity.kernels.sensed.walks import find_nearest
 from drake_geom_ros.geometry._proximity.kernels.sensed.ways_out import BACK_OFF, WayOut, way_out
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,

@@ -19,11 +19,8 @@ from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import (
     noise_of,
     towards,
 )
-from drake_geom_ros.geometry._proximity.kernels.sensed.walks import (
-    LEAST,
-    SKIPPED,
-    find_nearest,
-)
+from drake_geom_ros.geometry._proximity.kernels.sensed.leaves import LEAST, SKIPPED
+from drake_geom_ros.geometry._proximity.kernels.sensed.walks import find_nearest
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     column,
