@@ -32,7 +32,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
 from bench.ros.meanwhile import beside, delays
-from bench.ros.processes import Processes, memory
+from bench.ros.processes import Processes, memory, processor
 from bench.ros.routes import LAST_ANSWERS, TimedRoute
 from bench.ros.scenes import two_arms
 
@@ -83,8 +83,9 @@ def cloud_of(points: Floats) -> PointCloud2:
 class Maps:
     """How late [s] results with a new map were, by the stamps [s] of its cloud."""
 
-    def __init__(self) -> None:
+    def __init__(self, pid: int) -> None:
         self.delays: dict[float, float] = {}
+        self._pid = pid  # of the node
 
     def route(self, node: Node, server: str) -> TimedRoute:
         """Return a route whose answers are looked at."""
@@ -95,12 +96,14 @@ class Maps:
         """Let clouds be sent to the node, and print what became of them."""
         with beside(send, TAKEN, count):
             self.delays.clear()
-            begin = time.time()
+            begin, used = time.time(), processor(self._pid)
             yield
+            share = (processor(self._pid) - used) / (time.time() - begin)
             end = time.time() - LAST_ANSWERS  # no pose comes then
         # Those that could be answered, for poses came; until the first one the last map stays.
         found = [delay for stamp, delay in self.delays.items() if begin <= stamp <= end]
         tell(TAKEN, found, int((end - begin) * RATE))
+        print(f'    the node used {100.0 * share:.0f} % of a processor')
 
 
 class _MapRoute(TimedRoute):
@@ -137,7 +140,7 @@ def send(way: str, count: int, ready: Any, ending: Any) -> None:
         node.create_subscription(Header, '/echo/heard', heard, 10)
     while not publisher.get_subscription_count():
         executor.spin_once(timeout_sec=0.1)
-    number, due = 0, int(time.time() * RATE) + 2
+    number, due, used = 0, int(time.time() * RATE) + 2, time.process_time()
     while not ending.is_set():
         while (left := due / RATE - time.time()) > 0.0:
             executor.spin_once(timeout_sec=left)
@@ -148,6 +151,7 @@ def send(way: str, count: int, ready: Any, ending: Any) -> None:
         ready.set()
     if way == ECHO:
         tell(way, found, number)
+    print(f'    {1e3 * (time.process_time() - used) / number:.1f} ms of the processor to send one')
     node.destroy_node()
     rclpy.shutdown()
 
@@ -230,9 +234,9 @@ def main() -> None:
         return
     played = two_arms()
     with Processes() as processes:
-        processes.start(NODE, scene_file=played.scene_file, **parameters())
+        node = processes.start(NODE, scene_file=played.scene_file, **parameters())
         processes.start('bench.ros.cloud_echo')
-        maps = Maps()
+        maps = Maps(node.pid)
         ways = {
             ECHO: partial(beside, send, ECHO, options.points),
             TAKEN: partial(maps.sent, options.points),

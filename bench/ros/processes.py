@@ -63,3 +63,9 @@ def memory(pid: int) -> float:
     """Return the resident memory of a process [MB]."""
     pages = int(Path(f'/proc/{pid}/statm').read_text().split()[1])
     return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
+
+
+def processor(pid: int) -> float:
+    """Return the processor time that a process has used [s]."""
+    fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')

@@ -20,6 +20,7 @@ from drake_geom_ros.recordings.recorded_pairs import (
     compare,
     computed_pairs,
     names_in,
+    of_event_points,
     recorded_pairs,
 )
 from drake_geom_ros.recordings.recording import Recorded
@@ -280,10 +281,9 @@ class _Auditor:
             return Compared(Outcome.NOT_REPRODUCIBLE, 'its pair waits for a pose here')
         found = query.signed_distance_of_pair(a, b, accuracy=event.accuracy)
         distance, bound = float(found.distance[0]), float(found.error_bound[0])
-        if (distance, bound) == (event.distance, event.error_bound):
-            return Compared(Outcome.SAME)
+        is_same = (distance, bound) == (event.distance, event.error_bound)
         if abs(distance - event.distance) <= bound + event.error_bound:
-            return Compared(Outcome.WITHIN)
+            return of_event_points(event, found, query, (a, b), is_same=is_same)
         why = (
             f'it says {event.distance!r} m ± {event.error_bound:.1e} m, and by the recorded poses'
         )

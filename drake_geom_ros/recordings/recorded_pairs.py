@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.geometry import GeometryId, QueryObject
 from drake_geom_ros.recordings.message_types import DISTANCES
 from drake_geom_ros.recordings.witnesses import Judged, Witnesses, fault_of
+from drake_geom_ros.replay import RecordedEvent
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -159,6 +160,37 @@ def _fault_of_witnesses(
     )
     fault = fault_of(query, said.witnesses, judged)
     return '' if fault is None else f'{_called(said.names[places[fault[0]]])}: {fault[1]}'
+
+
+def of_event_points(
+    event: RecordedEvent,
+    now: Any,
+    query: QueryObject,
+    pair: tuple[GeometryId, GeometryId],
+    *,
+    is_same: bool,
+) -> Compared:
+    """Return whether the points of an event can be those of its pair, whose distance is right.
+
+    ``now`` is what is computed of the pair, ``is_same`` whether to the bit.
+    """
+    outcome = Outcome.SAME if is_same else Outcome.WITHIN
+    if event.points is None or now.method[0] == _BOUND_ONLY:
+        return Compared(outcome)
+    points = np.vstack((now.p_WCa, now.p_WCb))
+    if now.id_A[0] != pair[0].get_value():
+        points = points[::-1]
+    if np.array_equal(event.points, points):
+        return Compared(outcome)
+    said = Witnesses(event.points[:1], event.points[1:], None, are_local=False)
+    judged = Judged(
+        places=[0],
+        ids=np.array([[each.get_value() for each in pair]]),
+        distance=np.array([event.distance]),
+        error_bound=np.array([event.error_bound + float(now.error_bound[0])]),
+    )
+    fault = fault_of(query, said, judged)
+    return Compared(Outcome.WITHIN) if fault is None else Compared(Outcome.REFUTED, fault[1])
 
 
 def _called(pair: tuple[str, str]) -> str:

@@ -23,14 +23,16 @@ class Witnesses(NamedTuple):
 
     p_A: Floats  # (n, 3) [m]
     p_B: Floats  # (n, 3) [m]
-    nhat_BA_W: Floats  # (n, 3)
+    nhat_BA_W: Floats | None  # (n, 3); None where a message tells none
     are_local: bool  # points in the frames of their geometries, not in the world
 
     def same(self, k: int, other: Witnesses, n: int) -> bool:
         """Return whether those of pair k are, to the bit, those of the other's pair n."""
+        both = zip(self[:3], other[:3], strict=True)
         return all(
             np.array_equal(mine[k], theirs[n], equal_nan=True)
-            for mine, theirs in zip(self[:3], other[:3], strict=True)
+            for mine, theirs in both
+            if mine is not None and theirs is not None
         )
 
 
@@ -59,13 +61,10 @@ def fault_of(query: QueryObject, said: Witnesses, judged: Judged) -> tuple[int, 
             _in_world(query, ids, points)
             for ids, points in zip(judged.ids.T, (p_WA, p_WB), strict=True)
         )
-    nhat, near = said.nhat_BA_W[rows], NEAR + judged.error_bound
-    with np.errstate(invalid='ignore'):
-        between = p_WA - p_WB
-        off = np.linalg.norm(between - judged.distance[:, None] * nhat, axis=1)
+    near = NEAR + judged.error_bound
+    nhat = None if said.nhat_BA_W is None else said.nhat_BA_W[rows]
     faults = {
-        'the normal is not of unit length': ~(np.abs(np.linalg.norm(nhat, axis=1) - 1.0) <= NEAR),
-        'its points are not the distance apart along the normal': ~(off <= near),
+        **_faults_between(p_WA - p_WB, judged.distance, nhat, near),
         'its point on the first one is not on its surface': ~_are_on(
             query, judged.ids[:, 0], p_WA, near
         ),
@@ -77,6 +76,22 @@ def fault_of(query: QueryObject, said: Witnesses, judged: Judged) -> tuple[int, 
         if flags.any():
             return int(np.argmax(flags)), why
     return None
+
+
+def _faults_between(
+    between: Floats, distance: Floats, nhat: Floats | None, near: Floats
+) -> dict[str, NDArray[np.bool_]]:
+    """Return of each pair (m,) whether its points cannot be so far apart (m, 3)."""
+    with np.errstate(invalid='ignore'):
+        if nhat is None:
+            off = np.abs(np.linalg.norm(between, axis=1) - np.abs(distance))
+            return {'its points are not the distance apart': ~(off <= near)}
+        off = np.linalg.norm(between - distance[:, None] * nhat, axis=1)
+        unit = np.abs(np.linalg.norm(nhat, axis=1) - 1.0)
+    return {
+        'the normal is not of unit length': ~(unit <= NEAR),
+        'its points are not the distance apart along the normal': ~(off <= near),
+    }
 
 
 def _in_world(query: QueryObject, ids: NDArray[np.int64], points: Floats) -> Floats:

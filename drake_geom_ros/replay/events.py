@@ -22,7 +22,8 @@ _NUMBERS = ('distance', 'error_bound', 'closing_speed', 'limit_distance', 'limit
 class RecordedEvent:
     """One entry of a ProximityEvents message, whose fields these are.
 
-    ``pose_a`` and ``pose_b`` (7,) are x y z [m] qx qy qz qw; NaN where it has no pair.
+    ``pose_a`` and ``pose_b`` (7,) are x y z [m] qx qy qz qw; NaN where it has no pair. ``points``
+    (2, 3) [m] are p_WCa and p_WCb; None where the message has no such fields.
     """
 
     scene_version: int
@@ -41,6 +42,7 @@ class RecordedEvent:
     limit_distance: float  # [m]
     limit_time: float  # [s]
     oldest_pose_age: float  # [s]
+    points: NDArray[np.float64] | None = None
 
     @property
     def has_pair(self) -> bool:
@@ -95,5 +97,13 @@ def events_of(message: Mapping[str, Any]) -> Iterator[RecordedEvent]:
             pose_a=pose_a,
             pose_b=pose_b,
             oldest_pose_age=float(message['oldest_pose_age'][k]),
+            points=_points(message, k),
             **{field: float(message[field][k]) for field in _NUMBERS},
         )
+
+
+def _points(message: Mapping[str, Any], k: int) -> NDArray[np.float64] | None:
+    if not {'p_wca', 'p_wcb'} <= message.keys():
+        return None
+    both = [message[field][3 * k : 3 * k + 3] for field in ('p_wca', 'p_wcb')]
+    return np.array(both, dtype=np.float64).reshape(2, 3)

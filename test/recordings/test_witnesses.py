@@ -5,12 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drake_geom_ros.geometry import FramePoseVector, SceneGraph
+from drake_geom_ros.geometry import FramePoseVector, GeometryId, SceneGraph
 from drake_geom_ros.recordings.message_types import DISTANCES, OVERLAPS
 from drake_geom_ros.recordings.recorded_pairs import (
     Outcome,
     compare,
     computed_pairs,
+    of_event_points,
     recorded_pairs,
 )
 from drake_geom_ros.scene_files import load_scene
@@ -140,3 +141,31 @@ def test_other_points_of_flush_sides_are_true(tmp_path):
     for points in (said.p_aca, said.p_bcb):
         points[3 * k : 3 * k + 2] += 0.05  # the box and the floor are told on the same spot
     assert outcome(DISTANCES, said, query, names).outcome == Outcome.WITHIN
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_points_of_events_are_judged(tmp_path, seed):
+    query, _ = query_of(tmp_path, seed)
+    rng = np.random.default_rng(seed)
+    told = query.ComputeSignedDistancePairwiseClosestPoints()
+    for k, both in enumerate(zip(told.id_A.tolist(), told.id_B.tolist(), strict=True)):
+        if told.error_bound[k] > 1e-6:
+            continue
+        a, b = map(GeometryId, both)
+        now = query.signed_distance_of_pair(a, b)
+        assert now.id_A[0] in both
+        points = np.vstack((now.p_WCa, now.p_WCb))[:: 1 if now.id_A[0] == both[0] else -1]
+        event = SimpleNamespace(
+            points=points, distance=float(now.distance[0]), error_bound=float(now.error_bound[0])
+        )
+
+        def judged(event=event, now=now, pair=(a, b)):
+            return of_event_points(event, now, query, pair, is_same=True).outcome
+
+        assert judged() == Outcome.SAME
+        step = rng.normal(size=3)
+        for wrong in (0.01 * step / np.linalg.norm(step), np.nan):
+            event.points = points + np.vstack((np.zeros(3), np.broadcast_to(wrong, 3)))
+            assert judged() == Outcome.REFUTED
+        event.points = None  # of a message that has none
+        assert judged() == Outcome.SAME

@@ -8,7 +8,7 @@ from oracles.sensed_maps import KINDS, awkward_maps, grid, nearest_of_all
 from oracles.shape_scenes import SHAPES, ShapeScene
 
 from bench.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.geometry import Box, HalfSpace, OccupiedCells, PointCloud, Sphere
+from drake_geom_ros.geometry import Box, Cylinder, HalfSpace, OccupiedCells, PointCloud, Sphere
 from drake_geom_ros.geometry._proximity.kinds import OPEN
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
@@ -183,6 +183,27 @@ def test_a_ball_that_lies_on_a_plane_of_cells_touches_it():
     assert found.distance[0] == pytest.approx(-0.01, abs=found.error_bound[0])
     assert found.error_bound[0] <= 1e-13
     assert found.nhat_BA_W[0] == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
+
+
+@pytest.mark.parametrize('body', [Box(0.33, 0.33, 0.2), Cylinder(0.2, 0.2)])
+def test_of_a_floor_below_a_flush_face_the_least_cell_is_told(body):
+    """All cells are as near, and only some are asked; between two floors no normal is the one."""
+    rng, floor = np.random.default_rng(11), 0.1 * grid(8, 8, 1)
+    both = np.concatenate((floor, floor + np.array([0.0, 0.0, 0.8])))
+    for height, centres in ((0.4, floor), (0.4, both), (0.3, both)):
+        told = []
+        for order in (centres, rng.permutation(centres)):
+            scene = ShapeScene(OccupiedCells(0.1, order), body)
+            found = scene.posed([0, 0, 0], [0.01, 0.02, height]).query.signed_distance_of_pair(
+                *scene.ids
+            )
+            assert found.distance[0] == pytest.approx(height - 0.15, abs=1e-14)
+            assert found.error_bound[0] <= 1e-13
+            assert found.is_nhat_BA_W_unique[0] == (centres is floor or height < 0.4)
+            told.append(
+                [found.distance.tolist(), found.p_WCa.tolist(), found.error_bound.tolist()]
+            )
+        assert told[0] == told[1]
 
 
 def test_half_spaces_meet_the_lowest_cell():
