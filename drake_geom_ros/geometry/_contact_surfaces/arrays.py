@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+from drake_geom_ros.geometry._contact_surfaces.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -50,7 +51,9 @@ class Bodies(NamedTuple):
     # corner; of a triangle, its own in the first.
     planes: Floats
     beyond: Indices  # (e, 4): which element is beyond that face, of all elements; -1: none
-    nodes: Floats  # (k, 12): the boxes of heaps, body after body; see the columns below
+    # (12 k,): the boxes of heaps, body after body; see the columns below. Flat, for then the place
+    # of a node is known sooner by the time of a multiplication, and walks wait for nothing else.
+    nodes: Floats
 
 
 # Columns of ``Bodies.nodes``: a box, and between which two planes the pressures in it are.
@@ -61,6 +64,13 @@ LEVEL = 9  # this [Pa],
 SPREAD = 10  # give or take this [Pa]
 STEEPEST = 11  # the longest gradient of an element [Pa/m]
 NODE = 12
+
+
+@inlined
+def in_node(nodes: Floats, row: int, column: int) -> Vector:
+    """Return three numbers of a node, which begins at place ``row``, from a column on."""
+    k = unsigned(row + column)
+    return nodes[k], nodes[k + unsigned(1)], nodes[k + unsigned(2)]
 
 
 class Asked(NamedTuple):
@@ -105,7 +115,7 @@ class Scratch(NamedTuple):
     """Room to compute in."""
 
     work: Floats  # polygons
-    stack: Indices  # the walk
+    stack: Indices  # (2 n,): the walk
     R: Floats  # (3, 3): the pose of a body in another
     other: Floats  # an element of one body in the frame of another: see ``posed``
 

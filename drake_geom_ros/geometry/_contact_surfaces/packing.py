@@ -135,7 +135,7 @@ def packed(bodies: Sequence[PackedBody]) -> Bodies:
                 for body, first in zip(bodies, elements, strict=False)
             ]
         ),
-        nodes=np.concatenate([body.nodes for body in bodies]),
+        nodes=np.concatenate([body.nodes for body in bodies]).ravel(),
     )
 
 

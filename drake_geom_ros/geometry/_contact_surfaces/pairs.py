@@ -100,7 +100,7 @@ def _scratch() -> Scratch:
     """Return room to compute in."""
     return Scratch(
         np.empty((ROWS, COLUMNS)),
-        np.empty((DEEPEST, 2), dtype=np.int64),
+        np.empty(2 * DEEPEST, dtype=np.int64),
         np.empty((3, 3)),
         np.empty((OTHER, 4)),
     )

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
-    FIRST_NODE,
     FIRST_POINT,
     HALF,
     KIND,
     LEVEL,
     MIDDLE,
+    NODE,
     SLOPE,
-    SPREAD,
-    STEEPEST,
     SURFACE,
     Between,
     Bodies,
     Floats,
+    in_node,
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import add, dot, rotate, sub, vector_in
@@ -68,13 +67,16 @@ def _spread(n: Vector, half: Vector) -> float:
 
 
 @inlined
-def is_beyond_box(bodies: Bodies, k: int, other: Floats, planes: int, between: Between) -> bool:
-    """Tell whether no element under the first body's node k meets the one posed.
+def is_beyond_box(
+    bodies: Bodies, first_node: int, k: int, other: Floats, planes: int, between: Between
+) -> bool:
+    """Tell whether no element under node k of the first body, whose nodes begin there, meets it.
 
     Either its box is kept apart from that, or the pressures are nowhere the same in it.
     """
-    row, near = bodies.table[between.a, FIRST_NODE] + k, between.rounding
-    middle, half = vector_in(bodies.nodes, row, MIDDLE), vector_in(bodies.nodes, row, HALF)
+    nodes, near = bodies.nodes, between.rounding
+    row = NODE * (first_node + k)
+    middle, half = in_node(nodes, row, MIDDLE), in_node(nodes, row, HALF)
     for i in range(3):
         if other[LOWEST, i] - middle[i] > half[i] + near:
             return True
@@ -86,10 +88,11 @@ def is_beyond_box(bodies: Bodies, k: int, other: Floats, planes: int, between: B
             return True
     if planes == TRIANGLE:
         return False
-    n = sub(vector_in(bodies.nodes, row, SLOPE), vector_in(other, FIELD))
-    value = dot(n, middle) + (bodies.nodes[row, LEVEL] - other[FIELD, 3])
-    rounding = near * (bodies.nodes[row, STEEPEST] + other[LENGTH, 0])
-    differ: bool = abs(value) > _spread(n, half) + bodies.nodes[row, SPREAD] + rounding
+    n = sub(in_node(nodes, row, SLOPE), vector_in(other, FIELD))
+    level, spread, steepest = in_node(nodes, row, LEVEL)
+    value = dot(n, middle) + (level - other[FIELD, 3])
+    rounding = near * (steepest + other[LENGTH, 0])
+    differ: bool = abs(value) > _spread(n, half) + spread + rounding
     return differ
 
 

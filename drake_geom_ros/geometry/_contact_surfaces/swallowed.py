@@ -59,16 +59,16 @@ def _is_in(bodies: Bodies, body: int, point: Vector, near: float, stack: Indices
     if bodies.table[body, KIND] == SURFACE:
         return _is_wound_around(bodies, body, point)
     last = bodies.table[body, LEAVES] - 1
-    stack[0, 0], top = 0, 1
+    stack[0], top = 0, 1
     while top > 0:
         top -= 1
-        k = stack[top, 0]
+        k = stack[top]
         middle, half = box_of(bodies, body, k)
         d = sub(point, middle)
         if abs(d[0]) > half[0] or abs(d[1]) > half[1] or abs(d[2]) > half[2]:
             continue
         if k < last:
-            stack[top, 0], stack[top + 1, 0] = 2 * k + 1, 2 * k + 2
+            stack[top], stack[top + 1] = 2 * k + 1, 2 * k + 2
             top += 2
             continue
         for e in range(

@@ -6,12 +6,16 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     ELEMENTS,
     FIRST_ELEMENT,
     FIRST_NODE,
+    HALF,
     LEAVES,
+    MIDDLE,
+    NODE,
     Between,
     Bodies,
     Floats,
     Scratch,
     Surfaces,
+    in_node,
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._contact_surfaces.elements import meet
@@ -23,9 +27,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     rotate,
     sub,
     unrotate,
-    vector_in,
 )
-from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
 
 DEEPEST = 128  # of a walk: three times the depth of trees that fit into memory
 SECOND_FIRST = 4.0  # how much larger a box of the first body has to be, to be split first
@@ -34,8 +37,8 @@ SECOND_FIRST = 4.0  # how much larger a box of the first body has to be, to be s
 @inlined
 def box_of(bodies: Bodies, body: int, k: int) -> tuple[Vector, Vector]:
     """Return middle and half size of the box of a body's node k."""
-    row = bodies.table[body, FIRST_NODE] + k
-    return vector_in(bodies.nodes, row), vector_in(bodies.nodes, row, 3)
+    row = NODE * (bodies.table[body, FIRST_NODE] + k)
+    return in_node(bodies.nodes, row, MIDDLE), in_node(bodies.nodes, row, HALF)
 
 
 @inlined
@@ -93,11 +96,11 @@ def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surface
     """
     a, b, stack = between.a, between.b, scratch.stack
     last_a, last_b = bodies.table[a, LEAVES] - 1, bodies.table[b, LEAVES] - 1
-    stack[0, 0] = stack[0, 1] = 0
-    top = 1
+    stack[0] = stack[1] = 0
+    top = 2
     while top > 0:
-        top -= 1
-        i, j = stack[top, 0], stack[top, 1]
+        top -= 2
+        i, j = stack[unsigned(top)], stack[unsigned(top + 1)]
         if _apart(bodies, a, i, b, j, between):
             continue
         if j >= last_b:
@@ -109,9 +112,9 @@ def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surface
             continue
         split_a = i < last_a and _size(bodies, a, i) >= SECOND_FIRST * _size(bodies, b, j)
         for k in (2, 1):
-            stack[top, 0] = 2 * i + k if split_a else i
-            stack[top, 1] = j if split_a else 2 * j + k
-            top += 1
+            stack[unsigned(top)] = 2 * i + k if split_a else i
+            stack[unsigned(top + 1)] = j if split_a else 2 * j + k
+            top += 2
 
 
 @inlined
@@ -131,11 +134,12 @@ def _meet_one(
     """
     a, stack = between.a, scratch.stack
     last, top = bodies.table[a, LEAVES] - 1, bottom + 1
-    stack[bottom, 0] = i
+    first_node = bodies.table[a, FIRST_NODE]
+    stack[unsigned(bottom)] = i
     while top > bottom:
         top -= 1
-        k = stack[top, 0]
-        if is_beyond_box(bodies, k, scratch.other, planes, between):
+        k = stack[unsigned(top)]
+        if is_beyond_box(bodies, first_node, k, scratch.other, planes, between):
             continue
         if k >= last:
             for e in range(
@@ -143,7 +147,7 @@ def _meet_one(
             ):
                 meet(bodies, e, f, planes, between, scratch, out)
             continue
-        stack[top, 0], stack[top + 1, 0] = 2 * k + 2, 2 * k + 1
+        stack[unsigned(top)], stack[unsigned(top + 1)] = 2 * k + 2, 2 * k + 1
         top += 2
 
 
@@ -155,11 +159,11 @@ def meet_plane(
     a, stack = between.a, scratch.stack
     last = bodies.table[a, LEAVES] - 1
     up = between.R[0, 2], between.R[1, 2], between.R[2, 2]
-    stack[0, 0] = 0
+    stack[0] = 0
     top = 1
     while top > 0:
         top -= 1
-        i = stack[top, 0]
+        i = stack[top]
         middle, half = box_of(bodies, a, i)
         height = dot(up, sub(middle, between.p))
         spread = abs(up[0]) * half[0] + abs(up[1]) * half[1] + abs(up[2]) * half[2]
@@ -173,5 +177,5 @@ def meet_plane(
                 meet_half_space(bodies, e, slope, between, scratch.work, out)
             continue
         for k in (2, 1):
-            stack[top, 0] = 2 * i + k
+            stack[top] = 2 * i + k
             top += 1
