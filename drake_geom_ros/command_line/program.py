@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
     0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
     still broken or the disagreement still there, ``report`` that not all is known; 2: what was
     asked cannot be, said in one line on standard error; 3: ``report --audit`` refutes what a node
-    said; 4: ``report --compare`` finds a run nearer than the other one.
+    said; 4: ``report --compare`` finds a run nearer than the other one; 130: interrupted.
     """
     parser = argparse.ArgumentParser(
         prog=prog,
@@ -63,6 +63,9 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         # Whoever read has what it wanted. Python flushes once more at its end: into nothing.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _READER_LEFT
+    except KeyboardInterrupt:
+        print('drake_geom_ros: interrupted', file=sys.stderr)
+        return batch.INTERRUPTED
     except (GeometryError, OSError) as error:
         reason = ' '.join(str(error).split())
         print(f'drake_geom_ros: {reason}', file=sys.stderr)

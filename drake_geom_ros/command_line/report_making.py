@@ -68,7 +68,11 @@ def make_report(options: argparse.Namespace, scene: SceneDescription | None) -> 
     if options.resume and (code := code_of(folder, asked)) is not None:
         print(f'{folder.name}: there is a report of the same, whose exit code is {code}')
         return code
-    found = _found(options, scene, runs, asked)
+    try:
+        found = _found(options, scene, runs, asked)
+    except KeyboardInterrupt:
+        print(f'--resume goes on with {folder / _UNFINISHED}', file=sys.stderr)
+        raise
     forget(folder)
     written = _write(options, found, folder)
     leave_only(folder, written)

@@ -186,6 +186,7 @@ def _audited(audited: Audit) -> list[str]:
         '<h2>What the node said, computed again</h2>',
         *([_warning('Not audited:', told)] if (told := audited.reservations()) else []),
         _table(('', 'results and events'), [(outcome.value, n) for outcome, n in counts]),
+        '<h3>What was not confirmed, and why</h3>',
         _table(
             heads,
             (
@@ -260,5 +261,8 @@ def _table(heads: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:
 
 def _cell(value: Any) -> str:
     text = str(value)
-    is_number = text[:1].isdigit() or text[:1] == '-'
-    return f'<td{" class=n" if is_number else ""}>{escape(text)}</td>'
+    try:
+        float(text)
+    except ValueError:
+        return f'<td>{escape(text)}</td>'
+    return f'<td class=n>{text}</td>'

@@ -19,7 +19,6 @@ MOMENTS = 5  # that are marked in each set of pairs
 _COLOURED = 8  # pairs with a colour of their own
 _DOTS = 110  # an inch
 _GREY, _OTHERS, _KNOWN = '0.85', '0.35', '0.55'
-_LABEL = 40  # points from the label of one threshold to that of the next
 _ROOM = 0.05  # above and below what is drawn, of its height
 _BESIDE = 0.01  # of its width
 
@@ -116,20 +115,8 @@ def _shade_thresholds(axes: Any, thresholds: Sequence[float]) -> None:
     for k, threshold in enumerate(sorted(thresholds, reverse=True)):
         colour = ('tab:orange', 'tab:red')[min(k, 1)] if threshold > 0.0 else 'darkred'
         axes.axhspan(-1e9, threshold, color=colour, alpha=0.12, lw=0)
-        axes.axhline(threshold, color=colour, lw=0.8, ls='--', zorder=1)
-        axes.annotate(
-            f'{threshold:g} m',
-            (1.0, threshold),
-            (-3 - _LABEL * k, 2),
-            ha='right',
-            va='bottom',
-            xycoords=('axes fraction', 'data'),
-            textcoords='offset points',
-            fontsize='x-small',
-            color=colour,
-            bbox={'facecolor': 'white', 'alpha': 0.85, 'lw': 0, 'pad': 0.8},
-            zorder=1.5,  # below what was measured
-        )
+        label = f'threshold {threshold:g} m'  # in the legend: beside the line, data would cover it
+        axes.axhline(threshold, color=colour, lw=0.8, ls='--', zorder=1, label=label)
 
 
 def _shade_what_is_not_known(axes: Any, spans: Sequence[Span]) -> None:

@@ -11,6 +11,7 @@ from drake_geom_ros.geometry import (
     Convex,
     GeometryId,
     GeometryProperties,
+    HalfSpace,
     Mesh,
     Rgba,
     Role,
@@ -36,6 +37,7 @@ PALETTE = (
     (0.80, 0.47, 0.65),
     (0.00, 0.45, 0.70),
 )
+_GROUND = (0.75, 0.75, 0.75)
 # What lies inside, such as the deepest point of an overlap, is seen through it.
 _PROXIMITY_ALPHA = 0.45
 # Of pairs: those that overlap, which way they are pushed apart, and the gaps of the others.
@@ -99,14 +101,17 @@ def solid_by(properties: GeometryProperties | None, role: Role) -> bool:
 def colour_of(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> Colour:
     """Return the property ('phong', 'diffuse') of a role, or the colour of the source."""
     rank = inspector.GetAllSourceIds().index(inspector.GetOwningSourceId(geometry))
-    return colour_by(inspector.GetProperties(geometry, role), role, rank)
+    shape = inspector.GetShape(geometry)
+    return colour_by(inspector.GetProperties(geometry, role), role, rank, shape)
 
 
-def colour_by(properties: GeometryProperties | None, role: Role, rank: int) -> Colour:
+def colour_by(
+    properties: GeometryProperties | None, role: Role, rank: int, shape: Shape
+) -> Colour:
     """Return the colour by the properties of a role, else by the rank of the source.
 
-    Sources take the colours of the palette in the order of their ids; what queries see is drawn
-    so that one can look through it.
+    Sources take the colours of the palette in the order of their ids, but a half space is grey,
+    for it may fill the whole picture; what queries see is drawn so that one can look through it.
     """
     if properties is not None and properties.HasProperty('phong', 'diffuse'):
         value = properties.GetProperty('phong', 'diffuse')
@@ -116,7 +121,8 @@ def colour_by(properties: GeometryProperties | None, role: Role, rank: int) -> C
             r, g, b, a = map(float, value)
             return r, g, b, a
     # The scene's own source, which is the first, has no geometry.
-    red, green, blue = PALETTE[(rank - 1) % len(PALETTE)]
+    of_source = PALETTE[(rank - 1) % len(PALETTE)]
+    red, green, blue = _GROUND if isinstance(shape, HalfSpace) else of_source
     return red, green, blue, _PROXIMITY_ALPHA if role is Role.kProximity else 1.0
 
 

@@ -6,6 +6,7 @@ import sys
 import pytest
 from conventions.source_tree import ROOT
 
+from drake_geom_ros.command_line import query
 from drake_geom_ros.command_line.program import main
 
 SCENE = str(ROOT / 'scenes/minimal.yaml')
@@ -67,6 +68,15 @@ def test_what_cannot_be_is_said_in_one_line(capsys, arguments, words):
     assert errors.count('\n') == 1
     for word in words:
         assert word in errors
+
+
+def test_an_interrupt_is_no_traceback(capsys, monkeypatch):
+    def interrupted(options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(query, 'run', interrupted)
+    assert main(['query', SCENE]) == 130
+    assert capsys.readouterr().err == 'drake_geom_ros: interrupted\n'
 
 
 @pytest.mark.parametrize(

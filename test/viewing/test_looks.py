@@ -14,6 +14,7 @@ geometries:
   - {name: other, source: t, shape: {type: sphere, radius: 0.1},
      roles: {proximity: {}, illustration: {phong: {diffuse: {rgba: [1, 0, 0, 0.5]}}},
              perception: {}}}
+  - {name: floor, source: t, shape: {type: half_space}}
   - {name: solid, source: t, shape: {type: box, size: [1, 1, 1]},
      roles: {proximity: {mesh: {solid: true}}, illustration: {mesh: {solid: true}}}}
 """
@@ -30,6 +31,12 @@ def test_each_source_has_a_colour_and_its_own_is_the_first():
     assert looks['s::a/one'].colour[:3] == PALETTE[0]
     assert looks['t::world/other'].colour[:3] == PALETTE[1]
     assert 0.0 < looks['s::a/one'].colour[3] < 1.0
+
+
+def test_a_half_space_is_grey_for_it_may_fill_a_picture():
+    red, green, blue, cover = by_name(Role.kProximity)['t::world/floor'].colour
+    assert red == green == blue
+    assert 0.0 < cover < 1.0
 
 
 def test_a_role_is_a_layer_with_its_own_colour():

@@ -159,7 +159,7 @@ class NodeScene:
                 continue
             for given in entry.roles:
                 role, properties = role_from_number(given.role), properties_from_message(given)
-                colour = colour_by(properties, role, ranks[entry.source_id])
+                colour = colour_by(properties, role, ranks[entry.source_id], shape)
                 solid = solid_by(properties, role)
                 looks.append(Look(GeometryId(entry.id), role, name, colour, shape, solid))
         with self._lock:
