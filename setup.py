@@ -25,7 +25,8 @@ EXTRAS = {
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['python-fcl>=0.7.0.5'],  # a second opinion
     'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` writes
-    'recordings': ['mcap>=1.3', 'rosbags>=0.11'],  # reports of what ROS recorded
+    # reports of what ROS recorded; lz4 and zstandard are what mcap needs for compressed chunks
+    'recordings': ['lz4>=4', 'mcap>=1.3', 'rosbags>=0.11', 'zstandard>=0.22'],
     'volume_meshes': ['meshio>=5.3'],  # tetrahedra in .vtk files
     'view': ['imageio>=2.20', 'viser>=1.1', 'websockets>=14'],  # the page
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials

@@ -30,6 +30,7 @@ geometries:
 """
 STALE_AFTER = 0.5  # [s]
 MANY = 10_000
+LATER = 1000  # [s] a stamp behind those of a test's first messages
 # Latches world -> map and streams map -> cart, with the time of day as the stamp.
 PUBLISHER = """
 import sys
@@ -144,22 +145,29 @@ def tf(client, request):
 
 def test_a_chain_over_several_frames_poses_nested_frames(tf):
     results = tf.client.listen(msg.SignedDistancePairs, 'signed_distances')
+    stamps = itertools.count(1)
+
+    def heard():  # at first the node may not have found who listens
+        tf.send(transform('world', '.cart', 1, next(stamps)))
+        return results
+
+    tf.client.wait_for(heard, 'a result')
     quarter = (0.5**0.5, 0.5**0.5)
-    tf.send(transform('.map', '.odom', 1, 7, quarter), transform('.odom', '.base', 2, 7))
-    tf.send(transform('.base_link', '.hand', 1, 7), transform('.base', '.base_link', 1, 7))
+    tf.send(transform('.map', '.odom', 1, LATER, quarter), transform('.odom', '.base', 2, LATER))
+    tf.send(transform('.base_link', '.hand', 1, LATER), transform('.base', '.base_link', 1, LATER))
     tf.send(transform('world', '.map', 10, 0), static=True)
     # 1 along x, then a turn to the left, then 2, 1 and 1 along what was x.
     tf.wait_until_at('hand', 11, 4, 0)
     assert tf.where('base') == [11, 2, 0]
-    tf.send(transform('.base_link', '.hand', 2, 8))
+    tf.send(transform('.base_link', '.hand', 2, LATER + 1))
     tf.wait_until_at('hand', 11, 5, 0)
     # Results are stamped as TF is; a static transform does not make them look older.
-    tf.client.wait_for(lambda: [m for m in results if m.header.stamp.sec == 8], 'a result')
+    tf.client.wait_for(lambda: [m for m in results if m.header.stamp.sec == LATER + 1], 'a result')
     seen = len(results)
     tf.send(transform('world', '.map', 20, 0), static=True)
     tf.wait_until_at('hand', 21, 5, 0)
     tf.client.wait_for(lambda: len(results) > seen, 'a result for the new map')
-    assert results[-1].header.stamp.sec == 8
+    assert results[-1].header.stamp.sec == LATER + 1
     assert int(tf.status()['pose messages taken']) >= 3
 
 
