@@ -14,11 +14,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import time
 from collections.abc import Callable
 from itertools import pairwise, product
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +27,7 @@ from geometry_msgs.msg import Point, Pose, Quaternion
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from bench.ros.processes import Processes
+from bench.ros.processes import Processes, processor
 from bench.ros.routes import WARM_UP, Reports, Route, stream
 from bench.ros.scenes import Played, two_arms
 
@@ -67,12 +65,6 @@ class Turn(NamedTuple):
     used: float
 
 
-def used(pid: int) -> float:
-    """Return the processor time [s] that a process has used."""
-    fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
-
-
 def add_cameras(node: Node, size: tuple[int, int], rate: float, images: list[str]) -> None:
     """Add three cameras to the node's scene."""
     client = node.create_client(AddCamera, f'/{SERVER}/add_camera')
@@ -106,10 +98,10 @@ class Measurement:
         """Stream; ``close()`` ends what is beside and returns the images that came."""
         route, reports = self._route, self._reports
         delays, lost = route.result()
-        cycles, before = len(reports.cycles), used(self._pid)
+        cycles, before = len(reports.cycles), processor(self._pid)
         first = max(route.sent, default=0) + WARM_UP
         stream(self._executor, route, self._played, POSE_RATE, seconds)
-        spent = used(self._pid) - before
+        spent = processor(self._pid) - before
         # One that is sent again, for who comes late, is no other image.
         came: dict[tuple[int, int], float] = {}
         for image in close():

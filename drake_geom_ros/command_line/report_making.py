@@ -71,7 +71,8 @@ def make_report(options: argparse.Namespace, scene: SceneDescription | None) -> 
     try:
         found = _found(options, scene, runs, asked)
     except KeyboardInterrupt:
-        print(f'--resume goes on with {folder / _UNFINISHED}', file=sys.stderr)
+        if (folder / _UNFINISHED).is_dir():
+            print(f'--resume goes on with {folder / _UNFINISHED}', file=sys.stderr)
         raise
     forget(folder)
     written = _write(options, found, folder)

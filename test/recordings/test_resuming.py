@@ -10,6 +10,7 @@ from recordings.test_clearance import HERE, balls, poses  # noqa: F401
 
 from drake_geom_ros.command_line import report
 from drake_geom_ros.command_line.program import main
+from drake_geom_ros.recordings import states
 from drake_geom_ros.recordings.run import Run
 
 
@@ -158,22 +159,31 @@ def test_files_that_a_later_description_names_count(tmp_path, capsys):
     assert [is_left_out(), is_left_out()] == [False, True]
 
 
-def test_an_interrupt_is_said_in_two_lines_and_what_was_computed_goes_on(
+@pytest.mark.parametrize('blocks', [0, 2])
+def test_an_interrupt_is_said_and_what_was_computed_goes_on(
     runs,
     balls,  # noqa: F811
     tmp_path,
     capsys,
     monkeypatch,
+    blocks,
 ):
+    monkeypatch.setattr(states, '_MOST_STATES', 1)
+    answered, asked = Run._answered, []
+
     def interrupted(*arguments):
-        raise KeyboardInterrupt
+        asked.append(1)
+        if len(asked) > blocks:
+            raise KeyboardInterrupt
+        return answered(*arguments)
 
     out = tmp_path / 'out'
-    asked = ['report', runs / 'run_0', '--scene', balls, '--out', out, '--pictures', '0']
+    command = ['report', runs / 'run_0', '--scene', balls, '--out', out, '--pictures', '0']
     with monkeypatch.context() as harm:
         harm.setattr(Run, '_answered', interrupted)
-        assert main(list(map(str, asked))) == 130
-    told = capsys.readouterr().err
-    assert told == f'--resume goes on with {out / "unfinished"}\ndrake_geom_ros: interrupted\n'
-    assert main([*map(str, asked), '--resume']) == 0
+        assert main(list(map(str, command))) == 130
+    kept = f'--resume goes on with {out / "unfinished"}\n' if blocks else ''
+    assert capsys.readouterr().err == f'{kept}drake_geom_ros: interrupted\n'
+    assert (out / 'unfinished').is_dir() == bool(blocks)
+    assert main([*map(str, command), '--resume']) == 0
     assert (out / 'report.json').exists()
