@@ -302,10 +302,10 @@ others_beside() {
 }
 
 build_messages() {
-  local batch=ON
-  # Which generated files may share a compilation is known for the pinned generators only.
-  [[ -z $underlay ]] || batch=OFF
-  build_interfaces msg_defs "$prefix" -DBATCH_GENERATED_CPP=$batch
+  local python_only=ON
+  # A distribution has C++ nodes and recorders, and other versions of the generators.
+  [[ -z $underlay ]] || python_only=OFF
+  build_interfaces msg_defs "$prefix" -DPYTHON_ONLY=$python_only
 }
 
 # The messages of TF and of OctoMap, which distributions bring and no wheel.
