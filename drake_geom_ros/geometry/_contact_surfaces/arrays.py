@@ -2,16 +2,32 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.compiled import inlined
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
+from drake_geom_ros.geometry._proximity.runtime.handles import (
+    HandleField,
+    Integers,
+    Matrices,
+    RealPairs,
+    Reals,
+    Rows,
+    Vectors,
+)
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+# The fields of records that are handed over by handles: see ``runtime.handles``.
+_Table: TypeAlias = Annotated[Indices, np.int64, (6,)]
+_Fours: TypeAlias = Annotated[Indices, np.int64, (4,)]
+_Fields: TypeAlias = Annotated[Floats, np.float64, (5,)]
+_Lines: TypeAlias = Annotated[Floats, np.float64, (4,)]
+_Corners: TypeAlias = Annotated[Floats, np.float64, (7,)]
+_Planes: TypeAlias = Annotated[Floats, np.float64, (4, 4)]
 
 VOLUME, SURFACE, HALF_SPACE = 0, 1, 2  # what a body is
 # Columns of ``Bodies.table``.
@@ -41,19 +57,20 @@ class Bodies(NamedTuple):
     body's own points.
     """
 
-    table: Indices  # (b, 6)
-    numbers: Floats  # (b, 2): farthest from the origin [m]; pressure slope of a half space [Pa/m]
-    inner: Floats  # (b, 3): a point well inside [m]; of a surface, a corner
-    points: Floats  # (p, 3) [m]
-    elements: Indices  # (e, 4), the last column of no meaning for triangles
-    fields: Floats  # (e, 5): pressure gradient, pressure at the origin, length of the gradient
+    table: _Table  # (b, 6)
+    numbers: RealPairs  # (b, 2): farthest from the origin [m]; pressure slope of a half space
+    inner: Vectors  # (b, 3): a point well inside [m]; of a surface, a corner
+    points: Vectors  # (p, 3) [m]
+    elements: _Fours  # (e, 4), the last column of no meaning for triangles
+    fields: _Fields  # (e, 5): pressure gradient, pressure at the origin, length of the gradient
     # Of a tetrahedron (e, 4, 4): outward unit normal and offset [m] of the face against each
     # corner; of a triangle, its own in the first.
-    planes: Floats
-    beyond: Indices  # (e, 4): which element is beyond that face, of all elements; -1: none
+    planes: _Planes
+    beyond: _Fours  # (e, 4): which element is beyond that face, of all elements; -1: none
     # (12 k,): the boxes of heaps, body after body; see the columns below. Flat, for then the place
     # of a node is known sooner by the time of a multiplication, and walks wait for nothing else.
-    nodes: Floats
+    nodes: Reals
+    boxes: Rows  # (6, e): of each element the middle and half the size of its box [m]
 
 
 # Columns of ``Bodies.nodes``: a box, and between which two planes the pressures in it are.
@@ -73,14 +90,28 @@ def in_node(nodes: Floats, row: int, column: int) -> Vector:
     return nodes[k], nodes[k + unsigned(1)], nodes[k + unsigned(2)]
 
 
-class Asked(NamedTuple):
-    """Pairs of geometries, and where geometries (n,) are."""
+@inlined
+def first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
+    """Return the first element of a leaf; that of the next one is behind its last."""
+    table = bodies.table
+    first: int = table[body, FIRST_ELEMENT] + leaf * table[body, ELEMENTS] // table[body, LEAVES]
+    return first
 
-    pairs: Indices  # (k, 2)
-    ids: Indices  # (n,), ascending
-    body_of: Indices  # (n,): the row of a geometry's body; -1: it has none
-    R_WGs: Floats  # (n, 3, 3)
-    p_WGs: Floats  # (n, 3) [m]
+
+class Geometries(NamedTuple):
+    """Which bodies geometries (n,) are, and where."""
+
+    ids: Integers  # (n,), ascending
+    body_of: Integers  # (n,): the row of a geometry's body; -1: it has none
+    R_WGs: Matrices  # (n, 3, 3)
+    p_WGs: Vectors  # (n, 3) [m]
+
+
+class Hands(NamedTuple):
+    """The handles of what surfaces are made of."""
+
+    bodies: HandleField
+    geometries: HandleField
 
 
 # What there is of each pair that was asked about.
@@ -99,7 +130,7 @@ RECORD = 5
 
 
 class Surfaces(NamedTuple):
-    """Room for surfaces: polygons one after another; ``ends[i]`` is where polygon i ends."""
+    """Surfaces: polygons one after another; ``ends[i]`` is where polygon i ends."""
 
     points: Floats  # (p, 3) [m], in World
     pressures: Floats  # (p,) [Pa]
@@ -114,10 +145,12 @@ class Surfaces(NamedTuple):
 class Scratch(NamedTuple):
     """Room to compute in."""
 
-    work: Floats  # polygons
-    stack: Indices  # (2 n,): the walk
-    R: Floats  # (3, 3): the pose of a body in another
-    other: Floats  # an element of one body in the frame of another: see ``posed``
+    work: _Corners  # polygons
+    stack: Integers  # (2 n,): the walk
+    R: Vectors  # (3, 3): the pose of a body in another
+    other: _Lines  # an element of one body in the frame of another: see ``posed``
+    found: Integers  # which elements are near: see ``triangles``
+    counts: Integers  # (4,): those of ``Surfaces``
 
 
 class Between(NamedTuple):

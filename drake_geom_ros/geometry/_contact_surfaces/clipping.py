@@ -11,7 +11,7 @@ from __future__ import annotations
 from drake_geom_ros.geometry._contact_surfaces.arrays import MOST_CORNERS, Floats
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, sub, vector_in
-from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
 
 HEIGHT = 3  # the first column of heights
 CORNERS = 2 * MOST_CORNERS  # the row where the corners of a tetrahedron are, behind two polygons
@@ -21,9 +21,11 @@ ROWS, COLUMNS = CORNERS + 4, 7  # of the room that all this is done in
 @inlined
 def _cut_edge(work: Floats, i: int, j: int, column: int, to: int) -> None:
     """Put the point of height 0 between rows i and j into row ``to``."""
-    t = work[i, column] / (work[i, column] - work[j, column])
+    first, second = work[unsigned(i), unsigned(column)], work[unsigned(j), unsigned(column)]
+    t = first / (first - second)
+    a, b, c = unsigned(i), unsigned(j), unsigned(to)
     for k in range(COLUMNS):
-        work[to, k] = work[i, k] + t * (work[j, k] - work[i, k])
+        work[c, k] = work[a, k] + t * (work[b, k] - work[a, k])
 
 
 @compiled
@@ -76,13 +78,21 @@ def clipped(work: Floats, at: int, count: int, planes: int, passed: int) -> tupl
     """
     if _are_above_one(work, at, count, planes):
         return at, 0, -1
+    return clipped_by_each(work, at, count, planes, passed)
+
+
+@inlined
+def clipped_by_each(
+    work: Floats, at: int, count: int, planes: int, passed: int
+) -> tuple[int, int, int]:
+    """Return what ``clipped`` does, of a polygon that is above none of the planes."""
     for k in range(planes):
         below = above = 0
+        column = unsigned(HEIGHT + k)
         for i in range(at, at + count):
-            if work[i, HEIGHT + k] < 0.0:
-                below += 1
-            elif work[i, HEIGHT + k] > 0.0:
-                above += 1
+            height = work[unsigned(i), column]
+            below += height < 0.0
+            above += height > 0.0
         if below == 0 and above > 0:
             return at, 0, -1
         if below == 0 and k != passed:
@@ -107,25 +117,28 @@ def _are_above_one(work: Floats, at: int, count: int, planes: int) -> bool:
     return False
 
 
-@compiled
+@inlined
 def _clip(work: Floats, at: int, count: int, column: int) -> int:
     """Put the part of a polygon below a plane into the other rows; return its corners."""
     to = first = MOST_CORNERS - at
     before = at + count - 1
+    height = work[unsigned(before), unsigned(column)]
     for i in range(at, at + count):
-        if work[i, column] * work[before, column] < 0.0:
+        next_height = work[unsigned(i), unsigned(column)]
+        if next_height * height < 0.0:
             _cut_edge(work, before, i, column, to)
-            work[to, column] = 0.0
+            work[unsigned(to), unsigned(column)] = 0.0
             to += 1
-        if work[i, column] <= 0.0:
-            for k in range(COLUMNS):
-                work[to, k] = work[i, k]
-            to += 1
-        before = i
+        # Without a branch, for which corners stay nobody can guess.
+        a, b = unsigned(i), unsigned(to)
+        for k in range(COLUMNS):
+            work[b, k] = work[a, k]
+        to += next_height <= 0.0
+        before, height = i, next_height
     return to - first
 
 
-@compiled
+@inlined
 def without_twins(work: Floats, at: int, count: int, near: float) -> int:
     """Leave out corners that are nearer than ``near`` [m] to the one before; return how many stay.
 

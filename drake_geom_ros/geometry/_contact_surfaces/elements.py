@@ -1,4 +1,4 @@
-"""The polygon of two elements: tetrahedra, triangles of rigid surfaces, half spaces."""
+"""The polygon of two tetrahedra."""
 
 from __future__ import annotations
 
@@ -24,8 +24,6 @@ from drake_geom_ros.geometry._contact_surfaces.emitting import emit
 from drake_geom_ros.geometry._contact_surfaces.posed import (
     FIELD,
     LENGTH,
-    PLANE,
-    TRIANGLE,
     corner_of,
     is_beyond,
     lowest,
@@ -75,20 +73,9 @@ def snapped(height: float, rounding: float) -> float:
 
 @inlined
 def meet(
-    bodies: Bodies, e: int, f: int, planes: int, between: Between, scratch: Scratch, out: Surfaces
-) -> None:
-    """Put out where element e of the first body, a tetrahedron, meets the one that is posed."""
-    if planes == TRIANGLE:
-        _meet_triangle(bodies, e, f, between, scratch, out)
-    else:
-        _meet_tetrahedron(bodies, e, f, between, scratch, out)
-
-
-@inlined
-def _meet_tetrahedron(
     bodies: Bodies, e: int, f: int, between: Between, scratch: Scratch, out: Surfaces
 ) -> None:
-    """Put out where two tetrahedra have the same pressure.
+    """Put out where element e of the first body, a tetrahedron, meets the one that is posed.
 
     Both pressures are linear, so these points are on a plane: the second tetrahedron is cut by it,
     and the polygon clipped by the faces of the first. Most pairs whose boxes meet are kept apart
@@ -227,39 +214,3 @@ def cut_by(
         else:
             face = k
     return -1 if zeros == 3 and bodies.beyond[e, face] < 0 else zeros
-
-
-@inlined
-def _meet_triangle(
-    bodies: Bodies, e: int, f: int, between: Between, scratch: Scratch, out: Surfaces
-) -> None:
-    """Put out which part of the rigid triangle is in a tetrahedron."""
-    work, other = scratch.work, scratch.other
-    nhat, g = vector_in(other, PLANE), vector_in(bodies.fields, e)
-    if not (agrees(nhat, g, bodies.fields[e, 4]) or between.anyway):
-        return
-    corners = corner_of(other, 0), corner_of(other, 1), corner_of(other, 2), corner_of(other, 2)
-    if _are_beyond_a_face(bodies, e, corners, between.rounding):
-        return
-    own = corners_of(bodies, bodies.table[between.a, FIRST_POINT], e)
-    if lowest(nhat, own) - other[PLANE, 3] > between.rounding:
-        return
-    if lowest(scale(-1.0, nhat), own) + other[PLANE, 3] > between.rounding:
-        return
-    for i in range(3):
-        work[i, 0], work[i, 1], work[i, 2] = corners[i]
-    put_heights(bodies, e, 3, between.rounding, work)
-    at, count, face = clipped(work, 0, 3, 4, -1)
-    if face >= 0:
-        twin = bodies.beyond[e, face]
-        if twin < 0:
-            return
-        its = vector_in(bodies.fields, twin)
-        if twin < e and (between.anyway or agrees(nhat, its, bodies.fields[twin, 4])):
-            return
-        at, count, face = clipped(work, at, count, 4, face)
-    if count:
-        count = without_twins(work, at, count, between.rounding)
-    if count:
-        zero = (0.0, 0.0, 0.0)
-        emit(work, at, count, nhat, (g, bodies.fields[e, 3]), zero, between, out)

@@ -31,24 +31,26 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     vector_in,
 )
-from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
 
 
 @inlined
 def _put(rows: Floats, row: int, column: int, v: Vector) -> None:
     """Put a vector into a row."""
-    rows[row, column], rows[row, column + 1], rows[row, column + 2] = v
+    k = unsigned(row)
+    rows[k, column], rows[k, column + 1], rows[k, column + 2] = v
 
 
 @inlined
 def _increase(rows: Floats, row: int, column: int, v: Vector) -> None:
     """Add a vector to a row."""
-    rows[row, column] += v[0]
-    rows[row, column + 1] += v[1]
-    rows[row, column + 2] += v[2]
+    k = unsigned(row)
+    rows[k, column] += v[0]
+    rows[k, column + 1] += v[1]
+    rows[k, column + 2] += v[2]
 
 
-@compiled
+@inlined
 def emit(
     work: Floats,
     at: int,
@@ -70,9 +72,12 @@ def emit(
     # Of pressure, and of it times position from the first corner: it is linear, so over a triangle
     # they are the mean of its corners' times the area, and area / 12 (sum p sum x + sum p x).
     force, pressed = 0.0, (0.0, 0.0, 0.0)
-    side, before = sub(vector_in(work, at + 1), origin), _pressure(field, vector_in(work, at + 1))
+    side, before = (
+        sub(vector_in(work, unsigned(at + 1)), origin),
+        _pressure(field, vector_in(work, unsigned(at + 1))),
+    )
     for i in range(at + 2, at + count):
-        corner = vector_in(work, i)
+        corner = vector_in(work, unsigned(i))
         next_side, after = sub(corner, origin), _pressure(field, corner)
         twice = dot(cross(side, next_side), nhat)
         area += 0.5 * twice
@@ -88,14 +93,14 @@ def emit(
     surfaces.counts[POLYGONS], surfaces.counts[CORNERS] = faces + 1, points + count
     if faces >= len(surfaces.ends) or points + count > len(surfaces.points):
         return
-    surfaces.ends[faces] = points + count
+    surfaces.ends[unsigned(faces)] = points + count
     for i in range(count):
-        corner = vector_in(work, at + (count - 1 - i if between.flip else i))
-        surfaces.pressures[points + i] = _pressure(field, corner)
+        corner = vector_in(work, unsigned(at + (count - 1 - i if between.flip else i)))
+        surfaces.pressures[unsigned(points + i)] = _pressure(field, corner)
         _put(surfaces.points, points + i, 0, add(rotate(between.R_W, corner), between.p_W))
     normal = scale(-1.0, nhat) if between.flip else nhat
     _put(surfaces.faces, faces, NORMAL, rotate(between.R_W, normal))
-    surfaces.faces[faces, FACE_AREA] = area
+    surfaces.faces[unsigned(faces), FACE_AREA] = area
     middle = add_scaled(origin, 1.0 / area, moment)
     _put(surfaces.faces, faces, CENTROID, add(rotate(between.R_W, middle), between.p_W))
     own, others = (GRAD_N, GRAD_M) if between.flip else (GRAD_M, GRAD_N)
@@ -128,7 +133,7 @@ def sums_in_world(sums: Floats, between: Between) -> None:
 @inlined
 def _add(sums: Floats, row: int, column: int, weight: float, moment: Vector) -> None:
     """Add to an integral, and to that of it times position in the columns behind it."""
-    sums[row, column] += weight
+    sums[unsigned(row), column] += weight
     _increase(sums, row, column + 1, moment)
 
 

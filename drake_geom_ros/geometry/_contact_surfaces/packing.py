@@ -33,6 +33,7 @@ class PackedBody(NamedTuple):
     planes: Floats
     beyond: Indices
     nodes: Floats
+    boxes: Floats
 
 
 def packed_volume(
@@ -62,7 +63,9 @@ def packed_volume(
     numbers = float(np.linalg.norm(points, axis=1).max()), 0.0
     nodes = np.hstack((boxes, _ranges(corners, fields, (len(boxes) + 1) // 2)))
     inner = points[pressures.argmax()].copy()  # of several no mean: that may be outside of a ring
-    return PackedBody(VOLUME, numbers, inner, points, elements, fields, planes, beyond, nodes)
+    return PackedBody(
+        VOLUME, numbers, inner, points, elements, fields, planes, beyond, nodes, _boxes(corners)
+    )
 
 
 def packed_surface(points: Floats, triangles: Indices) -> PackedBody:
@@ -87,6 +90,7 @@ def packed_surface(points: Floats, triangles: Indices) -> PackedBody:
         planes[order],
         beyond,
         nodes,
+        _boxes(points[triangles[order]]),
     )
 
 
@@ -102,6 +106,7 @@ def packed_half_space(pressure_slope: float) -> PackedBody:
         np.zeros((0, 4, 4)),
         np.zeros((0, 4), dtype=np.int64),
         np.zeros((0, NODE)),
+        np.zeros((6, 0)),
     )
 
 
@@ -136,6 +141,7 @@ def packed(bodies: Sequence[PackedBody]) -> Bodies:
             ]
         ),
         nodes=np.concatenate([body.nodes for body in bodies]).ravel(),
+        boxes=np.concatenate([body.boxes for body in bodies], axis=1),
     )
 
 
@@ -145,6 +151,12 @@ def _planes(a: Floats, b: Floats, c: Floats) -> Floats:
     lengths = np.sqrt((normals * normals).sum(axis=1))
     normals = normals / np.where(lengths > 0.0, lengths, 1.0)[:, None]
     return np.column_stack((normals, (normals * a).sum(axis=1)))
+
+
+def _boxes(corners: Floats) -> Floats:
+    """Return middles and half sizes (6, m) of the boxes of elements (m, c, 3)."""
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    return np.ascontiguousarray(np.hstack((0.5 * (low + high), 0.5 * (high - low))).T)
 
 
 def _ranges(corners: Floats, fields: Floats, leaves: int) -> Floats:

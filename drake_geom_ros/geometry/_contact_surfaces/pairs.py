@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     COMPLIANT_M,
     COMPLIANT_N,
@@ -28,126 +24,92 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     TURNED,
     UNABLE,
     VOLUME,
-    Asked,
     Between,
     Bodies,
     Floats,
+    Geometries,
+    Hands,
+    Indices,
     Scratch,
     Surfaces,
 )
-from drake_geom_ros.geometry._contact_surfaces.clipping import COLUMNS, ROWS
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._contact_surfaces.emitting import sums_in_world
-from drake_geom_ros.geometry._contact_surfaces.posed import OTHER
 from drake_geom_ros.geometry._contact_surfaces.swallowed import one_is_swallowed
 from drake_geom_ros.geometry._contact_surfaces.tolerances import ROUNDING
-from drake_geom_ros.geometry._contact_surfaces.walks import DEEPEST, meet_bodies, meet_plane
+from drake_geom_ros.geometry._contact_surfaces.walks import meet_bodies, meet_plane
 from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, vector_in
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle, taker
+from drake_geom_ros.geometry._proximity.runtime.views import part, table, wide_integers
 
-FIRST_POLYGONS = 4096  # there is room for, and for CORNERS_EACH corners of each
-CORNERS_EACH = 5
-
-
-# To compute in, for whoever asks next: to make it anew takes as long as a small surface.
-_ROOM: list[Scratch] = []
-
-
-def surfaces_of(bodies: Bodies, asked: Asked) -> Surfaces:
-    """Return the surfaces of pairs; the geometry of lower id is M."""
-    faces, corners, count = FIRST_POLYGONS, CORNERS_EACH * FIRST_POLYGONS, len(asked.pairs)
-    try:
-        scratch = _ROOM.pop()  # each thread takes another one
-    except IndexError:
-        scratch = _scratch()
-    out = Surfaces(
-        np.empty((corners, 3)),
-        np.empty(corners),
-        np.empty(faces, dtype=np.int64),
-        np.empty((faces, FACE)),
-        np.empty((count, SUMS)),
-        np.empty((count, RECORD), dtype=np.int64),
-        np.empty(count, dtype=np.int64),
-        np.zeros(COUNTS, dtype=np.int64),
-    )
-    done = 0
-    while (done := _next_pairs(bodies, asked, scratch, out, done)) < count:
-        faces, corners = 2 * len(out.ends), 2 * len(out.points)
-        out = Surfaces(
-            _more(out.points, corners),
-            _more(out.pressures, corners),
-            _more(out.ends, faces),
-            _more(out.faces, faces),
-            out.sums,
-            out.found,
-            out.states,
-            out.counts,
-        )
-    _ROOM.append(scratch)
-    faces, corners, found, _left = out.counts.tolist()
-    return Surfaces(
-        out.points[:corners],
-        out.pressures[:corners],
-        out.ends[:faces],
-        out.faces[:faces],
-        out.sums[:found],
-        out.found[:found],
-        out.states,
-        out.counts,
-    )
-
-
-def _scratch() -> Scratch:
-    """Return room to compute in."""
-    return Scratch(
-        np.empty((ROWS, COLUMNS)),
-        np.empty(2 * DEEPEST, dtype=np.int64),
-        np.empty((3, 3)),
-        np.empty((OTHER, 4)),
-    )
-
-
-def _more(array: Any, count: int) -> Any:
-    """Return the rows of an array, and room for so many in all."""
-    more = np.empty((count, *array.shape[1:]), array.dtype)
-    more[: len(array)] = array
-    return more
+_hands_of, _bodies_of = taker(Hands), taker(Bodies)
+_geometries_of, _scratch_of = taker(Geometries), taker(Scratch)
 
 
 @compiled
-def _next_pairs(bodies: Bodies, asked: Asked, scratch: Scratch, out: Surfaces, done: int) -> int:
-    """Put out the surfaces of pairs but those done; return for which one there was no room.
+def surfaces_of_pairs(
+    hands: Handle, room: Handle, pairs: Indices, store: Floats, faces: int, corners: int
+) -> tuple[int, int, int, int]:
+    """Put out the surfaces of pairs (k, 2), laid out in ``store`` as ``Answer`` tells.
 
-    That pair is as if it had not been looked at. Where all are done it is their number.
+    Return how many polygons, corners, surfaces, and pairs without one there are. What is more
+    than so many ``faces`` or ``corners`` there is no room for: then nothing else holds.
     """
-    for pair in range(done, len(asked.pairs)):
-        faces, corners, row = out.counts[POLYGONS], out.counts[CORNERS], out.counts[FOUND]
-        m = min(asked.pairs[pair, 0], asked.pairs[pair, 1])
-        n = max(asked.pairs[pair, 0], asked.pairs[pair, 1])
-        M, N = asked.body_of[m], asked.body_of[n]
-        if not _can_press(bodies, M, N):
-            out.states[pair] = UNABLE
-            out.counts[LEFT] += 1
-            continue
-        for column in range(SUMS):
-            out.sums[row, column] = 0.0
-        between = _between(bodies, asked, (m, n), row, scratch.R)
-        _meet(bodies, between, scratch, out)
-        if out.counts[POLYGONS] > len(out.ends) or out.counts[CORNERS] > len(out.points):
-            out.counts[POLYGONS], out.counts[CORNERS] = faces, corners
-            return pair
-        if out.counts[POLYGONS] > faces:
-            sums_in_world(out.sums, between)
-            out.states[pair] = PRESSES
-            out.counts[FOUND] += 1
-            out.found[row, ID_M], out.found[row, ID_N] = asked.ids[m], asked.ids[n]
-            out.found[row, COMPLIANT_M] = 1 if _is_compliant(bodies, M) else 0
-            out.found[row, COMPLIANT_N] = 1 if _is_compliant(bodies, N) else 0
-            out.found[row, LAST] = out.counts[POLYGONS]
-            continue
-        out.states[pair] = _without_surface(bodies, between, scratch, out)
-        if out.states[pair] != NOTHING:
-            out.counts[LEFT] += 1
-    return len(asked.pairs)
+    hands, scratch = _hands_of(hands), _scratch_of(room)
+    bodies, geometries = _bodies_of(hands.bodies), _geometries_of(hands.geometries)
+    count = len(pairs)
+    at_pairs, at_points = (SUMS + RECORD + 1) * count, (FACE + 1) * faces
+    integers = wide_integers(store, 0)
+    out = Surfaces(
+        points=table(store, at_pairs + at_points, corners, 3),
+        pressures=part(store, len(store) - corners, len(store)),
+        ends=part(integers, at_pairs + FACE * faces, at_pairs + at_points),
+        faces=table(store, at_pairs, faces, FACE),
+        sums=table(store, 0, count, SUMS),
+        found=table(integers, SUMS * count, count, RECORD),
+        states=part(integers, at_pairs - count, at_pairs),
+        counts=scratch.counts,
+    )
+    for k in range(COUNTS):
+        out.counts[k] = 0
+    for pair in range(count):
+        _put_pair(bodies, geometries, pairs, pair, scratch, out)
+    return out.counts[0], out.counts[1], out.counts[2], out.counts[3]
+
+
+@compiled
+def _put_pair(
+    bodies: Bodies,
+    geometries: Geometries,
+    pairs: Indices,
+    pair: int,
+    scratch: Scratch,
+    out: Surfaces,
+) -> None:
+    """Put out the surface of a pair; the geometry of lower id is M."""
+    faces, row = out.counts[POLYGONS], out.counts[FOUND]
+    m, n = min(pairs[pair, 0], pairs[pair, 1]), max(pairs[pair, 0], pairs[pair, 1])
+    M, N = geometries.body_of[m], geometries.body_of[n]
+    if not _can_press(bodies, M, N):
+        out.states[pair] = UNABLE
+        out.counts[LEFT] += 1
+        return
+    for column in range(SUMS):
+        out.sums[row, column] = 0.0
+    between = _between(bodies, geometries, (m, n), row, scratch.R)
+    _meet(bodies, between, scratch, out)
+    if out.counts[POLYGONS] > faces:
+        sums_in_world(out.sums, between)
+        out.states[pair] = PRESSES
+        out.counts[FOUND] += 1
+        out.found[row, ID_M], out.found[row, ID_N] = geometries.ids[m], geometries.ids[n]
+        out.found[row, COMPLIANT_M] = 1 if _is_compliant(bodies, M) else 0
+        out.found[row, COMPLIANT_N] = 1 if _is_compliant(bodies, N) else 0
+        out.found[row, LAST] = out.counts[POLYGONS]
+        return
+    out.states[pair] = _without_surface(bodies, between, scratch, out)
+    if out.states[pair] != NOTHING:
+        out.counts[LEFT] += 1
 
 
 @compiled
@@ -199,26 +161,30 @@ def _can_press(bodies: Bodies, M: int, N: int) -> bool:
 
 
 @inlined
-def _between(bodies: Bodies, asked: Asked, pair: tuple[int, int], row: int, R: Floats) -> Between:
+def _between(
+    bodies: Bodies, geometries: Geometries, pair: tuple[int, int], row: int, R: Floats
+) -> Between:
     """Return two geometries' bodies, a tetrahedral one before a surface before a half space.
 
     ``R`` is where the orientation of the second in the first is put.
     """
     a, b = pair
-    flip = bodies.table[asked.body_of[b], KIND] < bodies.table[asked.body_of[a], KIND]
+    flip = bodies.table[geometries.body_of[b], KIND] < bodies.table[geometries.body_of[a], KIND]
     if flip:
         a, b = b, a
-    first, second = asked.body_of[a], asked.body_of[b]
+    first, second = geometries.body_of[a], geometries.body_of[b]
     for i in range(3):
         for j in range(3):
             R[i, j] = 0.0
             for k in range(3):
-                R[i, j] += asked.R_WGs[a, k, i] * asked.R_WGs[b, k, j]
-    p_W = vector_in(asked.p_WGs, a)
-    p = unrotate(asked.R_WGs[a], sub(vector_in(asked.p_WGs, b), p_W))
+                R[i, j] += geometries.R_WGs[a, k, i] * geometries.R_WGs[b, k, j]
+    p_W = vector_in(geometries.p_WGs, a)
+    p = unrotate(geometries.R_WGs[a], sub(vector_in(geometries.p_WGs, b), p_W))
     size = bodies.numbers[first, 0] + bodies.numbers[second, 0]
     if bodies.table[second, KIND] == HALF_SPACE:
         size = bodies.numbers[first, 0] + abs(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
         # A rigid surface in a soft half space is N.
         flip = flip != (bodies.table[first, KIND] != VOLUME)
-    return Between(row, first, second, R, p, asked.R_WGs[a], p_W, ROUNDING * size, flip, False)
+    return Between(
+        row, first, second, R, p, geometries.R_WGs[a], p_W, ROUNDING * size, flip, False
+    )

@@ -5,12 +5,10 @@ from __future__ import annotations
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     FIRST_POINT,
     HALF,
-    KIND,
     LEVEL,
     MIDDLE,
     NODE,
     SLOPE,
-    SURFACE,
     Between,
     Bodies,
     Floats,
@@ -20,21 +18,19 @@ from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import add, dot, rotate, sub, vector_in
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 
-# Rows: the corners of a tetrahedron, or of a triangle and its last one once more; planes as those
-# of ``Bodies``, of a triangle its own, up and down; the box; gradient and pressure at the origin,
-# and the gradient's length.
+# Rows: the corners of a tetrahedron; planes as those of ``Bodies``; the box; gradient and pressure
+# at the origin, and the gradient's length.
 CORNER, PLANE, LOWEST, HIGHEST, FIELD, LENGTH = 0, 4, 8, 9, 10, 11
 OTHER = 12
-TETRAHEDRON, TRIANGLE = 4, 2  # how many planes there are
+PLANES = 4
 
 
 @compiled
-def pose(bodies: Bodies, f: int, between: Between, other: Floats) -> int:
-    """Put element f of the second body in the first one's frame; return how many planes it has."""
+def pose(bodies: Bodies, f: int, between: Between, other: Floats) -> None:
+    """Put tetrahedron f of the second body in the first one's frame."""
     first, R, p = bodies.table[between.b, FIRST_POINT], between.R, between.p
-    is_triangle = bodies.table[between.b, KIND] == SURFACE
     for k in range(4):
-        row = first + bodies.elements[f, 2 if is_triangle and k == 3 else k]
+        row = first + bodies.elements[f, k]
         corner = add(rotate(R, vector_in(bodies.points, row)), p)
         for i in range(3):
             other[CORNER + k, i] = corner[i]
@@ -42,21 +38,18 @@ def pose(bodies: Bodies, f: int, between: Between, other: Floats) -> int:
         a, b, c, d = other[CORNER, i], other[CORNER + 1, i], other[CORNER + 2, i], other[3, i]
         other[LOWEST, i] = min(min(a, b), min(c, d))
         other[HIGHEST, i] = max(max(a, b), max(c, d))
-    planes = TRIANGLE if is_triangle else TETRAHEDRON
-    for k in range(planes):
-        of, sign = (0, 1.0 - 2.0 * k) if is_triangle else (k, 1.0)
+    for k in range(PLANES):
         normal = rotate(
-            R, (bodies.planes[f, of, 0], bodies.planes[f, of, 1], bodies.planes[f, of, 2])
+            R, (bodies.planes[f, k, 0], bodies.planes[f, k, 1], bodies.planes[f, k, 2])
         )
         for i in range(3):
-            other[PLANE + k, i] = sign * normal[i]
-        other[PLANE + k, 3] = sign * (bodies.planes[f, of, 3] + dot(normal, p))
+            other[PLANE + k, i] = normal[i]
+        other[PLANE + k, 3] = bodies.planes[f, k, 3] + dot(normal, p)
     h = rotate(R, vector_in(bodies.fields, f))
     for i in range(3):
         other[FIELD, i] = h[i]
     other[FIELD, 3] = bodies.fields[f, 3] - dot(h, p)
     other[LENGTH, 0] = bodies.fields[f, 4]
-    return planes
 
 
 @inlined
@@ -68,7 +61,7 @@ def _spread(n: Vector, half: Vector) -> float:
 
 @inlined
 def is_beyond_box(
-    bodies: Bodies, first_node: int, k: int, other: Floats, planes: int, between: Between
+    bodies: Bodies, first_node: int, k: int, other: Floats, between: Between
 ) -> bool:
     """Tell whether no element under node k of the first body, whose nodes begin there, meets it.
 
@@ -82,12 +75,10 @@ def is_beyond_box(
             return True
         if middle[i] - other[HIGHEST, i] > half[i] + near:
             return True
-    for i in range(planes):
+    for i in range(PLANES):
         normal = vector_in(other, PLANE + i)
         if dot(normal, middle) - other[PLANE + i, 3] > _spread(normal, half) + near:
             return True
-    if planes == TRIANGLE:
-        return False
     n = sub(in_node(nodes, row, SLOPE), vector_in(other, FIELD))
     level, spread, steepest = in_node(nodes, row, LEVEL)
     value = dot(n, middle) + (level - other[FIELD, 3])
@@ -105,7 +96,7 @@ def corner_of(other: Floats, k: int) -> Vector:
 @inlined
 def is_beyond(other: Floats, corners: tuple[Vector, Vector, Vector, Vector], near: float) -> bool:
     """Tell whether corners are all farther than ``near`` outside one face of the posed one."""
-    for k in range(TETRAHEDRON):
+    for k in range(PLANES):
         if lowest(vector_in(other, PLANE + k), corners) > other[PLANE + k, 3] + near:
             return True
     return False

@@ -16,11 +16,12 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Bodies,
     Indices,
     Scratch,
+    first_in_leaf,
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled
 from drake_geom_ros.geometry._contact_surfaces.elements import height_above_face
 from drake_geom_ros.geometry._contact_surfaces.tolerances import WITHIN
-from drake_geom_ros.geometry._contact_surfaces.walks import box_of, first_in_leaf
+from drake_geom_ros.geometry._contact_surfaces.walks import box_of
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import solid_angle
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,

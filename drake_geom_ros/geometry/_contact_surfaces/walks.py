@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
-    ELEMENTS,
-    FIRST_ELEMENT,
     FIRST_NODE,
     HALF,
+    KIND,
     LEAVES,
     MIDDLE,
     NODE,
+    SURFACE,
     Between,
     Bodies,
     Floats,
     Scratch,
     Surfaces,
+    first_in_leaf,
     in_node,
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._contact_surfaces.elements import meet
 from drake_geom_ros.geometry._contact_surfaces.half_spaces import meet_half_space
 from drake_geom_ros.geometry._contact_surfaces.posed import is_beyond_box, pose
+from drake_geom_ros.geometry._contact_surfaces.triangles import meet_triangle
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     dot,
@@ -79,14 +81,6 @@ def _size(bodies: Bodies, body: int, k: int) -> float:
     return half[0] + half[1] + half[2]
 
 
-@inlined
-def first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
-    """Return the first element of a leaf; that of the next one is behind its last."""
-    table = bodies.table
-    first: int = table[body, FIRST_ELEMENT] + leaf * table[body, ELEMENTS] // table[body, LEAVES]
-    return first
-
-
 @compiled
 def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> None:
     """Put out where the tetrahedra of the first body meet the elements of the second.
@@ -96,6 +90,7 @@ def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surface
     """
     a, b, stack = between.a, between.b, scratch.stack
     last_a, last_b = bodies.table[a, LEAVES] - 1, bodies.table[b, LEAVES] - 1
+    is_surface = bodies.table[b, KIND] == SURFACE
     stack[0] = stack[1] = 0
     top = 2
     while top > 0:
@@ -107,8 +102,11 @@ def meet_bodies(bodies: Bodies, between: Between, scratch: Scratch, out: Surface
             for f in range(
                 first_in_leaf(bodies, b, j - last_b), first_in_leaf(bodies, b, j - last_b + 1)
             ):
-                planes = pose(bodies, f, between, scratch.other)
-                _meet_one(bodies, i, f, planes, between, scratch, top, out)
+                if is_surface:
+                    meet_triangle(bodies, i, f, between, scratch, top, out)
+                else:
+                    pose(bodies, f, between, scratch.other)
+                    _meet_one(bodies, i, f, between, scratch, top, out)
             continue
         split_a = i < last_a and _size(bodies, a, i) >= SECOND_FIRST * _size(bodies, b, j)
         for k in (2, 1):
@@ -122,7 +120,6 @@ def _meet_one(
     bodies: Bodies,
     i: int,
     f: int,
-    planes: int,
     between: Between,
     scratch: Scratch,
     bottom: int,
@@ -139,13 +136,13 @@ def _meet_one(
     while top > bottom:
         top -= 1
         k = stack[unsigned(top)]
-        if is_beyond_box(bodies, first_node, k, scratch.other, planes, between):
+        if is_beyond_box(bodies, first_node, k, scratch.other, between):
             continue
         if k >= last:
             for e in range(
                 first_in_leaf(bodies, a, k - last), first_in_leaf(bodies, a, k - last + 1)
             ):
-                meet(bodies, e, f, planes, between, scratch, out)
+                meet(bodies, e, f, between, scratch, out)
             continue
         stack[unsigned(top)], stack[unsigned(top + 1)] = 2 * k + 2, 2 * k + 1
         top += 2

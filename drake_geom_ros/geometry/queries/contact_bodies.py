@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -14,8 +14,8 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     KIND,
     SWALLOWED,
     TURNED,
-    Asked,
     Bodies,
+    Geometries,
 )
 from drake_geom_ros.geometry._contact_surfaces.packing import (
     PackedBody,
@@ -33,6 +33,10 @@ from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
 from drake_geom_ros.geometry.model._model import Model
 
+if TYPE_CHECKING:  # with its kernels
+    from drake_geom_ros.geometry._contact_surfaces.asking import Posed
+
+Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
@@ -78,14 +82,17 @@ class ContactBodies(NamedTuple):
         if (self.body_of < 0).all():
             return
         # Only who may ask for surfaces loads their kernels, and those of solids behind them.
-        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+        from drake_geom_ros.geometry._contact_surfaces.asking import surfaces_of
 
-        none = np.zeros((0, 2), dtype=np.int64)
         n = len(self.ids)
-        surfaces_of(
-            self.bodies,
-            Asked(none, self.ids, self.body_of, np.zeros((n, 3, 3)), np.zeros((n, 3))),
-        )
+        posed = self.posed(np.zeros((n, 3, 3)), np.zeros((n, 3)))
+        surfaces_of(posed, np.zeros((0, 2), dtype=np.int64))
+
+    def posed(self, R_WGs: Floats, p_WGs: Floats) -> Posed:
+        """Return the bodies as geometries with these poses (n, 3, 3), (n, 3), which may change."""
+        from drake_geom_ros.geometry._contact_surfaces.asking import Posed
+
+        return Posed(self.bodies, Geometries(self.ids, self.body_of, R_WGs, p_WGs))
 
     def why_not(self, M: Indices, N: Indices, states: Indices) -> Indices:
         """Return why pairs (k,) that overlap have no surface: values of NoSurface.

@@ -8,10 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
-    LEFT,
     UNABLE,
-    Asked,
-    Surfaces,
 )
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
@@ -27,6 +24,9 @@ from drake_geom_ros.geometry.queries.contact_surfaces import (
 from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
+
+if TYPE_CHECKING:  # with its kernels
+    from drake_geom_ros.geometry._contact_surfaces.asking import Answer
 
 Indices = NDArray[np.int64]
 
@@ -44,7 +44,7 @@ class _Found(NamedTuple):
 
     all_ids: Indices
     pairs: Indices
-    out: Surfaces
+    answer: Answer
     surfaces: ContactSurfaceResults
 
     @property
@@ -129,8 +129,10 @@ class ContactQueries:
 
         These are the pairs for which ``ComputeContactSurfaces`` raises.
         """
-        contacts = self.contacts(representation)
-        return contacts.surfaces, list(contacts.others)
+        found = self._found(representation)
+        if not found.answer.left:
+            return found.surfaces, []
+        return found.surfaces, list(self._with_others(found, None).others)
 
     def contacts(
         self,
@@ -144,13 +146,17 @@ class ContactQueries:
         ``overlaps`` are those of ComputePointPairPenetration, where these are known already.
         """
         found = self._found(representation)
-        if not found.out.counts[LEFT]:
+        if not found.answer.left:
             none = np.zeros(0, dtype=np.int64)
             return Contacts(found.surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
+        return self._with_others(found, overlaps)
+
+    def _with_others(self, found: _Found, overlaps: PenetrationResults | None) -> Contacts:
+        """Return what was found, and the pairs that overlap without a surface."""
         if overlaps is None:
             overlaps = self.ComputePointPairPenetration()
         bodies = self._state.contact_bodies()
-        others = without_surface(bodies, found.ids, found.out.states, overlaps)
+        others = without_surface(bodies, found.ids, found.answer.states, overlaps)
         return Contacts(found.surfaces, *others)
 
     def hydroelastic_geometries(self) -> Indices:
@@ -171,9 +177,9 @@ class ContactQueries:
         ``ComputeContactSurfaces``.
         """
         found = self._found(representation)
-        if found.out.counts[LEFT] and (overlap := found.out.states > UNABLE).any():
+        if found.answer.left and (overlap := found.answer.states > UNABLE).any():
             at = int(np.argmax(overlap))
-            (reason,) = self._reasons(found.ids[at : at + 1], found.out.states[at : at + 1])
+            (reason,) = self._reasons(found.ids[at : at + 1], found.answer.states[at : at + 1])
             raise self._refusal('contact_surfaces', found.ids[at], int(reason))
         return found.surfaces
 
@@ -194,11 +200,10 @@ class ContactQueries:
     def _found(self, representation: HydroelasticContactRepresentation) -> _Found:
         """Return the surfaces of all candidates, and which of them can have none."""
         # Only who asks for surfaces loads their kernels, and those of solids behind them.
-        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+        from drake_geom_ros.geometry._contact_surfaces.asking import surfaces_of
 
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
         world, pairs = self._candidates()
-        bodies: ContactBodies = self._state.contact_bodies()
-        ids, body_of = bodies.ids, bodies.body_of
-        out = surfaces_of(bodies.bodies, Asked(pairs, ids, body_of, world.R_WGs, world.p_WGs))
-        return _Found(ids, pairs, out, ContactSurfaceResults(out, representation))
+        answer = surfaces_of(self._state.posed_bodies(world), pairs)
+        surfaces = ContactSurfaceResults(answer, representation)
+        return _Found(world.geometries.ids, pairs, answer, surfaces)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import NamedTuple, overload
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     FACE_AREA,
     FIRST_MOMENT,
     FORCE,
+    FOUND,
     GRAD_M,
     GRAD_N,
     ID_M,
@@ -35,6 +36,9 @@ from drake_geom_ros.geometry.meshes.surface_fields import (
     TriangleSurfaceMeshFieldLinear,
 )
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+
+if TYPE_CHECKING:  # with its kernels
+    from drake_geom_ros.geometry._contact_surfaces.asking import Answer
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -272,13 +276,21 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
     written to.
     """
 
-    def __init__(
-        self, surfaces: Surfaces, representation: HydroelasticContactRepresentation
-    ) -> None:
-        for array in surfaces:
-            array.setflags(write=False)
-        self._surfaces, self._representation = surfaces, representation
-        self._found, self._sums = surfaces.found, surfaces.sums
+    def __init__(self, answer: Answer, representation: HydroelasticContactRepresentation) -> None:
+        self._answer, self._representation = answer, representation
+
+    @cached_property
+    def _surfaces(self) -> Surfaces:
+        """The arrays; many ask for one surface, or for their number, alone."""
+        return self._answer.surfaces()
+
+    @property
+    def _found(self) -> Indices:
+        return self._surfaces.found
+
+    @property
+    def _sums(self) -> Floats:
+        return self._surfaces.sums
 
     @property
     def areas(self) -> Floats:
@@ -346,7 +358,7 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         return self._surfaces.points, self._surfaces.pressures, self._surfaces.ends
 
     def __len__(self) -> int:
-        return len(self._found)
+        return self._answer.counts[FOUND]
 
     @overload
     def __getitem__(self, index: int) -> ContactSurface: ...

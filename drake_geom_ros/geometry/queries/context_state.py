@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from copy import copy
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, En
 from drake_geom_ros.geometry._proximity.engine.prepared import Prepared
 from drake_geom_ros.geometry._proximity.engine.waiting import count_waiting_pairs
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.model._model import Model
@@ -21,6 +22,9 @@ from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
 from drake_geom_ros.geometry.queries.prepared_motions import PreparedMotions
+
+if TYPE_CHECKING:  # with its kernels
+    from drake_geom_ros.geometry._contact_surfaces.asking import Posed
 
 _State = TypeVar('_State', bound='ContextState')
 _MOST_USUAL = 16  # queries that are usual: distances may come without end
@@ -38,6 +42,17 @@ class _KnownPaddings(NamedTuple):
 
     version: int | None
     paddings: Paddings | None
+
+
+class _PosedBodies(NamedTuple):
+    """Bodies of contact surfaces as geometries of a world, of which this is the handle."""
+
+    bodies: ContactBodies | None
+    world: Handle
+    posed: Any
+
+
+_NO_POSED_BODIES = _PosedBodies(None, None, None)
 
 
 class ContextState(PosedScene):
@@ -60,6 +75,7 @@ class ContextState(PosedScene):
         self._padded = _KnownPaddings(None, None)
         self._waiting_pairs = _WaitingPairs(None, 0)
         self._contact_bodies: ContactBodies | None = None
+        self._posed_bodies = _NO_POSED_BODIES
         super().__init__(model, filters, partial)
 
     def copy(self: _State) -> _State:
@@ -94,7 +110,11 @@ class ContextState(PosedScene):
         return other
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, '_usual': {}}  # the arrays of a copy are elsewhere
+        return {
+            **self.__dict__,
+            '_usual': {},
+            '_posed_bodies': _NO_POSED_BODIES,
+        }  # the arrays of a copy are elsewhere
 
     def set_accuracy(self, accuracy: str) -> None:
         """Set the accuracy of queries that name none; raises ArgumentError for what is none."""
@@ -147,6 +167,16 @@ class ContextState(PosedScene):
         ids = self.up_to_date_world().geometries.ids
         self._contact_bodies = contact_bodies(self.model, ids, self._contact_bodies)
         return self._contact_bodies
+
+    def posed_bodies(self, world: World) -> Posed:
+        """Return these bodies as the geometries of a world, where they are."""
+        known, bodies = self._posed_bodies, self.contact_bodies()
+        # A world that is another one, or a copy, has arrays, and a handle, of its own.
+        if known.bodies is not bodies or known.world is not world.handle:
+            posed = bodies.posed(world.R_WGs, world.p_WGs)
+            known = self._posed_bodies = _PosedBodies(bodies, world.handle, posed)
+        posed_bodies: Posed = known.posed
+        return posed_bodies
 
     def count_waiting_pairs(self) -> int:
         """Return how many unfiltered pairs have a geometry without a place."""

@@ -256,7 +256,8 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         """Return the world, brought up to date, and FindCollisionCandidates by places in it."""
         state = self._state
         reach = paddings.of_pair if (paddings := state.paddings()) else 0.0
-        query = state.query(('candidates', reach), 'bound', reach, False, CANDIDATES)
+        # Whatever the level is; that of the context is kept prepared.
+        query = state.query(('candidates', reach), None, reach, False, CANDIDATES)
         return query.world, state.engine.candidates_of(query)
 
     def ComputeSignedDistanceToPoint(

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.arrays import LEFT, Asked, Bodies
+from drake_geom_ros.geometry._contact_surfaces.arrays import Bodies
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import Named, World
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
@@ -33,6 +33,7 @@ class StateContacts:
         self._world = world
         self._named = Named(world.frames.ids[rows], rows)
         self._bodies = ContactBodies(0, np.arange(len(body_of)), body_of, bodies)
+        self._posed = self._bodies.posed(world.R_WGs, world.p_WGs)
 
     def of(
         self, pose: Floats, pairs: Indices, overlaps: Callable[[], PenetrationResults]
@@ -41,17 +42,16 @@ class StateContacts:
 
         ``overlaps`` are asked for where a pair may be without a surface.
         """
-        from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+        from drake_geom_ros.geometry._contact_surfaces.asking import surfaces_of
 
         world, bodies = self._world, self._bodies
         _, X_PFs = arrays_of(FramePoseVector.FromArrays(self._named.ids + 1, pose))
         world.pose(self._named, X_PFs)
         world.update()
         pairs = np.sort(pairs, axis=1)
-        asked = Asked(pairs, bodies.ids, bodies.body_of, world.R_WGs, world.p_WGs)
-        out = surfaces_of(bodies.bodies, asked)
-        surfaces = ContactSurfaceResults(out, HydroelasticContactRepresentation.kPolygon)
-        if not out.counts[LEFT]:
+        answer = surfaces_of(self._posed, pairs)
+        surfaces = ContactSurfaceResults(answer, HydroelasticContactRepresentation.kPolygon)
+        if not answer.left:
             none = np.zeros(0, dtype=np.int64)
             return Contacts(surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
-        return Contacts(surfaces, *without_surface(bodies, pairs, out.states, overlaps()))
+        return Contacts(surfaces, *without_surface(bodies, pairs, answer.states, overlaps()))

@@ -18,9 +18,9 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     PRESSES,
     PRESSURE,
     SWALLOWED,
-    Asked,
+    Geometries,
 )
-from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of
+from drake_geom_ros.geometry._contact_surfaces.asking import Posed, surfaces_of
 from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES
 from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
 
@@ -92,7 +92,8 @@ def test_on_its_meshes_it_is_the_same_face_by_face():
         )
         Rs, ps = (np.array([pose[k] for pose in poses]) for k in (0, 1))
         rows = np.arange(2)
-        out = surfaces_of(packed, Asked(np.array([[0, 1]]), rows, rows, Rs, ps))
+        posed = Posed(packed, Geometries(rows, rows, Rs, ps))
+        out = surfaces_of(posed, np.array([[0, 1]])).surfaces()
         assert bool(expected) == (out.states[0] == PRESSES) == bool(len(out.found))
         swallowed += bool(out.states[0] == SWALLOWED)
         for surface in expected:

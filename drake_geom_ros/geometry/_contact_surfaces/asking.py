@@ -1,0 +1,136 @@
+"""Asking for the surfaces of pairs, and what comes out: one array, shown as many."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    COUNTS,
+    FACE,
+    RECORD,
+    SUMS,
+    Bodies,
+    Floats,
+    Geometries,
+    Hands,
+    Indices,
+    Scratch,
+    Surfaces,
+)
+from drake_geom_ros.geometry._contact_surfaces.clipping import COLUMNS, ROWS
+from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of_pairs
+from drake_geom_ros.geometry._contact_surfaces.posed import OTHER
+from drake_geom_ros.geometry._contact_surfaces.triangles import MOST_TOGETHER
+from drake_geom_ros.geometry._contact_surfaces.walks import DEEPEST
+from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
+
+FIRST_POLYGONS = 512  # there is room for, and for CORNERS_EACH corners of each
+_CORNERS_EACH = 5
+_OF_PAIR = SUMS + RECORD + 1  # numbers of each pair that was asked about
+_empty = np.empty
+
+
+class Posed:
+    """Bodies, and the geometries that they are, to be asked about many times."""
+
+    __slots__ = ('_kept', 'hands')
+
+    def __init__(self, bodies: Bodies, geometries: Geometries) -> None:
+        """Have bodies and geometries, whose poses may be written to between questions."""
+        hands = Hands(handle_of(bodies), handle_of(geometries))
+        self._kept, self.hands = (bodies, geometries, hands), handle_of(hands)
+
+
+class Answer(NamedTuple):
+    """The surfaces of pairs; what there is room for comes before what there is of it.
+
+    ``store`` has what is told of each pair: ``sums``, ``found``, ``states``; of each polygon:
+    ``faces``, ``ends``; of each corner: ``points``, ``pressures``. See ``Surfaces``.
+    """
+
+    store: Floats  # one array, for to make one takes as long as many polygons
+    pairs: int
+    room: tuple[int, int]  # polygons, corners
+    counts: tuple[int, int, int, int]  # polygons, corners, surfaces, pairs that are UNABLE or more
+
+    @property
+    def left(self) -> int:
+        """How many pairs have no surface, and overlap or may."""
+        return self.counts[3]
+
+    @property
+    def states(self) -> Indices:
+        """What there is of each pair (k,)."""
+        end = _OF_PAIR * self.pairs
+        return self.store[end - self.pairs : end].view(np.int64)
+
+    def surfaces(self) -> Surfaces:
+        """Return the arrays, not to be written to."""
+        store, (most_faces, most_corners) = self.store, self.room
+        faces, corners, found, _left = self.counts
+        at = _OF_PAIR * self.pairs
+        at_ends, at_points = at + FACE * most_faces, at + (FACE + 1) * most_faces
+        at_found = SUMS * self.pairs
+        records = store[at_found : at_found + RECORD * found].view(np.int64)
+        pressures = len(store) - most_corners
+        return Surfaces(
+            points=store[at_points : at_points + 3 * corners].reshape(corners, 3),
+            pressures=store[pressures : pressures + corners],
+            ends=store[at_ends : at_ends + faces].view(np.int64),
+            faces=store[at : at + FACE * faces].reshape(faces, FACE),
+            sums=store[: SUMS * found].reshape(found, SUMS),
+            found=records.reshape(found, RECORD),
+            states=self.states,
+            counts=np.array(self.counts),
+        )
+
+
+class _Room:
+    """Room to compute in, for whoever asks next: to make it anew takes as long as a small surface.
+
+    And how large the next answer may be: that of a scene is often as large as its last one.
+    """
+
+    def __init__(self) -> None:
+        self._scratch = Scratch(
+            np.empty((ROWS, COLUMNS)),
+            np.empty(2 * DEEPEST, dtype=np.int64),
+            np.empty((3, 3)),
+            np.empty((OTHER, 4)),
+            np.empty(2 * MOST_TOGETHER, dtype=np.int64),
+            np.empty(COUNTS, dtype=np.int64),
+        )
+        self.handle = handle_of(self._scratch)
+        self.faces, self.corners = FIRST_POLYGONS, _CORNERS_EACH * FIRST_POLYGONS
+
+    def expect(self, faces: int, corners: int) -> None:
+        """Have room for as many and half as many more, from now on."""
+        least = FIRST_POLYGONS
+        self.faces = max(least, faces + faces // 2)
+        self.corners = max(_CORNERS_EACH * least, corners + corners // 2)
+
+
+ROOMS: list[_Room] = []
+
+
+def surfaces_of(posed: Posed, pairs: Indices) -> Answer:
+    """Return the surfaces of pairs (k, 2) of places of geometries; the lower one is M."""
+    try:
+        room = ROOMS.pop()  # each thread takes another one
+    except IndexError:
+        room = _Room()
+    count = len(pairs)
+    while True:
+        most = room.faces, room.corners
+        store = _empty(_OF_PAIR * count + (FACE + 1) * most[0] + 4 * most[1])
+        counts = surfaces_of_pairs(posed.hands, room.handle, pairs, store, *most)
+        is_whole = counts[0] <= most[0] and counts[1] <= most[1]
+        if not is_whole or 4 * counts[0] < most[0] > FIRST_POLYGONS:
+            room.expect(counts[0], counts[1])
+        if is_whole:
+            break
+    ROOMS.append(room)
+    store.setflags(False)  # type: ignore[call-arg]
+    return Answer(store, count, most, counts)
