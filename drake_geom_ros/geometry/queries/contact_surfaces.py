@@ -285,10 +285,6 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         return self._answer.surfaces()
 
     @property
-    def _found(self) -> Indices:
-        return self._surfaces.found
-
-    @property
     def _sums(self) -> Floats:
         return self._surfaces.sums
 
@@ -310,17 +306,17 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
     @property
     def id_M(self) -> Indices:
         """The values (k,) of the lower ids."""
-        return self._found[:, ID_M]
+        return self._surfaces.found[:, ID_M]
 
     @property
     def id_N(self) -> Indices:
         """The values (k,) of the higher ids."""
-        return self._found[:, ID_N]
+        return self._surfaces.found[:, ID_N]
 
     @cached_property
     def face_offsets(self) -> Indices:
         """Where the polygons of each surface begin, and those of the last end (k + 1,)."""
-        offsets = np.concatenate(([0], self._found[:, LAST]))
+        offsets = np.concatenate(([0], self._surfaces.found[:, LAST]))
         offsets.setflags(write=False)
         return offsets
 
@@ -370,8 +366,8 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         if not -len(self) <= index < len(self):
             raise IndexError(f'surface {index} of {len(self)} was asked for')
         k = index % len(self)
-        id_M, id_N, m, n, last = self._found[k].tolist()
-        first = int(self._found[k - 1, LAST]) if k else 0
+        id_M, id_N, m, n, last = self._surfaces.found[k].tolist()
+        first = int(self._surfaces.found[k - 1, LAST]) if k else 0
         faces = slice(first, last)
         return ContactSurface(
             (id_M, id_N),
