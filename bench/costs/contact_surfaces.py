@@ -4,7 +4,8 @@
 
 A rigid can between two pads, and 20 soft bodies in a heap, some deep within each other: the same
 shapes, poses and resolution hints. Before each question all bodies move a little, up to 10 mm in
-the heap, and 10 ms go by. Polygons; milliseconds, without the setting of poses.
+the heap, and 10 ms go by, as in a robot, or none. Polygons; milliseconds, without the setting of
+poses.
 """
 
 import importlib
@@ -15,7 +16,8 @@ import numpy as np
 
 from bench.evidence.bodies.random_bodies import random_rotation
 
-ROUNDS = 60
+ROUNDS = 100
+PAUSES = 0.0, 0.01  # [s]
 RIGID = 0.0
 CAN = [
     ('Cylinder', (0.033, 0.12), 0.002, RIGID),
@@ -74,38 +76,46 @@ class Side:
         self.port = self.scene.get_source_pose_port(source)
         self.query = self.scene.get_query_output_port().Eval(self.context)
 
-    def asked(self, poses):
-        """Return the milliseconds of one answer, its surfaces and its polygons."""
+    def asked(self, poses, pause):
+        """Return the milliseconds of one answer after a pause, its surfaces and its polygons."""
         vector = self.vector()
         for frame, (R, p) in zip(self.frames, poses, strict=True):
             pose = self.math.RigidTransform(self.math.RotationMatrix(R), p)
             vector.set_value(frame, pose)
         self.port.FixValue(self.context, vector)
-        time.sleep(0.01)
+        if pause:
+            time.sleep(pause)
         start = time.perf_counter()
         surfaces, _points = self.query.ComputeContactSurfacesWithFallback(self.polygons)
         took = 1e3 * (time.perf_counter() - start)
         return took, len(surfaces), sum(surface.num_faces() for surface in surfaces)
 
 
+def compare(name, bodies, posed, pause):
+    """Ask both packages in turns, and tell."""
+    sides = {package: Side(package, bodies) for package in ('drake_geom_ros', 'pydrake')}
+    random, times = np.random.default_rng(42), {package: [] for package in sides}
+    for number in range(ROUNDS + 1):
+        poses = list(posed(random))
+        for package, side in sides.items():
+            took, *counts = side.asked(poses, pause)
+            if number:  # the first may compile
+                times[package].append(took)
+            if number == ROUNDS:
+                all_of = np.array(times[package])
+                at = np.median(all_of), all_of.mean(), np.percentile(all_of, 99)
+                print(f'{name}, {package}: {counts}; ' + ', '.join(f'{t:.2f}' for t in at))
+    ours, theirs = (np.array(times[package]) for package in sides)
+    medians, means = np.median(theirs) / np.median(ours), theirs.mean() / ours.mean()
+    print(f'{name}: pydrake takes {medians:.2f} times as long (medians), {means:.2f} (means)')
+
+
 def main():
     logging.getLogger('drake').setLevel(logging.ERROR)
     print('scene, package: surfaces, polygons; median, mean, p99 [ms]')
     for name, bodies, posed in (('can', CAN, can_poses), ('heap', HEAP, heap_poses)):
-        sides = {package: Side(package, bodies) for package in ('drake_geom_ros', 'pydrake')}
-        random, times = np.random.default_rng(42), {package: [] for package in sides}
-        for number in range(ROUNDS + 1):
-            poses = list(posed(random))
-            for package, side in sides.items():
-                took, *counts = side.asked(poses)
-                if number:  # the first may compile
-                    times[package].append(took)
-                if number == ROUNDS:
-                    all_of = np.array(times[package])
-                    at = np.median(all_of), all_of.mean(), np.percentile(all_of, 99)
-                    print(f'{name}, {package}: {counts}; ' + ', '.join(f'{t:.2f}' for t in at))
-        ours, theirs = (np.median(times[package]) for package in sides)
-        print(f'{name}: pydrake takes {theirs / ours:.2f} times as long (medians)')
+        for pause in PAUSES:
+            compare(f'{name}, after {1e3 * pause:.0f} ms', bodies, posed, pause)
 
 
 if __name__ == '__main__':
