@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Sequence
 
-from drake_geom_ros.ros.inputs.obstacles import INPUTS, OCTOMAP, SELF_FILTERS
+from drake_geom_ros.ros.inputs.obstacle_records import INPUTS, OCTOMAP, SELF_FILTERS
 
 
 def refusal_of_obstacles(names: Sequence[str], self_filter: str, box: Sequence[float]) -> str:

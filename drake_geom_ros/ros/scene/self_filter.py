@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import (
+    ArgumentError,
     FrameId,
     FramePoseVector,
     GeometryFrame,
     GeometryId,
     GeometryInstance,
     HalfSpace,
+    ProximityProperties,
     QueryObject,
     Role,
     SceneGraph,
     SceneGraphInspector,
+    Shape,
     SourceId,
 )
+from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
 from drake_geom_ros.sensed_maps.passes import Cubes, find_in_cubes
 
@@ -30,65 +35,49 @@ _CUBE, _MOST_CUBES = 0.1, 100  # [m] edge of a cube, and how many there are alon
 _ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
 
 
-class _Balls:
-    """The balls around bodies, each in its frame: frame, centre (3,) [m], radius [m]."""
+class Body(NamedTuple):
+    """A geometry that points are left out on: what it is, in the frame of so many of ``Bodies``."""
 
-    def __init__(self, balls: Sequence[tuple[FrameId, Floats, float]]) -> None:
-        frames = [frame.get_value() for frame, _, _ in balls]
-        self._frames, self._rows = np.unique(np.array(frames, np.int64), return_inverse=True)
-        self._p_FCs = np.array([p_FC for _, p_FC, _ in balls])
-        self.radii = np.array([radius for _, _, radius in balls])
-
-    def centres(self, query: QueryObject) -> Floats:
-        """Return where the centres (n, 3) [m] are in the world of a query."""
-        R_WFs, p_WFs, _ = query.X_WFs(self._frames)
-        turned = R_WFs[self._rows] @ self._p_FCs[..., np.newaxis]
-        return np.asarray(turned[..., 0] + p_WFs[self._rows])
+    shape: Shape
+    properties: ProximityProperties
+    X_FG: RigidTransform
+    frame: int
+    centre: Floats  # (3,) [m] in F, of a ball around it with its padding
+    radius: float  # [m]
 
 
-class SelfFilter:
-    """A scene of its own of the bodies that are to be left out, posed as they were then.
+class Bodies(NamedTuple):
+    """Bodies, and the ids of the frames that they are on."""
 
-    The live scene's would measure each point against the map that it made before, too.
-    """
+    bodies: list[Body]
+    frames: NDArray[np.int64]
+
+
+class BodiesThen(NamedTuple):
+    """Bodies where they were; the same ones have the same number."""
+
+    number: int
+    bodies: Bodies | None  # None: whoever is told has had them
+    R_WFs: Floats  # (f, 3, 3) of their frames
+    p_WFs: Floats  # (f, 3) [m]
+
+
+class KnownBodies:
+    """Describes bodies once for as long as they are what they are."""
 
     def __init__(self) -> None:
         self._key: tuple[object, ...] = ()
-        self._frames: dict[FrameId, FrameId] = {}  # from the live scene's to its own
-        self._graph = SceneGraph()
-        self._balls = _Balls([])
+        self._number = 0
+        self._bodies = Bodies([], np.zeros(0, dtype=np.int64))
+        self._shapes: list[Shape] = []
 
-    def near(
-        self,
-        query: QueryObject,
-        geometries: Sequence[GeometryId],
-        p_WQs: Floats,
-        padding: float,
-    ) -> Flags:
-        """Return which points (n, 3) [m] are no farther than ``padding`` [m] from geometries.
-
-        ``query`` sees these where they were when the points were measured. Points in them are.
-        """
-        is_near = np.zeros(len(p_WQs), dtype=np.bool_)
-        if not geometries or not len(p_WQs):
-            return is_near
+    def then(self, query: QueryObject, geometries: Sequence[GeometryId]) -> BodiesThen:
+        """Return bodies where a query sees them; their number is another where they changed."""
         self._know(query, geometries)
-        numbers = self._may_be_near(query, p_WQs, padding)
-        if not len(numbers):
-            return is_near
-        context = self._graph.CreateDefaultContext()
-        there = FramePoseVector({own: query.X_WF(frame) for frame, own in self._frames.items()})
-        context.UpdateFramePoses(there)
-        bodies = self._graph.get_query_output_port().Eval(context)
-        step = max(1, ROWS_AT_ONCE // len(geometries))
-        for k in range(0, len(numbers), step):
-            block = numbers[k : k + step]
-            found = bodies.ComputeSignedDistanceToPoint(p_WQs[block], padding)
-            is_near[block[found.point_index]] = True
-        return is_near
+        R_WFs, p_WFs, _ = query.X_WFs(self._bodies.frames)
+        return BodiesThen(self._number, self._bodies, np.array(R_WFs), np.array(p_WFs))
 
     def _know(self, query: QueryObject, geometries: Sequence[GeometryId]) -> None:
-        """Make the scene anew where bodies came, went or changed."""
         inspector = query.inspector()
         shapes = [inspector.GetShape(geometry) for geometry in geometries]
         poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
@@ -98,26 +87,75 @@ class SelfFilter:
         key = (*geometries, *map(id, shapes), *frames, *larger, *arrays)
         if key == self._key:
             return
-        graph = SceneGraph()
-        source = graph.RegisterSource('bodies')
-        own: dict[FrameId, FrameId] = {}
-        balls = []
-        for k, (geometry, X_FG, frame) in enumerate(zip(geometries, poses, frames, strict=True)):
-            if frame not in own:
-                own[frame] = graph.RegisterFrame(source, GeometryFrame(f'{len(own)}'))
-            instance = GeometryInstance(X_FG, shapes[k], f'{k}')
+        rows: dict[FrameId, int] = {}
+        bodies = []
+        for shape, X_FG, frame, geometry in zip(shapes, poses, frames, geometries, strict=True):
             properties = inspector.GetProximityProperties(geometry)
             assert properties is not None, 'only bodies that queries see are asked for'
-            instance.set_proximity_properties(properties)
-            graph.RegisterGeometry(source, own[frame], instance)
-            balls.append(_ball(query, geometry, frame))
-        self._graph, self._frames, self._balls, self._key = graph, own, _Balls(balls), key
+            row = rows.setdefault(frame, len(rows))
+            ball = _ball(query, geometry)
+            bodies.append(Body(shape, properties, X_FG, row, *ball))
+        values = np.array([frame.get_value() for frame in rows], dtype=np.int64)
+        self._bodies, self._key, self._number = Bodies(bodies, values), key, self._number + 1
         self._shapes = shapes  # lest another one gets the address of one that is gone
 
-    def _may_be_near(self, query: QueryObject, p_WQs: Floats, padding: float) -> Indices:
+
+class SelfFilter:
+    """A scene of its own of the bodies that are to be left out, posed as they were then.
+
+    The live scene's would measure each point against the map that it made before, too.
+    """
+
+    def __init__(self) -> None:
+        self.number = 0  # of the bodies that it has
+        self._frames: list[FrameId] = []  # its own
+        self._graph = SceneGraph()
+        self._bodies: list[Body] = []
+
+    def near(self, there: BodiesThen, p_WQs: Floats, padding: float) -> Flags:
+        """Return which points (n, 3) [m] are no farther than ``padding`` [m] from bodies.
+
+        These are where they were when the points were measured. Points in them are near.
+        """
+        is_near = np.zeros(len(p_WQs), dtype=np.bool_)
+        if there.number != self.number:
+            if there.bodies is None:
+                raise ArgumentError('the bodies on which points are left out were not told')
+            self._stand(there.number, there.bodies.bodies, len(there.bodies.frames))
+        if not self._bodies or not len(p_WQs):
+            return is_near
+        numbers = self._may_be_near(there, p_WQs, padding)
+        if not len(numbers):
+            return is_near
+        context = self._graph.CreateDefaultContext()
+        rows = zip(self._frames, there.R_WFs, there.p_WFs, strict=True)
+        poses = {frame: RigidTransform(RotationMatrix(R), p) for frame, R, p in rows}
+        context.UpdateFramePoses(FramePoseVector(poses))
+        bodies = self._graph.get_query_output_port().Eval(context)
+        step = max(1, ROWS_AT_ONCE // len(self._bodies))
+        for k in range(0, len(numbers), step):
+            block = numbers[k : k + step]
+            found = bodies.ComputeSignedDistanceToPoint(p_WQs[block], padding)
+            is_near[block[found.point_index]] = True
+        return is_near
+
+    def _stand(self, number: int, bodies: list[Body], frames: int) -> None:
+        """Make the scene anew."""
+        graph = SceneGraph()
+        source = graph.RegisterSource('bodies')
+        own = [graph.RegisterFrame(source, GeometryFrame(f'{k}')) for k in range(frames)]
+        for k, body in enumerate(bodies):
+            instance = GeometryInstance(body.X_FG, body.shape, f'{k}')
+            instance.set_proximity_properties(body.properties)
+            graph.RegisterGeometry(source, own[body.frame], instance)
+        self._graph, self._frames, self._bodies, self.number = graph, own, bodies, number
+
+    def _may_be_near(self, there: BodiesThen, p_WQs: Floats, padding: float) -> Indices:
         """Return which points may be near: those in cubes that balls of bodies reach into."""
-        centres = self._balls.centres(query)
-        reach = self._balls.radii[:, np.newaxis] + padding
+        rows = [body.frame for body in self._bodies]
+        p_FCs = np.array([body.centre for body in self._bodies])
+        centres = (there.R_WFs[rows] @ p_FCs[..., np.newaxis])[..., 0] + there.p_WFs[rows]
+        reach = np.array([body.radius for body in self._bodies])[:, np.newaxis] + padding
         low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
         if not np.isfinite(high - low).all():
             return np.arange(len(p_WQs))
@@ -135,20 +173,18 @@ def _cubes(p_WPs: Floats, low: Floats, edge: float) -> NDArray[np.int64]:
     return np.asarray(np.floor((p_WPs - low) / edge), dtype=np.int64)
 
 
-def _ball(
-    query: QueryObject, geometry: GeometryId, frame: FrameId
-) -> tuple[FrameId, Floats, float]:
+def _ball(query: QueryObject, geometry: GeometryId) -> tuple[Floats, float]:
     """Return the ball of a geometry with its padding, in its frame: centre and radius [m]."""
     inspector = query.inspector()
     shape = inspector.GetShape(geometry)
     if isinstance(shape, HalfSpace):
-        return frame, np.zeros(3), np.inf
+        return np.zeros(3), np.inf
     obb = inspector.GetObbInGeometryFrame(geometry)
     if obb is None:
-        return frame, np.zeros(3), np.inf
+        return np.zeros(3), np.inf
     X_FB = inspector.GetPoseInFrame(geometry) @ obb.pose()
     radius = float(np.linalg.norm(obb.half_width())) + _padding(inspector, geometry)
-    return frame, np.array(X_FB.translation()), _ROOM * radius
+    return np.array(X_FB.translation()), _ROOM * radius
 
 
 def _padding(inspector: SceneGraphInspector, geometry: GeometryId) -> float:

@@ -9,7 +9,9 @@ from ros.live_scenes import Clock, live_scene
 
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
-from drake_geom_ros.ros.inputs.obstacles import ObstacleInput, ObstacleSettings
+from drake_geom_ros.ros.inputs.obstacle_records import ObstacleSettings
+from drake_geom_ros.ros.inputs.obstacles import ObstacleInput
+from drake_geom_ros.ros.inputs.point_taker import PointTaker
 from drake_geom_ros.ros.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.map_sources import MapSources
@@ -46,6 +48,7 @@ class Node:
         self.input = ObstacleInput(
             name, self.live, lambda: self.settings, frames, self._note_change
         )
+        self.taker = PointTaker(self.input)
         self.live.map_sources = MapSources({name: self.input})
         with self.live.editing() as held:
             held.history = PoseHistory()

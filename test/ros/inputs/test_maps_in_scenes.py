@@ -82,7 +82,7 @@ def test_only_messages_change_what_is_the_maps():
 def test_a_rule_about_a_map_goes_on_in_the_scene_that_takes_its_place():
     node = Node()
     node.move(100.0, [0, 0, 0])
-    node.input.take_cloud(cloud([[1, 0, 0]]))
+    node.taker.take_cloud(cloud([[1, 0, 0]]))
     rule = ProximityRule('r', ('s::arm',), ('obstacles::points',), enter=0.1, leave=0.2)
     with node.live.editing() as held:
         held.bind_rules()
@@ -99,13 +99,13 @@ def test_a_rule_about_a_map_goes_on_in_the_scene_that_takes_its_place():
 
 def in_between(node, change):
     """Have something happen while the next cloud is taken."""
-    near = node.input._filter.near
+    near = node.taker.filter.near
 
     def changed(*asked):
         change()
         return near(*asked)
 
-    node.input._filter.near = changed
+    node.taker.filter.near = changed
 
 
 def test_a_cloud_of_the_old_scene_is_not_put_into_the_new_one():
@@ -121,20 +121,20 @@ def test_a_cloud_of_the_old_scene_is_not_put_into_the_new_one():
 
         in_between(node, another_scene)
         with pytest.raises(RuntimeError, match='while the message was taken'):
-            node.input.take_cloud(cloud([[1, 0, 0]]))
+            node.taker.take_cloud(cloud([[1, 0, 0]]))
         assert node.centres() is None
 
 
 def test_what_was_cleared_while_a_cloud_was_taken_stays_cleared():
     node = Node(self_filter='none', keep=10.0)
-    node.input.take_cloud(cloud([[1, 0, 0]]))
+    node.taker.take_cloud(cloud([[1, 0, 0]]))
     clear = node.live, Plain(map='points'), Plain()
     in_between(node, lambda: obstacles.clear_obstacles(*clear))
     with pytest.raises(RuntimeError, match='cleared'):
-        node.input.take_cloud(cloud([[0, 2, 0]]))
+        node.taker.take_cloud(cloud([[0, 2, 0]]))
     assert node.centres() is None
-    del node.input._filter.near
-    node.input.take_cloud(cloud([[0, 2, 0]]))
+    del node.taker.filter.near
+    node.taker.take_cloud(cloud([[0, 2, 0]]))
     assert len(node.centres()) == 1
 
 
@@ -142,7 +142,7 @@ def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
     """Their ids, ages, filters and rules."""
     node = Node(self_filter='none')
     node.move(100.0, [0, 0, 0])
-    node.input.take_cloud(cloud([[1, 0, 0]]))
+    node.taker.take_cloud(cloud([[1, 0, 0]]))
     cells = Cells.of_points([[0.5, 0.5, 0.5]], 0.1)
     shape = seen_maps.shape_of(cells, 0.0)
     with node.live.editing() as held:
@@ -220,7 +220,7 @@ def test_what_others_posed_stays_where_it_is_when_a_map_comes(tmp_path):
     assert posed(joint=0.7)[0] == 0.7
     node.clock.now = 100.1
     assert posed(pose=3.0) == (3.0, 0.0)
-    node.input.take_cloud(cloud([[1, 0, 0]], stamp=100.1))
+    node.taker.take_cloud(cloud([[1, 0, 0]], stamp=100.1))
     assert posed() == (3.0, 0.0)
     with node.live.editing() as held:  # a change of the model itself
         held.scene_graph.RegisterSource('another')
@@ -237,7 +237,7 @@ def test_a_map_makes_nobody_pose_anew_what_tf_told_before():
             return node.tf.pose(held)
 
     assert hear() == 1
-    node.input.take_cloud(cloud([[0, 1, 0]]))
+    node.taker.take_cloud(cloud([[0, 1, 0]]))
     with node.live.editing() as held:
         assert node.tf.follow(held) == 0
         assert not node.tf.hangs_on_any(held, {held.names.frame('s::mast').get_value()})
@@ -245,7 +245,7 @@ def test_a_map_makes_nobody_pose_anew_what_tf_told_before():
 
 def test_the_frame_of_a_map_has_no_name_in_tf_nor_for_poses():
     node = Node(tf=TfInput, self_filter='none')
-    node.input.take_cloud(cloud([[1, 0, 0]]))
+    node.taker.take_cloud(cloud([[1, 0, 0]]))
     before = node.centres()
     with node.live.editing() as held:
         for name in ('points', 'obstacles/points'):
@@ -263,12 +263,12 @@ def test_the_frame_of_a_map_has_no_name_in_tf_nor_for_poses():
             held.take_poses(asked)
     np.testing.assert_array_equal(node.centres(), before)
     with pytest.raises(RuntimeError, match='sensed map'):
-        node.input.take_cloud(cloud([[1, 0, 0]], frame='obstacles::points'))
+        node.taker.take_cloud(cloud([[1, 0, 0]], frame='obstacles::points'))
 
 
 def test_a_frame_of_the_scene_called_as_a_map_keeps_its_name():
     node = Node(scene=SCENE.replace('name: mast', 'name: points'), self_filter='none')
-    node.input.take_cloud(cloud([[0.01, 0.01, 0.01]], frame='points'))
+    node.taker.take_cloud(cloud([[0.01, 0.01, 0.01]], frame='points'))
     assert np.allclose(node.centres(), [[0.05, 0.05, 2.05]])
 
 
@@ -291,7 +291,7 @@ def test_rules_are_about_the_same_pairs_whatever_a_map_holds(monkeypatch):
         held.rules.add([rule])
     bound.clear()
     for distance in (0.35, 0.15, 0.55):
-        node.input.take_cloud(cloud([[distance + 0.01, 0.01, -1.99]]))
+        node.taker.take_cloud(cloud([[distance + 0.01, 0.01, -1.99]]))
         with node.live.editing() as held:
             held.bind_rules()
             assert not held.rules.is_measured

@@ -26,7 +26,7 @@ def test_a_map_that_never_came_is_waited_for_and_is_not_empty():
     assert waiting == 1  # with the hand; what is anchored is at rest as the map is
     assert all('obstacles' not in name for pair in told for name in pair)
     assert node.age() == np.inf
-    node.input.take_cloud(cloud([[0.5, 0.0, -2.0]]))
+    node.taker.take_cloud(cloud([[0.5, 0.0, -2.0]]))
     told, waiting = node.pairs()
     assert waiting == 0
     (distance,) = (d for pair, d in told.items() if any('obstacles' in name for name in pair))
@@ -39,7 +39,7 @@ def test_a_cloud_holds_at_the_poses_of_its_stamp_and_not_of_now():
     node.move(99.8, [0, 0, 0])
     node.move(99.9, [1, 0, 0])
     node.move(100.0, [7, 7, 7])
-    node.input.take_cloud(cloud([[0.01, 2.01, 0.01]], 'eye', 99.85))
+    node.taker.take_cloud(cloud([[0.01, 2.01, 0.01]], 'eye', 99.85))
     assert near(node.centres(), [[0.55, 2.05, 1.05]])
     assert node.age() == pytest.approx(0.15, abs=1e-6)
     node.clock.now = 101.0
@@ -50,7 +50,7 @@ def test_the_pose_of_a_stamp_is_waited_for_a_little():
     node = Node(self_filter='none')
     node.move(99.9, [0, 0, 0])
     taken = threading.Thread(
-        target=node.input.take_cloud, args=(cloud([[0, 2, 0]], 'eye', 99.95),)
+        target=node.taker.take_cloud, args=(cloud([[0, 2, 0]], 'eye', 99.95),)
     )
     taken.start()
     node.move(100.0, [1, 0, 0])
@@ -83,12 +83,12 @@ def test_what_cannot_be_is_refused_whole_and_the_map_of_before_stays(monkeypatch
     node = Node()
     node.move(99.45, [0, 0, 0])
     node.move(99.9, [0, 0, 0])
-    node.input.take_cloud(cloud([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]], stamp=99.9))
+    node.taker.take_cloud(cloud([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]], stamp=99.9))
     if 'eye' not in message.header.frame_id:
         node.move(100.0, [0, 0, 0])
     before, changes = node.centres(), node.changes
     with pytest.raises(RuntimeError, match=reason):
-        node.input.take_cloud(message)
+        node.taker.take_cloud(message)
     assert node.centres().tolist() == before.tolist()
     assert node.changes == changes
     assert node.input.counts.taken == 1
@@ -102,7 +102,7 @@ def test_points_are_counted_by_what_became_of_them():
     beside = [[0.16, 0.0, -1.0], [0.0, 0.0, -0.849]]
     far = [[9.0, 0.0, 0.0]]
     lost = [[np.nan, 0.0, 0.0], [np.inf, 1.0, 0.0]]
-    node.input.take_cloud(cloud(on_hand + beside + far + lost))
+    node.taker.take_cloud(cloud(on_hand + beside + far + lost))
     counts = node.input.counts
     told = counts.points, counts.not_finite, counts.out_of_reach, counts.on_bodies, counts.cells
     assert told == (8, 2, 1, 3, 2)
@@ -112,7 +112,7 @@ def test_points_are_counted_by_what_became_of_them():
 def test_only_robots_are_left_out_unless_asked():
     node = Node(self_filter='robots')
     node.move(100.0, [0.0, 0.0, 1.0])
-    node.input.take_cloud(cloud([[0.12, 0.0, -1.0]]))
+    node.taker.take_cloud(cloud([[0.12, 0.0, -1.0]]))
     assert len(node.centres()) == 1  # the hand is on no robot
 
 
@@ -120,58 +120,58 @@ def test_the_body_is_left_out_where_it_was():
     node = Node()
     node.move(99.9, [0.0, 0.0, 1.0])
     node.move(100.0, [1.0, 0.0, 1.0])
-    node.input.take_cloud(cloud([[0.5, 0.0, -1.0], [1.0, 0.0, -1.0]], stamp=99.95))
+    node.taker.take_cloud(cloud([[0.5, 0.0, -1.0], [1.0, 0.0, -1.0]], stamp=99.95))
     assert near(node.centres(), [[1.05, 0.05, 1.05]])
 
 
 def test_what_is_beyond_reach_is_left_out_but_the_nearest_of_all():
     node = Node(reach=1.0, self_filter='none')
-    node.input.take_cloud(cloud([[4, 0, 0], [3, 0, 0.01]]))
+    node.taker.take_cloud(cloud([[4, 0, 0], [3, 0, 0.01]]))
     assert near(node.centres(), [[3.05, 0.05, 2.05]])
 
 
 def test_cells_are_held_for_a_while_or_until_seen_free():
     node = Node(self_filter='none', keep=1.0)
-    node.input.take_cloud(cloud([[1, 0, 0]], stamp=100.0))
+    node.taker.take_cloud(cloud([[1, 0, 0]], stamp=100.0))
     node.clock.now = 100.5
-    node.input.take_cloud(cloud([[0, 2, 0]], stamp=100.5))
+    node.taker.take_cloud(cloud([[0, 2, 0]], stamp=100.5))
     assert len(node.centres()) == 2
     node.clock.now = 101.2
-    node.input.take_cloud(cloud([[0, 2, 0]], stamp=101.2))
+    node.taker.take_cloud(cloud([[0, 2, 0]], stamp=101.2))
     assert near(node.centres(), [[0.05, 2.05, 2.05]])
     node.settings = node.settings._replace(keep=np.inf, rays=True)
-    node.input.take_cloud(cloud([[0.01, 1.01, 0.01], [2.01, 0.01, 0.01]], stamp=101.2))
+    node.taker.take_cloud(cloud([[0.01, 1.01, 0.01], [2.01, 0.01, 0.01]], stamp=101.2))
     assert len(node.centres()) == 3
-    node.input.take_cloud(cloud([[0.01, 4.01, 0.01]], stamp=101.2))
+    node.taker.take_cloud(cloud([[0.01, 4.01, 0.01]], stamp=101.2))
     assert near(node.centres(), [[0.05, 4.05, 2.05], [2.05, 0.05, 2.05]])
 
 
 def test_cells_are_held_neither_for_ever_nor_gone_when_the_clock_jumps():
     node = Node(self_filter='none', keep=1.0)
-    node.input.take_cloud(cloud([[1, 0, 0]], stamp=100.0))
+    node.taker.take_cloud(cloud([[1, 0, 0]], stamp=100.0))
     node.clock.now = 20.0  # simulated time begins anew
     node.live.clocks.begin_anew()
-    node.input.take_cloud(cloud([[0, 2, 0]], stamp=20.0))
+    node.taker.take_cloud(cloud([[0, 2, 0]], stamp=20.0))
     assert len(node.centres()) == 2
     assert node.input.counts.held_cells == 1
     node.clock.now = 20.8
-    node.input.take_cloud(cloud([[0, 2, 0]], stamp=20.8))
+    node.taker.take_cloud(cloud([[0, 2, 0]], stamp=20.8))
     assert len(node.centres()) == 2
     node.clock.now = 21.1
-    node.input.take_cloud(cloud([[0, 2, 0]], stamp=21.1))
+    node.taker.take_cloud(cloud([[0, 2, 0]], stamp=21.1))
     assert near(node.centres(), [[0.05, 2.05, 2.05]])
     node.clock.now = 900.0  # or jumps ahead
     node.live.clocks.begin_anew()
-    node.input.take_cloud(cloud([[1, 0, 0]], stamp=900.0))
+    node.taker.take_cloud(cloud([[1, 0, 0]], stamp=900.0))
     assert len(node.centres()) == 2
 
 
 def test_points_that_make_no_cell_are_counted():
     node = Node(self_filter='none', least_points=2)
     pair, alone = [[1.01, 0.01, 0.01], [1.02, 0.01, 0.01]], [[0.01, 2.01, 0.01]]
-    node.input.take_cloud(cloud(pair + alone))
+    node.taker.take_cloud(cloud(pair + alone))
     assert (len(node.centres()), node.input.counts.in_sparse_cells) == (1, 1)
-    node.input.take_cloud(cloud(alone))  # a thin cloud is no empty room
+    node.taker.take_cloud(cloud(alone))  # a thin cloud is no empty room
     assert (len(node.centres()), node.input.counts.in_sparse_cells) == (1, 0)
 
 
@@ -185,14 +185,14 @@ def test_a_message_of_any_size_is_refused_before_it_is_read(monkeypatch):
             node.input.take_octomap(message)
     field = Plain(name='x', offset=0, datatype=7, count=1)
     with pytest.raises(RuntimeError, match='5000 fields; at most'):
-        node.input.take_cloud(cloud([[1, 0, 0]], fields=[field] * 5000))
+        node.taker.take_cloud(cloud([[1, 0, 0]], fields=[field] * 5000))
 
 
 def test_the_order_of_points_does_not_matter():
     points = np.random.default_rng(3).uniform(-2, 2, (500, 3))
     one, other = Node(self_filter='none'), Node(self_filter='none')
-    one.input.take_cloud(cloud(points))
-    other.input.take_cloud(cloud(points[::-1]))
+    one.taker.take_cloud(cloud(points))
+    other.taker.take_cloud(cloud(points[::-1]))
     assert one.centres().tobytes() == other.centres().tobytes()
 
 
@@ -206,7 +206,7 @@ def test_a_map_that_is_cleared_while_one_is_made_stays_cleared(monkeypatch):
     real = obstacles.shape_of
     monkeypatch.setattr(obstacles, 'shape_of', cleared)
     with pytest.raises(RuntimeError, match='cleared'):
-        node.input.take_cloud(cloud([[1, 0, 0]]))
+        node.taker.take_cloud(cloud([[1, 0, 0]]))
     assert node.centres() is None
 
 
@@ -245,18 +245,18 @@ def test_a_frame_that_only_tf_knows_hangs_on_one_of_the_scene(monkeypatch):
             node.tf.hear(Plain(transforms=list(transforms)), static=static)
 
     hear(transform('/mast', 'optical', 1.0, 0.0), static=True)
-    node.input.take_cloud(cloud([[0, 1, 0]], 'optical'))
+    node.taker.take_cloud(cloud([[0, 1, 0]], 'optical'))
     assert near(node.centres(), [[1.05, 1.05, 2.05]])
     # One that moves is kept from when it is asked about.
     hear(transform('optical', 'head', 1.0, 99.9))
     with pytest.raises(RuntimeError, match='head'):
-        node.input.take_cloud(cloud([[0, 1, 0]], 'head', 100.0))
+        node.taker.take_cloud(cloud([[0, 1, 0]], 'head', 100.0))
     hear(transform('optical', 'head', 2.0, 100.0))
     hear(transform('optical', 'head', 3.0, 100.1))
-    node.input.take_cloud(cloud([[0, 1, 0]], 'head', 100.05))
+    node.taker.take_cloud(cloud([[0, 1, 0]], 'head', 100.05))
     assert near(node.centres(), [[3.55, 1.05, 2.05]])
     with pytest.raises(RuntimeError, match='TF'):
-        node.input.take_cloud(cloud([[0, 1, 0]], 'nowhere'))
+        node.taker.take_cloud(cloud([[0, 1, 0]], 'nowhere'))
 
 
 BOX = (-1.0, -1.0, 1.0, 1.0, 1.0, 3.0)
@@ -271,7 +271,7 @@ BOX = (-1.0, -1.0, 1.0, 1.0, 1.0, 3.0)
 )
 def test_what_lies_beyond_the_box_is_left_out_but_never_all(points, kept):
     node = Node(self_filter='none', box=BOX)
-    node.input.take_cloud(cloud(points))
+    node.taker.take_cloud(cloud(points))
     cells = Cells.of_points(np.array(points)[kept] + [0, 0, 2], 0.1)
     assert near(node.centres(), cells.centres())
     assert node.input.counts.out_of_box == len(points) - len(kept)
@@ -281,7 +281,7 @@ def test_beside_a_box_that_holds_but_the_robot_the_nearest_point_counts():
     node = Node(self_filter='scene', box=(2.5, -1.0, -1.0, 3.5, 1.0, 1.0))
     node.move(99.9, [0, 0, 0])
     node.move(100.1, [0, 0, 0])
-    node.input.take_cloud(cloud([[3.0, 0.0, -2.0], [4.05, 0.05, -1.95], [4.45, 0.05, -1.95]]))
+    node.taker.take_cloud(cloud([[3.0, 0.0, -2.0], [4.05, 0.05, -1.95], [4.45, 0.05, -1.95]]))
     assert near(node.centres(), [[4.05, 0.05, 0.05]])
     assert (node.input.counts.on_bodies, node.input.counts.out_of_box) == (1, 1)
 

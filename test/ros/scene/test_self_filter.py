@@ -7,7 +7,7 @@ from oracles.shape_scenes import SHAPES, ShapeScene
 from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import HalfSpace, Role
 from drake_geom_ros.math import RigidTransform, RotationMatrix
-from drake_geom_ros.ros.scene.self_filter import SelfFilter
+from drake_geom_ros.ros.scene.self_filter import KnownBodies, SelfFilter
 
 BODIES = [SHAPES[name] for name in SHAPES if name != 'half_space']
 
@@ -28,6 +28,7 @@ def posed(scene, rng, reach, offset):
 def test_the_points_that_are_near_are_those_of_all_one_by_one(reach, offset, padding):
     rng = np.random.default_rng(round(reach))
     scene, tested, told = ShapeScene(*BODIES), SelfFilter(), {True: 0, False: 0}
+    known = KnownBodies()
     geometries = scene.query.inspector().GetAllGeometryIds(Role.kProximity)
     for _ in range(4):  # bodies move, and the filter knows them already
         centres = posed(scene, rng, reach, offset)
@@ -35,7 +36,7 @@ def test_the_points_that_are_near_are_those_of_all_one_by_one(reach, offset, pad
             [c + rng.uniform(-0.4, 0.4, (200, 3)) for c in centres]
             + [offset + rng.uniform(-2.0 * reach, 2.0 * reach, (200, 3)), [[1e9, 0.0, 0.0]]]
         )
-        found = tested.near(scene.query, geometries, p_WQs, padding)
+        found = tested.near(known.then(scene.query, geometries), p_WQs, padding)
         near = scene.query.ComputeSignedDistanceToPoint(p_WQs, padding)
         truth = np.zeros(len(p_WQs), dtype=bool)
         truth[near.point_index] = True
@@ -49,5 +50,5 @@ def test_a_half_space_is_near_wherever_its_side_is():
     scene = ShapeScene(HalfSpace(), BODIES[0]).posed(RigidTransform(), RigidTransform([9, 0, 0]))
     geometries = scene.query.inspector().GetAllGeometryIds(Role.kProximity)
     p_WQs = np.array([[1e5, 0.0, -1.0], [0.0, 0.0, 0.5], [9.0, 0.0, 0.1], [-1e5, 1e5, 0.01]])
-    found = SelfFilter().near(scene.query, geometries, p_WQs, 0.05)
+    found = SelfFilter().near(KnownBodies().then(scene.query, geometries), p_WQs, 0.05)
     assert found.tolist() == [True, False, True, True]
