@@ -170,6 +170,7 @@ class ConfiguredNode:
                 f'closed after waiting {LONGEST_FAREWELL:g} s for service calls at work: their '
                 'callers get no answer, and nothing was changed'
             )
+        self._obstacles.close()
         with self.live.reading():
             self._set_rate(0.0)
             self._surface.close()

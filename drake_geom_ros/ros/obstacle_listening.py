@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
 from drake_geom_ros.ros.callback_groups import CallbackGroups
-from drake_geom_ros.ros.conversions.serialized_cloud import cloud_of_bytes, is_plain
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.inputs.obstacles import (
-    DEPTH,
-    OCTOMAP,
-    POINTS,
-    ObstacleInput,
-    ObstacleSettings,
-)
+from drake_geom_ros.ros.inputs.obstacle_records import DEPTH, OCTOMAP, POINTS, ObstacleSettings
+from drake_geom_ros.ros.inputs.obstacles import ObstacleInput
 from drake_geom_ros.ros.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
@@ -28,12 +20,21 @@ from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.map_sources import MapSources
 from drake_geom_ros.ros.scene.seen_maps import stand_fed
+from drake_geom_ros.ros.sensing.process import SensingProcess
+from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, Task, Topic
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.together import MessageInfo, waited
 
+# What a process of its own listens to: of which map, what comes there, and the topic.
+_SENSED = (
+    (POINTS, CLOUD, f'~/obstacles/{POINTS}'),
+    (DEPTH, CAMERA, f'~/obstacles/{DEPTH}/camera_info'),
+    (DEPTH, IMAGE, f'~/obstacles/{DEPTH}/image_rect_raw'),
+)
+
 
 class ObstacleListening:
-    """The subscriptions that maps are made from, in a thread of their own."""
+    """What maps are made from: a process for clouds and images, a subscription for OctoMaps."""
 
     def __init__(
         self,
@@ -60,17 +61,7 @@ class ObstacleListening:
             with live.editing() as scene:
                 scene.stand_maps = partial(stand_fed, sources=live.map_sources)
                 scene.stand_maps(scene)
-        if POINTS in names:
-            points = self.inputs[POINTS]
-
-            def take_cloud(raw: bytes, waited: float) -> None:
-                points.take_cloud(_cloud_of(raw), waited)
-
-            self._listen(PointCloud2, f'~/obstacles/{POINTS}', take_cloud, raw=True)
-        if DEPTH in names:
-            depth = self.inputs[DEPTH]
-            self._listen(CameraInfo, f'~/obstacles/{DEPTH}/camera_info', depth.take_camera)
-            self._listen(Image, f'~/obstacles/{DEPTH}/image_rect_raw', depth.take_depth)
+        self._process = self._sensing(names)
         if OCTOMAP in names:
             Octomap = importlib.import_module('octomap_msgs.msg').Octomap
             octomap = self.inputs[OCTOMAP]
@@ -81,6 +72,31 @@ class ObstacleListening:
         add_values(status, self._values())
         for trouble in self._troubles():
             add_trouble(status, trouble)
+        if self._process is not None:
+            self._process.look()
+            add_values(status, {'process of sensors': self._process.in_words()})
+            if trouble := self._process.trouble:
+                add_trouble(status, trouble)
+
+    def close(self) -> None:
+        """End the process; nobody who calls this has the scene, which it may wait for."""
+        if self._process is not None:
+            self._process.close()
+
+    def _sensing(self, names: Sequence[str]) -> SensingProcess | None:
+        """Have clouds and images taken in a process of their own; None: none are."""
+        topics = [
+            _topic(self._surface, name, kind, topic)
+            for name, kind, topic in _SENSED
+            if name in names
+        ]
+        if not topics:
+            return None
+        space, _, name = self._surface.full_name().rpartition('/')
+        task = Task(f'{name}_sensors', space or '/', topics)
+        process = SensingProcess(task, self.inputs, self._guard)
+        self._surface.until_closed(process.close)  # where opening others fails
+        return process
 
     def _values(self) -> dict[str, str]:
         told = {}
@@ -105,19 +121,18 @@ class ObstacleListening:
             if not each.counts.taken
         ]
 
-    def _listen(
-        self, kind: Any, topic: str, take: Callable[[Any, float], object], *, raw: bool = False
-    ) -> None:
+    def _listen(self, kind: Any, topic: str, take: Callable[[Any, float], object]) -> None:
         def hear(message: Any, info: MessageInfo) -> None:
             self._guard.take(topic.removeprefix('~/'), take, message, waited(info))
 
-        self._surface.subscription(kind, topic, hear, _newest(), self._group, raw=raw)
+        self._surface.subscription(kind, topic, hear, _newest(), self._group)
 
 
-def _cloud_of(raw: bytes) -> Any:
-    """Return the PointCloud2 of a message as it comes."""
-    # A middleware may have another layout.
-    return cloud_of_bytes(raw) if is_plain(raw) else deserialize_message(raw, PointCloud2)
+def _topic(surface: Surface, its_map: str, kind: str, topic: str) -> Topic:
+    """Return what a process has to know to listen to a topic of this node."""
+    name, profile = surface.heard_elsewhere(topic, _newest())
+    how = int(profile.history), profile.depth, int(profile.reliability)
+    return Topic(its_map, kind, topic.removeprefix('~/'), name, *how)
 
 
 def obstacle_settings(values: NodeParameters) -> ObstacleSettings:

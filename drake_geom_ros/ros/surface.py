@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ClockType, JumpHandle, JumpThreshold, TimeJump
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
@@ -105,6 +106,38 @@ class Surface:
         )
         self._open.append((self._node.destroy_subscription, subscription))
         return subscription
+
+    def heard_elsewhere(self, topic: str, profile: QoSProfile) -> tuple[str, QoSProfile]:
+        """Return the full name and profile of a topic that another process of ours listens to.
+
+        The node has the parameters of its QoS as if it listened itself.
+        """
+        name = self._node.resolve_topic_name(topic)
+
+        def value_of(policy: str, default: Any) -> Any:
+            parameter = f'{QOS_OVERRIDES}{name}.subscription.{policy}'
+            if not self._node.has_parameter(parameter):
+                told = ParameterDescriptor(read_only=True)
+                self._node.declare_parameter(parameter, default, told)
+            return self._node.get_parameter(parameter).value
+
+        history, reliability = (
+            kind.get_from_short_key(value_of(policy, default.short_key))
+            for kind, policy, default in (
+                (HistoryPolicy, 'history', profile.history),
+                (ReliabilityPolicy, 'reliability', profile.reliability),
+            )
+        )
+        depth = value_of('depth', profile.depth)
+        return name, QoSProfile(history=history, depth=depth, reliability=reliability)
+
+    def full_name(self) -> str:
+        """Return the name of the node with its namespace."""
+        return str(self._node.get_fully_qualified_name())
+
+    def until_closed(self, close: Callable[[], None]) -> None:
+        """Have something else closed with the rest."""
+        self._open.append((lambda it: it(), close))
 
     def service(
         self,

@@ -116,6 +116,7 @@ ROS_ROOMS = {
         ('numpy', 'ROS'),
     ),
     'ros/services': ((*_HELD, 'batch', 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/sensing': ((*_HELD, 'ros/inputs', 'ros', 'ros/sensing'), ('numpy', 'ROS')),
     'ros/viewer': (
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
@@ -124,7 +125,7 @@ ROS_ROOMS = {
     'ros': (
         (
             *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),
-            *('ros/services', 'ros'),
+            *('ros/services', 'ros/sensing', 'ros'),
         ),
         ('numpy', 'ROS'),
     ),

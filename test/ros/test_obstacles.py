@@ -2,6 +2,9 @@
 
 import array
 import math
+import os
+import re
+import signal
 import time
 
 import numpy as np
@@ -244,3 +247,25 @@ def test_maps_are_saved_loaded_and_cleared(cell, node):
     # What was seen is no model: it is in no scene file.
     text = accepted(call(srv.SaveScene, 'save_scene')).text
     assert 'obstacles' not in text
+
+
+def test_a_process_of_sensors_that_is_killed_is_told_of_and_replaced(cell, node):
+    near = pytest.approx(0.4, abs=1e-6)
+    points = [[0.55, 0.05, -0.95], [0.0, 0.0, -1.0]]  # the second one on the hand
+    cell.until(lambda: cell.distance() == near, 'a map', points=points)
+    cell.until(lambda: 'process of sensors' in cell.told(), 'diagnostics')
+    starts = re.compile(r'process (\d+), \d+ MB, (\d+) were started')
+    pid, before = map(int, starts.search(cell.told()).groups())
+    os.kill(pid, signal.SIGKILL)
+    cell.until(lambda: 'ended by SIGKILL' in node.output(), 'that it is told')
+    assert cell.distance() == near  # the map of before stays, and grows old
+    cell.until(lambda: cell.map_ages()['points'] > 1.2, 'an old map')
+
+    def is_replaced():
+        found = starts.search(cell.told())
+        return found is not None and int(found[2]) > before
+
+    cell.until(is_replaced, 'another process')
+    cell.until(lambda: cell.map_ages()['points'] < 1.0, 'a new map', points=points)
+    cell.until(lambda: '1 on bodies' in cell.told(), 'that it knows the bodies')
+    assert cell.distance() == near

@@ -36,7 +36,7 @@ _ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
 
 
 class Body(NamedTuple):
-    """A geometry that points are left out on: what it is, in the frame of so many of ``Bodies``."""
+    """A geometry on which points are left out, in the frame of that number of ``Bodies``."""
 
     shape: Shape
     properties: ProximityProperties

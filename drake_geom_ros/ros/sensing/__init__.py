@@ -1,0 +1,6 @@
+"""What sensors see, in a process of its own: clouds and depth images become cells there.
+
+In: messages of sensors; where the sensor and the bodies were, asked of the node over a pipe.
+Out: cells of a map and counts, which the node takes into its scene; refusals with their reasons.
+May import: the core, ``conversions``, ``scene`` and ``inputs``; numpy, ROS.
+"""

@@ -1,0 +1,147 @@
+"""Takes clouds and depth images for a node, which starts it: python -m ... FILE_DESCRIPTOR."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from typing import Any
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import CameraInfo, Image, PointCloud2
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.conversions.serialized_cloud import (
+    Header,
+    Stamp,
+    cloud_of_bytes,
+    is_plain,
+)
+from drake_geom_ros.ros.inputs.obstacle_records import Found, Place
+from drake_geom_ros.ros.inputs.point_taker import PointTaker
+from drake_geom_ros.ros.sensing.protocol import (
+    ALIVE,
+    CAMERA,
+    CLOUD,
+    IMAGE,
+    Begin,
+    Finish,
+    Refusal,
+    Refused,
+    Task,
+    Topic,
+)
+from drake_geom_ros.ros.together import MessageInfo, waited
+from drake_geom_ros.sensed_maps.passes import compile_passes
+
+_NICER = 5  # steps of nice, as threads of the node that give way have
+_LONGEST_WAIT = 0.2  # [s] between two signs of life
+_KINDS: dict[str, Any] = {CLOUD: PointCloud2, IMAGE: Image, CAMERA: CameraInfo}
+
+
+class _MapOfNode:
+    """The map of an input, which the node has at the other end of a pipe."""
+
+    def __init__(self, pipe: Connection, name: str) -> None:
+        self._pipe, self._name = pipe, name
+
+    def begin(self, header: Any, waited: float) -> Place:
+        stamp = Stamp(header.stamp.sec, header.stamp.nanosec)
+        place = self._ask(Begin(self._name, Header(stamp, header.frame_id), waited))
+        assert isinstance(place, Place)
+        return place
+
+    def finish(self, found: Found) -> None:
+        self._ask(Finish(self._name, found))
+
+    def _ask(self, asked: Begin | Finish) -> Any:
+        self._pipe.send(asked)
+        answer = self._pipe.recv()
+        if isinstance(answer, Refusal):
+            raise ArgumentError(answer.reason)
+        return answer
+
+
+def _cloud_of(raw: bytes) -> Any:
+    # A middleware may have another layout.
+    return cloud_of_bytes(raw) if is_plain(raw) else deserialize_message(raw, PointCloud2)
+
+
+def _listen(node: Node, topic: Topic, taker: PointTaker, pipe: Connection) -> None:
+    takes: dict[str, Callable[[Any, float], None]] = {
+        CLOUD: lambda raw, ago: taker.take_cloud(_cloud_of(raw), ago),
+        IMAGE: lambda raw, ago: taker.take_depth(deserialize_message(raw, Image), ago),
+        CAMERA: lambda raw, ago: taker.take_camera(deserialize_message(raw, CameraInfo), ago),
+    }
+    take = takes[topic.kind]
+
+    def hear(raw: bytes, info: MessageInfo) -> None:
+        try:
+            take(raw, waited(info))
+        except (EOFError, ConnectionError):  # the node is gone
+            raise
+        except Exception as error:  # RuntimeError refuses; nobody foresaw others
+            foreseen = isinstance(error, RuntimeError)
+            reason = str(error) if foreseen else f'internal error: {error!r}'
+            pipe.send(Refused(topic.told_as, reason))
+
+    profile = QoSProfile(
+        history=HistoryPolicy(topic.history),
+        depth=topic.depth,
+        reliability=ReliabilityPolicy(topic.reliability),
+    )
+    node.create_subscription(_KINDS[topic.kind], topic.name, hear, profile, raw=True)
+
+
+def _end_with_node() -> None:
+    """End this process, whatever it does, as soon as the node that started it is gone."""
+    sys.stdin.buffer.read()
+    os._exit(0)
+
+
+def _work(pipe: Connection) -> None:
+    task: Task = pipe.recv()
+    compile_passes()
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    # What the node's arguments say of names is in the task already.
+    node = Node(
+        task.node_name,
+        namespace=task.namespace,
+        use_global_arguments=False,
+        enable_rosout=False,
+        start_parameter_services=False,
+    )
+    takers = {each.input: PointTaker(_MapOfNode(pipe, each.input)) for each in task.topics}
+    for topic in task.topics:
+        _listen(node, topic, takers[topic.input], pipe)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    told = 0.0
+    while True:
+        if time.monotonic() - told >= _LONGEST_WAIT:
+            pipe.send(ALIVE)
+            told = time.monotonic()
+        executor.spin_once(timeout_sec=_LONGEST_WAIT)
+
+
+def main() -> None:
+    """Work for the node until it is gone."""
+    threading.Thread(target=_end_with_node, daemon=True).start()
+    if sys.platform.startswith('linux'):
+        os.nice(_NICER)
+    try:
+        _work(Connection(int(sys.argv[1])))
+    except (EOFError, ConnectionError):
+        os._exit(0)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,181 @@
+"""The process that takes what sensors see: started, answered, watched and started again.
+
+The bytes of clouds never come into the node's interpreter, whose lock they would hold, and what is
+done with them gives way to poses. A thread waits for what the process says. Where the process
+ends, or says nothing for too long, maps grow old, diagnostics tell it, and another one is started.
+No ROS import.
+"""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, Protocol
+
+from drake_geom_ros.ros.inputs.obstacle_records import Place
+from drake_geom_ros.ros.inputs.point_taker import Map
+from drake_geom_ros.ros.sensing.protocol import ALIVE, Begin, Finish, Refusal, Refused, Task
+
+_MODULE = 'drake_geom_ros.ros.sensing'
+_SILENCE = 10.0  # [s] after which a process that says nothing hangs
+_COMPILING = 120.0  # [s] the same where it starts, or may have to compile what knows new bodies
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.5, 10.0  # [s] before another one is started; it doubles
+_LONG_LIFE = 60.0  # [s] after which the first pause counts again
+
+
+class Listener(Protocol):
+    """Who is told what becomes of messages; a ``Guard`` is one."""
+
+    def refused(self, name: str, reason: str) -> None:
+        """Count and log that a message was refused."""
+
+    def tell(self, about: str, what: str) -> None:
+        """Warn of something that is no failure."""
+
+
+class SensingProcess:
+    """Keeps one process at work until it is closed."""
+
+    def __init__(self, task: Task, maps: Mapping[str, Map], listener: Listener) -> None:
+        """Start it, which is not waited for; ``maps`` by input take what it finds."""
+        self.trouble = 'the process that takes what sensors see has not started yet'
+        self.starts = 0
+        self._task, self._maps, self._listener = task, maps, listener
+        self._closed = threading.Event()
+        self._lock = threading.Lock()  # of the process
+        self._process: subprocess.Popen[bytes] | None = None
+        self._heard = time.monotonic()
+        self._limit = _COMPILING  # [s] for how long it may be silent
+        self._hung = False
+        self._told: dict[str, int] = {}  # by input, which bodies the process knows
+        self._thread = threading.Thread(target=self._serve, name='sensing', daemon=True)
+        self._thread.start()
+
+    def look(self) -> None:
+        """End the process if it hangs; to be called every second or so."""
+        with self._lock:
+            silent = time.monotonic() - self._heard > self._limit
+            if self._process is not None and silent and self._process.poll() is None:
+                self._hung = True
+                self._process.kill()
+
+    def in_words(self) -> str:
+        """Return which process it is, and what memory it takes."""
+        with self._lock:
+            process = self._process
+        if process is None:
+            return f'none runs; {self.starts} were started'
+        return f'process {process.pid}, {_megabytes(process.pid)}, {self.starts} were started'
+
+    def close(self) -> None:
+        """End the process and the thread."""
+        with self._lock:
+            self._closed.set()
+            if self._process is not None:
+                self._process.kill()
+        self._thread.join()
+
+    def _serve(self) -> None:
+        pause = _FIRST_PAUSE
+        while not self._closed.is_set():
+            start = time.monotonic()
+            how = self._live_once()
+            if self._closed.is_set():
+                return
+            self.trouble = f'{how}: nothing that sensors see is taken until another has started'
+            self._listener.tell('sensing', self.trouble)
+            if time.monotonic() - start > _LONG_LIFE:
+                pause = _FIRST_PAUSE
+            self._closed.wait(pause)
+            pause = min(2.0 * pause, _LONGEST_PAUSE)
+
+    def _live_once(self) -> str:
+        """Start a process and answer it until it ends; return how it did, in words."""
+        ours, theirs = multiprocessing.Pipe()
+        self._heard, self._limit, self._hung, self._told = time.monotonic(), _COMPILING, False, {}
+        with self._lock, theirs:
+            if self._closed.is_set():
+                ours.close()
+                return ''
+            command = [sys.executable, '-m', _MODULE, str(theirs.fileno())]
+            # Its input is the line that it hangs on: it ends with this process, however that dies.
+            # What a terminal sends to the node is not for it.
+            self._process = process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
+            )
+            self.starts += 1
+        end = ''
+        try:
+            with ours:
+                ours.send(self._task)
+                while True:
+                    self._answer(ours, ours.recv())
+        except (EOFError, OSError):
+            pass
+        except Exception as error:  # whatever it is that no process of ours sends
+            end = f'the process that takes what sensors see sent what nobody can read: {error!r}'
+        with self._lock:
+            process.kill()
+            code = process.wait()
+            self._process = None
+        if process.stdin is not None:
+            process.stdin.close()
+        if self._hung:
+            end = f'the process that takes what sensors see said nothing for {self._limit:g} s'
+        return end or f'the process that takes what sensors see ended {_in_words(code)}'
+
+    def _answer(self, ours: Connection, said: Any) -> None:
+        """Do what the process asks for."""
+        self.trouble = ''
+        self._limit, limit = math.inf, _SILENCE  # it waits for this thread meanwhile
+        if isinstance(said, Begin):
+            answer = self._done(lambda: self._maps[said.input].begin(said.header, said.waited))
+            if isinstance(answer, Place):
+                number = answer.bodies.number
+                if self._told.get(said.input) == number:
+                    answer = answer._replace(bodies=answer.bodies._replace(bodies=None))
+                else:
+                    self._told[said.input], limit = number, _COMPILING
+            ours.send(answer)
+        elif isinstance(said, Finish):
+            ours.send(self._done(lambda: self._maps[said.input].finish(said.found)))
+        elif isinstance(said, Refused):
+            self._listener.refused(said.told_as, said.reason)
+        elif said != ALIVE:
+            raise TypeError(type(said))
+        self._heard, self._limit = time.monotonic(), limit
+
+    def _done(self, task: Callable[[], Place | None]) -> Place | Refusal | None:
+        try:
+            return task()
+        except Exception as error:  # RuntimeError refuses; nobody foresaw others
+            foreseen = isinstance(error, RuntimeError)
+            return Refusal(str(error) if foreseen else f'internal error: {error!r}')
+
+
+def _in_words(code: int) -> str:
+    """Return how a process ended."""
+    if code >= 0:
+        return f'with code {code}'
+    return f'by {signal.Signals(-code).name}'
+
+
+def _megabytes(pid: int) -> str:
+    """Return the resident memory of a process in words."""
+    try:
+        pages = int(Path(f'/proc/{pid}/statm').read_text().split()[1])
+    except (OSError, IndexError, ValueError):  # it is gone, or this is no Linux
+        return 'of unknown memory'
+    return f'{pages * os.sysconf("SC_PAGE_SIZE") / 1e6:.0f} MB'

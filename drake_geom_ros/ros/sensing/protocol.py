@@ -1,0 +1,64 @@
+"""What a node and its process of sensors say to each other over a pipe. No ROS import.
+
+The process is told its ``Task``. Of each message it sends a ``Begin``, which is answered by a
+``Place`` or a ``Refusal``, and a ``Finish``, which is answered by None or a ``Refusal``. What it
+refuses itself it tells by ``Refused``, and now and then that it is ``ALIVE``: none is answered.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from drake_geom_ros.ros.conversions.serialized_cloud import Header
+from drake_geom_ros.ros.inputs.obstacle_records import Found
+
+ALIVE = 'alive'
+CLOUD, IMAGE, CAMERA = 'cloud', 'image', 'camera'  # kinds of messages
+
+
+class Topic(NamedTuple):
+    """A topic to listen to: its full name, what comes there, and how, by ROS's numbers."""
+
+    input: str  # the map that is made of it
+    kind: str
+    told_as: str  # in diagnostics
+    name: str
+    history: int
+    depth: int
+    reliability: int
+
+
+class Task(NamedTuple):
+    """What the process is to do, as a node of ROS of this name."""
+
+    node_name: str
+    namespace: str
+    topics: list[Topic]
+
+
+class Begin(NamedTuple):
+    """A message of a map came, and it is asked where its frame was."""
+
+    input: str
+    header: Header
+    waited: float  # [s] since it came
+
+
+class Finish(NamedTuple):
+    """What was made of the message that was begun last."""
+
+    input: str
+    found: Found
+
+
+class Refused(NamedTuple):
+    """A message was refused."""
+
+    told_as: str
+    reason: str
+
+
+class Refusal(NamedTuple):
+    """Why a message is not to be taken on."""
+
+    reason: str
