@@ -32,7 +32,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
 from bench.ros.meanwhile import beside, delays
-from bench.ros.processes import Processes, memory, processor
+from bench.ros.processes import Processes, children, memory, processor
 from bench.ros.routes import LAST_ANSWERS, Route
 from bench.ros.scenes import two_arms
 
@@ -46,7 +46,7 @@ Floats = NDArray[np.float64]
 
 
 def room(count: int, seed: int = 0) -> Floats:
-    """Return points (n, 3) [m] of a table, a wall, a full box and bars around two arms."""
+    """Return points (n, 3) [m] of a table, a wall, a full box, bars, and the feet of two arms."""
     random = np.random.default_rng(seed)
     uv = random.uniform(-1.5, 1.5, (count, 2))
     noise = random.normal(scale=0.003, size=count)
@@ -61,6 +61,10 @@ def room(count: int, seed: int = 0) -> Floats:
     x = np.where(corner % 2, 0.45, -0.25) + 0.02 * np.cos(around)
     y = np.where(corner // 2, 0.45, -0.45) + 0.02 * np.sin(around)
     points[bars] = np.stack([x, y, random.uniform(0.0, 0.9, count)], axis=1)[bars]
+    feet = which == 5  # which turn in place: these are on bodies, and left out
+    x = np.where(corner % 2, 0.6, -0.6) + 0.07 * np.cos(around)
+    on_feet = np.stack([x, 0.07 * np.sin(around), random.uniform(0.42, 0.7, count)], axis=1)
+    points[feet] = on_feet[feet]
     return points
 
 
@@ -96,14 +100,20 @@ class Maps:
         """Let clouds be sent to the node, and print what became of them."""
         with beside(send, TAKEN, count):
             self.delays.clear()
-            begin, used = time.time(), processor(self._pid)
+            begin, used = time.time(), self._processor()
             yield
-            share = (processor(self._pid) - used) / (time.time() - begin)
+            passed = time.time() - begin
+            both = zip(used, self._processor(), strict=True)
+            shares = [(now - then) / passed for then, now in both]
             end = time.time() - LAST_ANSWERS  # no pose comes then
         # Those that could be answered, for poses came; until the first one the last map stays.
         found = [delay for stamp, delay in self.delays.items() if begin <= stamp <= end]
         tell(TAKEN, found, int((end - begin) * RATE))
-        print(f'    the node used {100.0 * share:.0f} % of a processor')
+        node, *its = (f'{100.0 * share:.0f} %' for share in shares)
+        print(f'    of a processor the node used {node}, and processes that it started {its}')
+
+    def _processor(self) -> list[float]:
+        return [processor(pid) for pid in (self._pid, *children(self._pid))]
 
 
 class _MapRoute(Route):

@@ -69,10 +69,10 @@ def delays(
         for name, way in ways.items():
             with way():
                 turn(name)
-    print(f'poses at {RATE:g} Hz: delay of results [ms], mean, p50, p99, and how many were lost')
+    print(f'poses at {RATE:g} Hz: delay of results [ms], mean, p50, p99; poses without a result')
     for name, each in found.items():
         told = (np.mean(each), *np.percentile(each, (50, 99)))
         cells = ''.join(f'{value * 1e3:9.2f}' for value in told)
-        print(f'  {name:28}{cells}{lost[name]:6} of {len(each) + lost[name]}')
+        print(f'  {name:28}{cells}{lost[name]:6} lost of {len(each) + lost[name]}')
     node.destroy_node()
     rclpy.shutdown()

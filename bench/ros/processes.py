@@ -65,6 +65,12 @@ def memory(pid: int) -> float:
     return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
 
 
+def children(pid: int) -> list[int]:
+    """Return the processes that one has started."""
+    told = (task.joinpath('children').read_text() for task in Path(f'/proc/{pid}/task').iterdir())
+    return sorted(int(child) for text in told for child in text.split())
+
+
 def processor(pid: int) -> float:
     """Return the processor time that a process has used [s]."""
     fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()

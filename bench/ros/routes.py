@@ -38,7 +38,8 @@ class Route:
     def listen(self, node: Node) -> None:
         """Listen to its answers."""
         topic = f'/{self.server}/signed_distances'
-        node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=10))
+        # An answer that came is not lost because its reader is late.
+        node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=100))
 
     def _receive(self, message: SignedDistancePairs) -> None:
         self.look_at(message)
@@ -90,10 +91,14 @@ def stream(
     """Send the motion at a rate, without waiting for answers, and then wait for the last ones."""
     message = FramePoses(frame_names=played.frame_names)
     first = max(route.delays, default=0) + 1
+    # Ahead: to compute them takes a fifth of a processor, which the server may need.
+    moments = [
+        np.ascontiguousarray(played.poses(k / rate)).tobytes()
+        for k in range(WARM_UP + round(rate * seconds))
+    ]
     start = time.perf_counter()
-    for k in range(WARM_UP + round(rate * seconds)):
-        poses = np.ascontiguousarray(played.poses(k / rate))
-        message.poses = array.array('d', poses.tobytes())
+    for k, poses in enumerate(moments):
+        message.poses = array.array('d', poses)
         while (left := start + k / rate - time.perf_counter()) > 0.0:
             executor.spin_once(timeout_sec=left)
         route.send(message, first + k)

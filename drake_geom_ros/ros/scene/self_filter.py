@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -25,13 +26,15 @@ from drake_geom_ros.geometry import (
     SourceId,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
-from drake_geom_ros.ros.scene.point_blocks import ROWS_AT_ONCE
 from drake_geom_ros.sensed_maps.passes import Cubes, find_in_cubes
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 _CUBE, _MOST_CUBES = 0.1, 100  # [m] edge of a cube, and how many there are along an axis at most
+_SMALL, _SMALLEST = 0.3, 0.005  # edge of a small cube: of the padding, and [m]
+_MOST_SMALL = 2.0**62  # small cubes, numbered by whole numbers
+_ROWS = 100_000  # of a point and a body, that are asked for at once: 10 MB
 _ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
 
 
@@ -132,12 +135,50 @@ class SelfFilter:
         poses = {frame: RigidTransform(RotationMatrix(R), p) for frame, R, p in rows}
         context.UpdateFramePoses(FramePoseVector(poses))
         bodies = self._graph.get_query_output_port().Eval(context)
-        step = max(1, ROWS_AT_ONCE // len(self._bodies))
-        for k in range(0, len(numbers), step):
-            block = numbers[k : k + step]
-            found = bodies.ComputeSignedDistanceToPoint(p_WQs[block], padding)
-            is_near[block[found.point_index]] = True
+        certain, open_ones = self._decided_by_cubes(bodies, p_WQs[numbers], padding)
+        is_near[numbers[certain]] = True
+        rest = numbers[open_ones]
+        for found, _, _ in self._distances(bodies, p_WQs[rest], padding):
+            is_near[rest[found]] = True
         return is_near
+
+    def _decided_by_cubes(
+        self, bodies: QueryObject, points: Floats, padding: float
+    ) -> tuple[Flags, Flags]:
+        """Return which points (n, 3) [m] are near for sure, and of which that is open.
+
+        A distance changes by no more than the way does: that of the centre of a small cube tells
+        of all points in it, but for those about as far away as the padding.
+        """
+        edge = _SMALL * padding + _SMALLEST
+        steps = np.floor(points / edge)
+        first = steps.min(axis=0)
+        counts = steps.max(axis=0) - first + 1.0
+        nobody, all_of_them = np.zeros((2, len(points)), dtype=np.bool_) | [[False], [True]]
+        if counts.prod() > _MOST_SMALL:
+            return nobody, all_of_them
+        _, a, b = counts.astype(np.int64)
+        keys = (steps - first).astype(np.int64) @ [a * b, b, 1]
+        _, firsts, cube_of = np.unique(keys, return_index=True, return_inverse=True)
+        cubes = steps[firsts]
+        if 2 * len(cubes) > len(points):
+            return nobody, all_of_them
+        reach = _ROOM * 0.5 * math.sqrt(3.0) * edge
+        certain, is_open = np.zeros((2, len(cubes)), dtype=np.bool_)
+        centres = (cubes + 0.5) * edge
+        for found, distances, bounds in self._distances(bodies, centres, padding + reach):
+            is_open[found] = True
+            certain[found[distances + bounds + reach <= padding]] = True
+        return certain[cube_of], (is_open & ~certain)[cube_of]
+
+    def _distances(
+        self, bodies: QueryObject, points: Floats, threshold: float
+    ) -> Iterator[tuple[Indices, Floats, Floats]]:
+        """Yield numbers of points, their distances [m] from bodies, and how far off these are."""
+        step = max(1, _ROWS // len(self._bodies))
+        for k in range(0, len(points), step):
+            found = bodies.ComputeSignedDistanceToPoint(points[k : k + step], threshold)
+            yield k + found.point_index.astype(np.int64), found.distance, found.error_bound
 
     def _stand(self, number: int, bodies: list[Body], frames: int) -> None:
         """Make the scene anew."""

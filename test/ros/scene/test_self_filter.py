@@ -23,6 +23,13 @@ def posed(scene, rng, reach, offset):
     return np.array([X.translation() for X in poses])
 
 
+def one_by_one(scene, p_WQs, padding):
+    near = scene.query.ComputeSignedDistanceToPoint(p_WQs, padding)
+    truth = np.zeros(len(p_WQs), dtype=bool)
+    truth[near.point_index] = True
+    return truth
+
+
 @pytest.mark.parametrize('padding', [0.0, 0.05])
 @pytest.mark.parametrize(('reach', 'offset'), [(0.5, 0.0), (300.0, 0.0), (0.5, 1e6)])
 def test_the_points_that_are_near_are_those_of_all_one_by_one(reach, offset, padding):
@@ -37,13 +44,33 @@ def test_the_points_that_are_near_are_those_of_all_one_by_one(reach, offset, pad
             + [offset + rng.uniform(-2.0 * reach, 2.0 * reach, (200, 3)), [[1e9, 0.0, 0.0]]]
         )
         found = tested.near(known.then(scene.query, geometries), p_WQs, padding)
-        near = scene.query.ComputeSignedDistanceToPoint(p_WQs, padding)
-        truth = np.zeros(len(p_WQs), dtype=bool)
-        truth[near.point_index] = True
-        assert found.tolist() == truth.tolist()
+        assert found.tolist() == one_by_one(scene, p_WQs, padding).tolist()
         for is_near in found.tolist():
             told[is_near] += 1
     assert min(told.values()) > 100
+
+
+@pytest.mark.parametrize('padding', [0.0, 0.03, 0.3])
+@pytest.mark.parametrize('offset', [0.0, 1e5])
+def test_points_that_lie_close_together_are_near_or_not_as_each_by_itself(offset, padding):
+    rng = np.random.default_rng(7)
+    scene, tested = ShapeScene(*BODIES), SelfFilter()
+    geometries = scene.query.inspector().GetAllGeometryIds(Role.kProximity)
+    centres = posed(scene, rng, 0.6, offset)
+    places = np.concatenate([c + rng.uniform(-0.7, 0.7, (100, 3)) for c in centres])
+    p_WQs = np.repeat(places, 40, axis=0) + rng.uniform(-0.004, 0.004, (40 * len(places), 3))
+    asked = []
+    real = tested._distances
+
+    def counting(bodies, points, threshold):
+        asked.append(len(points))
+        return real(bodies, points, threshold)
+
+    tested._distances = counting
+    found = tested.near(KnownBodies().then(scene.query, geometries), p_WQs, padding)
+    assert found.tolist() == one_by_one(scene, p_WQs, padding).tolist()
+    assert 0.1 < found.mean() < 0.9
+    assert sum(asked) < 0.7 * len(p_WQs)  # cubes told of most of them
 
 
 def test_a_half_space_is_near_wherever_its_side_is():
