@@ -124,6 +124,8 @@ def _work(pipe: Connection) -> None:
         _listen(node, topic, takers[topic.input], pipe)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
+    if sys.platform.startswith('linux'):  # which has it by thread: not those that receive
+        os.nice(_NICER)
     told = 0.0
     while True:
         if time.monotonic() - told >= _LONGEST_WAIT:
@@ -135,8 +137,6 @@ def _work(pipe: Connection) -> None:
 def main() -> None:
     """Work for the node until it is gone."""
     threading.Thread(target=_end_with_node, daemon=True).start()
-    if sys.platform.startswith('linux'):
-        os.nice(_NICER)
     try:
         _work(Connection(int(sys.argv[1])))
     except (EOFError, ConnectionError):

@@ -50,14 +50,14 @@ def test_the_points_that_are_near_are_those_of_all_one_by_one(reach, offset, pad
     assert min(told.values()) > 100
 
 
-@pytest.mark.parametrize('padding', [0.0, 0.03, 0.3])
+@pytest.mark.parametrize('padding', [0.0, 0.03, 0.06])
 @pytest.mark.parametrize('offset', [0.0, 1e5])
 def test_points_that_lie_close_together_are_near_or_not_as_each_by_itself(offset, padding):
     rng = np.random.default_rng(7)
     scene, tested = ShapeScene(*BODIES), SelfFilter()
     geometries = scene.query.inspector().GetAllGeometryIds(Role.kProximity)
-    centres = posed(scene, rng, 0.6, offset)
-    places = np.concatenate([c + rng.uniform(-0.7, 0.7, (100, 3)) for c in centres])
+    centres = posed(scene, rng, 1.0, offset)
+    places = np.concatenate([c + rng.uniform(-0.15, 0.15, (100, 3)) for c in centres])
     p_WQs = np.repeat(places, 40, axis=0) + rng.uniform(-0.004, 0.004, (40 * len(places), 3))
     asked = []
     real = tested._distances
