@@ -12,7 +12,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from bench.ros.routes import Route, stream
+from bench.ros.routes import Route, rows_of, stream
 from bench.ros.scenes import Played
 
 RATE = 100.0  # [Hz] of poses
@@ -53,10 +53,11 @@ def delays(
     route = route_to(node, 'scene_graph')
     found: dict[str, list[float]] = {name: [] for name in (NOBODY, *ways)}
     lost = dict.fromkeys(found, 0)
+    rows = rows_of(played, RATE, seconds)
 
     def turn(name: str) -> None:
         before, lost_before = route.result()
-        stream(executor, route, played, RATE, seconds)
+        stream(executor, route, played, RATE, seconds, rows)
         after, lost_after = route.result()
         found[name] += after[len(before) :]
         lost[name] += lost_after - lost_before

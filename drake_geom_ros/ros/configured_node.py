@@ -21,6 +21,7 @@ from drake_geom_ros.ros import rule_topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.contact_topics import contact_topic
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
@@ -63,7 +64,6 @@ from drake_geom_ros.ros.surface import (
     transforms,
 )
 from drake_geom_ros.ros.tf_listening import listen_to_tf
-from drake_geom_ros.ros.together import MessageInfo, waited
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]

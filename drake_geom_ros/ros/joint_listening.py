@@ -9,6 +9,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.joint_input import JointInput
 from drake_geom_ros.ros.parameters import NodeParameters
@@ -16,7 +17,6 @@ from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.surface import Surface, sensor_data
-from drake_geom_ros.ros.together import MessageInfo, waited
 
 DEFAULT_TOPIC = 'joint_states'
 

@@ -10,6 +10,7 @@ from typing import Any
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from drake_geom_ros.ros.callback_groups import CallbackGroups
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.obstacle_records import DEPTH, OCTOMAP, POINTS, ObstacleSettings
 from drake_geom_ros.ros.inputs.obstacles import ObstacleInput
@@ -23,7 +24,6 @@ from drake_geom_ros.ros.scene.seen_maps import stand_fed
 from drake_geom_ros.ros.sensing.process import SensingProcess
 from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, Task, Topic
 from drake_geom_ros.ros.surface import Surface
-from drake_geom_ros.ros.together import MessageInfo, waited
 
 # What a process of its own listens to: of which map, what comes there, and the topic.
 _SENSED = (

@@ -20,9 +20,9 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo
 from drake_geom_ros.ros.outputs.answers import Answers
 from drake_geom_ros.ros.parameters import QOS_OVERRIDES
-from drake_geom_ros.ros.together import MessageInfo
 
 
 def sensor_data() -> QoSProfile:

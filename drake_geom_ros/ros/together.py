@@ -10,17 +10,17 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any
 
 from rclpy.subscription import Subscription
 
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
+
 _LONGEST_READING = 0.03  # [s] of the messages that waited; then what they bring is used
-_LONGEST_WAITING = 60.0  # [s] no message waits that long to be taken
 _MOST = 1000  # messages that are taken from a queue at once, for it fills meanwhile
 
-MessageInfo: TypeAlias = Mapping[str, Any]  # of rclpy, which in Jazzy has no name for it
 Waiting = tuple[bytes, MessageInfo]
 
 
@@ -92,11 +92,3 @@ def _waiting_in(subscription: Subscription[Any]) -> list[Waiting]:
         while len(found) < _MOST and (taken := take()):
             found.append(taken)
     return found
-
-
-def waited(info: MessageInfo) -> float:
-    """Return how long [s] ago a message came, by the time of day that the middleware notes."""
-    came = info['received_timestamp']
-    # It may have noted none, and the time of day may have been set meanwhile.
-    ago = time.time() - came * 1e-9 if came else 0.0
-    return ago if 0.0 <= ago <= _LONGEST_WAITING else 0.0

@@ -116,7 +116,7 @@ ROS_ROOMS = {
         ('numpy', 'ROS'),
     ),
     'ros/services': ((*_HELD, 'batch', 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
-    'ros/sensing': ((*_HELD, 'ros/inputs', 'ros', 'ros/sensing'), ('numpy', 'ROS')),
+    'ros/sensing': ((*_HELD, 'ros/inputs', 'ros/sensing'), ('numpy', 'ROS')),
     'ros/viewer': (
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),

@@ -6,7 +6,8 @@ import time
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.ros.together import Together, newest, waited
+from drake_geom_ros.ros.conversions.arrivals import waited
+from drake_geom_ros.ros.together import Together, newest
 
 
 def message(text, publisher=b'one', came=0):

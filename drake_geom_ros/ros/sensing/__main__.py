@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
 from drake_geom_ros.ros.conversions.serialized_cloud import (
     Header,
     Stamp,
@@ -39,7 +40,6 @@ from drake_geom_ros.ros.sensing.protocol import (
     Task,
     Topic,
 )
-from drake_geom_ros.ros.together import MessageInfo, waited
 from drake_geom_ros.sensed_maps.passes import compile_passes
 
 _NICER = 5  # steps of nice, as threads of the node that give way have
@@ -139,8 +139,8 @@ def main() -> None:
     threading.Thread(target=_end_with_node, daemon=True).start()
     try:
         _work(Connection(int(sys.argv[1])))
-    except (EOFError, ConnectionError):
-        os._exit(0)
+    except (EOFError, ConnectionError):  # it is gone
+        return
 
 
 if __name__ == '__main__':
