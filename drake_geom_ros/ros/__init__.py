@@ -4,5 +4,5 @@ In: parameters, topics and services.
 Out: results, markers and diagnostics.
 May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
     ``scene_files``, ``conversions``, ``scene``, ``trajectories``, ``cross_check``, ``inputs``,
-    ``outputs``, ``services``; numpy, ROS.
+    ``outputs``, ``services``, ``sensing``; numpy, ROS.
 """

@@ -2,5 +2,6 @@
 
 In: messages of sensors; where the sensor and the bodies were, asked of the node over a pipe.
 Out: cells of a map and counts, which the node takes into its scene; refusals with their reasons.
-May import: the core, ``conversions``, ``scene`` and ``inputs``; numpy, ROS.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
+    ``scene_files``, ``conversions``, ``scene``, ``inputs``; numpy, ROS.
 """
