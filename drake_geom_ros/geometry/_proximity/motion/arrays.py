@@ -58,6 +58,13 @@ KIND, MOST, IGNORES = 0, 1, 2
 PLANE, GAP, LOWER, UPPER = 0, 3, 4, 5
 RECORD_WIDTH = 6
 
+# Columns of ``entries``: a pair, and its records at the begin and at the end of its span.
+OF_PAIR, AT_BEGIN, AT_END = 0, 1, 2
+# Columns of ``tops``, of a span: its first entry, the one behind its last, its first free record.
+FIRST, BEHIND, FREE_RECORD = 0, 1, 2
+# Columns of ``spans``.
+BEGIN, END = 0, 1
+
 # Columns of ``bounds``, of a pair: for the whole motion, and what rounding may add.
 WAY = 0  # [m] no point of A comes farther than this against B
 SAG = 1  # [m] nor farther from the chord of its path
@@ -131,10 +138,10 @@ class MotionArrays(NamedTuple):
     counts: Integers  # (COUNT_WIDTH,)
     bounds: Rows  # (k, BOUND_WIDTH)
     # The search: what is left to be proved, see ``bisection``.
-    entries: IndexRows  # a pair, and its records at the begin and at the end of its span
+    entries: IndexRows  # (e, 3)
     records: Rows
-    spans: RealPairs  # begin, end
-    tops: IndexRows  # of each span the first entry and the one behind the last, and its records
+    spans: RealPairs  # (s, 2)
+    tops: IndexRows  # (s, 3)
     # One pair that is answered.
     one: IndexPairs
     slot: Integers

@@ -6,6 +6,8 @@ import math
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.motion.arrays import (
+    AT_BEGIN,
+    AT_END,
     CLEAR,
     CONTACT,
     IGNORED,
@@ -17,6 +19,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     MOST_PADDING,
     NO_POSE,
     NO_ROOM,
+    OF_PAIR,
     PAIR,
     SAG,
     SLACK,
@@ -157,7 +160,7 @@ def _keep(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: in
         if verdict == CLEAR and not motion.skipped[k]:
             is_proved(motion, k, motion.records[2 * count, LOWER])
         return 0 if verdict == CLEAR else -verdict
-    motion.entries[count, 0], motion.entries[count, 1] = k, 2 * count
+    motion.entries[count, OF_PAIR], motion.entries[count, AT_BEGIN] = k, 2 * count
     return 1
 
 
@@ -211,7 +214,7 @@ def _left_at_end(handle: Handle, count: int) -> int:
     motion = motions_of(handle)
     world, left = world_of(motion.world), 0
     for e in range(count):
-        k, start = motion.entries[e, 0], motion.entries[e, 1]
+        k, start = motion.entries[e, OF_PAIR], motion.entries[e, AT_BEGIN]
         node = motion.common_of_pair[k]
         gap = gap_now(motion, world, k, node, start)
         if is_proved(motion, k, by_plane(motion, k, start, gap, 1.0)):
@@ -220,7 +223,7 @@ def _left_at_end(handle: Handle, count: int) -> int:
             motion.counts[PAIR] = k
             return -UNKNOWN
         put_answer(handle, k, node, 1.0, start + 1)
-        motion.entries[left, 0], motion.entries[left, 1] = k, start
+        motion.entries[left, OF_PAIR], motion.entries[left, AT_BEGIN] = k, start
         left += 1
     return left
 
@@ -234,7 +237,7 @@ def _left_between(handle: Handle, count: int) -> int:
     motion = motions_of(handle)
     world, left = world_of(motion.world), 0
     for e in range(count):
-        k, start = motion.entries[e, 0], motion.entries[e, 1]
+        k, start = motion.entries[e, OF_PAIR], motion.entries[e, AT_BEGIN]
         node = motion.common_of_pair[k]
         gap = gap_now(motion, world, k, node, start + 1)
         if is_proved(motion, k, by_plane(motion, k, start + 1, gap, 1.0)):
@@ -247,8 +250,8 @@ def _left_between(handle: Handle, count: int) -> int:
             return -CONTACT
         if motion.skipped[k] or is_proved(motion, k, by_way(motion, k, start, start + 1, 1.0)):
             continue
-        motion.entries[left, 0], motion.entries[left, 1] = k, start
-        motion.entries[left, 2] = start + 1
+        motion.entries[left, OF_PAIR], motion.entries[left, AT_BEGIN] = k, start
+        motion.entries[left, AT_END] = start + 1
         left += 1
     return left
 

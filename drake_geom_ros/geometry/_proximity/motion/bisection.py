@@ -11,12 +11,20 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.motion.arrays import (
+    AT_BEGIN,
+    AT_END,
+    BEGIN,
+    BEHIND,
     CLEAR,
     CONTACT,
+    END,
+    FIRST,
+    FREE_RECORD,
     GAP,
     LEAST,
     NO_POSE,
     NO_ROOM,
+    OF_PAIR,
     PAIR,
     STOPPED,
     T0,
@@ -53,7 +61,7 @@ def _deepest(motion: MotionArrays, first: int, last: int, column: int) -> int:
     """
     pair, deepest = -1, math.inf
     for e in range(first, last):
-        k, r = motion.entries[e, 0], motion.entries[e, column]
+        k, r = motion.entries[e, OF_PAIR], motion.entries[e, column]
         depth = motion.records[r, UPPER] - motion.bounds[k, LEAST]
         if depth <= 0.0 and depth < deepest:
             pair, deepest = k, depth
@@ -69,7 +77,7 @@ def _given_up(motion: MotionArrays, first: int, last: int, width: float) -> int:
     """
     coarse = min(motion.asked[TIME_TOLERANCE], LEAST_SPAN) / 16.0
     for e in range(first, last):
-        k, r = motion.entries[e, 0], motion.entries[e, 1]
+        k, r = motion.entries[e, OF_PAIR], motion.entries[e, AT_BEGIN]
         parted = motion.records[r, GAP] > motion.bounds[k, LEAST]
         if width <= (min(coarse, LEAST_PARTED_SPAN) if parted else coarse):
             return k
@@ -104,19 +112,20 @@ def _records_of(motion: MotionArrays, count: int) -> int:
     """Return the number behind those of all records that entries have."""
     top = 0
     for e in range(count):
-        top = max(top, motion.entries[e, 1] + 1, motion.entries[e, 2] + 1)
+        top = max(top, motion.entries[e, AT_BEGIN] + 1, motion.entries[e, AT_END] + 1)
     return top
 
 
 @inlined
 def _push(motion: MotionArrays, depth: int, span: tuple[float, float], first: int, n: int) -> None:
-    motion.spans[depth, 0], motion.spans[depth, 1] = span
-    motion.tops[depth, 0], motion.tops[depth, 1] = first, first + n
+    motion.spans[depth, BEGIN], motion.spans[depth, END] = span
+    motion.tops[depth, FIRST], motion.tops[depth, BEHIND] = first, first + n
 
 
 @inlined
 def _put_entry(motion: MotionArrays, e: int, k: int, start: int, end: int) -> None:
-    motion.entries[e, 0], motion.entries[e, 1], motion.entries[e, 2] = k, start, end
+    motion.entries[e, OF_PAIR] = k
+    motion.entries[e, AT_BEGIN], motion.entries[e, AT_END] = start, end
 
 
 @inlined
@@ -137,7 +146,8 @@ def _halve(handle: Handle, mid: float, half: float, first: int, last: int, top: 
     world, most = world_of(motion.world), last - first
     lefts, rights = 0, 0
     for e in range(first, last):
-        k, start, end = motion.entries[e, 0], motion.entries[e, 1], motion.entries[e, 2]
+        k = motion.entries[e, OF_PAIR]
+        start, end = motion.entries[e, AT_BEGIN], motion.entries[e, AT_END]
         node = motion.common_of_pair[k]
         before = by_plane(motion, k, start, gap_now(motion, world, k, node, start), half)
         after = by_plane(motion, k, end, gap_now(motion, world, k, node, end), half)
@@ -168,14 +178,15 @@ def bisect(handle: Handle, count: int) -> int:
     """
     motion = motions_of(handle)
     tolerance = motion.asked[TIME_TOLERANCE]
-    touching = _deepest(motion, 0, count, 2)
+    touching = _deepest(motion, 0, count, AT_END)
     _push(motion, 0, (0.0, 1.0), 0, count)
-    motion.tops[0, 2] = _records_of(motion, count)
+    motion.tops[0, FREE_RECORD] = _records_of(motion, count)
     depth = 1
     while depth > 0:
         depth -= 1
-        begin, end = motion.spans[depth, 0], motion.spans[depth, 1]
-        first, last, top = motion.tops[depth, 0], motion.tops[depth, 1], motion.tops[depth, 2]
+        begin, end = motion.spans[depth, BEGIN], motion.spans[depth, END]
+        first, last = motion.tops[depth, FIRST], motion.tops[depth, BEHIND]
+        top = motion.tops[depth, FREE_RECORD]
         most = last - first
         motion.told[T0] = begin
         if touching >= 0 and motion.told[T1] - begin <= tolerance:
@@ -197,16 +208,16 @@ def bisect(handle: Handle, count: int) -> int:
         if found < 0:
             return UNKNOWN
         lefts, rights = found // (most + 1), found % (most + 1)
-        deepest = _deepest(motion, last + most, last + most + lefts, 2)
+        deepest = _deepest(motion, last + most, last + most + lefts, AT_END)
         if deepest >= 0:
             touching, motion.told[T1] = deepest, mid
             depth, rights = 0, 0  # what comes later is no first contact
         if rights > 0:
             _push(motion, depth, (mid, end), last, rights)
-            motion.tops[depth, 2] = top + most
+            motion.tops[depth, FREE_RECORD] = top + most
             depth += 1
         if lefts > 0:
             _push(motion, depth, (begin, mid), last + most, lefts)
-            motion.tops[depth, 2] = top + most
+            motion.tops[depth, FREE_RECORD] = top + most
             depth += 1
     return CLEAR
