@@ -92,7 +92,15 @@ def record(folder: Path, sender: Sender, names: list[str], states: Floats) -> in
 
 def play(run: Path, scene: Path) -> float:
     """Play a recording; return the seconds that it took."""
-    opened = opened_recording(run, scene, None, 1.0, 'exact', 'world', ())
+    opened = opened_recording(
+        run,
+        scene=scene,
+        topics=None,
+        stale_after=1.0,
+        accuracy='exact',
+        world_frame='world',
+        package_roots=(),
+    )
     played = player.Player(opened, StateBlocks(opened.playback, pair_sets([ARMS])), 0.0)
     start = time.perf_counter()
     states = sum(len(block.times) for block in played.blocks())

@@ -89,8 +89,13 @@ def make_report(options: argparse.Namespace, scene: SceneDescription | None) -> 
 def _opened(options: argparse.Namespace, scene: SceneDescription | None) -> _Runs:
     def opened(paths: str | list[str]) -> Opened:
         return opened_recording(
-            *(paths, scene, topics_of(options), options.stale_after, 'exact'),
-            *(options.world_frame, options.package_root),
+            paths,
+            scene=scene,
+            topics=topics_of(options),
+            stale_after=options.stale_after,
+            accuracy='exact',
+            world_frame=options.world_frame,
+            package_roots=options.package_root,
         )
 
     return _Runs(opened(options.recording), opened(options.compare) if options.compare else None)

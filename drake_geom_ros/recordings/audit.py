@@ -109,7 +109,13 @@ def audit(
         assert found.counts()[Outcome.REFUTED] == 0
     """
     opened = opened_recording(
-        *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
+        path,
+        scene=scene,
+        topics=topics,
+        stale_after=stale_after,
+        accuracy=accuracy,
+        world_frame=world_frame,
+        package_roots=package_roots,
     )
     recorded = opened.recording.topics
     inside = (topics or Topics()).prefix

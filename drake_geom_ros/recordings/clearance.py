@@ -67,7 +67,13 @@ def clearance(
         certify=certify,
     )
     opened = opened_recording(
-        *(path, scene, topics, stale_after, accuracy, world_frame, package_roots)
+        path,
+        scene=scene,
+        topics=topics,
+        stale_after=stale_after,
+        accuracy=accuracy,
+        world_frame=world_frame,
+        package_roots=package_roots,
     )
     run = Run(opened, asked, threads=threads, executor=executor, progress=progress)
     parts = list(run.parts())

@@ -48,7 +48,9 @@ def _draw(found: Sequence[SetComparison], other: str) -> bytes:
         place.plot(starts, each.run, color='tab:blue', lw=1.2, label='this run')
         nearer = np.nan_to_num(each.difference, nan=0.0) < 0.0
         place.fill_between(
-            *(starts, each.run, each.other),
+            starts,
+            each.run,
+            each.other,
             where=nearer,
             color='tab:red',
             alpha=0.25,

@@ -25,6 +25,7 @@ class Opened(NamedTuple):
 
 def opened_recording(
     path: str | Path | Sequence[str | Path],
+    *,
     scene: str | Path | SceneDescription | None,
     topics: Topics | None,
     stale_after: float,
@@ -46,7 +47,8 @@ def opened_recording(
     roles = roles_of(recording.topics, asked, with_robots=alone)
     silent = _silent_clocks(recording, roles)
     playback = Playback(
-        *(scene, stale_after),
+        scene,
+        stale_after,
         simulated='clock' in roles.values() and not silent,
         world_frame=world_frame,
         package_roots=package_roots,

@@ -41,7 +41,15 @@ def recorded_poses(
 
     ``tell`` is called with what is not known, was refused, or could not be read.
     """
-    opened = opened_recording(path, scene, topics, 1.0, 'exact', world_frame, package_roots)
+    opened = opened_recording(
+        path,
+        scene=scene,
+        topics=topics,
+        stale_after=1.0,
+        accuracy='exact',
+        world_frame=world_frame,
+        package_roots=package_roots,
+    )
     player = Player(opened, StateBlocks(opened.playback, ()), rate)
     found = []
     for block in player.blocks():

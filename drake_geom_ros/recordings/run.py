@@ -208,7 +208,9 @@ class Run:
         if not pairs.considered.any():
             return None
         found = evaluate(
-            *(block.narrowed(pairs), block.frames, block.poses),
+            block.narrowed(pairs),
+            block.frames,
+            block.poses,
             max_distance=self._asked.max_distance,
             accuracy=self._asked.accuracy,
             threads=self._threads,

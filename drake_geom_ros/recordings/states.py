@@ -224,8 +224,13 @@ class StateBlocks:
         if count := len(self._times):
             times, self._times = np.array(self._times, dtype=np.int64), []
             yield Block(
-                *(self._context, self._asked, self._frames, times),
-                *(self._poses[:count].copy(), self._ages[:count].copy(), self._waiting),
+                context=self._context,
+                asked=self._asked,
+                frames=self._frames,
+                times=times,
+                poses=self._poses[:count].copy(),
+                ages=self._ages[:count].copy(),
+                waiting=self._waiting,
             )
 
     def _watch(self, scene: EditableScene) -> None:

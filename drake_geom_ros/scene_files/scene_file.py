@@ -133,12 +133,20 @@ def _urdf_scene(
         semantics = read_srdf(srdf_data, srdf_file, name, name, parts.link_names, options)
         filters, warnings = filters + semantics.filters, warnings + semantics.warnings
     robot = RobotDescription(
-        *(name, path, RigidTransform(), srdf_path),
+        name,
+        urdf=path,
+        X_WB=RigidTransform(),
+        srdf=srdf_path,
         tree=parts.tree,
         frame_prefix=options.frame_prefix,
     )
     return SceneDescription(
-        *(file, (name,), (robot,), parts.frames, parts.geometries, filters),
+        file,
+        sources=(name,),
+        robots=(robot,),
+        frames=parts.frames,
+        geometries=parts.geometries,
+        filters=filters,
         warnings=warnings,
     )
 

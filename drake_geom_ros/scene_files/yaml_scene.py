@@ -123,7 +123,12 @@ class _SceneParser:
         srdf_path = self._file(plain['srdf'], *path, 'srdf') if 'srdf' in plain else None
         X_WB = self._pose(plain, *path)
         robot = RobotDescription(
-            *(name, urdf_path, X_WB, srdf_path, where, plain.get('joint_states', '')),
+            name,
+            urdf=urdf_path,
+            X_WB=X_WB,
+            srdf=srdf_path,
+            where=where,
+            joint_states=plain.get('joint_states', ''),
             frame_prefix=plain.get('frame_prefix', ''),
         )
         semantics = read_robot_file(srdf_path, self._resolver.is_free) if srdf_path else None

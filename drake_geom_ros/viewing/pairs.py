@@ -52,8 +52,12 @@ class Pairs:
     def rows(self, rows: NDArray[np.int64] | slice) -> Pairs:
         """Return some of the pairs."""
         return Pairs(
-            *(self.ids[rows], self.distance[rows], self.error_bound[rows]),
-            *(self.p_WCas[rows], self.p_WCbs[rows], self.nhat_BA_Ws[rows]),
+            ids=self.ids[rows],
+            distance=self.distance[rows],
+            error_bound=self.error_bound[rows],
+            p_WCas=self.p_WCas[rows],
+            p_WCbs=self.p_WCbs[rows],
+            nhat_BA_Ws=self.nhat_BA_Ws[rows],
         )
 
     def __len__(self) -> int:

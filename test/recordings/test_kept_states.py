@@ -39,7 +39,15 @@ def recorded(tmp_path):
 
 def kept_in(folder, recorded, scene, asked=(), **more):
     """Return a pass through a recording, and what it keeps."""
-    opened = opened_recording(recorded, scene, None, 1.0, 'exact', 'world', ())
+    opened = opened_recording(
+        recorded,
+        scene=scene,
+        topics=None,
+        stale_after=1.0,
+        accuracy='exact',
+        world_frame='world',
+        package_roots=(),
+    )
     question = Asked(sets=pair_sets(BETWEEN), **more)
     certified = bool(question.certify)
     return Run(opened, question), KeptStates(folder, BETWEEN, dict(asked), certified=certified)

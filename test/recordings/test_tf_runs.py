@@ -154,7 +154,15 @@ def messages(events, seed, *, clock):
 
 def played(run, scene, rate):
     """Return all that is told of a recording, and how many messages were taken in runs."""
-    opened = opened_recording(run, scene, None, 1.0, 'exact', 'world', ())
+    opened = opened_recording(
+        run,
+        scene=scene,
+        topics=None,
+        stale_after=1.0,
+        accuracy='exact',
+        world_frame='world',
+        package_roots=(),
+    )
     states = StateBlocks(opened.playback, pair_sets(['left:right', 'things:*']))
     found = []
     for block in Player(opened, states, rate).blocks():

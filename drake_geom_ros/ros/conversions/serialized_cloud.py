@@ -77,7 +77,15 @@ def cloud_of_bytes(raw: bytes) -> Cloud:
     except (struct.error, UnicodeDecodeError) as error:
         raise ArgumentError(f'the message of {len(raw)} bytes is cut off: {error}') from None
     return Cloud(
-        *(header, height, width, fields, is_bigendian, point_step, row_step, data, is_dense)
+        header=header,
+        height=height,
+        width=width,
+        fields=fields,
+        is_bigendian=is_bigendian,
+        point_step=point_step,
+        row_step=row_step,
+        data=data,
+        is_dense=is_dense,
     )
 
 

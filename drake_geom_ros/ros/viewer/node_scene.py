@@ -95,7 +95,6 @@ class NodeScene:
                 results = self._answer if self._asked == (max_distance, accuracy) else results
             R_WGs, p_WGs = self._poses
             pairs = self._pairs(results, max_distance)
-            none = np.zeros((0, 3, 3)), np.zeros((0, 3))
             remarks = self._remarks() + self._left_out(results)
             rules = self._shown_rules(pairs)
             shown = ShownContacts.none()
@@ -103,7 +102,15 @@ class NodeScene:
                 shown = self._contacts.shown(self._known, self._names)
                 remarks += [*shown.said, *shown.missing]
             return Moment(
-                *(self._cast, R_WGs, p_WGs, pairs, *none, remarks, rules), patches=shown.patches
+                self._cast,
+                R_WGs=R_WGs,
+                p_WGs=p_WGs,
+                pairs=pairs,
+                R_WFs=np.zeros((0, 3, 3)),
+                p_WFs=np.zeros((0, 3)),
+                remarks=remarks,
+                rules=rules,
+                patches=shown.patches,
             )
 
     def explain(self, pair: tuple[int, int]) -> list[str]:

@@ -53,7 +53,11 @@ class AnswerPanel:
                 'max_distance [m]', 0.0, farthest, _STEP, max_distance
             )
             self.level = gui.add_slider(
-                *('accuracy', 0, len(LEVELS) - 1, 1, LEVELS.index(accuracy)),
+                'accuracy',
+                min=0,
+                max=len(LEVELS) - 1,
+                step=1,
+                initial_value=LEVELS.index(accuracy),
                 marks=tuple(enumerate(LEVELS)),
             )
             gui.add_html(_TABLE)
@@ -62,17 +66,25 @@ class AnswerPanel:
         for row, button in enumerate(self.rows):
             button.on_click(partial(self._clicked, row))
         for handle in (
-            *(*self._layers.values(), self._names, self._frames, self._normals, self._bounds),
-            *(self.contacts, self.max_distance, self.level),
+            *self._layers.values(),
+            self._names,
+            self._frames,
+            self._normals,
+            self._bounds,
+            self.contacts,
+            self.max_distance,
+            self.level,
         ):
             handle.on_update(lambda _: touch())
 
     def wishes(self) -> Wishes:
         """Return what is to be seen."""
         return Wishes(
-            frozenset(name for name, box in self._layers.items() if box.value),
-            *(self._names.value, self._frames.value),
-            *(self._normals.value, self._bounds.value),
+            layers=frozenset(name for name, box in self._layers.items() if box.value),
+            names=self._names.value,
+            frames=self._frames.value,
+            normals=self._normals.value,
+            bounds=self._bounds.value,
         )
 
     @property

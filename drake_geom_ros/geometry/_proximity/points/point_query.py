@@ -183,7 +183,13 @@ class PointDistanceQueries:
         # By the handle of handles.
         self._kept = handle_of(self._report), world.handle, pair_rows, types, starts, pool
         hands = PointHands(
-            *(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES),
-            *(pair_rows, types, starts, pool),
+            world=world.handle,
+            report=self._kept[0],
+            kernels=POINT_ADDRESSES,
+            pair_kernels=ADDRESSES,
+            pair_rows=pair_rows,
+            types=types,
+            starts=starts,
+            pool=pool,
         )
         self._world, self._hands = world, handle_of(hands)
