@@ -16,7 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import (
     point_inside,
     support_value,
 )
-from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_defect
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_defect, hull_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -79,6 +79,15 @@ def raise_lower_end(a: int, b: int, bodies: BoundedBodies, out: Floats) -> None:
         out[WITNESS_B + c] = out[WITNESS_A + c] - out[DISTANCE] * out[NORMAL + c]
 
 
+@inlined
+def _reach(kind: int, shape: Floats, h: float) -> float:
+    """Return the size [m] of what a support value h is a sum of.
+
+    The vertices of a hull may be anywhere: along n they are near Go, and aside of it far away.
+    """
+    return hull_radius(shape) if has_hull(kind) else h
+
+
 @compiled
 def bounding_interval(A: PosedShape, B: PosedShape, p_AB_W: Floats, out: Floats) -> None:
     """Write the middle and the half width of a certified interval of phi from bounds alone.
@@ -112,7 +121,8 @@ def bounding_interval(A: PosedShape, B: PosedShape, p_AB_W: Floats, out: Floats)
     distance = lower + 0.5 * (upper - lower)
     p_ACa_W = scale(h_A, n_AB_W)
     p_ACb_W = add_scaled(p_ACa_W, distance, n_AB_W)
-    rounding = 8.0 * EPS * (norm(p) + h_A + h_B)
+    reaches = _reach(A.kind, A.shape, h_A) + _reach(B.kind, B.shape, h_B)
+    rounding = 8.0 * EPS * (norm(p) + reaches)
     for kind, shape in ((A.kind, A.shape), (B.kind, B.shape)):
         if has_hull(kind):  # its support value is rounded up by as much
             rounding += hull_defect(shape)
