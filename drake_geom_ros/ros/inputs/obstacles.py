@@ -7,7 +7,7 @@ that shows nothing is refused: a covered lens sees no more than an empty room. N
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
 from drake_geom_ros.ros.inputs.obstacle_records import Found, MapCounts, ObstacleSettings, Place
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.scene.moments import Hanging, Moment, moment_of
+from drake_geom_ros.ros.scene.moments import Hanging, Model, Moment, moment_of
 from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
 from drake_geom_ros.ros.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.sensed_maps.cells import Cells
@@ -53,6 +53,7 @@ class ObstacleInput:
         self._hanging = hanging
         self._changed = changed
         self._known = KnownBodies()
+        self._known_of: tuple[Model, str] | None = None
         self._generation = 0  # how often it was cleared
         self._begun: _Begun | None = None
 
@@ -68,17 +69,19 @@ class ObstacleInput:
         """
         start, self._begun = time.perf_counter(), None
         generation, settings = self._generation, self._settings()
-        bodies: list[GeometryId] = []
+        which = settings.self_filter
 
-        def frames_of_bodies(query: QueryObject) -> set[FrameId]:
-            bodies[:] = self._bodies(query, settings.self_filter)
-            return {query.inspector().GetFrameId(geometry) for geometry in bodies}
+        def frames_of_bodies(query: QueryObject, model: Model) -> Collection[FrameId]:
+            if self._known_of != (model, which):  # each body anew took half of the time
+                self._known.know(query, self._bodies(query, which))
+                self._known_of = model, which
+            return self._known.frames
 
         moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies)
         self._begun = _Begun(moment, start, generation)
         R_WF = np.array(moment.X_WF.rotation().matrix())
         p_WF = np.array(moment.X_WF.translation())
-        there, since = self._known.then(moment.query, bodies), moment.since
+        there, since = self._known.then(moment.query), moment.since
         return Place(R_WF, p_WF, since.held, since.epoch, generation, there, settings)
 
     def finish(self, found: Found) -> None:
@@ -98,7 +101,7 @@ class ObstacleInput:
         generation, cells = self._generation, cells_from_octomap(octomap)
         if not len(cells):
             raise ArgumentError('the tree has no occupied cell: it shows nothing')
-        moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda query: ())
+        moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda *_: ())
         taken = _cells_in_box(cells, moment.X_WF, self._settings())
         beyond = len(cells) - len(taken)
         counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))

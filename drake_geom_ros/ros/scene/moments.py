@@ -45,6 +45,12 @@ class Moment(NamedTuple):
     replaced: int  # of the scene that it is of
 
 
+# Of a model of the scene: what is the same of two is the same but for the cells of sensed maps.
+Model = tuple[int, int]
+
+# Which other frames have to be where they were, by a query of the scene and its model.
+Interest = Callable[[QueryObject, Model], Collection[FrameId]]
+
 # Where a frame is that may be none of the scene: one of the scene, and its pose X_PF in that; or
 # the name of what is not known of that time yet.
 Hanging = Callable[[HeldScene, str, float], tuple[FrameId, RigidTransform] | str]
@@ -55,7 +61,7 @@ def moment_of(
     header: Any,
     waited: float,
     hanging: Hanging,
-    bodies: Callable[[QueryObject], Collection[FrameId]],
+    bodies: Interest,
 ) -> Moment:
     """Return the scene at the stamp of a header, the frame of which may be any.
 
@@ -96,7 +102,7 @@ def _look(
     header: Any,
     held: float,
     hanging: Hanging,
-    bodies: Callable[[QueryObject], Collection[FrameId]],
+    bodies: Interest,
 ) -> Moment | str:
     """Return the moment, or the names of the frames of which it is not known yet."""
     with live.reading() as scene:
@@ -107,7 +113,7 @@ def _look(
         assert scene.history is not None, 'who takes what sensors saw has it kept'
         then = _Then(scene, scene.history.around(held))
     # The scene moves on from here. The sensor comes first: mostly it is what is waited for.
-    if later := then.know_all({frame}) or then.know_all(set(bodies(then.view.query))):
+    if later := then.know_all({frame}) or then.know_all(set(bodies(then.view.query, then.model))):
         return later
     ids = np.array([f.get_value() for f in then.moving], dtype=np.int64)
     rows = np.array(list(then.moving.values())).reshape(-1, 7)
@@ -122,6 +128,7 @@ class _Then:
     def __init__(self, scene: HeldScene, around: PosesAround) -> None:
         self.view = scene.view()
         self.names, self.replaced = scene.names, scene.replaced
+        self.model = scene.replaced, scene.model_version
         self.moving: dict[FrameId, NDArray[np.float64]] = {}  # X_PF (7,) of those that do
         self._around = around
         self._since = {frame: scene.posed_since(frame) for frame in scene.names.labels}

@@ -73,14 +73,20 @@ class KnownBodies:
         self._number = 0
         self._bodies = Bodies([], np.zeros(0, dtype=np.int64))
         self._shapes: list[Shape] = []
+        self._frames: list[FrameId] = []
 
-    def then(self, query: QueryObject, geometries: Sequence[GeometryId]) -> BodiesThen:
-        """Return bodies where a query sees them; their number is another where they changed."""
-        self._know(query, geometries)
+    @property
+    def frames(self) -> list[FrameId]:
+        """The frames that the bodies are on."""
+        return self._frames
+
+    def then(self, query: QueryObject) -> BodiesThen:
+        """Return the bodies where a query sees them."""
         R_WFs, p_WFs, _ = query.X_WFs(self._bodies.frames)
         return BodiesThen(self._number, self._bodies, np.array(R_WFs), np.array(p_WFs))
 
-    def _know(self, query: QueryObject, geometries: Sequence[GeometryId]) -> None:
+    def know(self, query: QueryObject, geometries: Sequence[GeometryId]) -> None:
+        """Take these for the bodies; their number is another where anything of them changed."""
         inspector = query.inspector()
         shapes = [inspector.GetShape(geometry) for geometry in geometries]
         poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
@@ -100,6 +106,7 @@ class KnownBodies:
             bodies.append(Body(shape, properties, X_FG, row, *ball))
         values = np.array([frame.get_value() for frame in rows], dtype=np.int64)
         self._bodies, self._key, self._number = Bodies(bodies, values), key, self._number + 1
+        self._frames = list(rows)
         self._shapes = shapes  # lest another one gets the address of one that is gone
 
 

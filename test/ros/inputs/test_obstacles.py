@@ -8,6 +8,12 @@ import numpy as np
 import pytest
 from ros.inputs.sensing_node import Node, cloud, header
 
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    ProximityProperties,
+    RoleAssign,
+    Sphere,
+)
 from drake_geom_ros.ros.inputs import obstacles
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.scene import moments
@@ -44,6 +50,38 @@ def test_a_cloud_holds_at_the_poses_of_its_stamp_and_not_of_now():
     assert node.age() == pytest.approx(0.15, abs=1e-6)
     node.clock.now = 101.0
     assert node.age() == pytest.approx(1.15, abs=1e-6)
+
+
+def test_points_are_left_out_on_bodies_as_they_are_by_now():
+    node = Node(self_filter='scene', padding=0.05)
+    points = [[0.25, 0.0, 0.0], [1.0, 0.0, 0.0]]  # beside the hand
+    node.move(99.9, [0, 0, 0])
+    node.move(100.0, [0, 0, 0])
+    counts = []
+
+    def take():
+        node.taker.take_cloud(cloud(points, 'world', 100.0))
+        counts.append(node.input.counts.on_bodies)
+
+    take()
+    take()
+    with node.live.editing() as scene:
+        hand = scene.names.geometry('arm/hand')
+        source = scene.inspector.GetOwningSourceId(hand)
+        scene.scene_graph.ChangeShape(source, hand, Sphere(0.22))
+    take()
+    with node.live.editing() as scene:
+        padded = ProximityProperties()
+        padded.AddProperty('proximity', 'padding', 0.75)
+        scene.scene_graph.AssignRole(source, hand, padded, RoleAssign.kReplace)
+    with pytest.raises(ArgumentError, match='all of its points lie on bodies'):
+        take()
+    with node.live.editing() as scene:
+        scene.scene_graph.RemoveGeometry(source, hand)
+    take()
+    node.settings = node.settings._replace(self_filter='none')
+    take()
+    assert counts == [0, 0, 1, 0, 0]
 
 
 def test_the_pose_of_a_stamp_is_waited_for_a_little():

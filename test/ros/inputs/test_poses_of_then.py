@@ -91,7 +91,7 @@ class Robot(Node):
     def then(self, frame, stamp):
         """Return where a frame was at a stamp."""
         self.clock.now = max(self.clock.now, stamp)
-        found = moment_of(self.live, header(frame, stamp), 0.0, self.input._hanging, lambda _: ())
+        found = moment_of(self.live, header(frame, stamp), 0.0, self.input._hanging, lambda *_: ())
         return found.X_WF
 
 
@@ -197,7 +197,7 @@ def test_what_was_attached_was_where_it_was_before():
     node = Node(scene=SCENE, self_filter='none')
 
     def then(stamp):
-        found = moment_of(node.live, header('arm', stamp), 0.0, node.input._hanging, lambda _: ())
+        found = moment_of(node.live, header('arm', stamp), 0.0, node.input._hanging, lambda *_: ())
         return found.X_WF.translation().tolist()
 
     node.clock.now = 100.1

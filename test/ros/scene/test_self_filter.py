@@ -23,6 +23,11 @@ def posed(scene, rng, reach, offset):
     return np.array([X.translation() for X in poses])
 
 
+def then(known, query, geometries):
+    known.know(query, geometries)
+    return known.then(query)
+
+
 def one_by_one(scene, p_WQs, padding):
     near = scene.query.ComputeSignedDistanceToPoint(p_WQs, padding)
     truth = np.zeros(len(p_WQs), dtype=bool)
@@ -43,7 +48,7 @@ def test_the_points_that_are_near_are_those_of_all_one_by_one(reach, offset, pad
             [c + rng.uniform(-0.4, 0.4, (200, 3)) for c in centres]
             + [offset + rng.uniform(-2.0 * reach, 2.0 * reach, (200, 3)), [[1e9, 0.0, 0.0]]]
         )
-        found = tested.near(known.then(scene.query, geometries), p_WQs, padding)
+        found = tested.near(then(known, scene.query, geometries), p_WQs, padding)
         assert found.tolist() == one_by_one(scene, p_WQs, padding).tolist()
         for is_near in found.tolist():
             told[is_near] += 1
@@ -67,7 +72,7 @@ def test_points_that_lie_close_together_are_near_or_not_as_each_by_itself(offset
         return real(bodies, points, threshold)
 
     tested._distances = counting
-    found = tested.near(KnownBodies().then(scene.query, geometries), p_WQs, padding)
+    found = tested.near(then(KnownBodies(), scene.query, geometries), p_WQs, padding)
     assert found.tolist() == one_by_one(scene, p_WQs, padding).tolist()
     assert 0.1 < found.mean() < 0.9
     assert sum(asked) < 0.7 * len(p_WQs)  # cubes told of most of them
@@ -77,5 +82,5 @@ def test_a_half_space_is_near_wherever_its_side_is():
     scene = ShapeScene(HalfSpace(), BODIES[0]).posed(RigidTransform(), RigidTransform([9, 0, 0]))
     geometries = scene.query.inspector().GetAllGeometryIds(Role.kProximity)
     p_WQs = np.array([[1e5, 0.0, -1.0], [0.0, 0.0, 0.5], [9.0, 0.0, 0.1], [-1e5, 1e5, 0.01]])
-    found = SelfFilter().near(KnownBodies().then(scene.query, geometries), p_WQs, 0.05)
+    found = SelfFilter().near(then(KnownBodies(), scene.query, geometries), p_WQs, 0.05)
     assert found.tolist() == [True, False, True, True]
