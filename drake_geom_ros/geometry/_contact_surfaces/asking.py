@@ -29,7 +29,6 @@ from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 FIRST_POLYGONS = 512  # there is room for, and for CORNERS_EACH corners of each
 _CORNERS_EACH = 5
 _OF_PAIR = SUMS + RECORD + 1  # numbers of each pair that was asked about
-_empty = np.empty
 
 
 class Posed:
@@ -124,7 +123,7 @@ def surfaces_of(posed: Posed, pairs: Indices) -> Answer:
     count = len(pairs)
     while True:
         most = room.faces, room.corners
-        store = _empty(_OF_PAIR * count + (FACE + 1) * most[0] + 4 * most[1])
+        store = np.empty(_OF_PAIR * count + (FACE + 1) * most[0] + 4 * most[1])
         counts = surfaces_of_pairs(posed.hands, room.handle, pairs, store, *most)
         is_whole = counts[0] <= most[0] and counts[1] <= most[1]
         if not is_whole or 4 * counts[0] < most[0] > FIRST_POLYGONS:
@@ -132,5 +131,5 @@ def surfaces_of(posed: Posed, pairs: Indices) -> Answer:
         if is_whole:
             break
     ROOMS.append(room)
-    store.setflags(False)  # type: ignore[call-arg]
+    store.setflags(write=False)
     return Answer(store, count, most, counts)
