@@ -22,7 +22,7 @@ from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.map_sources import MapSources
 from drake_geom_ros.ros.scene.seen_maps import stand_fed
 from drake_geom_ros.ros.sensing.process import SensingProcess
-from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, Task, Topic
+from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, SENSORS, Task, Topic
 from drake_geom_ros.ros.surface import Surface
 
 # What a process of its own listens to: of which map, what comes there, and the topic.
@@ -93,7 +93,7 @@ class ObstacleListening:
         if not topics:
             return None
         space, _, name = self._surface.full_name().rpartition('/')
-        task = Task(f'{name}_sensors', space or '/', topics)
+        task = Task(f'{name}{SENSORS}', space or '/', self._surface.enclave(), topics)
         process = SensingProcess(task, self.inputs, self._guard)
         self._surface.until_closed(process.close)  # where opening others fails
         return process

@@ -3,8 +3,9 @@
     python -m drake_geom_ros.ros.policy [--namespace /cell] [--name scene_graph] > policy.xml
     ros2 security generate_artifacts -k KEYSTORE -p policy.xml
 
-The enclave of the node bears its full name. Below it are those of its clients: `observer` reads
-results and asks queries, `mover` publishes poses and points, and `operator` may call everything.
+The enclave of the node bears its full name; its process of sensors is in it, too. Below it are
+those of its clients: `observer` reads results and asks queries, `mover` publishes poses, points
+and what sensors see, and `operator` may call everything.
 The format is that of https://design.ros2.org/articles/ros2_access_control_policies.html.
 """
 
@@ -15,6 +16,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
+from drake_geom_ros.ros.sensing.protocol import SENSORS
 from drake_geom_ros.ros.services.table import BESIDE, IMAGES, MOTIONS, PLANNING, SERVICES
 
 VERSION = '0.2.0'  # of the format
@@ -30,10 +32,13 @@ RESULTS = tuple(
 )
 SHARED_RESULTS = ('/diagnostics', '/tf', '/tf_static')  # TF: of cameras
 INPUTS = (
-    *('~/frame_poses', '~/frame_twists', '~/query_points'),
-    *('~/obstacles/points', '~/obstacles/octomap'),
-    *('~/obstacles/depth/image_rect_raw', '~/obstacles/depth/camera_info'),
+    *('~/frame_poses', '~/frame_twists', '~/query_points', '~/obstacles/octomap'),
     *('joint_states', '/tf', '/tf_static'),
+)
+# What its process of sensors hears, a node of its own.
+SENSED = (
+    '~/obstacles/points',
+    *('~/obstacles/depth/image_rect_raw', '~/obstacles/depth/camera_info'),
 )
 ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')
 CLOCK = ('/clock',)
@@ -69,20 +74,26 @@ def policy(
         absolute = (f'{node}{each[1:]}' if each[0] == '~' else each for each in names)
         return sorted(each if each[0] == '/' else f'{root}{each}' for each in absolute)
 
-    inputs = full([*INPUTS, *filter(None, robot_topics)])
+    inputs, sensed = full([*INPUTS, *filter(None, robot_topics)]), full(SENSED)
     results = full((*RESULTS, *SHARED_RESULTS))
     element = ElementTree.Element('policy', version=VERSION)
     enclaves = ElementTree.SubElement(element, 'enclaves')
-    server = _profile(enclaves, node, namespace, name)
+    server_enclave = _enclave(enclaves, node)
+    server = _beside(server_enclave, namespace, name)
     _allow(server, 'topics', 'publish', [*results, *LOGS])
     _allow(server, 'topics', 'subscribe', [*inputs, *CLOCK])
     _allow(server, 'services', 'reply', full(OFFERED))
+    sensing = f'{name}{SENSORS}'
+    sensors = _beside(server_enclave, namespace, sensing)
+    _allow(sensors, 'topics', 'publish', ['/parameter_events'])
+    _allow(sensors, 'topics', 'subscribe', sensed)
+    _allow(sensors, 'services', 'reply', [f'{root}{sensing}/get_type_description'])
     for client, publishes, asks in (
         ('observer', [], full(QUERIES)),
-        ('mover', inputs, []),
-        ('operator', inputs, full(OFFERED)),
+        ('mover', [*inputs, *sensed], []),
+        ('operator', [*inputs, *sensed], full(OFFERED)),
     ):
-        profile = _profile(enclaves, f'{node}/{client}', namespace, client)
+        profile = _beside(_enclave(enclaves, f'{node}/{client}'), namespace, client)
         _allow(profile, 'topics', 'publish', [*publishes, *LOGS])
         _allow(profile, 'topics', 'subscribe', [*results, *CLOCK])
         _allow(profile, 'services', 'reply', OWN_SERVICES)
@@ -91,12 +102,14 @@ def policy(
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(element, "unicode")}\n'
 
 
-def _profile(
-    enclaves: ElementTree.Element, path: str, namespace: str, node: str
-) -> ElementTree.Element:
-    """Add an enclave and return its one profile."""
+def _enclave(enclaves: ElementTree.Element, path: str) -> ElementTree.Element:
+    """Add an enclave and return its profiles."""
     enclave = ElementTree.SubElement(enclaves, 'enclave', path=path)
-    profiles = ElementTree.SubElement(enclave, 'profiles')
+    return ElementTree.SubElement(enclave, 'profiles')
+
+
+def _beside(profiles: ElementTree.Element, namespace: str, node: str) -> ElementTree.Element:
+    """Add the profile of a node to those of an enclave and return it."""
     return ElementTree.SubElement(profiles, 'profile', ns=namespace, node=node)
 
 

@@ -135,6 +135,12 @@ class Surface:
         """Return the name of the node with its namespace."""
         return str(self._node.get_fully_qualified_name())
 
+    def enclave(self) -> str:
+        """Return the enclave of SROS 2 that this process is in; the root where there is none."""
+        own = self._node.get_name(), self._node.get_namespace()
+        known = self._node.get_node_names_and_namespaces_with_enclaves()
+        return next((enclave for *name, enclave in known if tuple(name) == own), '/')
+
     def until_closed(self, close: Callable[[], None]) -> None:
         """Have something else closed with the rest."""
         self._open.append((lambda it: it(), close))

@@ -80,10 +80,16 @@ class Process:
 
 
 def start_node(
-    log: Path, *, namespace: str = '', name: str = '', remap: tuple[str, ...] = (), **parameters
+    log: Path,
+    *,
+    namespace: str = '',
+    name: str = '',
+    remap: tuple[str, ...] = (),
+    enclave: str = '/',
+    **parameters,
 ) -> Process:
     """Start scene_graph_node with parameters, and remappings as ``from:=to``."""
-    arguments = ['--ros-args']
+    arguments = ['--ros-args', '--enclave', enclave]
     rules = [*remap, f'__ns:={namespace}' * bool(namespace), f'__node:={name}' * bool(name)]
     for rule in filter(None, rules):
         arguments += ['-r', rule]

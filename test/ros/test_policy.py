@@ -13,6 +13,7 @@ from drake_geom_ros.ros.policy import policy
 
 NAMESPACE, NAME = '/cell', 'geometry'
 NODE = f'{NAMESPACE}/{NAME}'
+SENSING = f'{NAME}_sensors'
 # Element: its attributes, of which those in brackets may be missing, and its children.
 STRUCTURE = {
     'policy': ({'version'}, set(), {'enclaves'}),
@@ -27,9 +28,11 @@ STRUCTURE = {
 }
 
 
-def allowed(text, path):
-    """Return what the enclave of a path may do, as sets of names by kind and action."""
-    (profile,) = ElementTree.fromstring(text).findall(f'.//enclave[@path="{path}"]/profiles/*')
+def allowed(text, path, node):
+    """Return what a node may do in the enclave of a path, as sets of names by action."""
+    (profile,) = ElementTree.fromstring(text).findall(
+        f'.//enclave[@path="{path}"]/profiles/profile[@node="{node}"]'
+    )
     found = defaultdict(set)
     for listed in profile:
         ((action, said),) = listed.attrib.items()
@@ -58,6 +61,7 @@ def node(tmp_path):
         *(tmp_path / 'log',),
         namespace=NAMESPACE,
         name=NAME,
+        enclave=NODE,
         use_tf=has_tf,
         use_joint_states=True,
         use_sim_time=True,
@@ -69,20 +73,30 @@ def node(tmp_path):
 
 
 def test_it_allows_exactly_what_a_node_has(node, lone_client):
-    graph = lone_client.node
-    found = allowed(policy(NAMESPACE, NAME), NODE)
+    found = allowed(policy(NAMESPACE, NAME), NODE, NAME)
     # Those of cameras, of which there is none here.
     found['publish'] -= {f'{NODE}/cameras/*', '/tf', '/tf_static'}
     found['subscribe'].discard(f'{NODE}/obstacles/octomap')  # its messages are no part of ours
     if importlib.util.find_spec('tf2_msgs') is None:
         found['subscribe'] -= {'/tf', '/tf_static'}
 
+    compare(lone_client, NAME, found)
+    # What it hears of sensors a process of its own does.
+    compare(lone_client, SENSING, allowed(policy(NAMESPACE, NAME), NODE, SENSING))
+    known = lone_client.node.get_node_names_and_namespaces_with_enclaves()
+    enclaves = {name: enclave for name, _, enclave in known if name in (NAME, SENSING)}
+    assert enclaves == {NAME: NODE, SENSING: NODE}
+
+
+def compare(lone_client, node_name, found):
+    graph = lone_client.node
+
     def names(kind):
         ask = getattr(graph, f'get_{kind}_names_and_types_by_node')
-        return {name for name, _ in ask(NAME, NAMESPACE)}
+        return {name for name, _ in ask(node_name, NAMESPACE)}
 
     lone_client.wait_for(
-        lambda: (NAME, NAMESPACE) in graph.get_node_names_and_namespaces(), 'the node'
+        lambda: (node_name, NAMESPACE) in graph.get_node_names_and_namespaces(), node_name
     )
     for kind, action in (
         ('publisher', 'publish'),
@@ -97,12 +111,12 @@ def test_it_allows_exactly_what_a_node_has(node, lone_client):
 
 def test_clients_may_do_what_the_node_hears_and_offers_and_an_observer_changes_nothing():
     text = policy(NAMESPACE, NAME)
-    server = allowed(text, NODE)
-    clients = {name: allowed(text, f'{NODE}/{name}') for name in ('observer', 'mover', 'operator')}
+    server, sensors = allowed(text, NODE, NAME), allowed(text, NODE, SENSING)
+    clients = {n: allowed(text, f'{NODE}/{n}', n) for n in ('observer', 'mover', 'operator')}
     logs = {'/rosout', '/parameter_events'}
     for client in clients.values():
         assert client['subscribe'] == server['publish'] - logs | {'/clock'}
-        assert client['publish'] - logs <= server['subscribe']
+        assert client['publish'] - logs <= server['subscribe'] | sensors['subscribe']
         assert client['request'] <= server['reply']
     assert clients['operator']['request'] == server['reply']
     assert clients['mover']['request'] == clients['observer']['publish'] - logs == set()

@@ -110,7 +110,8 @@ def _end_with_node() -> None:
 def _work(pipe: Connection) -> None:
     task: Task = pipe.recv()
     compile_passes()
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    secured = ['--ros-args', '--enclave', task.enclave]
+    rclpy.init(args=secured, signal_handler_options=SignalHandlerOptions.NO)
     # What the node's arguments say of names is in the task already.
     node = Node(
         task.node_name,

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from drake_geom_ros.ros.conversions.serialized_cloud import Header
 from drake_geom_ros.ros.inputs.obstacle_records import Found
 
+SENSORS = '_sensors'  # what its name has behind that of the node
 ALIVE = 'alive'
 CLOUD, IMAGE, CAMERA = 'cloud', 'image', 'camera'  # kinds of messages
 
@@ -33,6 +34,7 @@ class Task(NamedTuple):
 
     node_name: str
     namespace: str
+    enclave: str  # of SROS 2: that of the node
     topics: list[Topic]
 
 
