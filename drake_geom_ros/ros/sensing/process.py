@@ -91,7 +91,10 @@ class SensingProcess:
             how = self._live_once()
             if self._closed.is_set():
                 return
-            self.trouble = f'{how}: nothing that sensors see is taken until another has started'
+            self.trouble = (
+                f'{how}: nothing that sensors see is taken until another has started, and cells '
+                'that it held from before (obstacle_keep) are forgotten with its next message'
+            )
             self._listener.tell('sensing', self.trouble)
             if time.monotonic() - start > _LONG_LIFE:
                 pause = _FIRST_PAUSE
