@@ -38,8 +38,7 @@ prepare_ends() {
 make_other_venv() {
   rm -rf "$other_venv"
   "$other_python" -m venv "$other_venv"
-  "$other_venv/bin/python" -m pip install --disable-pip-version-check --no-input \
-    --progress-bar off -c "$root/requirements/lock.txt" -c "$root/requirements/test.txt" \
+  add_to "$other_venv/bin/python" -c "$root/requirements/lock.txt" -c "$root/requirements/test.txt" \
     -r "$root/requirements/core.txt" pytest pytest-timeout hypothesis mpmath
 }
 

@@ -242,8 +242,28 @@ install_packages() {
 # pip_add ARGUMENTS: what is there keeps its version.
 pip_add() {
   local kept=${underlay:+$venv/present.txt}
-  "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --progress-bar off \
-    -c "${kept:-$root/requirements/lock.txt}" "$@"
+  add_to "$venv/bin/python" -c "${kept:-$root/requirements/lock.txt}" "$@"
+}
+
+# add_to PYTHON ARGUMENTS: what pip installs, by uv, which takes a fifth of the time. Of pip's
+# settings uv hears only where the index is, and it does not see a distribution's packages: with
+# one, and where uv cannot, pip does it.
+add_to() {
+  local python=$1 quiet=(--disable-pip-version-check --no-input --progress-bar off)
+  shift
+  if [[ -z $underlay ]]; then
+    [[ -x $venv/bin/uv ]] ||
+      "$venv/bin/python" -m pip install "${quiet[@]}" -c "$root/requirements/lock.txt" uv || true
+    "$venv/bin/uv" pip install --python "$python" $(index_of_pip) "$@" && return
+    echo 'uv cannot: pip is asked'
+  fi
+  "$python" -m pip install "${quiet[@]}" "$@"
+}
+
+index_of_pip() {
+  local index
+  index=${PIP_INDEX_URL:-$("$venv/bin/python" -m pip config get global.index-url 2>/dev/null || true)}
+  [[ -z $index ]] || echo "--default-index $index"
 }
 
 # pip_add_wheels SET PACKAGE...: each of its packages that has a wheel for this Python and machine.

@@ -285,6 +285,35 @@ def test_a_further_set_is_installed_for_its_command_and_when_its_pins_change(fol
     assert calls(folder) == ['venv', 'packages', 'messages', name, name]
 
 
+@pytest.mark.parametrize(
+    ('uv_can', 'variables', 'asked'),
+    [
+        (True, {}, ['uv pip install --python PYTHON -c pins numpy']),
+        (
+            True,
+            {'PIP_INDEX_URL': 'https://mirror/simple'},
+            ['uv pip install --python PYTHON --default-index https://mirror/simple -c pins numpy'],
+        ),
+        (False, {}, ['uv pip install --python PYTHON -c pins numpy', 'pip -c pins numpy']),
+        (True, {'underlay': '/opt/ros/kilted'}, ['pip -c pins numpy']),
+    ],
+)
+def test_packages_are_installed_by_uv_or_where_it_cannot_by_pip(folder, uv_can, variables, asked):
+    programs = folder / '.venv/bin'
+    programs.mkdir(parents=True)
+    python, uv = programs / 'python', programs / 'uv'
+    python.write_text('#!/bin/bash\n[[ $3 == install ]] && echo pip "${@:8}" >>calls')
+    uv.write_text(f'#!/bin/bash\necho uv "$@" >>calls; exit {int(not uv_can)}')
+    for program in (python, uv):
+        program.chmod(0o755)
+    underlay = variables.pop('underlay', '')
+    script = f'venv=.venv underlay={underlay}\nadd_to .venv/bin/python -c pins numpy'
+    code, _, errors = shell(folder, script, **variables)
+    assert code == 0, errors
+    said = (folder / 'calls').read_text().replace('.venv/bin/python', 'PYTHON')
+    assert said.splitlines() == asked
+
+
 def test_a_package_without_a_wheel_is_left_out_but_not_all_of_them(folder):
     script = 'pip_add() { [[ ${*: -1} == there ]]; }\npip_add_wheels cluster '
     assert [shell(folder, script + names)[0] for names in ('there not', 'not')] == [0, 1]
