@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from ros.harness import LATCHED, start_node
 from ros.scene_calls import accepted, refused
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
@@ -249,20 +251,52 @@ def test_maps_are_saved_loaded_and_cleared(cell, node):
     assert 'obstacles' not in text
 
 
+@pytest.fixture
+def keeping(client):
+    def keep(seconds):
+        value = ParameterValue(type=3, double_value=seconds)
+        entry = Parameter(name='obstacle_keep', value=value)
+        call = client.call(SetParameters, 'set_parameters', parameters=[entry])
+        assert call.results[0].successful
+
+    keep(1000.0)
+    yield
+    keep(0.0)
+
+
+STARTS = re.compile(r'process (\d+), \d+ MB, (\d+) were started')
+
+
+def test_cells_are_held_though_the_process_of_sensors_ends(cell, keeping):
+    near = pytest.approx(0.4, abs=1e-6)
+    cell.until(lambda: cell.distance() == near, 'a map', points=[[0.55, 0.05, -0.95]])
+    cell.until(lambda: 'process of sensors' in cell.told(), 'diagnostics')
+    pid, before = map(int, STARTS.search(cell.told()).groups())
+    os.kill(pid, signal.SIGKILL)
+    elsewhere = [[0.05, 2.05, -0.95]]  # where the first cell is nobody looks any more
+
+    def is_taken():
+        found = STARTS.search(cell.told())
+        return found is not None and int(found[2]) > before and '2 cells' in cell.told()
+
+    cell.until(is_taken, 'another process, and what both saw', points=elsewhere)
+    cell.until(lambda: cell.map_ages()['points'] < 1.0, 'a new map', points=elsewhere)
+    assert cell.distance() == near
+
+
 def test_a_process_of_sensors_that_is_killed_is_told_of_and_replaced(cell, node):
     near = pytest.approx(0.4, abs=1e-6)
     points = [[0.55, 0.05, -0.95], [0.0, 0.0, -1.0]]  # the second one on the hand
     cell.until(lambda: cell.distance() == near, 'a map', points=points)
     cell.until(lambda: 'process of sensors' in cell.told(), 'diagnostics')
-    starts = re.compile(r'process (\d+), \d+ MB, (\d+) were started')
-    pid, before = map(int, starts.search(cell.told()).groups())
+    pid, before = map(int, STARTS.search(cell.told()).groups())
     os.kill(pid, signal.SIGKILL)
     cell.until(lambda: 'ended by SIGKILL' in node.output(), 'that it is told')
     assert cell.distance() == near  # the map of before stays, and grows old
     cell.until(lambda: cell.map_ages()['points'] > 1.2, 'an old map')
 
     def is_replaced():
-        found = starts.search(cell.told())
+        found = STARTS.search(cell.told())
         return found is not None and int(found[2]) > before
 
     cell.until(is_replaced, 'another process')

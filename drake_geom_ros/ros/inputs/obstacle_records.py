@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.ros.scene.self_filter import BodiesThen
-from drake_geom_ros.sensed_maps.cells import Cells
+from drake_geom_ros.sensed_maps.keeping import KeptCells
 
 POINTS, DEPTH, OCTOMAP = 'points', 'depth', 'octomap'
 INPUTS = (POINTS, DEPTH, OCTOMAP)
@@ -52,6 +52,14 @@ class MapCounts:
     held_cells: int = 0  # of these, that the last one did not show
 
 
+class Held(NamedTuple):
+    """What a message left in a map: cells that the next ones may hold."""
+
+    kept: KeptCells
+    epoch: float  # of the node's time, by which they were seen
+    generation: int  # of the map
+
+
 class Place(NamedTuple):
     """Where and when points were measured, and how a map is to be made of them."""
 
@@ -62,10 +70,11 @@ class Place(NamedTuple):
     generation: int  # of the map: cells of another one are not kept
     bodies: BodiesThen  # on which points are left out, where they were
     settings: ObstacleSettings
+    before: Held | None  # of the message before, which another process may have taken
 
 
 class Found(NamedTuple):
     """What was made of points."""
 
-    cells: Cells
+    kept: KeptCells
     counts: MapCounts

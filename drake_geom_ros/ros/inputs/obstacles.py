@@ -16,7 +16,13 @@ import numpy as np
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
-from drake_geom_ros.ros.inputs.obstacle_records import Found, MapCounts, ObstacleSettings, Place
+from drake_geom_ros.ros.inputs.obstacle_records import (
+    Found,
+    Held,
+    MapCounts,
+    ObstacleSettings,
+    Place,
+)
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.moments import Hanging, Model, Moment, moment_of
 from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
@@ -56,10 +62,12 @@ class ObstacleInput:
         self._known_of: tuple[Model, str] | None = None
         self._generation = 0  # how often it was cleared
         self._begun: _Begun | None = None
+        self._held: Held | None = None
 
     def forget(self) -> None:
         """Hold nothing of before, nor what is being made; the scene is held."""
         self._generation += 1
+        self._held = None
         self.counts = MapCounts()
 
     def begin(self, header: Any, waited: float = 0.0) -> Place:
@@ -82,7 +90,7 @@ class ObstacleInput:
         R_WF = np.array(moment.X_WF.rotation().matrix())
         p_WF = np.array(moment.X_WF.translation())
         there, since = self._known.then(moment.query), moment.since
-        return Place(R_WF, p_WF, since.held, since.epoch, generation, there, settings)
+        return Place(R_WF, p_WF, since.held, since.epoch, generation, there, settings, self._held)
 
     def finish(self, found: Found) -> None:
         """Put cells in the world into the scene, of the message that was begun last.
@@ -92,7 +100,8 @@ class ObstacleInput:
         begun, self._begun = self._begun, None
         if begun is None:
             raise ArgumentError('no message was begun of which these cells could be')
-        self._put(begun, found, RigidTransform())
+        self._put(begun, found.kept.cells, found.counts, RigidTransform())
+        self._held = Held(found.kept, begun.moment.since.epoch, begun.generation)
 
     def take_octomap(self, octomap: Any, waited: float = 0.0) -> None:
         """Take an Octomap in place of the map of before, as it is; raises RuntimeError."""
@@ -105,7 +114,7 @@ class ObstacleInput:
         taken = _cells_in_box(cells, moment.X_WF, self._settings())
         beyond = len(cells) - len(taken)
         counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))
-        self._put(_Begun(moment, start, generation), Found(taken, counts), moment.X_WF)
+        self._put(_Begun(moment, start, generation), taken, counts, moment.X_WF)
 
     def _bodies(self, query: QueryObject, which: str) -> list[GeometryId]:
         """Return the geometries on which points are left out."""
@@ -115,11 +124,11 @@ class ObstacleInput:
             sources = scene.robot_names() if which == 'robots' else None
             return bodies_of(query, sources, scene.maps_source)
 
-    def _put(self, begun: _Begun, found: Found, X_WM: RigidTransform) -> None:
+    def _put(self, begun: _Begun, cells: Cells, counts: MapCounts, X_WM: RigidTransform) -> None:
         """Have the scene hold what was seen; what is counted changes with it."""
         margin, moment = self._settings().margin, begun.moment
-        shape = shape_of(found.cells, margin)
-        sighting = Sighting(found.cells, shape, X_WM, moment.since, moment.stamp)
+        shape = shape_of(cells, margin)
+        sighting = Sighting(cells, shape, X_WM, moment.since, moment.stamp)
         with self._live.editing() as scene:
             if begun.generation != self._generation:
                 raise ArgumentError('the map was cleared while the message was taken')
@@ -135,7 +144,7 @@ class ObstacleInput:
                     )
             put(scene, self.name, sighting, margin)
             taken, seconds = self.counts.taken + 1, time.perf_counter() - begun.start
-            self.counts = replace(found.counts, taken=taken, seconds=seconds)
+            self.counts = replace(counts, taken=taken, seconds=seconds)
         self._changed()
 
 

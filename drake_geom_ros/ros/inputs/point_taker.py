@@ -13,7 +13,7 @@ import numpy as np
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.conversions.depth_image import points_from_depth
 from drake_geom_ros.ros.conversions.point_cloud import Columns, columns_of_cloud
-from drake_geom_ros.ros.inputs.obstacle_records import Found, MapCounts, Place
+from drake_geom_ros.ros.inputs.obstacle_records import Found, Held, MapCounts, Place
 from drake_geom_ros.ros.scene.self_filter import SelfFilter
 from drake_geom_ros.sensed_maps.cells import Cells
 from drake_geom_ros.sensed_maps.keeping import KeptCells, seen_through
@@ -38,8 +38,7 @@ class PointTaker:
     def __init__(self, its_map: Map) -> None:
         self._map = its_map
         self.filter = SelfFilter()
-        self._kept: KeptCells | None = None
-        self._kept_epoch, self._kept_generation = -1.0, -1  # of the node's time, and of the map
+        self._held: Held | None = None
         self._camera: Any = None
         # For points in the world: as large as the largest message was, for to map memory anew for
         # each takes as long as what is done with it.
@@ -106,19 +105,20 @@ class PointTaker:
             cells=len(kept.cells),
             held_cells=len(kept.cells) - len(cells),
         )
-        self._map.finish(Found(kept.cells, counts))
-        self._kept, self._kept_epoch = kept, place.epoch
-        self._kept_generation = place.generation
+        self._map.finish(Found(kept, counts))
+        self._held = Held(kept, place.epoch, place.generation)
 
     def _with_kept(self, place: Place, cells: Cells) -> KeptCells:
         """Return cells, and those of before that are held."""
-        before, settings = self._kept, place.settings
-        if before is None or self._kept_generation != place.generation:
+        held, settings = place.before or self._held, place.settings
+        if held is None or held.generation != place.generation:
             before = KeptCells.none(cells.resolution)
-        elif self._kept_epoch != place.epoch:
+        elif held.epoch != place.epoch:
             # The node's time jumped: nobody knows how long ago cells were seen, so they stay
             # for as long as if that was now.
-            before = before.as_seen_at(place.held)
+            before = held.kept.as_seen_at(place.held)
+        else:
+            before = held.kept
         free = None
         if settings.rays and len(before.cells):
             free = seen_through(place.p_WF, cells)

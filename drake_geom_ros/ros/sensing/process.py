@@ -57,6 +57,7 @@ class SensingProcess:
         self._limit = _COMPILING  # [s] for how long it may be silent
         self._hung = False
         self._told: dict[str, int] = {}  # by input, which bodies the process knows
+        self._holding: set[str] = set()  # inputs of which it has what is held from before
         self._thread = threading.Thread(target=self._serve, name='sensing', daemon=True)
         self._thread.start()
 
@@ -91,10 +92,7 @@ class SensingProcess:
             how = self._live_once()
             if self._closed.is_set():
                 return
-            self.trouble = (
-                f'{how}: nothing that sensors see is taken until another has started, and cells '
-                'that it held from before (obstacle_keep) are forgotten with its next message'
-            )
+            self.trouble = f'{how}: nothing that sensors see is taken until another has started'
             self._listener.tell('sensing', self.trouble)
             if time.monotonic() - start > _LONG_LIFE:
                 pause = _FIRST_PAUSE
@@ -104,7 +102,8 @@ class SensingProcess:
     def _live_once(self) -> str:
         """Start a process and answer it until it ends; return how it did, in words."""
         ours, theirs = multiprocessing.Pipe()
-        self._heard, self._limit, self._hung, self._told = time.monotonic(), _COMPILING, False, {}
+        self._heard, self._limit, self._hung = time.monotonic(), _COMPILING, False
+        self._told, self._holding = {}, set()
         with self._lock, theirs:
             if self._closed.is_set():
                 ours.close()
@@ -151,9 +150,14 @@ class SensingProcess:
                     answer = answer._replace(bodies=answer.bodies._replace(bodies=None))
                 else:
                     self._told[said.input], limit = number, _COMPILING
+                if said.input in self._holding:
+                    answer = answer._replace(before=None)
             ours.send(answer)
         elif isinstance(said, Finish):
-            ours.send(self._done(lambda: self._maps[said.input].finish(said.found)))
+            refusal = self._done(lambda: self._maps[said.input].finish(said.found))
+            if refusal is None:
+                self._holding.add(said.input)
+            ours.send(refusal)
         elif isinstance(said, Refused):
             self._listener.refused(said.told_as, said.reason)
         elif said != ALIVE:
