@@ -4,9 +4,9 @@ The demo's two arms at 100 Hz, and clouds of 300 000 points at 10 Hz: taken, the
 left out, thinned, answered with the arms. In turns within one run: nobody sends clouds; they go
 to an echo, which is their bare round trip and what sending them costs; they go to the node.
 
-    ./run exec python -m bench.ros.clouds [--points 300000] [--seconds 10] [--minutes 3]
+    ./run exec python -m bench.ros.clouds [--points 300000] [--seconds 10] [--queue 20]
 
-With ``--minutes``, instead, maps change all the time, and the memory of the node is printed.
+``--queue`` sets how many pose messages may wait in the node. Memory: ``bench.ros.cloud_soak``.
 """
 
 from __future__ import annotations
@@ -17,13 +17,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from statistics import linear_regression
 from typing import Any
 
 import numpy as np
 import rclpy
 from builtin_interfaces.msg import Time
-from drake_geom_msgs.msg import CycleReport, FramePoses, SignedDistancePairs
+from drake_geom_msgs.msg import SignedDistancePairs
 from numpy.typing import NDArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -32,7 +31,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import Header
 
 from bench.ros.meanwhile import beside, delays
-from bench.ros.processes import Processes, children, memory, processor
+from bench.ros.processes import Processes, children, processor
 from bench.ros.routes import LAST_ANSWERS, Route
 from bench.ros.scenes import two_arms
 
@@ -40,7 +39,6 @@ NODE = 'drake_geom_ros.ros.scene_graph_node'
 RATE = 10.0  # [Hz] of clouds
 ECHO, TAKEN = 'clouds to an echo', 'clouds to the node'
 RESOLUTION = 0.03  # [m]
-WARM_UP = 20.0  # [s] before memory counts
 
 Floats = NDArray[np.float64]
 
@@ -180,50 +178,8 @@ def tell(way: str, found: list[float], number: int) -> None:
     )
 
 
-def soak(minutes: float, count: int) -> None:
-    """Let maps of changing sizes replace one another, and print what memory the node takes."""
-    played = two_arms()
-    with Processes() as processes:
-        node = processes.start(NODE, scene_file=played.scene_file, **parameters())
-        rclpy.init()
-        camera = rclpy.create_node('camera')
-        newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-        publisher = camera.create_publisher(PointCloud2, '/scene_graph/obstacles/points', newest)
-        poses = camera.create_publisher(FramePoses, '/scene_graph/frame_poses', newest)
-        names = played.frame_names
-        reports: list[CycleReport] = []
-        camera.create_subscription(CycleReport, '/scene_graph/cycle_report', reports.append, 10)
-        random = np.random.default_rng(1)
-        points = room(count)
-        start = time.monotonic()
-        seen: list[tuple[float, float]] = []
-        maps: set[int] = set()
-        while (now := time.monotonic() - start) < 60.0 * minutes:
-            some = points[: random.integers(1, count)] + random.uniform(-1.0, 1.0, 3)
-            cloud = cloud_of(some)
-            cloud.header.stamp = camera.get_clock().now().to_msg()
-            publisher.publish(cloud)
-            end = time.monotonic() + 1.0 / RATE
-            while (left := end - time.monotonic()) > 0.0:
-                header = Header(stamp=camera.get_clock().now().to_msg(), frame_id='world')
-                flat = played.poses(time.monotonic()).ravel().tolist()
-                poses.publish(FramePoses(header=header, frame_names=names, poses=flat))
-                rclpy.spin_once(camera, timeout_sec=min(left, 0.01))
-            maps.update(n for report in reports for n in report.map_cells)
-            reports.clear()
-            if now > WARM_UP:
-                seen.append((now, memory(node.pid)))
-        rclpy.shutdown()
-    times, megabytes = zip(*seen, strict=True)
-    slope = linear_regression(times, megabytes).slope
-    print(
-        f'{len(maps)} sizes of maps in {minutes:g} minutes: {min(megabytes):.0f} to '
-        f'{max(megabytes):.0f} MB, {60.0 * slope:+.2f} MB a minute'
-    )
-
-
 def parameters() -> dict[str, object]:
-    """Return the parameters of the node."""
+    """Return the parameters of the node that takes the clouds."""
     return {
         'max_distance': 0.1,
         'obstacles': '[points]',
@@ -237,14 +193,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--points', type=int, default=300_000)
     parser.add_argument('--seconds', type=float, default=10.0, help='of poses, in a turn')
-    parser.add_argument('--minutes', type=float, default=0.0, help='of a soak, instead')
+    parser.add_argument('--queue', type=int, help='pose messages that may wait in the node')
     options = parser.parse_args()
-    if options.minutes:
-        soak(options.minutes, options.points)
-        return
-    played = two_arms()
+    played, given = two_arms(), parameters()
+    if options.queue:
+        given['qos_overrides./scene_graph/frame_poses.subscription.depth'] = options.queue
     with Processes() as processes:
-        node = processes.start(NODE, scene_file=played.scene_file, **parameters())
+        node = processes.start(NODE, scene_file=played.scene_file, **given)
         processes.start('bench.ros.cloud_echo')
         maps = Maps(node.pid)
         ways = {
