@@ -55,6 +55,7 @@ from drake_geom_ros.geometry.meshes.surface_mesh import (
     SurfaceVertex,
     TriangleSurfaceMesh,
 )
+from drake_geom_ros.geometry.meshes.volume_files import RefineVolumeMeshIntoVtkFileContents
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeElement, VolumeMesh
 from drake_geom_ros.geometry.meshes.volume_surface import (
     ConvertVolumeToSurfaceMesh,
@@ -137,7 +138,9 @@ from drake_geom_ros.geometry.shapes.measures import (
     CalcObb,
     CalcVolume,
     ComputeAabbForTriangleMesh,
+    ComputeAabbForVolumeMesh,
     ComputeObbForTriangleMesh,
+    ComputeObbForVolumeMesh,
 )
 from drake_geom_ros.geometry.shapes.plane import Plane
 from drake_geom_ros.geometry.shapes.primitives import (
@@ -233,7 +236,9 @@ __all__ = [
     'Aabb',
     'Plane',
     'ComputeAabbForTriangleMesh',
+    'ComputeAabbForVolumeMesh',
     'ComputeObbForTriangleMesh',
+    'ComputeObbForVolumeMesh',
     'TriangleSurfaceMesh',
     'SurfaceTriangle',
     'PolygonSurfaceMesh',
@@ -243,6 +248,7 @@ __all__ = [
     'VolumeElement',
     'ConvertVolumeToSurfaceMesh',
     'RefineVolumeMesh',
+    'RefineVolumeMeshIntoVtkFileContents',
     # the last of them by the names of 2020.
     'SurfaceMesh',
     'SurfaceVertex',

@@ -32,6 +32,7 @@ PYDRAKES = """
     ContactSurface HydroelasticContactRepresentation
     PolygonSurfaceMeshFieldLinear TriangleSurfaceMeshFieldLinear
     VolumeMesh VolumeMesh_ VolumeElement ConvertVolumeToSurfaceMesh RefineVolumeMesh
+    RefineVolumeMeshIntoVtkFileContents ComputeAabbForVolumeMesh ComputeObbForVolumeMesh
 """
 # What is ours: a context can be named, results are sequences, errors are a tree, and the rest.
 OURS = """

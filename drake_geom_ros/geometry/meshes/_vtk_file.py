@@ -1,4 +1,4 @@
-"""Legacy .vtk files of tetrahedra, which meshio reads; nobody else imports it.
+"""Legacy .vtk files of tetrahedra. Meshio reads them; nobody else imports it.
 
 Of the format this reads an ASCII UNSTRUCTURED_GRID whose cells are all tetrahedra (type 10); data
 of points and cells are skipped. There is no unit: numbers are metres, as in Drake.
@@ -51,6 +51,24 @@ def parse_vtk(data: bytes) -> ParsedMesh:
     boundary = ConvertVolumeToSurfaceMesh(volume)
     vertices, triangles = boundary.vertex_array(), boundary.triangle_array()
     return ParsedMesh(vertices.copy(), triangles.copy(), volume=volume)
+
+
+def vtk_text(mesh: VolumeMesh) -> str:
+    """Return a file that ``parse_vtk`` reads as this mesh, to the bit."""
+    elements, points = mesh.element_array().tolist(), mesh.vertex_array().tolist()
+    lines = [
+        '# vtk DataFile Version 3.0',
+        'tetrahedra, in metres',
+        'ASCII',
+        'DATASET UNSTRUCTURED_GRID',
+        f'POINTS {len(points)} double',
+        *(' '.join(map(repr, point)) for point in points),
+        f'CELLS {len(elements)} {5 * len(elements)}',
+        *(' '.join(map(str, (4, *corners))) for corners in elements),
+        f'CELL_TYPES {len(elements)}',
+        *['10'] * len(elements),
+    ]
+    return '\n'.join(lines) + '\n'
 
 
 def _check_kind(data: bytes) -> None:

@@ -13,6 +13,7 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.meshes._library import tight_box
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.shapes.bounding_boxes import Aabb, Obb
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
 from drake_geom_ros.geometry.shapes.primitives import (
@@ -103,9 +104,7 @@ def CalcObb(shape: Shape) -> Obb | None:
 
 def ComputeAabbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Aabb:
     """Return the box along M's axes around some vertices of a mesh, by their indices."""
-    p_MVs = _some(mesh_M, vertices)
-    low, high = p_MVs.min(axis=0), p_MVs.max(axis=0)
-    return Aabb(0.5 * (low + high), 0.5 * (high - low))
+    return _box_along_axes(_some(mesh_M, vertices))
 
 
 def ComputeObbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Obb:
@@ -113,7 +112,23 @@ def ComputeObbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[in
     return _around(_some(mesh_M, vertices))
 
 
-def _some(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Floats:
+def ComputeAabbForVolumeMesh(mesh_M: VolumeMesh, vertices: Iterable[int]) -> Aabb:
+    """Return what ``ComputeAabbForTriangleMesh`` does, of a mesh of tetrahedra."""
+    return _box_along_axes(_some(mesh_M, vertices))
+
+
+def ComputeObbForVolumeMesh(mesh_M: VolumeMesh, vertices: Iterable[int]) -> Obb:
+    """Return what ``ComputeObbForTriangleMesh`` does, of a mesh of tetrahedra."""
+    return _around(_some(mesh_M, vertices))
+
+
+def _box_along_axes(p_MVs: Floats) -> Aabb:
+    """Return the box along axes around points (n, 3) [m]."""
+    low, high = p_MVs.min(axis=0), p_MVs.max(axis=0)
+    return Aabb(0.5 * (low + high), 0.5 * (high - low))
+
+
+def _some(mesh_M: TriangleSurfaceMesh | VolumeMesh, vertices: Iterable[int]) -> Floats:
     """Return the positions (n, 3) [m] of vertices; ArgumentError for none, or an unknown one."""
     indices = sorted(vertices)
     if not indices:

@@ -13,7 +13,9 @@ from drake_geom_ros.geometry import (
     CalcVolume,
     Capsule,
     ComputeAabbForTriangleMesh,
+    ComputeAabbForVolumeMesh,
     ComputeObbForTriangleMesh,
+    ComputeObbForVolumeMesh,
     Convex,
     Cylinder,
     Ellipsoid,
@@ -24,6 +26,7 @@ from drake_geom_ros.geometry import (
     MeshData,
     Sphere,
     TriangleSurfaceMesh,
+    VolumeMesh,
 )
 from drake_geom_ros.geometry.shapes.primitives import for_queries
 from drake_geom_ros.math import RollPitchYaw
@@ -97,17 +100,29 @@ def test_a_flat_mesh_has_a_box():
     assert half[1] * half[2] == pytest.approx(0.5)  # a right angle: twice the triangle's area
 
 
-def test_boxes_around_some_vertices_of_a_mesh():
-    mesh = TriangleSurfaceMesh.FromArrays([[0, 1, 2], [1, 2, 3]], [[0, 0, 0], *CORNERS])
-    flat = ComputeAabbForTriangleMesh(mesh_M=mesh, vertices={1, 2, 3})
+OF_TRIANGLES = (
+    TriangleSurfaceMesh.FromArrays([[0, 1, 2], [1, 2, 3]], [[0, 0, 0], *CORNERS]),
+    ComputeAabbForTriangleMesh,
+    ComputeObbForTriangleMesh,
+)
+OF_TETRAHEDRA = (
+    VolumeMesh.FromArrays([[0, 1, 2, 3]], [[0, 0, 0], *CORNERS]),
+    ComputeAabbForVolumeMesh,
+    ComputeObbForVolumeMesh,
+)
+
+
+@pytest.mark.parametrize(('mesh', 'along_axes', 'turned'), [OF_TRIANGLES, OF_TETRAHEDRA])
+def test_boxes_around_some_vertices_of_a_mesh(mesh, along_axes, turned):
+    flat = along_axes(mesh_M=mesh, vertices={1, 2, 3})
     assert (flat.lower().tolist(), flat.upper().tolist()) == ([0, 0, 0], [2, 1, 3])
-    tight = ComputeObbForTriangleMesh(mesh_M=mesh, vertices={1, 2, 3})
+    tight = turned(mesh_M=mesh, vertices={1, 2, 3})
     inside = np.abs(tight.pose().inverse() @ np.array(CORNERS, dtype=float).T).T
     assert (tight.half_width() >= inside).all()
     assert tight.half_width().min() == pytest.approx(0, abs=1e-13)
     for vertices, words in (({7}, 'vertex 7 was asked for'), ((), 'no vertex was given')):
         with pytest.raises(RuntimeError, match=words):
-            ComputeAabbForTriangleMesh(mesh, vertices)
+            along_axes(mesh, vertices)
 
 
 def test_a_cone_is_for_pictures():
