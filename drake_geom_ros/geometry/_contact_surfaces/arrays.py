@@ -142,6 +142,15 @@ class Surfaces(NamedTuple):
     counts: Indices  # (4,)
 
 
+class Counts(NamedTuple):
+    """How many there are of what came out: see the places in ``Surfaces.counts``."""
+
+    polygons: int
+    corners: int
+    surfaces: int
+    left: int  # pairs that are UNABLE or more
+
+
 class Scratch(NamedTuple):
     """Room to compute in."""
 

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     RECORD,
     SUMS,
     Bodies,
+    Counts,
     Floats,
     Geometries,
     Hands,
@@ -20,6 +21,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Surfaces,
 )
 from drake_geom_ros.geometry._contact_surfaces.clipping import COLUMNS, ROWS
+from drake_geom_ros.geometry._contact_surfaces.layout import Layout, layout_of
 from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of_pairs
 from drake_geom_ros.geometry._contact_surfaces.posed import OTHER
 from drake_geom_ros.geometry._contact_surfaces.triangles import MOST_TOGETHER
@@ -28,7 +30,6 @@ from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 
 FIRST_POLYGONS = 512  # there is room for, and for CORNERS_EACH corners of each
 _CORNERS_EACH = 5
-_OF_PAIR = SUMS + RECORD + 1  # numbers of each pair that was asked about
 
 
 class Posed:
@@ -43,47 +44,39 @@ class Posed:
 
 
 class Answer(NamedTuple):
-    """The surfaces of pairs; what there is room for comes before what there is of it.
+    """The surfaces of pairs; what there is room for comes before what there is of it."""
 
-    ``store`` has what is told of each pair: ``sums``, ``found``, ``states``; of each polygon:
-    ``faces``, ``ends``; of each corner: ``points``, ``pressures``. See ``Surfaces``.
-    """
-
-    store: Floats  # one array, for to make one takes as long as many polygons
-    pairs: int
-    room: tuple[int, int]  # polygons, corners
-    counts: tuple[int, int, int, int]  # polygons, corners, surfaces, pairs that are UNABLE or more
+    store: Floats  # all of it, for to make one array takes as long as many polygons
+    layout: Layout
+    counts: Counts
 
     @property
     def left(self) -> int:
         """How many pairs have no surface, and overlap or may."""
-        return self.counts[3]
+        return self.counts.left
 
     @property
     def states(self) -> Indices:
         """What there is of each pair (k,)."""
-        end = _OF_PAIR * self.pairs
-        return self.store[end - self.pairs : end].view(np.int64)
+        return self.store[self.layout.states : self.layout.faces].view(np.int64)
 
     def surfaces(self) -> Surfaces:
         """Return the arrays, not to be written to."""
-        store, (most_faces, most_corners) = self.store, self.room
-        faces, corners, found, _left = self.counts
-        at = _OF_PAIR * self.pairs
-        at_ends, at_points = at + FACE * most_faces, at + (FACE + 1) * most_faces
-        at_found = SUMS * self.pairs
-        records = store[at_found : at_found + RECORD * found].view(np.int64)
-        pressures = len(store) - most_corners
+        at, counts = self.layout, self.counts
+        faces, corners, found = counts.polygons, counts.corners, counts.surfaces
         return Surfaces(
-            points=store[at_points : at_points + 3 * corners].reshape(corners, 3),
-            pressures=store[pressures : pressures + corners],
-            ends=store[at_ends : at_ends + faces].view(np.int64),
-            faces=store[at : at + FACE * faces].reshape(faces, FACE),
-            sums=store[: SUMS * found].reshape(found, SUMS),
-            found=records.reshape(found, RECORD),
+            points=self._part(at.points, 3 * corners).reshape(corners, 3),
+            pressures=self._part(at.pressures, corners),
+            ends=self._part(at.ends, faces).view(np.int64),
+            faces=self._part(at.faces, FACE * faces).reshape(faces, FACE),
+            sums=self._part(0, SUMS * found).reshape(found, SUMS),
+            found=self._part(at.found, RECORD * found).view(np.int64).reshape(found, RECORD),
             states=self.states,
-            counts=np.array(self.counts),
+            counts=np.array(counts),
         )
+
+    def _part(self, first: int, count: int) -> Floats:
+        return self.store[first : first + count]
 
 
 class _Room:
@@ -123,13 +116,14 @@ def surfaces_of(posed: Posed, pairs: Indices) -> Answer:
     count = len(pairs)
     while True:
         most = room.faces, room.corners
-        store = np.empty(_OF_PAIR * count + (FACE + 1) * most[0] + 4 * most[1])
+        layout = layout_of(count, *most)
+        store = np.empty(layout.size)
         counts = surfaces_of_pairs(posed.hands, room.handle, pairs, store, *most)
-        is_whole = counts[0] <= most[0] and counts[1] <= most[1]
-        if not is_whole or 4 * counts[0] < most[0] > FIRST_POLYGONS:
-            room.expect(counts[0], counts[1])
+        is_whole = counts.polygons <= most[0] and counts.corners <= most[1]
+        if not is_whole or 4 * counts.polygons < most[0] > FIRST_POLYGONS:
+            room.expect(counts.polygons, counts.corners)
         if is_whole:
             break
     ROOMS.append(room)
     store.setflags(write=False)
-    return Answer(store, count, most, counts)
+    return Answer(store, layout, counts)

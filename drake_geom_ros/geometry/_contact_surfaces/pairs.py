@@ -26,6 +26,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     VOLUME,
     Between,
     Bodies,
+    Counts,
     Floats,
     Geometries,
     Hands,
@@ -35,6 +36,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
 )
 from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
 from drake_geom_ros.geometry._contact_surfaces.emitting import sums_in_world
+from drake_geom_ros.geometry._contact_surfaces.layout import layout_of
 from drake_geom_ros.geometry._contact_surfaces.swallowed import one_is_swallowed
 from drake_geom_ros.geometry._contact_surfaces.tolerances import ROUNDING
 from drake_geom_ros.geometry._contact_surfaces.walks import meet_bodies, meet_plane
@@ -49,32 +51,33 @@ _geometries_of, _scratch_of = taker(Geometries), taker(Scratch)
 @compiled
 def surfaces_of_pairs(
     hands: Handle, room: Handle, pairs: Indices, store: Floats, faces: int, corners: int
-) -> tuple[int, int, int, int]:
-    """Put out the surfaces of pairs (k, 2), laid out in ``store`` as ``Answer`` tells.
+) -> Counts:
+    """Put out the surfaces of pairs (k, 2) into ``store``, as ``layout_of`` tells.
 
-    Return how many polygons, corners, surfaces, and pairs without one there are. What is more
-    than so many ``faces`` or ``corners`` there is no room for: then nothing else holds.
+    What is more than so many ``faces`` or ``corners`` there is no room for: then nothing else
+    than how many there are holds.
     """
     hands, scratch = _hands_of(hands), _scratch_of(room)
     bodies, geometries = _bodies_of(hands.bodies), _geometries_of(hands.geometries)
     count = len(pairs)
-    at_pairs, at_points = (SUMS + RECORD + 1) * count, (FACE + 1) * faces
+    at = layout_of(count, faces, corners)
     integers = wide_integers(store, 0)
     out = Surfaces(
-        points=table(store, at_pairs + at_points, corners, 3),
-        pressures=part(store, len(store) - corners, len(store)),
-        ends=part(integers, at_pairs + FACE * faces, at_pairs + at_points),
-        faces=table(store, at_pairs, faces, FACE),
+        points=table(store, at.points, corners, 3),
+        pressures=part(store, at.pressures, at.size),
+        ends=part(integers, at.ends, at.points),
+        faces=table(store, at.faces, faces, FACE),
         sums=table(store, 0, count, SUMS),
-        found=table(integers, SUMS * count, count, RECORD),
-        states=part(integers, at_pairs - count, at_pairs),
+        found=table(integers, at.found, count, RECORD),
+        states=part(integers, at.states, at.faces),
         counts=scratch.counts,
     )
     for k in range(COUNTS):
         out.counts[k] = 0
     for pair in range(count):
         _put_pair(bodies, geometries, pairs, pair, scratch, out)
-    return out.counts[0], out.counts[1], out.counts[2], out.counts[3]
+    counts = out.counts
+    return Counts(counts[POLYGONS], counts[CORNERS], counts[FOUND], counts[LEFT])
 
 
 @compiled

@@ -16,7 +16,6 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     FACE_AREA,
     FIRST_MOMENT,
     FORCE,
-    FOUND,
     GRAD_M,
     GRAD_N,
     ID_M,
@@ -354,7 +353,7 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
         return self._surfaces.points, self._surfaces.pressures, self._surfaces.ends
 
     def __len__(self) -> int:
-        return self._answer.counts[FOUND]
+        return self._answer.counts.surfaces
 
     @overload
     def __getitem__(self, index: int) -> ContactSurface: ...
