@@ -12,10 +12,12 @@ from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, ME
 from drake_geom_ros.geometry._proximity.kinds import ShapeKind
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS as ACCURACY_GAPS
 from drake_geom_ros.geometry.autodiff.scalar_templates import (
+    ContactSurface_,
     FramePoseVector_,
     PenetrationAsPointPair_,
     Plane_,
     PolygonSurfaceMesh_,
+    PolygonSurfaceMeshFieldLinear_,
     QueryObject_,
     SceneGraphInspector_,
     SignedDistancePair_,
@@ -23,6 +25,7 @@ from drake_geom_ros.geometry.autodiff.scalar_templates import (
     SurfaceMesh_,
     SurfaceVertex_,
     TriangleSurfaceMesh_,
+    TriangleSurfaceMeshFieldLinear_,
     VolumeMesh_,
 )
 from drake_geom_ros.geometry.errors import (
@@ -255,6 +258,7 @@ __all__ = [
     'SurfaceFace',
     'ReadObjToSurfaceMesh',
     # The same by scalar type.
+    'ContactSurface_',
     'FramePoseVector_',
     'PenetrationAsPointPair_',
     'QueryObject_',
@@ -264,9 +268,11 @@ __all__ = [
     'SignedDistanceToPoint_',
     'Plane_',
     'PolygonSurfaceMesh_',
+    'PolygonSurfaceMeshFieldLinear_',
     'SurfaceMesh_',
     'SurfaceVertex_',
     'TriangleSurfaceMesh_',
+    'TriangleSurfaceMeshFieldLinear_',
     'VolumeMesh_',
     # Ours: contexts, compiling, result sequences, levels of accuracy, what there is to know of
     # filters,

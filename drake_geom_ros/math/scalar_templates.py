@@ -18,8 +18,10 @@ class ScalarTemplate(Generic[_T]):
     True
     """
 
-    def __init__(self, instantiation: type[_T]) -> None:
+    def __init__(self, instantiation: type[_T], parameters: int = 1) -> None:
+        """Have a class for floats; all of its ``parameters`` are the same scalar type."""
         self._name = f'{instantiation.__name__}_'
+        self._parameters = parameters
         self._instantiations: dict[str, Any] = {'float': instantiation}
 
     def add(self, scalar: type, instantiation: type) -> None:
@@ -28,13 +30,15 @@ class ScalarTemplate(Generic[_T]):
 
     def __getitem__(self, scalar: Any) -> type[_T]:
         """Return the class for a scalar type; raises RuntimeError for one that there is not."""
-        asked = scalar[0] if isinstance(scalar, tuple) and len(scalar) == 1 else scalar
+        given = scalar if isinstance(scalar, tuple) else (scalar,)
+        asked = given[0] if given and given == self._parameters * given[:1] else None
         name = getattr(asked, '__name__', '')
         # By name, for pydrake's AutoDiffXd is known without pydrake.
         home = getattr(asked, '__module__', '').partition('.')[0]
         known = asked is float or (name != 'float' and home in ('drake_geom_ros', 'pydrake'))
         if not known or name not in self._instantiations:
-            there = ', '.join(f'{self!r}[{known}]' for known in self._instantiations)
+            each = (', '.join(self._parameters * [known]) for known in self._instantiations)
+            there = ', '.join(f'{self!r}[{parameters}]' for parameters in each)
             raise RuntimeError(f'{self!r} was asked for {scalar!r}; there is {there} only')
         found: type[_T] = self._instantiations[name]
         return found
