@@ -111,3 +111,34 @@ def test_ways_out_that_are_equally_long_widen_the_bound_as_documented():
             shares.append(found.error_bound / radius)
     assert max(shares) <= LOOSE
     assert max(shares) > TIGHT  # else it is mended, and the page has a row too many
+
+
+def least_overlap(first, second, tilt):
+    """Return how deep two cylinders about one point are in each other, the second tilted [m].
+
+    The least over all directions of how far both reach is across both axes, or in their plane,
+    between the axes (the sum of two concave functions is least at an end).
+    """
+    across = first.radius() + second.radius()
+    along = [
+        height(first, np.eye(3), np.zeros(3), n) + height(second, turned(tilt), np.zeros(3), n)
+        for n in (np.array([0.0, 0.0, 1.0]), turned(tilt)[:, 2])
+    ]
+    return min(across, *along)
+
+
+def turned(tilt):
+    return RollPitchYaw(tilt, 0.0, 0.0).ToRotationMatrix().matrix()
+
+
+@pytest.mark.parametrize('seed', SEEDS)
+def test_as_long_as_wide_the_truth_is_within_the_wide_bound(seed):
+    rng = np.random.default_rng(seed)
+    size = 10 ** rng.uniform(-1, 1)
+    nearly, tilt = rng.uniform(0.0, 5e-6), rng.uniform(1e-6, 2e-5)
+    first = Cylinder(0.5 * size, size)
+    second = Cylinder(0.5 * size * (1 + nearly), size * (1 - nearly))
+    found = answer(first, second, RigidTransform(RollPitchYaw(tilt, 0.0, 0.0), np.zeros(3)))
+    known = least_overlap(first, second, tilt)
+    assert abs(-found.distance - known) <= found.error_bound + 1e-14 * size
+    assert found.error_bound <= LOOSE * first.radius()
