@@ -54,7 +54,15 @@ def test_figures_are_those_of_the_pages():
     (ours,) = re.findall(r'^(\d+)', told)
     assert f'| signed_distance | ours | {ours} |' in cases
     assert f'Of {count} hard cases of usual size, this project solves {ours} ' in cases
-    assert ': 2106048 pairs judged' in (ROOT / 'docs/accuracy/hunt.md').read_text()
+    hunt = (ROOT / 'docs/accuracy/hunt.md').read_text()
+    ((pairs, places, broken),) = re.findall(
+        r'^\| \[(\d+) pairs\].* (\d+) placements .* \| (\d+) broken', README, re.M
+    )
+    assert f': {pairs} pairs judged' in hunt
+    assert f'{places} placements judged' in hunt
+    rows = re.findall(r'^\| [A-Zs][^|]+ \| ([\d.e+]+|inf) \|', hunt, re.M)
+    assert len(rows) > 25
+    assert sum(float(worst) > 1.0 for worst in rows) == int(broken)
 
 
 @pytest.mark.parametrize('scene', ['two arms', '1000 bodies'])
