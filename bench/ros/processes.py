@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -67,7 +68,10 @@ def memory(pid: int) -> float:
 
 def children(pid: int) -> list[int]:
     """Return the processes that one has started."""
-    told = (task.joinpath('children').read_text() for task in Path(f'/proc/{pid}/task').iterdir())
+    told = []
+    for task in Path(f'/proc/{pid}/task').iterdir():
+        with contextlib.suppress(FileNotFoundError):  # a thread that has ended since
+            told.append(task.joinpath('children').read_text())
     return sorted(int(child) for text in told for child in text.split())
 
 
