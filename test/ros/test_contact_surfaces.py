@@ -198,8 +198,9 @@ def test_markers_are_coloured_by_pressure_and_vanish(client, publisher):
     client.wait_for(lambda: shown(Marker.DELETE), 'the patch to vanish')
 
 
-def test_the_client_gives_names_and_no_free_space(node, publisher):
-    publisher.publish(poses(FRAMES, PLACES, 's', stamp=51))
+def test_the_client_gives_names_and_no_free_space(client, publisher):
+    # A service does not wait for poses that were sent before: another topic, another order.
+    next_of(client, publisher, client.listen(msg.ContactSurfaces, 'contact_surfaces'), PLACES, 51)
     with SceneGraphClient() as scene:
         found = scene.contact_surfaces({'s::ball': [0.5, 0, 0.09, 0, 0, 0, 1]}, polygons=True)
         (surface,) = found
