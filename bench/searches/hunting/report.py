@@ -107,11 +107,8 @@ Solids of up to nine cells of a lattice, with cut walls, T-junctions or vertices
 coordinates, are put on the lattice, a little off it, or in between; fractions tell the truth.
 Again above 1 a law was broken.
 
-Two of these laws ask for more than is [promised](../what_it_vouches_for.md). `contact` counts each
-overlap deeper than 1e-12 of the extents of the bodies; a collision is one deeper than 1e-14 of how
-far they reach from their origins, which is more where vertices are in map coordinates. `memory`
-counts each bit that differs after other questions; two answers are to differ by no more than the
-sum of their bounds.
+For `contact`, rounding hides 2e-14 of how far the two reach from their origins, and of how far
+these are apart: more where vertices are in map coordinates.
 
 """
 

@@ -29,12 +29,15 @@ from drake_geom_ros.math import RigidTransform
 
 LAWS = {
     'certificate': 'the true distance lies within `error_bound`, at every level',
-    'contact': 'overlaps, and only these, are collisions',
+    'contact': 'overlaps deeper than rounding hides, and only overlaps, are collisions',
     'point': 'the true distance of a point lies within its `error_bound`',
     'near': 'what is within `max_distance` is listed',
-    'memory': 'what was asked before changes no bit',
+    'memory': 'what was asked before changes an answer by no more than its bounds, and at '
+    '`exact` by no more than 1e-10 of the size',
     'batch': '`least` and `nearest` are those of fresh contexts, to the bit',
 }
+HIDDEN = 2e-14  # of how far bodies reach from their origins, and those from each other: see LAWS
+SAME = 1e-10  # of the bodies' size: what earlier questions may change, as the docs promise
 PLACES = 12  # states a generation
 NEAREST, FARTHEST = -15.0, -2.0  # decades of a cell that a placement is off the lattice
 POINTS = 6
@@ -102,15 +105,17 @@ class SolidHunt:
             known = scene.solids_of(
                 asked.ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
             )
-            changed = (known[0].distance, known[0].error_bound) != (d, e)
-            self._keep('memory', scene, math.inf if changed else 0.0, about)
+            again, bound = known[0].distance, known[0].error_bound
+            told = e + bound if level != 'exact' else min(e + bound, SAME * size)
+            self._keep('memory', scene, abs(again - d) / (told + math.ulp(d)), about)
             if most > 0.0:
                 reach = most * (1.0 + 1e-15)
                 near = asked.ComputeSignedDistancePairwiseClosestPoints(reach, accuracy=level)
                 self._keep('near', scene, 0.0 if scene.solids_of(near) else math.inf, about)
-        collides = fresh.signed_distance_of_pair(*scene.ids).distance[0] < -1e-14 * size
-        wrong = (collides and least >= 0.0) or (not collides and most < -1e-12 * size)
-        self._keep('contact', scene, math.inf if wrong else 0.0, about)
+        collides = fresh.HasCollisions()
+        seen = -most / (HIDDEN * (scene.reach + float(np.linalg.norm(p))))
+        wrong = math.inf if collides and least >= 0.0 else 0.0 if collides else seen
+        self._keep('contact', scene, wrong, about)
         self._judge_points(scene, state)
         self.judged += 1
 
@@ -165,6 +170,7 @@ class _Scene:
         kinds = sorted({part for each in (a, b) for part in each.about.split(', ')[1:]})
         self.about = ', '.join(['solids', *kinds])
         self.size = float(np.ptp(a.lines, axis=1).max() + np.ptp(b.lines, axis=1).max())
+        self.reach = float(sum(np.linalg.norm(each.vertices, axis=1).max() for each in (a, b)))
         self._far = a.lines[:, 0] + self.size * rng.uniform(1.0, 2.0, 3)
         self.graph = SceneGraph()
         source = self.graph.RegisterSource('hunt')

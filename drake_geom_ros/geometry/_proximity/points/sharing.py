@@ -13,20 +13,22 @@ from drake_geom_ros.geometry._proximity.points.point_phase import point_phase, p
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.threads import LONG, THREADS, share
 from drake_geom_ros.geometry._proximity.tolerances import LONG_POINT, SHORT_POINT
-from drake_geom_ros.geometry._proximity.world.world import World
+from drake_geom_ros.geometry._proximity.world.world import PointShapes, World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-def is_worth_sharing(world: World, count: int) -> bool:
-    """Tell whether so many points take so long that more threads end sooner."""
-    if THREADS == 1:
-        return False
+def seconds_a_point(shapes: PointShapes) -> float:
+    """Return about how long [s] a point takes to all of the geometries."""
     slow = [k for k, name in POINT_KERNELS.items() if name == BY_PAIR_KERNEL or k >= SOLID]
-    long_ones = int(np.isin(world.point_shapes.types, slow).sum())
-    short_ones = world.geometry_count - long_ones
-    return count * (long_ones * LONG_POINT + short_ones * SHORT_POINT) > LONG
+    long_ones = int(np.isin(shapes.types, slow).sum())
+    return long_ones * LONG_POINT + (len(shapes.types) - long_ones) * SHORT_POINT
+
+
+def is_worth_sharing(each: float, count: int) -> bool:
+    """Tell whether so many points take so long, ``seconds_a_point`` each, that threads help."""
+    return THREADS > 1 and count * each > LONG
 
 
 def shared_point_distances(

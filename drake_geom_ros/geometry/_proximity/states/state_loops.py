@@ -21,6 +21,7 @@ from drake_geom_ros.geometry._proximity.points.point_phase import (
 )
 from drake_geom_ros.geometry._proximity.points.sharing import (
     is_worth_sharing,
+    seconds_a_point,
     shared_point_distances,
 )
 from drake_geom_ros.geometry._proximity.states.certified import any_near, nearest_pairs
@@ -134,7 +135,7 @@ class StateLoops:
         shapes = self._world.point_shapes
         compile_point_kernels(shapes.kinds)
         tables = point_tables(shapes)
-        if shared and len(poses) == 1 and is_worth_sharing(self._world, len(p_WQs)):
+        if shared and len(poses) == 1 and is_worth_sharing(seconds_a_point(shapes), len(p_WQs)):
             return self._points_of_one(poses[0], p_WQs, threshold, stop)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:

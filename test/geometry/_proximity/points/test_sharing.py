@@ -8,9 +8,11 @@ from oracles.solids import surface_of
 
 from drake_geom_ros.batch import evaluate
 from drake_geom_ros.geometry import Box, Cylinder, FramePoseVector, Mesh, Sphere
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.points import point_query, sharing
 from drake_geom_ros.geometry._proximity.runtime.threads import THREADS
 from drake_geom_ros.geometry._proximity.states import state_loops
+from drake_geom_ros.geometry._proximity.world.world import PointShapes
 
 MANY = 5000
 
@@ -38,7 +40,7 @@ def test_a_query_is_that_of_one_thread(bodies, threshold, monkeypatch):
     shared = query.ComputeSignedDistanceToPoint(points(), threshold)
     told = query.effects()
     for module in (point_query, state_loops):
-        monkeypatch.setattr(module, 'is_worth_sharing', lambda world, count: False)
+        monkeypatch.setattr(module, 'is_worth_sharing', lambda each, count: False)
     alone = query.ComputeSignedDistanceToPoint(points(), threshold)
     for column in ('id_G', 'point_index', 'distance', 'error_bound', 'grad_W', 'p_GN', 'method'):
         np.testing.assert_array_equal(getattr(shared, column), getattr(alone, column))
@@ -61,9 +63,10 @@ def test_a_batch_of_few_states_is_that_of_one_thread(bodies, count):
     assert same(arrays_of(shared), arrays_of(alone))
 
 
-def test_few_points_are_not_worth_it(bodies):
-    class World:
-        geometry_count = 1
-        point_shapes = type('Shapes', (), {'types': np.array([1])})
-
-    assert not sharing.is_worth_sharing(World, 100)
+@pytest.mark.parametrize(
+    ('kinds', 'count', 'worth'), [([SPHERE], 100, False), ([SPHERE], MANY**2, True)]
+)
+def test_few_points_are_not_worth_it(kinds, count, worth):
+    shapes = PointShapes(np.array(kinds), np.array([0, 1]), np.ones(1), frozenset(kinds))
+    each = sharing.seconds_a_point(shapes)
+    assert sharing.is_worth_sharing(each, count) == (worth and THREADS > 1)
