@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 # The fields of records that are handed over by handles: see ``runtime.handles``.
-_Table: TypeAlias = Annotated[Indices, np.int64, (6,)]
+_Table: TypeAlias = Annotated[Indices, np.int64, (7,)]
 _Fours: TypeAlias = Annotated[Indices, np.int64, (4,)]
 _Fields: TypeAlias = Annotated[Floats, np.float64, (5,)]
 _Lines: TypeAlias = Annotated[Floats, np.float64, (4,)]
@@ -32,6 +32,7 @@ _Planes: TypeAlias = Annotated[Floats, np.float64, (4, 4)]
 VOLUME, SURFACE, HALF_SPACE = 0, 1, 2  # what a body is
 # Columns of ``Bodies.table``.
 KIND, FIRST_POINT, FIRST_ELEMENT, ELEMENTS, FIRST_NODE, LEAVES = range(6)
+DIGEST = 6  # of what the body is made of: like bodies have the same
 # Columns of ``Surfaces.sums``; numbers in World.
 AREA = 0  # [m^2]
 FIRST_MOMENT = 1  # 3: area times centroid [m^3]
@@ -57,7 +58,7 @@ class Bodies(NamedTuple):
     body's own points.
     """
 
-    table: _Table  # (b, 6)
+    table: _Table  # (b, 7)
     numbers: RealPairs  # (b, 2): farthest from the origin [m]; pressure slope of a half space
     inner: Vectors  # (b, 3): a point well inside [m]; of a surface, a corner
     points: Vectors  # (p, 3) [m]

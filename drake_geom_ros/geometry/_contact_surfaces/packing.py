@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -25,6 +26,7 @@ class PackedBody(NamedTuple):
     """A body as ``Bodies`` has it, alone; ``numbers`` are a row of its."""
 
     kind: int
+    digest: int  # of 64 bits
     numbers: tuple[float, float]
     inner: Floats
     points: Floats
@@ -64,7 +66,17 @@ def packed_volume(
     nodes = np.hstack((boxes, _ranges(corners, fields, (len(boxes) + 1) // 2)))
     inner = points[pressures.argmax()].copy()  # of several no mean: that may be outside of a ring
     return PackedBody(
-        VOLUME, numbers, inner, points, elements, fields, planes, beyond, nodes, _boxes(corners)
+        VOLUME,
+        _digest(points, elements, pressures),
+        numbers,
+        inner,
+        points,
+        elements,
+        fields,
+        planes,
+        beyond,
+        nodes,
+        _boxes(corners),
     )
 
 
@@ -82,6 +94,7 @@ def packed_surface(points: Floats, triangles: Indices) -> PackedBody:
     numbers = float(np.linalg.norm(points, axis=1).max(initial=0.0)), 0.0
     return PackedBody(
         SURFACE,
+        0,
         numbers,
         points[elements[0, 0]] if count else np.zeros(3),
         points,
@@ -98,6 +111,7 @@ def packed_half_space(pressure_slope: float) -> PackedBody:
     """Return a half space z <= 0 whose pressure grows so with the depth [Pa/m]; 0: rigid."""
     return PackedBody(
         HALF_SPACE,
+        0,
         (0.0, pressure_slope),
         np.zeros(3),
         np.zeros((0, 3)),
@@ -123,11 +137,12 @@ def packed(bodies: Sequence[PackedBody]) -> Bodies:
             len(body.elements),
             nodes[k],
             (len(body.nodes) + 1) // 2,
+            body.digest,
         )
         for k, body in enumerate(bodies)
     ]
     return Bodies(
-        np.array(table, dtype=np.int64).reshape(-1, 6),
+        np.array(table, dtype=np.int64).reshape(-1, 7),
         np.array([body.numbers for body in bodies]).reshape(-1, 2),
         inner=np.array([body.inner for body in bodies]).reshape(-1, 3),
         points=np.concatenate([body.points for body in bodies]),
@@ -143,6 +158,14 @@ def packed(bodies: Sequence[PackedBody]) -> Bodies:
         nodes=np.concatenate([body.nodes for body in bodies]).ravel(),
         boxes=np.concatenate([body.boxes for body in bodies], axis=1),
     )
+
+
+def _digest(*arrays: Floats | Indices) -> int:
+    """Return a number that like arrays have, and no others."""
+    digest = hashlib.blake2b(digest_size=8)
+    for array in arrays:
+        digest.update(array.tobytes())
+    return int.from_bytes(digest.digest(), 'little', signed=True)
 
 
 def _planes(a: Floats, b: Floats, c: Floats) -> Floats:

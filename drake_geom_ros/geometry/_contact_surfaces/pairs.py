@@ -7,6 +7,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     COMPLIANT_N,
     CORNERS,
     COUNTS,
+    DIGEST,
     FACE,
     FOUND,
     HALF_SPACE,
@@ -164,15 +165,37 @@ def _can_press(bodies: Bodies, M: int, N: int) -> bool:
 
 
 @inlined
+def _comes_before(bodies: Bodies, geometries: Geometries, a: int, b: int) -> bool:
+    """Tell whether geometry a comes before b: tetrahedra before a surface before a half space.
+
+    Of two with tetrahedra it is told by what they are, and of like ones by where they are, not by
+    which is M: so that is nothing to the surface, however rounding or ties are decided.
+    """
+    first, second = geometries.body_of[a], geometries.body_of[b]
+    for column in (KIND, DIGEST):
+        one, other = bodies.table[first, column], bodies.table[second, column]
+        if one != other:
+            return bool(one < other)
+    for i in range(3):
+        if geometries.p_WGs[a, i] != geometries.p_WGs[b, i]:
+            return bool(geometries.p_WGs[a, i] < geometries.p_WGs[b, i])
+    for i in range(3):
+        for j in range(3):
+            if geometries.R_WGs[a, i, j] != geometries.R_WGs[b, i, j]:
+                return bool(geometries.R_WGs[a, i, j] < geometries.R_WGs[b, i, j])
+    return False
+
+
+@inlined
 def _between(
     bodies: Bodies, geometries: Geometries, pair: tuple[int, int], row: int, R: Floats
 ) -> Between:
-    """Return two geometries' bodies, a tetrahedral one before a surface before a half space.
+    """Return two geometries' bodies, in the order of ``_comes_before``.
 
     ``R`` is where the orientation of the second in the first is put.
     """
     a, b = pair
-    flip = bodies.table[geometries.body_of[b], KIND] < bodies.table[geometries.body_of[a], KIND]
+    flip = _comes_before(bodies, geometries, b, a)
     if flip:
         a, b = b, a
     first, second = geometries.body_of[a], geometries.body_of[b]
