@@ -19,7 +19,7 @@ from drake_geom_ros.geometry._contact_surfaces.clipping import (
     cut,
     without_twins,
 )
-from drake_geom_ros.geometry._contact_surfaces.compiled import compiled, inlined
+from drake_geom_ros.geometry._contact_surfaces.compiled import inlined
 from drake_geom_ros.geometry._contact_surfaces.emitting import emit
 from drake_geom_ros.geometry._contact_surfaces.posed import (
     FIELD,
@@ -28,7 +28,7 @@ from drake_geom_ros.geometry._contact_surfaces.posed import (
     is_beyond,
     lowest,
 )
-from drake_geom_ros.geometry._contact_surfaces.tolerances import SAME_GRADIENT
+from drake_geom_ros.geometry._contact_surfaces.tolerances import SAME_COSINE, SAME_GRADIENT
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     dot,
     norm,
@@ -45,24 +45,13 @@ COSINE = math.cos(5.0 * math.pi / 8.0)
 @inlined
 def agrees(nhat: Vector, gradient: Vector, length: float) -> bool:
     """Tell whether a pressure grows along a normal, or not far from it."""
-    return length == 0.0 or dot(nhat, gradient) > COSINE * length
+    return length == 0.0 or dot(nhat, gradient) > (COSINE + SAME_COSINE) * length
 
 
 @inlined
 def differ(length: float, g_length: float, h_length: float) -> bool:
     """Tell whether the difference of two gradients, of this length, is more than rounding."""
     return length > SAME_GRADIENT * (g_length + h_length)
-
-
-@compiled
-def _both_agree(g: Vector, g_length: float, h: Vector, h_length: float) -> bool:
-    """Tell whether the normal where two pressures are equal agrees with both of them."""
-    n = sub(g, h)
-    length = norm(n)
-    if not differ(length, g_length, h_length):
-        return False
-    nhat = scale(1.0 / length, n)
-    return agrees(nhat, g, g_length) and agrees(scale(-1.0, nhat), h, h_length)
 
 
 @inlined
@@ -80,6 +69,11 @@ def meet(
     Both pressures are linear, so these points are on a plane: the second tetrahedron is cut by it,
     and the polygon clipped by the faces of the first. Most pairs whose boxes meet are kept apart
     by a face of one, or by that plane.
+
+    Where that plane is a face, and where pressures are equal all over an element, it is as if the
+    first pressure were lower by next to nothing: so such a surface is what it is close by. (The
+    perturbation of Edelsbrunner and Muecke, Simulation of simplicity, ACM TOG 9, 1990, in one
+    number.)
     """
     work, other = scratch.work, scratch.other
     corners = corner_of(other, 0), corner_of(other, 1), corner_of(other, 2), corner_of(other, 3)
@@ -102,8 +96,7 @@ def meet(
         return
     # Both pressures are rounded: the plane is the less sharp, the less their gradients differ.
     rounding = between.rounding * (lengths / length)
-    on_plane = cut_by(bodies, f, corners, (n, constant, length), rounding, work)
-    if on_plane < 0:
+    if not is_cut_by(bodies, f, corners, (n, constant, length), rounding, work):
         return
     nhat = scale(1.0 / length, n)
     agree = agrees(nhat, g, bodies.fields[e, 4]) and agrees(scale(-1.0, nhat), h, other[LENGTH, 0])
@@ -115,17 +108,8 @@ def meet(
     put_heights(bodies, e, count, rounding, work)
     at, count, face = clipped(work, 0, count, 4, -1)
     if face >= 0:
-        twin = bodies.beyond[e, face]
-        if twin < 0:
-            return
-        its = vector_in(bodies.fields, twin)
-        if on_plane == 3:
-            # Four tetrahedra have this face: the two above it answer for all.
-            if not dot(n, own[face]) + constant > near:
-                return
-        elif twin < e and (
-            between.anyway or _both_agree(its, bodies.fields[twin, 4], h, other[LENGTH, 0])
-        ):
+        # As in ``is_cut_by``: of two tetrahedra that share it the one above the plane has it.
+        if bodies.beyond[e, face] < 0 or not dot(n, own[face]) + constant > near:
             return
         at, count, face = clipped(work, at, count, 4, face)
     if count:
@@ -180,19 +164,19 @@ def height_above_face(bodies: Bodies, f: int, k: int, point: Vector) -> float:
 
 
 @inlined
-def cut_by(
+def is_cut_by(
     bodies: Bodies,
     e: int,
     corners: tuple[Vector, Vector, Vector, Vector],
     plane: tuple[Vector, float, float],
     rounding: float,
     work: Floats,
-) -> int:
-    """Look how high the corners of tetrahedron e are above the plane n x + constant = 0.
+) -> bool:
+    """Tell whether tetrahedron e is cut by the plane n x + constant = 0.
 
-    The plane is n, the constant, and the length of n. Return how many corners are on it; then
-    corners and heights are in ``work``. Or -1: it is not cut. One that is above the plane, and has
-    a face on it, is cut there, if something is beyond that face.
+    The plane is n, the constant, and the length of n. Then its corners and their heights above the
+    plane are in ``work``. One that is above the plane, and has a face on it, is cut there, if
+    something is beyond that face.
     """
     n, constant, length = plane
     near = rounding * length
@@ -201,7 +185,7 @@ def cut_by(
     h2, h3 = snapped(dot(n, c2) + constant, near), snapped(dot(n, c3) + constant, near)
     above = (h0 > 0.0) + (h1 > 0.0) + (h2 > 0.0) + (h3 > 0.0)
     if above == 0 or above == 4:
-        return -1
+        return False
     heights = h0, h1, h2, h3
     zeros = face = 0
     for k in range(4):
@@ -213,4 +197,4 @@ def cut_by(
             zeros += 1
         else:
             face = k
-    return -1 if zeros == 3 and bodies.beyond[e, face] < 0 else zeros
+    return zeros < 3 or bodies.beyond[e, face] >= 0

@@ -16,8 +16,8 @@ from drake_geom_ros.geometry._contact_surfaces.compiled import inlined
 from drake_geom_ros.geometry._contact_surfaces.elements import (
     agrees,
     corners_of,
-    cut_by,
     differ,
+    is_cut_by,
     snapped,
     vector_at_plane,
 )
@@ -58,7 +58,7 @@ def meet_half_space(
                 return
             rounding *= (bodies.fields[e, 4] + slope) / length
         corners = corners_of(bodies, bodies.table[between.a, FIRST_POINT], e)
-        if cut_by(bodies, e, corners, (n, level, length), rounding, work) < 0:
+        if not is_cut_by(bodies, e, corners, (n, level, length), rounding, work):
             return
         nhat = scale(1.0 / length, n)
         agree = agrees(nhat, g, bodies.fields[e, 4]) and agrees(scale(-1.0, nhat), h, slope)
