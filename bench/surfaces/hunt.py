@@ -4,8 +4,8 @@ Shapes of sizes that are halves of each other, from a millimetre to a kilometre,
 lattice: faces on faces, corners on planes, one body in another, each perhaps moved or turned by
 next to nothing. Nothing may be raised but what is documented, and no number be other than finite;
 a surface has area, its faces make up its sums, and pressures are not below zero. Which of two
-bodies is M may change an answer only where it jumps: where it also does for bodies moved by 1e-9
-of their size, or where pressures are equal all over a volume. Those are counted.
+bodies is M changes nothing but signs. Where an area jumps with bodies moved by next to nothing it
+is one of those around it, or between them: see ``nearby``. Jumps are counted.
 """
 
 from __future__ import annotations
@@ -19,12 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.evidence.bodies.random_bodies import random_rotation
+from bench.surfaces.nearby import ALLOWED, HARDER, is_alone, numbers_of, poses_near
 from drake_geom_ros import geometry
 from drake_geom_ros.geometry import ContactSurfaceResults, FramePoseVector, GeometryError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]
 Pose = tuple[Floats, Floats]
+Poses = tuple[Pose, Pose]
 
 _SIZES = {'Sphere': 1, 'Box': 3, 'Cylinder': 2, 'Capsule': 2, 'Ellipsoid': 3}
 _SQUARES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -101,7 +103,7 @@ class Pair:
         self._port = graph.get_source_pose_port(source)
         self._query = graph.get_query_output_port().Eval(self._context)
 
-    def asked(self, poses: tuple[Pose, Pose]) -> tuple[ContactSurfaceResults, int]:
+    def asked(self, poses: Poses) -> tuple[ContactSurfaceResults, int]:
         """Return the surfaces, and how many pairs overlap without one."""
         vector = FramePoseVector()
         for k, (R, p) in enumerate(poses):
@@ -133,10 +135,50 @@ def broken_law(surfaces: ContactSurfaceResults) -> str:
     return ''
 
 
-def differ(a: ContactSurfaceResults, b: ContactSurfaceResults) -> bool:
-    """Tell whether the areas of two answers differ by more than rounding."""
-    one, other = float(a.areas.sum()), float(b.areas.sum())
-    return abs(one - other) > 1e-9 * max(one, other)
+class Question:
+    """Two bodies, of about a scale [m], and what is asked of them."""
+
+    def __init__(self, one: Body, two: Body, scale: float) -> None:
+        self._bodies, self._scale = (one, two), scale
+        self._modulus = max(one.modulus, two.modulus)
+        self._pair, self._swapped = Pair((one, two), (0, 1)), Pair((one, two), (1, 0))
+
+    def broken_law(self, poses: Poses, random: np.random.Generator, found: Counter[str]) -> str:
+        """Return which law the answers at some poses break, or an empty text."""
+        (surfaces, left), (others, also) = self._pair.asked(poses), self._swapped.asked(poses)
+        found['surfaces'] += len(surfaces)
+        found['overlaps without'] += left
+        if law := broken_law(surfaces) or broken_law(others):
+            return law
+        numbers, other = self._numbers(surfaces), self._numbers(others)
+        other[4:] *= -1.0  # force and torque are those on M
+        faces = [[surface.num_faces() for surface in each] for each in (surfaces, others)]
+        if left != also or faces[0] != faces[1] or (numbers != other).any():
+            return 'it depends on who is M'
+        return self._law_close_by(numbers, poses, random, found) if len(surfaces) else ''
+
+    def _law_close_by(
+        self, numbers: Floats, poses: Poses, random: np.random.Generator, found: Counter[str]
+    ) -> str:
+        """Return which law numbers break beside those of bodies that are almost the same."""
+        first, second = poses
+        near = list(poses_near(second, self._scale, random))
+        if np.abs(self._around([near[-1]], poses) - numbers).max() <= ALLOWED:
+            return ''
+        found['jumps'] += 1
+        one, two = self._bodies
+        around = [self._around(near, poses)]
+        for factor in (1.0 - HARDER, 1.0 + HARDER):
+            pair = Pair((one._replace(modulus=factor * one.modulus), two), (0, 1))
+            around.append(self._numbers(pair.asked((first, second))[0])[None])
+        return 'it is not what it is close by' if is_alone(numbers, np.vstack(around)) else ''
+
+    def _around(self, near: list[Pose], poses: Poses) -> Floats:
+        """Return the numbers (k, 10) where the second body has other poses."""
+        return np.array([self._numbers(self._pair.asked((poses[0], each))[0]) for each in near])
+
+    def _numbers(self, surfaces: ContactSurfaceResults) -> Floats:
+        return numbers_of(surfaces, self._scale, self._modulus)
 
 
 def searched(random: np.random.Generator, found: Counter[str], broken: list[Any]) -> None:
@@ -149,7 +191,7 @@ def searched(random: np.random.Generator, found: Counter[str], broken: list[Any]
     if isinstance(one.shape, geometry.HalfSpace) and isinstance(two.shape, geometry.HalfSpace):
         return
     try:
-        pair, swapped = Pair((one, two), (0, 1)), Pair((one, two), (1, 0))
+        question = Question(one, two, scale)
     except GeometryError:
         found['bodies refused'] += 1
         return
@@ -157,20 +199,11 @@ def searched(random: np.random.Generator, found: Counter[str], broken: list[Any]
         poses = random_pose(random, scale), random_pose(random, scale)
         found['poses'] += 1
         try:
-            (surfaces, left), (others, _left) = pair.asked(poses), swapped.asked(poses)
-            law = broken_law(surfaces) or broken_law(others)
+            law = question.broken_law(poses, random, found)
         except Exception as error:  # whatever it is, it is found
             law = repr(error)
         if law:
             broken.append((law, one, two, poses))
-            continue
-        found['surfaces'] += len(surfaces)
-        found['overlaps without'] += left
-        if differ(surfaces, others):
-            R, p = poses[1]
-            near = R, p + 1e-9 * scale * random.normal(size=3)
-            jumps = differ(surfaces, pair.asked((poses[0], near))[0])
-            found['jumps' if jumps else 'differ by who is M'] += 1
 
 
 def run(minutes: float, seed: int) -> int:

@@ -15,6 +15,7 @@ def test_flush_bodies_break_no_law():
         searched(random, found, broken)
     assert broken == []
     assert found['surfaces'] > 100
+    assert found['jumps'] > 0  # of which it is asked what they are close by
 
 
 def test_the_truth_of_two_balls_is_that_of_many_small_faces():
