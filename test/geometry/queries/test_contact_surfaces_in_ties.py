@@ -1,6 +1,6 @@
 """Contact surfaces where faces lie just where pressures are equal: whichever is M, and close by.
 
-Forces are continuous there, areas may jump: then they are those of one side, or between them.
+Areas may jump there: then they are those of one side, or between them.
 """
 
 import numpy as np
