@@ -6,13 +6,19 @@ Bodies are given as in ``distance``.
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import CLOSED, OVERLAP, support_points
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Separation
 from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
     gap_of_leaves,
-    leaf_of_A,
     leaf_of_B,
     leaf_pair,
     separation_of_leaves,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.slabs import (
+    BEGIN,
+    END,
+    blocks_of,
+    gap_of_blocks,
+    leaf_in_block,
+    room_for_blocks,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     SolidPair,
@@ -30,9 +36,17 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
+
+# Columns of a row of pairs of leaves that are close.
+LEAF_A = 0
+LEAF_B = 1
+CROSSES = 2  # 1 where they cross
+APART = 3  # how far they are apart [m], along
+ALONG = 4  # 3: the unit vector from A to B
+CLOSE_WIDTH = 7
 
 # Columns of a row of pushes: out along a unit vector, by how much [m].
 PUSH_WAY = 0  # 3
@@ -44,44 +58,55 @@ STEEPEST_ASIDE = 0.05  # cosine of the step that it takes and a way that asks fo
 
 
 @compiled
-def push_out(pair: SolidPair, i: int, j: int, found: Separation) -> tuple[Vector, float]:
+def push_out(pair: SolidPair, close: Floats) -> tuple[Vector, float]:
     """Return (m, s): moving A by s along the unit m takes it, as far as these leaves go, out of B.
 
-    ``found`` is their ``separation_of_leaves``. Where the leaves cross, m is the normal of B's
-    triangle and all of A's core, or A's triangle, is lifted over its plane; else m is from b to a.
+    ``close`` is their row of ``close_pairs``. Where they cross, m is the normal of B's triangle
+    and all of A's core, or A's triangle, is lifted over its plane; else m is from b to a.
     """
-    if found.end != OVERLAP:
-        return scale(-1.0, found.n), pair.radius - found.upper
+    i, j = int(close[LEAF_A]), int(close[LEAF_B])
+    if close[CROSSES] == 0.0:
+        return scale(-1.0, vector_at(close, ALONG)), pair.radius - close[APART]
     m = normal_of(pair.B.shape, pair.B.tree, j)
     a, b = support_points(leaf_pair(pair.A, i, pair.B, j, pair.p), scale(-1.0, m), 0.0)
     return m, dot(sub(b, a), m) + pair.radius
 
 
 @allocating
-def close_pairs(pair: SolidPair, n: Vector, cutoff: float, pairs: Indices) -> int:
-    """Fill ``pairs`` (k, 2) with leaves of A and of B within ``cutoff``; return how many.
+def close_pairs(pair: SolidPair, n: Vector, cutoff: float, close: Floats) -> int:
+    """Fill ``close`` (k, CLOSE_WIDTH) with leaves of A and B within ``cutoff``; return how many.
 
     Whoever asks has room for as many as matter; the rest is left out: they are where to begin, and
     no answer rests on there being no more.
     """
-    A, B, p = pair.A, pair.B, pair.p
+    A, B, p = blocks_of(pair)
     limit, is_core = cutoff + noise_of(pair), A.kind != SOLID
-    path, top = walk(A, B, p), 1
+    path, top, room = walk(A, B, p), 1, room_for_blocks()
     count = 0
     while True:
         top, i, j, _ = next_leaves(A, B, p, path, top, cutoff)
         if i < 0:
             return count
-        for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
-            mine = leaf_of_A(pair, k)
-            for t in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
+        if gap_of_blocks(pair, i, j, room) > limit:
+            continue
+        first, start = first_of_leaf(A.tree, i), first_of_leaf(B.tree, j)
+        for k in range(first, first_of_leaf(A.tree, i + 1)):
+            for t in range(start, first_of_leaf(B.tree, j + 1)):
+                if room[t - start, BEGIN] - room[k - first, END] > limit:
+                    continue
+                mine = leaf_in_block(pair, k, first, room)
                 if gap_of_leaves(mine, leaf_of_B(B, t), is_core) > limit:
                     continue
                 found = separation_of_leaves(pair, k, t, n, limit)
-                if found.end == OVERLAP or (found.end == CLOSED and found.upper <= cutoff):
-                    pairs[count, 0], pairs[count, 1] = k, t
+                crosses = found.end == OVERLAP
+                if crosses or (found.end == CLOSED and found.upper <= cutoff):
+                    close[count, LEAF_A], close[count, LEAF_B] = k, t
+                    close[count, CROSSES] = 1.0 if crosses else 0.0
+                    close[count, APART] = found.upper
+                    for c in range(3):
+                        close[count, ALONG + c] = found.n[c]
                     count += 1
-                    if count == pairs.shape[0]:
+                    if count == close.shape[0]:
                         return count
 
 
@@ -92,12 +117,9 @@ def contacts(pair: SolidPair, n: Vector, reach: float, slots: Floats, most: int)
     At most ``most`` pairs of leaves are looked at, no farther apart than ``reach`` [m] beside the
     radius; a slot keeps the longest push along its direction.
     """
-    pairs = np.empty((most, 2), dtype=np.int64)
-    count, limit = 0, pair.radius + reach
-    for k in range(close_pairs(pair, n, limit, pairs)):
-        i, j = pairs[k, 0], pairs[k, 1]
-        found = separation_of_leaves(pair, i, j, n, limit + noise_of(pair))
-        m, s = push_out(pair, i, j, found)
+    close, count = np.empty((most, CLOSE_WIDTH)), 0
+    for k in range(close_pairs(pair, n, pair.radius + reach, close)):
+        m, s = push_out(pair, close[k])
         if s > -reach and dot(m, m) > 0.5:
             count = add_slot(slots, count, m, s)
     return count

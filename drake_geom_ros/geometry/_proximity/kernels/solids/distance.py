@@ -12,9 +12,16 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import width_of_hul
 from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
     gap_of_leaves,
     gap_over_planes,
-    leaf_of_A,
     leaf_of_B,
     separation_of_leaves,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.slabs import (
+    BEGIN,
+    END,
+    blocks_of,
+    gap_of_blocks,
+    leaf_in_block,
+    room_for_blocks,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     SolidPair,
@@ -72,8 +79,9 @@ def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
     about the same direction, one is enough. The first leaves that are no farther
     apart than ``touch`` end the walk.
     """
-    A, B, p = pair.A, pair.B, pair.p
+    A, B, p = blocks_of(pair)
     noise, cutoff, is_core = noise_of(pair), limit, A.kind != SOLID
+    room = room_for_blocks()
     path, top = walk(A, B, p), 1
     best, least, a, b, unique = math.inf, math.inf, p, p, True
     n_best = n
@@ -82,11 +90,19 @@ def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
         least = min(least, skipped)
         if i < 0:
             break
-        for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
-            mine = leaf_of_A(pair, k)
-            for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                its = leaf_of_B(B, m)
-                gap, tells = gap_of_leaves(mine, its, is_core), False
+        gap = gap_of_blocks(pair, i, j, room)
+        if gap > limit:
+            least = min(least, gap)
+            continue
+        first, start = first_of_leaf(A.tree, i), first_of_leaf(B.tree, j)
+        for k in range(first, first_of_leaf(A.tree, i + 1)):
+            for m in range(start, first_of_leaf(B.tree, j + 1)):
+                gap, tells = room[m - start, BEGIN] - room[k - first, END], False
+                if gap > limit:
+                    least = min(least, gap)
+                    continue
+                mine, its = leaf_in_block(pair, k, first, room), leaf_of_B(B, m)
+                gap = gap_of_leaves(mine, its, is_core)
                 if gap <= limit:
                     gap, along = gap_over_planes(pair, mine, its)
                     tells = gap > best - noise and dot(along, n_best) >= SAME_DIRECTION

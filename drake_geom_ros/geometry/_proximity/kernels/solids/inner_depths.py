@@ -10,7 +10,12 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import support
-from drake_geom_ros.geometry._proximity.kernels.solids.contacts import close_pairs
+from drake_geom_ros.geometry._proximity.kernels.solids.contacts import (
+    CLOSE_WIDTH,
+    LEAF_A,
+    LEAF_B,
+    close_pairs,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.containment import FLUSH
 from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_tree_of
 from drake_geom_ros.geometry._proximity.kernels.solids.nearest_triangles import (
@@ -122,10 +127,10 @@ def deepest_touching(pair: SolidPair, t: Vector, contact: tuple[Vector, Vector, 
     if A.kind != SOLID:
         lowest = add(pair.p, support(A.kind, A.shape, A.R, scale(-1.0, m), RIGHT_ANGLE))
         return max(least, radius + depth_in_solid(B, lowest))
-    pairs = np.empty((MOST_MIDDLES, 2), dtype=np.int64)
+    close = np.empty((MOST_MIDDLES, CLOSE_WIDTH))
     there, near = moved(pair, t), FLUSH * noise_of(pair)
-    for k in range(close_pairs(there, scale(-1.0, m), near, pairs)):
-        x = add(pair.p, rotate(A.R, middle_of_triangle(A.shape, A.tree, pairs[k, 0])))
-        y = middle_of_triangle(B.shape, B.tree, pairs[k, 1])
+    for k in range(close_pairs(there, scale(-1.0, m), near, close)):
+        x = add(pair.p, rotate(A.R, middle_of_triangle(A.shape, A.tree, int(close[k, LEAF_A]))))
+        y = middle_of_triangle(B.shape, B.tree, int(close[k, LEAF_B]))
         least = max(least, depth_in_solid(B, x), depth_in_body(pair, y))
     return least

@@ -6,7 +6,6 @@ flush on another crosses nothing. Most pairs are told to be too far apart by the
 slab, before.
 """
 
-import math
 from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
@@ -14,7 +13,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     CLOSED,
     OVERLAP,
     distance_of_cores,
-    support_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Separation
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
@@ -22,19 +20,18 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     weighted,
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import support
+from drake_geom_ros.geometry._proximity.kernels.solids.separating_axes import widest_slab
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     Solid,
     SolidPair,
     TreeBody,
-    edge_of,
     noise_of,
     normal_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import outside
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
-    column,
     cross,
     dot,
     norm,
@@ -154,48 +151,6 @@ def leaf_pair(A: TreeBody, i: int, B: Solid, j: int, p: Vector) -> CorePair:
 
 
 @compiled
-def slab_axis(A: TreeBody, i: int, B: Solid, j: int, turn: int) -> Vector:
-    """Return one of the 11 axes that may separate two leaves, or the zero vector.
-
-    They are the normals of both triangles and the products of their edges; of a core, which has no
-    normal, its axes stand for edges. Of a box and of a triangle these are all there are.
-    """
-    if turn == 0:
-        return normal_of(B.shape, B.tree, j)
-    if turn == 1:
-        return rotate(A.R, normal_of(A.shape, A.tree, i)) if A.kind == SOLID else (0.0, 0.0, 0.0)
-    k, m = (turn - 2) // 3, (turn - 2) % 3
-    other = column(A.R, m)
-    if A.kind == SOLID:
-        other = rotate(A.R, edge_of(A.shape, A.tree, i, m))
-    return unit(cross(edge_of(B.shape, B.tree, j, k), other))
-
-
-@compiled
-def widest_slab(
-    A: TreeBody, i: int, B: Solid, j: int, pair: CorePair, noise: float
-) -> tuple[float, Vector]:
-    """Return (width, n) of the widest slab between two leaves along ``slab_axis``.
-
-    Of slabs that are as wide to rounding n is the first one's, out of A's triangle and into B's:
-    of faces that lie flush rounding would choose the side.
-    """
-    widest, best, best_n = -math.inf, -math.inf, (0.0, 0.0, 0.0)
-    for turn in range(11):
-        axis = slab_axis(A, i, B, j, turn)
-        first = -1.0 if turn == 0 else 1.0
-        for side in range(2):
-            n = scale(first * (1.0 - 2.0 * side), axis)
-            a, b = support_points(pair, n, 0.0)
-            width = dot(sub(b, a), n)
-            if dot(n, n) > 0.5:
-                widest = max(widest, width)
-                if width > best + noise:
-                    best, best_n = width, n
-    return widest, best_n
-
-
-@compiled
 def separation_of_point(q: Vector, B: Solid, j: int, noise: float) -> tuple[float, Vector, Vector]:
     """Return (d, n, b) for the point b of triangle j nearest to q, at d along the unit n."""
     at = B.tree.corners + CORNERS * j
@@ -237,7 +192,7 @@ def separation_of_leaves(
         if closed and again.upper - again.lower < upper - lower:
             end, upper, lower, n, a, b, n_lower = again
     if end == OVERLAP or (apart and upper <= NEAR_TOUCH * size):
-        width, m = widest_slab(A, i, B, j, pair, noise)
+        width, m = widest_slab(A, i, B, j, p, noise)
         if end == OVERLAP or width > lower:
             n, n_lower, lower = m, m, width
         apart = apart or lower >= -noise

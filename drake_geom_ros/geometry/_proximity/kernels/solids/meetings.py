@@ -175,6 +175,41 @@ def sides_of(
     return side_of(plane, S[0], off), side_of(plane, S[1], off), side_of(plane, S[2], off)
 
 
+@inlined
+def is_from(T: Triangle, S: Triangle, k: int) -> bool:
+    """Tell whether T begins along axis k where S ends, to the last bit, or beyond."""
+    begin, end = min(T[0][k], T[1][k], T[2][k]), max(S[0][k], S[1][k], S[2][k])
+    if begin != end:
+        return begin > end
+    for c in range(3):
+        if T[c][k + 3] != 0.0 or S[c][k + 3] != 0.0:
+            return False
+    return True
+
+
+@inlined
+def is_level(T: Triangle, S: Triangle, k: int) -> bool:
+    """Tell whether all corners have one coordinate along axis k."""
+    x, dx = T[0][k], T[0][k + 3]
+    for c in range(3):
+        if T[c][k] != x or S[c][k] != x or T[c][k + 3] != dx or S[c][k + 3] != dx:
+            return False
+    return True
+
+
+@inlined
+def are_side_by_side(T: Triangle, S: Triangle) -> bool:
+    """Tell of triangles in a plane at right angles to an axis that their boxes only touch there.
+
+    So are most of those that touch where walls of boxes lie on each other: no sign is asked.
+    """
+    for k in range(3):
+        if is_level(T, S, k):
+            i, j = (k + 1) % 3, (k + 2) % 3
+            return is_from(T, S, i) or is_from(S, T, i) or is_from(T, S, j) or is_from(S, T, j)
+    return False
+
+
 @compiled
 def meeting(
     T: Triangle,
@@ -182,6 +217,8 @@ def meeting(
     off: float,
 ) -> int:
     """Return what T and S tell, as bits; places may be off by ``off`` [m] if that is not 0."""
+    if are_side_by_side(T, S):
+        return TOUCH
     over_T = sides_of(T, S, off)
     if is_off(over_T):
         return NOTHING

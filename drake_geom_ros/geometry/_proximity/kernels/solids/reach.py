@@ -11,9 +11,16 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, 
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import Nearest, nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
     gap_of_leaves,
-    leaf_of_A,
     leaf_of_B,
     separation_of_leaves,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.slabs import (
+    BEGIN,
+    END,
+    blocks_of,
+    gap_of_blocks,
+    leaf_in_block,
+    room_for_blocks,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, first_of_leaf
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
@@ -25,17 +32,25 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 @allocating
 def least_beyond(pair: SolidPair, n: Vector, limit: float) -> float:
     """Return what surfaces are apart at least [m] if that is beyond a limit, else -infinity."""
-    A, B, p = pair.A, pair.B, pair.p
+    A, B, p = blocks_of(pair)
     path, top, least, is_core = walk(A, B, p), 1, math.inf, A.kind != SOLID
+    room = room_for_blocks()
     while True:
         top, i, j, skipped = next_leaves(A, B, p, path, top, limit)
         least = min(least, skipped)
         if i < 0:
             return least
-        for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
-            mine = leaf_of_A(pair, k)
-            for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                gap = gap_of_leaves(mine, leaf_of_B(B, m), is_core)
+        gap = gap_of_blocks(pair, i, j, room)
+        if gap > limit:
+            least = min(least, gap)
+            continue
+        first, start = first_of_leaf(A.tree, i), first_of_leaf(B.tree, j)
+        for k in range(first, first_of_leaf(A.tree, i + 1)):
+            mine = leaf_in_block(pair, k, first, room)
+            for m in range(start, first_of_leaf(B.tree, j + 1)):
+                gap = room[m - start, BEGIN] - room[k - first, END]
+                if gap <= limit:
+                    gap = gap_of_leaves(mine, leaf_of_B(B, m), is_core)
                 if gap <= limit:
                     found = separation_of_leaves(pair, k, m, n, limit)
                     if found.end == OVERLAP:

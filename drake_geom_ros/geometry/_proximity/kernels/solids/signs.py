@@ -217,6 +217,13 @@ def plane_through(a: Place, b: Place, c: Place, off: float) -> SignPlane:
 
 
 @compiled
+def summed_sign(a: Place, b: Place, c: Place, d: Place) -> int:
+    """Return the sign of ``det(b - a, c - a, d - a)`` without error."""
+    told, sign = plain_sign(a, b, c, d)
+    return sign if told else exact_sign(a, b, c, d, -1)
+
+
+@inlined
 def side_of(plane: SignPlane, d: Place, off: float) -> int:
     """Return 1 where d is above a plane, whose places turn counter-clockwise as seen from above.
 
@@ -234,8 +241,7 @@ def side_of(plane: SignPlane, d: Place, off: float) -> int:
         return -1
     if off > 0.0 or level(a, b, c, d):
         return 0
-    told, sign = plain_sign(a, b, c, d)
-    return sign if told else exact_sign(a, b, c, d, -1)
+    return summed_sign(a, b, c, d)
 
 
 @compiled

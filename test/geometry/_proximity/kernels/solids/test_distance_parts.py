@@ -10,13 +10,11 @@ from oracles.solids import solid
 from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.solids import contacts, leaves
+from drake_geom_ros.geometry._proximity.kernels.solids.separating_axes import widest_slab
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
 
 L = kernel_form(solid('L'))[1]
-
-# Compiled it counts no references to the arrays in it, so Python must not get what it returns.
-leaf_pair = getattr(leaves.leaf_pair, 'py_func', leaves.leaf_pair)
 
 
 def _corners(body, j):
@@ -39,11 +37,27 @@ def test_the_widest_slab_between_a_box_and_a_triangle_is_their_distance_or_depth
             for m in (n, -n):
                 m = m / np.linalg.norm(m)
                 widths.append((corners @ m).min() - support_value_of((BOX, half), R.T @ m))
-        pair = leaf_pair(A, 0, B, j, p)
-        width, n = leaves.widest_slab(A, 0, B, j, pair, 1e-15)
+        width, n = widest_slab(A, 0, B, j, p, 1e-15)
         assert width == pytest.approx(max(widths), abs=1e-14)
         assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-15)
         assert (corners @ n).min() - support_value_of((BOX, half), R.T @ n) == pytest.approx(width)
+
+
+@pytest.mark.parametrize('p', [(0.9, 0.2, 0.1), (2.0, -0.3, 0.7)])
+def test_the_widest_slab_between_two_triangles_is_along_a_normal_or_across_two_edges(p):
+    """Of triangles these are all axes; negative where they cross."""
+    R, B = random_rotation(np.random.default_rng(7)), solid_of(L)
+    A = body_of(SOLID, L, R)
+    for i, j in itertools.product(range(A.tree.triangles), range(0, B.tree.triangles, 5)):
+        mine, its = _corners(A, i) @ R.T, _corners(B, j) - p
+        edges = [np.roll(corners, -1, axis=0) - corners for corners in (mine, its)]
+        axes = [np.cross(e[0], e[1]) for e in edges]
+        axes += [np.cross(e, u) for e, u in itertools.product(*edges)]
+        units = [s * n / np.linalg.norm(n) for n in axes for s in (1, -1)]
+        width, n = widest_slab(A, i, B, j, p, 1e-15)
+        widths = [(its @ u).min() - (mine @ u).max() for u in units]
+        assert width == pytest.approx(max(widths), abs=1e-14)
+        assert (its @ n).min() - (mine @ n).max() == pytest.approx(width, abs=1e-14)
 
 
 def _lies_at(height, body, j):
@@ -58,8 +72,7 @@ def test_of_faces_that_lie_flush_the_slab_is_into_the_other_body(off):
     faces = [(i, j) for i, j in pairs if _lies_at(0.0, A, i) and _lies_at(1.0, B, j)]
     assert faces
     for i, j in faces:
-        pair = leaf_pair(A, i, B, j, p)
-        width, n = leaves.widest_slab(A, i, B, j, pair, 1e-12)
+        width, n = widest_slab(A, i, B, j, p, 1e-12)
         assert width >= abs(off) - 1e-15
         if width <= 1e-12:  # they have more than an edge in common
             assert n == (0.0, 0.0, -1.0)
@@ -77,10 +90,10 @@ def test_pushes_are_kept_by_direction_the_longest_of_each_while_there_is_room():
 def test_pairs_of_leaves_that_are_close_are_told_once_each():
     A, B = body_of(SOLID, L, np.eye(3)), solid_of(L)
     p = (0.0, 0.0, 1.0)  # one on the other
-    found = np.full((1000, 2), -1)
+    found = np.full((1000, contacts.CLOSE_WIDTH), -1.0)
     pair, down = SolidPair(A, B, p, 8.0, 1e-9, 0.0), (0.0, 0.0, -1.0)
     count = contacts.close_pairs(pair, down, 1e-12, found)
-    told = {tuple(pair) for pair in found[:count].tolist()}
+    told = {(int(i), int(j)) for i, j in found[:count, :2]}
     assert len(told) == count
     assert (found[count:] == -1).all()
     expected, some = set(), range(0, A.tree.triangles, 6)

@@ -14,6 +14,8 @@ from drake_geom_ros.geometry._proximity.kernels.solids.meetings import (
     OVER,
     OVERLAPPING,
     TOUCH,
+    are_side_by_side,
+    areas_overlap,
     meeting,
     order_on_line,
     sides_of,
@@ -111,3 +113,31 @@ def test_what_a_meeting_tells(other, told):
     for k in range(3):  # whichever corner is the first
         turned = T[k:] + T[:k]
         assert meeting(turned, S, 0.0) == told
+
+
+@pytest.mark.parametrize('off', [0.0, 1e-15])
+@pytest.mark.parametrize('axis', range(3))
+def test_triangles_side_by_side_in_a_plane_across_an_axis_touch_and_have_no_area_in_common(
+    axis, off
+):
+    """As the signs say that are not asked then; and of some that these part nothing is said."""
+    rng, told = np.random.default_rng(axis), {True: 0, False: 0}
+    for _ in range(CASES):
+        corners = rng.integers(0, 4, (2, 3, 3))
+        corners[:, :, axis] = 2
+        t, s = (triangle(x) for x in corners)
+        beside = are_side_by_side(t, s)
+        told[beside] += not areas_overlap(t, s, axis, off)
+        if beside:
+            assert not areas_overlap(t, s, axis, off)
+            assert meeting(t, s, off) == TOUCH
+    assert min(told.values()) > 100
+
+
+def test_what_rounding_took_off_tells_whether_triangles_are_side_by_side():
+    """One that begins where the other ends but for the last bits is in it, or beyond."""
+    t = triangle(FLOOR)
+    for more in (-1e-17, 1e-17):
+        s = tuple((x + 4.0, *rest, more, 0.0, 0.0) for x, *rest in np.array(FLOOR, float).tolist())
+        assert not are_side_by_side(t, s)
+        assert meeting(t, s, 0.0) == (OVERLAPPING if more < 0.0 else TOUCH)
