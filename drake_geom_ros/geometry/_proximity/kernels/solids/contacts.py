@@ -10,7 +10,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
     gap_of_leaves,
     leaf_of_B,
     leaf_pair,
-    separation_of_leaves,
+    separation_within,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.slabs import (
     BEGIN,
@@ -91,13 +91,13 @@ def close_pairs(pair: SolidPair, n: Vector, cutoff: float, close: Floats) -> int
             continue
         first, start = first_of_leaf(A.tree, i), first_of_leaf(B.tree, j)
         for k in range(first, first_of_leaf(A.tree, i + 1)):
+            mine = leaf_in_block(pair, k, first, room)
             for t in range(start, first_of_leaf(B.tree, j + 1)):
                 if room[t - start, BEGIN] - room[k - first, END] > limit:
                     continue
-                mine = leaf_in_block(pair, k, first, room)
                 if gap_of_leaves(mine, leaf_of_B(B, t), is_core) > limit:
                     continue
-                found = separation_of_leaves(pair, k, t, n, limit)
+                found = separation_within(pair, k, t, n, limit)
                 crosses = found.end == OVERLAP
                 if crosses or (found.end == CLOSED and found.upper <= cutoff):
                     close[count, LEAF_A], close[count, LEAF_B] = k, t

@@ -96,12 +96,13 @@ def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
             continue
         first, start = first_of_leaf(A.tree, i), first_of_leaf(B.tree, j)
         for k in range(first, first_of_leaf(A.tree, i + 1)):
+            mine = leaf_in_block(pair, k, first, room)
             for m in range(start, first_of_leaf(B.tree, j + 1)):
                 gap, tells = room[m - start, BEGIN] - room[k - first, END], False
                 if gap > limit:
                     least = min(least, gap)
                     continue
-                mine, its = leaf_in_block(pair, k, first, room), leaf_of_B(B, m)
+                its = leaf_of_B(B, m)
                 gap = gap_of_leaves(mine, its, is_core)
                 if gap <= limit:
                     gap, along = gap_over_planes(pair, mine, its)

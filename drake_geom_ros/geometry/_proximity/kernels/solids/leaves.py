@@ -6,6 +6,7 @@ flush on another crosses nothing. Most pairs are told to be too far apart by the
 slab, before.
 """
 
+import math
 from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
@@ -192,10 +193,27 @@ def separation_of_leaves(
         if closed and again.upper - again.lower < upper - lower:
             end, upper, lower, n, a, b, n_lower = again
     if end == OVERLAP or (apart and upper <= NEAR_TOUCH * size):
-        width, m = widest_slab(A, i, B, j, p, noise)
+        width, m = widest_slab(A, i, B, j, p, noise, math.inf)
         if end == OVERLAP or width > lower:
             n, n_lower, lower = m, m, width
         apart = apart or lower >= -noise
     if apart:
         end = CLOSED
     return Separation(end, upper, lower, n, add(p, a), add(p, b), n_lower)
+
+
+@compiled
+def separation_within(pair: SolidPair, i: int, j: int, n: Vector, limit: float) -> Separation:
+    """Return what ``separation_of_leaves`` does, for a limit [m] about 0.
+
+    Most triangles are beyond it, or cross, which their axes tell for less than GJK takes; of those
+    that cross nothing else is told.
+    """
+    A, B, p, noise = pair.A, pair.B, pair.p, noise_of(pair)
+    if A.kind == SOLID:
+        width, m = widest_slab(A, i, B, j, p, noise, limit)
+        if width > limit:
+            return Separation(BEYOND_CUTOFF, math.inf, width, m, p, p, m)
+        if width < -noise:
+            return Separation(OVERLAP, 0.0, width, m, p, p, m)
+    return separation_of_leaves(pair, i, j, n, limit)

@@ -66,10 +66,11 @@ def slab_axis(A: TreeBody, i: int, B: Solid, j: int, turn: int) -> Vector:
 
 @compiled
 def widest_slab(
-    A: TreeBody, i: int, B: Solid, j: int, p: Vector, noise: float
+    A: TreeBody, i: int, B: Solid, j: int, p: Vector, noise: float, enough: float
 ) -> tuple[float, Vector]:
     """Return (width, n) of the widest slab between two leaves along ``slab_axis``.
 
+    Or of the first that is wider than ``enough`` [m].
     Of slabs that are as wide to rounding n is the first one's, out of A's triangle and into B's:
     of faces that lie flush rounding would choose the side.
     """
@@ -100,4 +101,6 @@ def widest_slab(
             best, best_n = begin - high, n
         if low - end > best + noise:
             best, best_n = low - end, scale(-1.0, n)
+        if widest > enough:
+            break
     return widest, best_n

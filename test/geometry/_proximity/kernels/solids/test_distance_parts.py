@@ -9,6 +9,7 @@ from oracles.solids import solid
 
 from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import support_value_of
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, CLOSED, OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.solids import contacts, leaves
 from drake_geom_ros.geometry._proximity.kernels.solids.separating_axes import widest_slab
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, body_of, solid_of
@@ -37,7 +38,7 @@ def test_the_widest_slab_between_a_box_and_a_triangle_is_their_distance_or_depth
             for m in (n, -n):
                 m = m / np.linalg.norm(m)
                 widths.append((corners @ m).min() - support_value_of((BOX, half), R.T @ m))
-        width, n = widest_slab(A, 0, B, j, p, 1e-15)
+        width, n = widest_slab(A, 0, B, j, p, 1e-15, np.inf)
         assert width == pytest.approx(max(widths), abs=1e-14)
         assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-15)
         assert (corners @ n).min() - support_value_of((BOX, half), R.T @ n) == pytest.approx(width)
@@ -54,10 +55,35 @@ def test_the_widest_slab_between_two_triangles_is_along_a_normal_or_across_two_e
         axes = [np.cross(e[0], e[1]) for e in edges]
         axes += [np.cross(e, u) for e, u in itertools.product(*edges)]
         units = [s * n / np.linalg.norm(n) for n in axes for s in (1, -1)]
-        width, n = widest_slab(A, i, B, j, p, 1e-15)
+        width, n = widest_slab(A, i, B, j, p, 1e-15, np.inf)
         widths = [(its @ u).min() - (mine @ u).max() for u in units]
         assert width == pytest.approx(max(widths), abs=1e-14)
         assert (its @ n).min() - (mine @ n).max() == pytest.approx(width, abs=1e-14)
+
+
+@pytest.mark.parametrize('limit', [0.0, 1e-9, 0.4])
+def test_axes_and_gjk_say_the_same_of_triangles_within_a_limit(limit):
+    """Whether they cross, are beyond it, or how near they are."""
+    pair = SolidPair(
+        body_of(SOLID, L, random_rotation(np.random.default_rng(9))),
+        solid_of(L),
+        (0.7, 0.3, 0.2),
+        8.0,
+        1e-9,
+        0.0,
+    )
+    told = set()
+    for i, j in itertools.product(range(pair.A.tree.triangles), repeat=2):
+        expected = leaves.separation_of_leaves(pair, i, j, (1.0, 0.0, 0.0), limit)
+        found = leaves.separation_within(pair, i, j, (1.0, 0.0, 0.0), limit)
+        assert (found.end == OVERLAP) == (expected.end == OVERLAP)
+        assert (found.end == CLOSED) <= (expected.end == CLOSED)
+        if expected.end == CLOSED and expected.upper <= limit:
+            assert found == expected
+        assert found.end != BEYOND_CUTOFF or limit < found.lower
+        told.add((found.end, expected.end))
+    assert {(OVERLAP, OVERLAP), (BEYOND_CUTOFF, BEYOND_CUTOFF)} <= told
+    assert limit < 0.1 or (CLOSED, CLOSED) in told
 
 
 def _lies_at(height, body, j):
@@ -72,7 +98,7 @@ def test_of_faces_that_lie_flush_the_slab_is_into_the_other_body(off):
     faces = [(i, j) for i, j in pairs if _lies_at(0.0, A, i) and _lies_at(1.0, B, j)]
     assert faces
     for i, j in faces:
-        width, n = widest_slab(A, i, B, j, p, 1e-12)
+        width, n = widest_slab(A, i, B, j, p, 1e-12, np.inf)
         assert width >= abs(off) - 1e-15
         if width <= 1e-12:  # they have more than an edge in common
             assert n == (0.0, 0.0, -1.0)
