@@ -100,17 +100,9 @@ def put_corners(pair: SolidPair, first: int, count: int, room: Floats) -> None:
 
 
 @compiled
-def gap_of_blocks(pair: SolidPair, i: int, j: int, room: Floats) -> float:
-    """Return a lower bound [m] of the distance of two blocks, and leave those of their triangles.
-
-    Triangle m of B is farther from k of A than BEGIN of row m less END of row k, along the line
-    between the middles of their boxes. Of a core and a leaf all are 0. It is right to some
-    roundings of the pair's size, less than ``noise_of``: corners of A are off by two, and products
-    with the axis by two.
-    """
+def _gap_of_blocks(pair: SolidPair, i: int, j: int, room: Floats) -> float:
+    """Return what ``gap_of_blocks`` does, of two solids."""
     A, B = pair.A, pair.B
-    if A.kind != SOLID:
-        return 0.0
     mine, its = in_blocks(A.tree), in_blocks(B.tree)
     first, start = first_of_leaf(mine, i), first_of_leaf(its, j)
     many, more = first_of_leaf(mine, i + 1) - first, first_of_leaf(its, j + 1) - start
@@ -128,6 +120,20 @@ def gap_of_blocks(pair: SolidPair, i: int, j: int, room: Floats) -> float:
         room[m, BEGIN] = min(dot(a, n), dot(b, n), dot(vector_at(B.shape, at + 6), n))
         begin = min(begin, room[m, BEGIN])
     return begin - end
+
+
+@inlined
+def gap_of_blocks(pair: SolidPair, i: int, j: int, room: Floats) -> float:
+    """Return a lower bound [m] of the distance of two blocks, and leave those of their triangles.
+
+    Triangle m of B is farther from k of A than BEGIN of row m less END of row k, along the line
+    between the middles of their boxes. Of a core and a leaf all are 0. It is right to some
+    roundings of the pair's size, less than ``noise_of``: corners of A are off by two, and products
+    with the axis by two.
+    """
+    if pair.A.kind != SOLID:  # most calls: to hand the pair over would take longer
+        return 0.0
+    return _gap_of_blocks(pair, i, j, room)
 
 
 @inlined
