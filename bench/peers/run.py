@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from bench.evidence.pages import table, versions
 from bench.evidence.peers import installed as installed_peers
-from bench.peers import chart, first_call, report
+from bench.peers import chart, first_call, recorded, report
 from bench.peers.motion import PACES
 from bench.peers.report import GROWTH, ONE_BY_ONE, Measurement
 from bench.peers.scenes import Floats, Scene, build
@@ -162,6 +162,7 @@ class Run:
         """Print the summary; write peers.md, peers.png and performance.png."""
         rows = [report.cells(m) for m in self._measurements]
         summary = report.summary(self._measurements)
+        summary += recorded.fallen(self._measurements, recorded.PAGE.read_text())
         print('\n'.join(['', *summary]))
         parts = [
             f'# Beside the peers\n\n{machine()}\n\n{HOW}\n\n![chart](peers.png)',
