@@ -8,7 +8,7 @@ from pathlib import Path
 from bench.peers.report import HEADINGS, LIBRARIES, Measurement
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs/peers.md'
-# What a row may lose: of two runs of one version, on an idle machine, 1 row in 80 lost more.
+# What a row may lose: of two runs of one version, on a nearly idle machine, 3 of 328 lost more.
 KEPT = 0.7
 
 Key = tuple[str, str, str]  # scene, pace, query
