@@ -91,6 +91,8 @@ class SceneGraphClient(PlannersQuestions):
         """Leave the ROS graph."""
         self._context.try_shutdown()
         self._thread.join()
+        self._executor.shutdown()
+        self.node.destroy_node()
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):

@@ -36,6 +36,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
+from drake_geom_ros.ros.memory import unsettle
 from drake_geom_ros.ros.outputs.answers import Calls
 from drake_geom_ros.ros.watchdog import Watchdog
 
@@ -284,6 +285,10 @@ def run_node(
                 background=getattr(node, 'background_groups', ()),
             )
             node.destroy_node()
+            del node
+            # What rclpy keeps of a life-cycle node ends with its garbage. While it is there so are
+            # the threads of Fast DDS, and at the end of a process they run into what is gone.
+            unsettle()
         except StuckError as error:
             print(f'{Path(sys.argv[0]).stem}: {error}; ended without it', file=sys.stderr)
             sys.stderr.flush()

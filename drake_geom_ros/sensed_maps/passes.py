@@ -50,18 +50,20 @@ def put_within_reach(
     ``columns`` are their x, y and z (a, b) [m], see ``as_columns``. Never none: the nearest one is
     where it is, however far. In the order of the points.
     """
+    # Of a float32, Numba's float() makes no float64: in single precision a point a hair beyond
+    # the reach would count.
     xs, ys, zs = columns
     finite, nearest = 0, math.inf
     for i in range(xs.shape[0]):
         for j in range(xs.shape[1]):
-            x, y, z = float(xs[i, j]), float(ys[i, j]), float(zs[i, j])
+            x, y, z = np.float64(xs[i, j]), np.float64(ys[i, j]), np.float64(zs[i, j])
             if math.isfinite(x) and math.isfinite(y) and math.isfinite(z):
                 finite += 1
                 nearest = min(nearest, math.sqrt(x * x + y * y + z * z))
     limit, kept = max(reach, nearest), 0
     for i in range(xs.shape[0]):
         for j in range(xs.shape[1]):
-            x, y, z = float(xs[i, j]), float(ys[i, j]), float(zs[i, j])
+            x, y, z = np.float64(xs[i, j]), np.float64(ys[i, j]), np.float64(zs[i, j])
             if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
                 continue
             if math.sqrt(x * x + y * y + z * z) > limit:

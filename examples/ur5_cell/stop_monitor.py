@@ -61,6 +61,7 @@ def main():
             spin_until_stopped(monitor, signals)
         finally:
             monitor.stop_for_good()
+            monitor.destroy_node()
             rclpy.try_shutdown()
 
 

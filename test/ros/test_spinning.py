@@ -222,3 +222,38 @@ def test_arguments_that_are_none_are_refused_in_a_line():
     lines = [line for line in done.stderr.splitlines() if line.startswith('scene_graph_node: ')]
     assert all(words in line for words, line in zip(refused, lines, strict=True))
     assert 'Traceback' not in done.stderr
+
+
+THREADS = """
+import os, signal, threading
+from pathlib import Path
+from drake_geom_ros.client import SceneGraphClient
+from drake_geom_ros.ros.scene_graph_node import main
+
+def of_middleware():
+    names = [path.read_text() for path in Path('/proc/self/task').glob('*/comm')]
+    return sum(name.startswith('dds.') for name in names)
+
+def ask():
+    try:
+        with SceneGraphClient() as client:
+            client.scene()
+            counts.append(of_middleware())
+    finally:
+        os.kill(os.getpid(), signal.SIGINT)
+
+counts = []
+asking = threading.Thread(target=ask)
+asking.start()
+counts.append(main([]))
+asking.join()
+counts.append(of_middleware())
+print(*counts)
+"""
+
+
+def test_nothing_of_the_middleware_outlives_a_node_or_a_client():
+    """Its threads would run into what is gone at the end of the process, which then crashes."""
+    done = run_python('-c', THREADS)
+    during, code, after = map(int, done.stdout.split())
+    assert (during > 0, code, after) == (True, 0, 0), done.stderr

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
@@ -12,6 +12,8 @@ from drake_geom_ros.sensed_maps.cells import Cells
 
 numbers = st.one_of(st.floats(-4, 4, width=32), st.sampled_from([np.nan, np.inf, -np.inf]))
 clouds = arrays(np.float32, st.tuples(st.integers(0, 9), st.just(3)), elements=numbers)
+# In single precision these two are at one distance from the origin.
+ALIKE = np.array([[1e-4, 1.0, 1.0], [0.0, 1.0, 1.0]], np.float32)
 boxes = arrays(np.float64, (2, 3), elements=st.floats(-4, 4))
 
 
@@ -27,6 +29,7 @@ def within_reach(cloud, reach, R, p, rows=1):
 
 @pytest.mark.parametrize('kind', ['<f4', '<f8', '>f4', '>f8'])
 @given(cloud=clouds, reach=st.floats(0.01, 8), seed=st.integers(0, 2**32 - 1))
+@example(cloud=ALIKE, reach=1.0, seed=0)
 def test_points_within_reach_are_those_and_the_nearest_is_one(kind, cloud, reach, seed):
     rng = np.random.default_rng(seed)
     R, p = Rotation.random(random_state=rng).as_matrix(), rng.uniform(-1, 1, 3)
