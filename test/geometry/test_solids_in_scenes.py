@@ -8,11 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from oracles.shape_scenes import ShapeScene
 from oracles.solids import surface_of
 
 from bench.evidence.bodies import grids
 from drake_geom_ros.geometry import (
+    ACCURACY_LEVELS,
     Box,
     Convex,
     HalfSpace,
@@ -71,6 +74,24 @@ def test_all_queries_agree(other, p):
         assert contact.nhat_BA_W == pytest.approx(pair.nhat_BA_W)
     near = query.ComputeSignedDistancePairwiseClosestPoints(0.01)
     assert len(near) == (pair.distance <= 0.01)
+
+
+@pytest.mark.parametrize('other', [Sphere(0.3), Box(0.4, 0.6, 0.5), HalfSpace(), RING])
+@given(seed=st.integers(0, 2**32 - 1), level=st.sampled_from(ACCURACY_LEVELS))
+def test_who_looks_for_one_contact_is_told_of_it_and_leaves_nothing_behind(other, seed, level):
+    """It may be seen without a depth, which whoever asks for one next still gets."""
+    rng = np.random.default_rng(seed)
+    asked, other_scene = Scene(L, other), Scene(L, other)
+    for _ in range(3):
+        X = RigidTransform(RollPitchYaw(rng.uniform(-3.0, 3.0, 3)), rng.uniform(-1.0, 2.5, 3))
+        query, fresh = asked.posed([0, 0, 0], X).query, other_scene.posed([0, 0, 0], X).query
+        found = query.HasCollisions(accuracy=level)
+        pairs = query.ComputePointPairPenetration(accuracy=level)
+        assert found == bool(len(pairs))
+        assert query.HasCollisions(accuracy=level) == found
+        expected = fresh.ComputePointPairPenetration(accuracy=level)
+        np.testing.assert_array_equal(pairs.depth, expected.depth)
+        np.testing.assert_array_equal(pairs.nhat_BA_W, expected.nhat_BA_W)
 
 
 def test_overlapping_solids_promise_only_that_their_interval_holds():

@@ -76,6 +76,7 @@ def test_hulls_and_solids_keep_the_law_too(bodies, accuracy):
     counts, within = queries.within(poses, accuracy, 0.3, GO_ON)
     _, nearest = queries.nearest(poses, accuracy, np.inf, 1, GO_ON)
     collide = queries.has_collisions(poses, accuracy, GO_ON)
+    near = queries.has_collisions(poses, accuracy, GO_ON, 0.1)
     offsets = np.concatenate(([0], np.cumsum(counts)))
     for k, pose in enumerate(poses):
         some = slice(*offsets[k : k + 2])
@@ -90,6 +91,7 @@ def test_hulls_and_solids_keep_the_law_too(bodies, accuracy):
         np.testing.assert_array_equal(ids[within.id_A[some]], expected.id_A)
         assert ids[nearest.id_B[k]] == every.id_B[first]
         assert collide[k] == bodies.fresh(pose).HasCollisions(accuracy=accuracy)
+        assert near[k] == (every.distance - every.error_bound <= 0.1).any()
     assert (nearest.distance < 0.0).any()
 
 

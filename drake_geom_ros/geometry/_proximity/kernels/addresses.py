@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import compiled_ad
 from drake_geom_ros.geometry._proximity.kernels.pair_table import (
     ALL_ROWS,
     OVER_MAP_KERNEL,
+    PLAIN_OVERLAP_KERNEL,
     ROW_OF_TYPES,
     TYPE_COUNT,
     load_kernel,
@@ -23,9 +24,10 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilatio
 
 ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
-ADDRESSES = address_table(len(ALL_ROWS) + 2)
+ADDRESSES = address_table(len(ALL_ROWS) + 3)
 AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
 OVER_MAP = AT_ONE_METRE + 1  # and what takes one over the cells of a map
+PLAIN_OVERLAP = OVER_MAP + 1  # and what sees without a depth that a solid overlaps
 COMPILED_ROWS = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 
@@ -46,6 +48,10 @@ def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]
             ADDRESSES[OVER_MAP] = compiled_address(
                 load_kernel(OVER_MAP_KERNEL), SIGNATURE_BY_ADDRESS
             )
+    with_solids = any(ALL_ROWS[number].has_plain_overlap for number in missing)
+    if with_solids and not ADDRESSES[PLAIN_OVERLAP]:
+        with compilation(tell, PLAIN_OVERLAP_KERNEL, 1, 1):
+            ADDRESSES[PLAIN_OVERLAP] = compiled_address(load_kernel(PLAIN_OVERLAP_KERNEL))
     names = list(dict.fromkeys(ALL_ROWS[number].kernel for number in missing))
     for number in missing:
         row = ALL_ROWS[number]

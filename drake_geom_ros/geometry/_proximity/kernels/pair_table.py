@@ -133,6 +133,11 @@ class PairRow:
         return self.type_b > SOLID
 
     @property
+    def has_plain_overlap(self) -> bool:
+        """Whether an overlap can be seen by ``PLAIN_OVERLAP_KERNEL``, without its depth."""
+        return self.kernel == _SOLIDS and not self.is_of_map
+
+    @property
     def certificate(self) -> str:
         """Why the error bound of an answer holds, in two sentences."""
         if self.is_of_map:
@@ -158,6 +163,7 @@ BY_PAIR_KERNEL = 'closed_forms.to_points.by_pair_kernel'
 _TO_MAP = 'sensed.to_points.to_map'
 BY_ADDRESS = (BY_PAIR_KERNEL, _TO_MAP)  # point kernels that call the pair kernel of a ball
 _SOLIDS = 'solids.pairs.signed_distance_to_solid'
+PLAIN_OVERLAP_KERNEL = 'solids.plain_overlap.plain_overlap'
 
 PAIR_TABLE = (
     PairRow(SPHERE, SPHERE, 'closed_forms.spheres.sphere_sphere', CLOSED, 1e-14),

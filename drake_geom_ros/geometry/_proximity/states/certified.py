@@ -69,6 +69,15 @@ def lower_end(out: Floats) -> float:
 
 
 @inlined
+def may_be_within(found: int, out: Floats, margin: float) -> bool:
+    """Tell whether a pair may be within a margin [m], by its slot, which was forgotten before.
+
+    A solid that was found, and has no answer, was seen to overlap without one.
+    """
+    return (found > 0 and out[SEEN] < 0.0) or lower_end(out) <= margin
+
+
+@inlined
 def _take_nearest(order: Indices, left: int, bounds: Floats, most: float) -> int:
     """Put the pair of least bound behind those that are left; return how many are, with it.
 
@@ -226,8 +235,10 @@ def any_near(
             k = order[r]
             one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
             forget(memory, 0, 1)
-            answer_pairs(kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts)
-            if lower_end(memory[0]) <= cutoff:
+            found = answer_pairs(
+                kernels, one, slot, memory, world, 1, asked, 0, queue, hits, counts
+            )
+            if may_be_within(found, memory[0], cutoff):
                 out[s], last = True, k
                 break
     return poses.shape[0]

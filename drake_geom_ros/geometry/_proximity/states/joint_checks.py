@@ -32,7 +32,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
 )
 from drake_geom_ros.geometry._proximity.runtime.views import row, table
 from drake_geom_ros.geometry._proximity.states.certified import (
-    lower_end,
+    may_be_within,
     most_below,
     nearest_pairs,
 )
@@ -178,7 +178,7 @@ def _any_near_of(
         k = order[r]
         checks.one[0, 0], checks.one[0, 1] = pairs[k, 0], pairs[k, 1]
         forget(memory, 0, 1)
-        answer_pairs(
+        found = answer_pairs(
             checks.kernels,
             checks.one,
             checks.slot,
@@ -186,12 +186,12 @@ def _any_near_of(
             checks.world,
             1,
             asked,
-            -1,
+            0,
             (checks.waiting, checks.distances),  # no pair waits
             checks.hits,
             checks.counts,
         )
-        if lower_end(memory[0]) <= margin:
+        if may_be_within(found, memory[0], margin):
             return True
     return False
 

@@ -160,7 +160,7 @@ def is_beyond(heights: Vector, enough: float) -> bool:
 
 @compiled
 def part_of_line(
-    shape: Floats, at: int, heights: Vector, origin: Vector, along: Vector
+    corners: tuple[Vector, Vector, Vector], heights: Vector, origin: Vector, along: Vector
 ) -> tuple[float, float]:
     """Return where the line in which a triangle meets a plane enters and leaves the triangle.
 
@@ -170,11 +170,16 @@ def part_of_line(
     for k in range(3):
         h, g = heights[k], heights[(k + 1) % 3]
         if h * g <= 0.0 and h != g:
-            p = sub(vector_at(shape, at + 3 * k), origin)
-            q = sub(vector_at(shape, at + 3 * ((k + 1) % 3)), origin)
+            p, q = sub(corners[k], origin), sub(corners[(k + 1) % 3], origin)
             place = dot(add_scaled(p, h / (h - g), sub(q, p)), along)
             first, last = min(first, place), max(last, place)
     return first, last
+
+
+@inlined
+def corners_at(shape: Floats, at: int) -> tuple[Vector, Vector, Vector]:
+    """Return the corners of the triangle that is at ``at``."""
+    return vector_at(shape, at), vector_at(shape, at + 3), vector_at(shape, at + 6)
 
 
 @compiled
@@ -198,8 +203,8 @@ def cross_in_line(
     if not straddles(over_mine, max(mine.near, mine.noise)):
         return False
     along = unit(cross(mine.n, its.n))
-    first, last = part_of_line(shape, at, over_its, mine.p, along)
-    begin, end = part_of_line(shape, other, over_mine, mine.p, along)
+    first, last = part_of_line(corners_at(shape, at), over_its, mine.p, along)
+    begin, end = part_of_line(corners_at(shape, other), over_mine, mine.p, along)
     return min(last, end) - max(first, begin) > min(mine.near, its.near)
 
 

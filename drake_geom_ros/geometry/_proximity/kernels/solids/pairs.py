@@ -191,19 +191,26 @@ def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
 
 
 @allocating
-def signed_distance_to_solid(
-    shaped_A: OrientedShape, shaped_B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
-) -> None:
-    """Write the result row of any bounded shape and a solid."""
+def posed_pair(
+    shaped_A: OrientedShape, shaped_B: OrientedShape, p_AB_W: Floats, tolerance: float
+) -> SolidPair:
+    """Return any bounded shape and a solid as they stand together, in the solid's frame."""
     kind_A, shape_A, R_WA = shaped_A
     kind_B, shape_B, R_WB = shaped_B
-    tolerance, cutoff = aim.tolerance, aim.cutoff
-    radius = core_radius(kind_A, shape_A)
     p = scale(-1.0, unrotate(R_WB, vector_at(p_AB_W, 0)))
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
     R = np.empty((3, 3))
     for j in range(3):
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
     A, B = body_of(kind_A, shape_A, R), solid_of(shape_B)
-    pair = SolidPair(A, B, p, size, tolerance, radius)
-    write_row(out, R_WB, p, answer_of(pair, first_direction(out, R_WB, p), cutoff))
+    return SolidPair(A, B, p, size, tolerance, core_radius(kind_A, shape_A))
+
+
+@allocating
+def signed_distance_to_solid(
+    shaped_A: OrientedShape, shaped_B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
+) -> None:
+    """Write the result row of any bounded shape and a solid."""
+    pair, R_WB = posed_pair(shaped_A, shaped_B, p_AB_W, aim.tolerance), shaped_B.R_W
+    n = first_direction(out, R_WB, pair.p)
+    write_row(out, R_WB, pair.p, answer_of(pair, n, aim.cutoff))
