@@ -3,7 +3,8 @@
 Whoever asks whether anything collides needs one proof. The shortest way out of a solid, which a
 penetration tells, is looked for a hundred times as long (``overlap``). So first the same balls are
 tried as there, about a few points: the middle of a core, points just beneath where surfaces cross,
-and of bodies that do not cross a point of each. What they leave open the pair's kernel tells.
+and of bodies that do not cross a point of each; and boxes within both, where only walls touch.
+What they leave open the pair's kernel tells.
 """
 
 import math
@@ -25,7 +26,11 @@ from drake_geom_ros.geometry._proximity.kernels.solids.contacts import (
     close_pairs,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import part_of_line
-from drake_geom_ros.geometry._proximity.kernels.solids.hulls import middle_of
+from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
+    middle_of,
+    way_out_of_hull,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_depths import (
     deepest_at,
     depth_in_solid,
@@ -37,6 +42,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
     separation_of_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.pairs import posed_pair
+from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     SolidPair,
     middle_of_triangle,
@@ -54,7 +60,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
 )
-from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
@@ -121,6 +127,18 @@ def depth_at_crossing(pair: SolidPair, i: int, j: int, enough: float) -> float:
 
 
 @allocating
+def depth_of_boxes(pair: SolidPair) -> float:
+    """Return a depth [m] by boxes within the bodies, 0 without: of walls that are flush."""
+    A, B = pair.A, pair.B
+    if A.kind != SOLID and A.kind != BOX:
+        return 0.0
+    _, longest = way_out_of_hull(pair)
+    boxes = boxes_of(A), boxes_in(B.shape, B.tree)
+    found = least_parting(boxes, A.R, pair.p, (longest, 0.0), noise_of(pair))
+    return min(found.lower, longest)
+
+
+@allocating
 def plain_depth(pair: SolidPair, enough: float) -> float:
     """Return how deep A and B are in each other at least [m], by the first proof of ``enough``."""
     A, B, p, radius = pair.A, pair.B, pair.p, pair.radius
@@ -145,7 +163,7 @@ def plain_depth(pair: SolidPair, enough: float) -> float:
         if least > enough:
             return least
         return deepest_at(pair, middle_of_triangle(B.shape, B.tree, 0))
-    return 0.0
+    return depth_of_boxes(pair)
 
 
 @allocating

@@ -52,7 +52,7 @@ def is_told(A, B):
 
 @pytest.mark.parametrize('turned', [False, True])
 def test_no_touch_is_an_overlap_and_most_overlaps_of_lattices_are_plain(turned):
-    """Where walls are flush no triangles go through each other, and the kernel is asked."""
+    """Where walls are flush no triangles go through each other, and boxes tell."""
     plain = count = 0
     for seed in range(CASES):
         rng = np.random.default_rng([seed, 36])
@@ -70,7 +70,7 @@ def test_no_touch_is_an_overlap_and_most_overlaps_of_lattices_are_plain(turned):
         assert not seen or depth > 0.0
         plain, count = plain + seen, count + (depth > 0.0)
     assert count > (2 if config.DISABLE_JIT else 40)
-    assert plain >= 0.8 * count
+    assert plain >= 0.95 * count
 
 
 @given(st.integers(0, 2**32 - 1))
