@@ -13,38 +13,19 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.addresses import (
-    AT_ONE_METRE,
-    OVER_MAP,
-    PLAIN_OVERLAP,
-    ROWS,
-)
-from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
-    call_by_address,
-    is_extreme,
-    vanishes,
-)
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     LEVEL_GAP,
     METHOD,
-    NORMAL,
     PAIR_WIDTH,
     SEEN,
     SLACK,
     UNIQUE,
-    WITNESS_A,
-    WITNESS_B,
     Aim,
-    OrientedShape,
-    call_kernel,
 )
-from drake_geom_ros.geometry._proximity.kernels.pair_table import TYPE_COUNT
-from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
-    CONVEX,
     HALF_SPACE,
     ITERATIVE,
     SOLID,
@@ -61,12 +42,17 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     size_of_pair,
     tolerance_of_pair,
 )
+from drake_geom_ros.geometry._proximity.pairs.kernel_calls import (
+    call_in_order,
+    is_plain_overlap,
+    recall,
+)
 from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
-from drake_geom_ros.geometry._proximity.runtime.views import part, row
+from drake_geom_ros.geometry._proximity.runtime.views import row
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     PROMISED_ROUNDING,
@@ -77,88 +63,6 @@ from drake_geom_ros.geometry._proximity.world.arrays import world_of
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-
-@inlined
-def _code(type_a: int, type_b: int) -> int:
-    """Return where a pair of types stands in ROW_OF_TYPES."""
-    return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
-
-
-@inlined
-def _call_in_order(
-    a: int,
-    b: int,
-    kernels: Addresses,
-    shapes: Shapes,
-    poses: tuple[Floats, Floats],
-    p_AB_W: Floats,
-    aim: Aim,
-    out: Floats,
-) -> None:
-    """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
-    (types, starts, pool), (R_WGs, p_WGs) = shapes, poses
-    swapped = types[a] > types[b]
-    if swapped:
-        a, b = b, a
-        for c in range(3):
-            out[NORMAL + c] = -out[NORMAL + c]
-    for c in range(3):
-        p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    address = kernels[ROWS[_code(types[a], types[b])]]
-    shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-    A = OrientedShape(types[a], shape_a, row(R_WGs, a))
-    B = OrientedShape(types[b], shape_b, row(R_WGs, b))
-    # Solids and maps, the highest types, hold areas and counts too: kernels take them as they are.
-    extreme = is_extreme(aim.size, p_AB_W)
-    extreme = extreme or vanishes(A.kind, shape_a) or vanishes(B.kind, shape_b)
-    if extreme and B.kind <= CONVEX:
-        call_by_address(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
-    elif is_map(B.kind):
-        call_by_address(kernels[OVER_MAP], address, A, B, p_AB_W, aim, out)
-    else:
-        call_kernel(address, A, B, p_AB_W, aim, out)
-    if swapped:
-        for c in range(3):
-            # Measured from the other body's origin from now on.
-            p_a = out[WITNESS_A + c] - p_AB_W[c]
-            p_b = out[WITNESS_B + c] - p_AB_W[c]
-            out[WITNESS_A + c], out[WITNESS_B + c] = p_b, p_a
-            out[NORMAL + c] = -out[NORMAL + c]
-
-
-@compiled
-def _is_plain_overlap(
-    a: int,
-    b: int,
-    kernels: Addresses,
-    shapes: Shapes,
-    poses: tuple[Floats, Floats],
-    p_AB_W: Floats,
-    aim: Aim,
-    out: Floats,
-) -> bool:
-    """Tell whether a body and a solid are seen to overlap, without a depth.
-
-    Then their kernel says so, too. Nothing of it is kept: what is asked next finds what it would
-    have found.
-    """
-    (types, starts, pool), (R_WGs, p_WGs) = shapes, poses
-    if types[a] > types[b]:
-        a, b = b, a
-    for c in range(3):
-        p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-    A = OrientedShape(types[a], shape_a, row(R_WGs, a))
-    B = OrientedShape(types[b], shape_b, row(R_WGs, b))
-    call_kernel(kernels[PLAIN_OVERLAP], A, B, p_AB_W, aim, out)
-    return out[DISTANCE] < 0.0
-
-
-@inlined
-def _may_be_plain(type_a: int, type_b: int) -> bool:
-    """Tell whether ``_is_plain_overlap`` is for a pair of types: a bounded body and a solid."""
-    return max(type_a, type_b) == SOLID and type_a != HALF_SPACE and type_b != HALF_SPACE
 
 
 @inlined
@@ -262,20 +166,6 @@ def _beyond(cutoff: float, size: float, rounding: float) -> float:
     return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
 
 
-@inlined
-def _recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
-    """Forget the normal from which a kernel would start, where it is not this level's.
-
-    So what one level was asked changes no digit of what another answers. With solids and maps a
-    kernel starts from nothing: which leaves are looked at would depend on it.
-    """
-    if max(type_a, type_b) >= SOLID or (
-        out[LEVEL_GAP] != level_gap and out[LEVEL_GAP] > -math.inf
-    ):
-        for c in range(3):
-            out[NORMAL + c] = 0.0
-
-
 @allocating
 def answer_pairs(
     kernels: Addresses,
@@ -314,7 +204,7 @@ def answer_pairs(
     p_AB_W, now = np.empty(3), np.empty(PAIR_WIDTH)
     limit = max(cutoff, 0.0)
     far_cutoff = math.inf if math.isinf(level_gap) else limit
-    counts[:], found = 0, 0
+    counts[:], found, any_will_do = 0, 0, first >= 0 and cutoff >= 0.0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -326,9 +216,8 @@ def answer_pairs(
         if max(stamps[a], stamps[b]) <= out[SEEN] and _stands(out, level_gap, travelled, cutoff):
             counts[CACHED] += 1
         else:
-            least = separation_of_bounds(
-                a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer), limit
-            )
+            bodies = BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer)
+            least = separation_of_bounds(a, b, bodies, limit)
             near = least <= limit
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
@@ -344,23 +233,15 @@ def answer_pairs(
                     bound_pair(a, b, Shapes(types, starts, pool), R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
                     shapes, poses = Shapes(types, starts, pool), (R_WGs, p_WGs)
-                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
-                    if (
-                        first >= 0
-                        and cutoff >= 0.0
-                        and _may_be_plain(types[a], types[b])
-                        and _is_plain_overlap(a, b, kernels, shapes, poses, p_AB_W, aim, now)
-                    ):
-                        counts[BY_METHOD + BOUND_ONLY] += 1
-                        hits[0] = k
+                    if any_will_do and is_plain_overlap(a, b, kernels, shapes, poses, p_AB_W, now):
+                        hits[0], counts[BY_METHOD + BOUND_ONLY] = k, 1
                         return 1
-                    _recall(out, level_gap, types[a], types[b])
-                    _call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out)
+                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
+                    recall(out, level_gap, types[a], types[b])
+                    call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out)
                 _widen(out, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
-                    raise_lower_end(
-                        a, b, BoundedBodies(types, R_WGs, p_WGs, roundings, halves, outer), out
-                    )
+                    raise_lower_end(a, b, bodies, out)
                 out[SEEN], out[LEVEL_GAP] = revision, level_gap
                 least = _least(out, level_gap, size, rounding)
             else:
