@@ -166,6 +166,14 @@ def _beyond(cutoff: float, size: float, rounding: float) -> float:
     return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
 
 
+@inlined
+def _as_only_hit(k: int, hits: Indices, counts: Indices) -> int:
+    """Write and count pair k, of which no more is known than that it is a hit; return 1."""
+    hits[0] = k
+    counts[BY_METHOD + BOUND_ONLY] += 1
+    return 1
+
+
 @allocating
 def answer_pairs(
     kernels: Addresses,
@@ -234,8 +242,7 @@ def answer_pairs(
                 else:
                     shapes, poses = Shapes(types, starts, pool), (R_WGs, p_WGs)
                     if any_will_do and is_plain_overlap(a, b, kernels, shapes, poses, p_AB_W, now):
-                        hits[0], counts[BY_METHOD + BOUND_ONLY] = k, 1
-                        return 1
+                        return _as_only_hit(k, hits, counts)
                     aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
                     recall(out, level_gap, types[a], types[b])
                     call_in_order(a, b, kernels, shapes, poses, p_AB_W, aim, out)

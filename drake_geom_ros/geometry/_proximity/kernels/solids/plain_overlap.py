@@ -118,6 +118,8 @@ def depth_at_crossing(pair: SolidPair, i: int, j: int, enough: float) -> float:
     """Return a depth [m] that is proved where leaves i of A and j of B cross, -inf without one."""
     x, m, s = beneath(pair, i, j)
     least = -math.inf
+    if not math.isfinite(dot(x, x)):  # of parallel planes, or a triangle without area
+        return least
     for _ in range(MOST_STEPS):
         least = max(least, deepest_at(pair, add_scaled(x, s, m)))
         if not least <= enough:

@@ -14,7 +14,11 @@ from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.solids.pairs import signed_distance_to_solid
-from drake_geom_ros.geometry._proximity.kernels.solids.plain_overlap import plain_overlap
+from drake_geom_ros.geometry._proximity.kernels.solids.plain_overlap import (
+    depth_at_crossing,
+    plain_overlap,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 
 CASES = 12 if config.DISABLE_JIT else 160
@@ -118,3 +122,14 @@ def test_walls_that_are_flush_leave_it_to_the_kernel(deep):
     one = solid(L)
     seen = is_told(one.at(np.array([0.0, 0.0, 1.0 - deep])), one)
     assert not seen or deep >= 1e-9
+
+
+def test_of_what_does_not_cross_no_depth_is_proved():
+    """Of parallel triangles no line is common, and of others the middle of none."""
+    one = solid(L)
+    kind, shape = kernel_form(one)
+    A, B = body_of(kind, shape, np.eye(3)), solid_of(shape)
+    pair = SolidPair(A, B, (0.0, 0.0, 1.0), 8.0, 1e-9, 0.0)
+    for i in range(A.tree.triangles):
+        for j in range(B.tree.triangles):
+            assert depth_at_crossing(pair, i, j, 1e-9) <= 0.0
