@@ -87,14 +87,20 @@ def heights_over(corners: tuple[Vector, Vector, Vector], p: Vector, n: Vector) -
 
 @compiled
 def middle_of_crossing(mine: Leaf, its: Leaf) -> Vector:
-    """Return the middle of what two triangles that go through each other have in common."""
+    """Return the middle of what two triangles that go through each other have in common.
+
+    Of others it is anything, or not finite.
+    """
     n, m = normal_of_leaf(mine), normal_of_leaf(its)
     T, S, along = (mine.a, mine.b, mine.c), (its.a, its.b, its.c), unit(cross(n, m))
     first, last = part_of_line(T, heights_over(T, its.a, m), mine.a, along)
     begin, end = part_of_line(S, heights_over(S, mine.a, n), mine.a, along)
     # The line itself, nearest to mine.a: up mine's own plane to that of the other.
     up = cross(n, along)
-    rise = dot(sub(its.a, mine.a), m) / dot(up, m)
+    steep = dot(up, m)
+    if steep == 0.0:
+        return math.nan, math.nan, math.nan
+    rise = dot(sub(its.a, mine.a), m) / steep
     middle = 0.5 * (max(first, begin) + min(last, end))
     return add_scaled(add_scaled(mine.a, rise, up), middle, along)
 
