@@ -52,7 +52,7 @@ def call_in_order(
     aim: Aim,
     out: Floats,
 ) -> None:
-    """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
+    """Call a pair's kernel, the lower type first; only here an answer is turned around."""
     (types, starts, pool), (R_WGs, p_WGs) = shapes, poses
     swapped = types[a] > types[b]
     if swapped:
