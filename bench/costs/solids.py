@@ -187,8 +187,8 @@ def main():
         text += f'   {1e6 * apart:8.1f}{1e6 * together:10.1f}{1e6 * collide:9.1f}'
         print(text, '  ' + ', '.join(answers), flush=True)
     for n, m in ((12, 10), (32, 23)):
-        quartiles = np.quantile(linked_at_random(n, m), (0.0, 0.5, 0.9, 1.0))
-        told = ', '.join(f'{x:.1f}' for x in quartiles)
+        shares = np.quantile(linked_at_random(n, m), (0.0, 0.5, 0.9, 1.0))
+        told = ', '.join(f'{x:.1f}' for x in shares)
         print(
             f'tori of {2 * n * m} linked at random: least, median, 90 of 100, most: {told} times'
         )
