@@ -189,8 +189,8 @@ class Storm(Steps):
         self.step('left', 'right')
         self.spin(1.0)
         self.judge()
-        if self.monitor.missed:
-            self.problems.append(f'{self.monitor.missed} events were missed')
+        if missed := self.missed():
+            self.problems.append(f'{missed} events were missed')
 
 
 def storm(seconds: float, seed: int = 0) -> Storm:

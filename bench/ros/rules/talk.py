@@ -54,12 +54,17 @@ class Talk:
             Float64, f'{SERVER}/speed_scale', self._hear_pulse, QoSProfile(depth=1000)
         )
         self.monitor = ProximityMonitor(self.node, SERVER, on_event=self._hear_event)
+        self._missed_unmet = 0  # events of nodes that were not met yet
         self.poses = self.node.create_publisher(msg.FramePoses, f'{SERVER}/frame_poses', 5)
         self._clock = self.node.create_publisher(Clock, '/clock', 5)
         steady = SteadyClock(clock_type=ClockType.STEADY_TIME)
         self.node.create_timer(CLOCK, self.send_clock, clock=steady)
 
     # What is heard.
+
+    def missed(self) -> int:
+        """Return how many events were missed of nodes that had been met."""
+        return self.monitor.missed - self._missed_unmet
 
     def _hear_pulse(self, message: Float64, info: Any) -> None:
         self.pulses.append(info['source_timestamp'] * 1e-9)
@@ -130,9 +135,11 @@ class Talk:
             *('use_sim_time:=true', '-p', f'stale_after:={STALE_AFTER}', '-p'),
             *('closing_speeds:=true', '--log-level', 'error'),
         )
+        missed = self.monitor.missed
         self._meet()
         self.wait_for(self.poses.get_subscription_count, 'a listener to poses')
         self._hear_an_event()
+        self._missed_unmet += self.monitor.missed - missed
         self.wait_for(lambda: self.states().header.stamp.sec, 'time in the node')
 
     def states(self) -> Any:
