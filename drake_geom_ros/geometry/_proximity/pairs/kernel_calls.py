@@ -42,6 +42,13 @@ def _code(type_a: int, type_b: int) -> int:
 
 
 @inlined
+def oriented(k: int, shapes: Shapes, R_WGs: Floats) -> OrientedShape:
+    """Return shape k as kernels take it."""
+    types, starts, pool = shapes
+    return OrientedShape(types[k], part(pool, starts[k], starts[k + 1]), row(R_WGs, k))
+
+
+@inlined
 def call_in_order(
     a: int,
     b: int,
@@ -53,7 +60,7 @@ def call_in_order(
     out: Floats,
 ) -> None:
     """Call a pair's kernel, the lower type first; only here an answer is turned around."""
-    (types, starts, pool), (R_WGs, p_WGs) = shapes, poses
+    types, (R_WGs, p_WGs) = shapes.types, poses
     swapped = types[a] > types[b]
     if swapped:
         a, b = b, a
@@ -62,12 +69,10 @@ def call_in_order(
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     address = kernels[ROWS[_code(types[a], types[b])]]
-    shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-    A = OrientedShape(types[a], shape_a, row(R_WGs, a))
-    B = OrientedShape(types[b], shape_b, row(R_WGs, b))
+    A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
     # Solids and maps, the highest types, hold areas and counts too: kernels take them as they are.
     extreme = is_extreme(aim.size, p_AB_W)
-    extreme = extreme or vanishes(A.kind, shape_a) or vanishes(B.kind, shape_b)
+    extreme = extreme or vanishes(A.kind, A.shape) or vanishes(B.kind, B.shape)
     if extreme and B.kind <= CONVEX:
         call_by_address(kernels[AT_ONE_METRE], address, A, B, p_AB_W, aim, out)
     elif is_map(B.kind):
@@ -108,12 +113,10 @@ def _has_plain_overlap(
     out: Floats,
 ) -> bool:
     """Tell whether a bounded body a and a solid b are seen to overlap."""
-    (types, starts, pool), (R_WGs, p_WGs) = shapes, poses
+    R_WGs, p_WGs = poses
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-    A = OrientedShape(types[a], shape_a, row(R_WGs, a))
-    B = OrientedShape(types[b], shape_b, row(R_WGs, b))
+    A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
     call_kernel(kernels[PLAIN_OVERLAP], A, B, p_AB_W, Aim(0.0, 0.0, 0.0), out)
     return out[DISTANCE] < 0.0
 

@@ -122,19 +122,25 @@ def least_over(u: Vector, a: Vector, b: Vector, c: Vector) -> float:
 
 
 @compiled
+def normal_of_leaf(leaf: Leaf) -> Vector:
+    """Return the outward unit normal of a triangle, or the zero vector if it has no area."""
+    return unit(cross(sub(leaf.b, leaf.a), sub(leaf.c, leaf.a)))
+
+
+@compiled
 def gap_over_planes(pair: SolidPair, mine: Leaf, its: Leaf) -> tuple[float, Vector]:
     """Return (gap, n): a lower bound of the distance of leaves, by the planes of their triangles.
 
     It is as far as one leaf is above the plane of the other, along the unit n from A to B. Of
     faces that lie side by side it is the distance. Negative where no plane parts them.
     """
-    up = unit(cross(sub(its.b, its.a), sub(its.c, its.a)))
+    up = normal_of_leaf(its)
     down = scale(-1.0, up)
     if pair.A.kind != SOLID:
         lowest = add(pair.p, support(pair.A.kind, pair.A.shape, pair.A.R, down, 0.0))
         return dot(sub(lowest, its.a), up), down
     gap = least_over(up, sub(mine.a, its.a), sub(mine.b, its.a), sub(mine.c, its.a))
-    out = unit(cross(sub(mine.b, mine.a), sub(mine.c, mine.a)))
+    out = normal_of_leaf(mine)
     other = least_over(out, sub(its.a, mine.a), sub(its.b, mine.a), sub(its.c, mine.a))
     return (gap, down) if gap >= other else (other, out)
 

@@ -39,6 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
     Leaf,
     leaf_of_A,
     leaf_of_B,
+    normal_of_leaf,
     separation_of_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.pairs import posed_pair
@@ -70,12 +71,6 @@ PLAIN = 128.0
 MOST_CROSSINGS = 4  # pairs of leaves that are looked at
 MOST_STEPS = 6  # inwards from where surfaces cross
 SHORTER = 0.125  # each step over the one before
-
-
-@compiled
-def normal_of_leaf(leaf: Leaf) -> Vector:
-    """Return the outward unit normal of a triangle, or the zero vector if it has no area."""
-    return unit(cross(sub(leaf.b, leaf.a), sub(leaf.c, leaf.a)))
 
 
 @inlined
