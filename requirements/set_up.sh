@@ -276,9 +276,11 @@ pip_add_wheels() {
   ((${#missing[@]} < $#)) # all of them: not a matter of wheels
 }
 
-install_peers() { pip_add_wheels peers drake coal mujoco pin; }
+install_peers() { pip_add_wheels peers drake coal mujoco pin libigl pyoctomap; }
 install_cluster() { pip_add_wheels cluster distributed pyarrow; }
 install_view() { pip_add_wheels view viser lcm; }
+install_recordings() { pip_add_wheels recordings rosbags mcap; }
+install_vtk() { pip_add_wheels vtk vtk; }
 install_examples() { pip_add_wheels examples ompl; }
 install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
 

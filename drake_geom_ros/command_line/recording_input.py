@@ -3,7 +3,7 @@
 import argparse
 
 from drake_geom_ros.recordings import Topics
-from drake_geom_ros.recordings.topics import KINDS
+from drake_geom_ros.recordings.topics import NAMES
 
 
 def add_topics_to(parser: argparse.ArgumentParser) -> None:
@@ -14,7 +14,8 @@ def add_topics_to(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar='NAME=TOPIC',
         help='another topic of a recording than the usual one, or none: NAME is one of '
-        f'{", ".join(KINDS)}',
+        f'{", ".join(NAMES)}; obstacles, of which a node made maps, may be several with commas '
+        'between, and are all clouds, OctoMaps and depth images where none are named',
     )
     parser.add_argument(
         '--namespace',

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drake_geom_ros.recordings.errors import RecordingError
+from drake_geom_ros.recordings.maps import maps_in
 from drake_geom_ros.recordings.playback import Playback
 from drake_geom_ros.recordings.recording import Recording
 from drake_geom_ros.recordings.topics import Topics, roles_of, told_no_robot
@@ -21,6 +22,7 @@ class Opened(NamedTuple):
     recording: Recording
     playback: Playback
     roles: dict[str, str]
+    maps: tuple[str, ...]  # topics of what sensors see, which nothing is computed with
 
 
 def opened_recording(
@@ -64,7 +66,8 @@ def opened_recording(
     for missing in sorted({*map(asked.full, robots)} - there):
         playback.note(f'{missing}, which moves a robot, was not recorded', recording.begin)
     roles = roles_of(recording.topics, asked, robots, with_robots=alone)
-    return Opened(recording, playback, {t: role for t, role in roles.items() if t not in silent})
+    roles = {topic: role for topic, role in roles.items() if topic not in silent}
+    return Opened(recording, playback, roles, maps_in(recording.topics, asked))
 
 
 def _silent_clocks(recording: Recording, roles: dict[str, str]) -> list[str]:

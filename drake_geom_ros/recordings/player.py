@@ -33,7 +33,8 @@ class Player:
 
     def __init__(self, opened: Opened, states: StateBlocks, rate: float) -> None:
         """``rate`` [Hz] of states; 0: one with each message that poses something."""
-        self._recording, self._playback, self._roles = opened
+        self._recording, self._playback = opened.recording, opened.playback
+        self._roles = opened.roles
         self._states, self._rate = states, rate
         self._layouts = Layouts()
         # What the senders pose whose last message was taken, by layout: nothing else came since.

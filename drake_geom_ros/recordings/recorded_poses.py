@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.recordings.maps import told_maps
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.player import Player
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
@@ -63,7 +64,8 @@ def recorded_poses(
             found.append(TimedPoses(time, names, np.vstack((rows, rest))))
     if tell is not None:
         told = [each.in_words(player.begin) for each in opened.recording.damage]
-        for words in [*told, *(each.words for each in opened.playback.troubles)]:
+        told += [each.words for each in opened.playback.troubles]
+        for words in [*told, *filter(None, [told_maps(opened.maps)])]:
             tell(words)
     return found
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
+from drake_geom_ros.recordings.maps import told_maps
 from drake_geom_ros.recordings.playback import Refused, Trouble
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.set_clearance import (
@@ -114,11 +115,8 @@ class Told(Facts):
                 f'{f", also {ends} of the recording" if ends else ""}'
             )
         told += [each.in_words() for each in self.refused]
-        if self.maps:
-            told.append(
-                f'what sensors see, on {" and ".join(self.maps)}, is in no distance: pairs with '
-                'these maps are not computed'
-            )
+        if maps := told_maps(self.maps):
+            told.append(maps)
         for name, each in self._sums.items():
             told += [f'{name}: {words}' for words in each.reservations()]
         return told

@@ -26,7 +26,7 @@ from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.results import Facts, States
 from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 from drake_geom_ros.recordings.states import Block, StateBlocks, Travelled
-from drake_geom_ros.recordings.topics import maps_in, told_nothing
+from drake_geom_ros.recordings.topics import told_nothing
 
 Progress = Callable[[int, float], None]  # states, seconds of the recording
 STALE_AFTER = 1.0  # [s] the node's default
@@ -115,8 +115,8 @@ class Run:
             yield states
         self._seconds = time.perf_counter() - start
         if not self._player.count:
-            recording, playback, roles = self._opened
-            troubles = [trouble.words for trouble in playback.troubles][:5]
+            recording, roles = self._opened.recording, self._opened.roles
+            troubles = [trouble.words for trouble in self._opened.playback.troubles][:5]
             raise RecordingError(
                 'nothing that was recorded poses anything of the scene; '
                 + '; '.join([told_nothing(recording.topics, roles), *troubles])
@@ -133,7 +133,7 @@ class Run:
             silence=self._silence,
             damage=tuple(self._opened.recording.damage),
             refused=tuple(self._opened.playback.refused),
-            maps=maps_in(self._opened.recording.topics),
+            maps=self._opened.maps,
             troubles=tuple(self._opened.playback.troubles),
             stale_after=self._asked.stale_after,
             max_distance=self._asked.max_distance,

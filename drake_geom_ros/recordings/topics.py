@@ -9,10 +9,7 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import (
     CLOCK,
-    CLOUD,
-    IMAGE,
     JOINTS,
-    OCTOMAP,
     POSES,
     TEXT,
     TF,
@@ -31,6 +28,9 @@ class Topics:
     or where their topic is named. In a ``namespace``, such as ``cell_1``, are all of these but
     ``/clock``, and ``/tf`` and ``/tf_static`` where they were recorded there; so are names that do
     not begin with a slash, also those that robots of the scene have, and what the node said.
+
+    ``obstacles`` are the topics of which a node made maps, with commas between; None: all clouds
+    and OctoMaps, and images with ``depth`` in their topic's name, for any of these may be.
     """
 
     tf: str | None = None
@@ -40,19 +40,24 @@ class Topics:
     robot_description: str | None = None
     robot_description_semantic: str | None = None
     clock: str | None = None
+    obstacles: str | None = None
     namespace: str = ''
 
     @classmethod
     def of(cls, texts: Iterable[str], namespace: str = '') -> Topics:
-        """Return what ``NAME=TOPIC`` says; raises RecordingError for another name."""
-        names = [*KINDS]
+        """Return what ``NAME=TOPIC`` says; raises RecordingError for other names, or one twice."""
         given = {'namespace': namespace}
         for text in texts:
             name, equals, topic = text.partition('=')
-            if name not in names or not equals:
+            if name not in NAMES or not equals:
                 raise RecordingError(
                     f'a topic is given as NAME=TOPIC, and not {text!r}; NAME is one of '
-                    f'{", ".join(names)}'
+                    f'{", ".join(NAMES)}'
+                )
+            if name in given:
+                raise RecordingError(
+                    f'{name} is given twice, as {given[name]!r} and {topic!r}; obstacles may be '
+                    'several topics with commas between, all others are one'
                 )
             given[name] = topic
         return replace(cls(), **given)
@@ -78,8 +83,7 @@ KINDS = {  # of messages, by what they are used as
     'clock': CLOCK,
 }
 
-# Of the inputs of a node that maps are made from.
-_ENDS = {CLOUD: '/obstacles/points', IMAGE: '/obstacles/depth/image_rect_raw', OCTOMAP: ''}
+NAMES = (*KINDS, 'obstacles')  # of what Topics knows
 
 
 def roles_of(
@@ -117,7 +121,8 @@ def _check_namespace(asked: Topics, recorded: Sequence[Topic]) -> None:
     names = [topic.name for topic in recorded]
     if names and not any(name.startswith(asked.prefix) for name in names):
         raise RecordingError(
-            f'namespace {asked.namespace!r}: no topic in it was recorded; there are {_some(names)}'
+            f'namespace {asked.namespace!r}: no topic in it was recorded; there are '
+            f'{few_of(names)}'
         )
 
 
@@ -134,7 +139,7 @@ def _topic_of(role: str, kind: str, asked: Topics, recorded: Sequence[Topic]) ->
             return ''
         raise RecordingError(
             f'{role}: no topic {topic!r} was recorded{nearest(topic, names)}; there are '
-            f'{_some(names)}'
+            f'{few_of(names)}'
         )
     _check(topic, role, kind, recorded)
     return topic
@@ -170,7 +175,7 @@ def _check(topic: str, role: str, kind: str, recorded: Sequence[Topic]) -> None:
     types = [each.type for each in recorded if each.name == topic and each.type != kind]
     if types:
         others = sorted({each.name for each in recorded if each.type == kind})
-        like = f'; of this type there are {_some(others)}' if others else ''
+        like = f'; of this type there are {few_of(others)}' if others else ''
         advice = (
             f': name another topic by --topic {role}=TOPIC, or none by --topic {role}='
             if role in KINDS
@@ -181,15 +186,9 @@ def _check(topic: str, role: str, kind: str, recorded: Sequence[Topic]) -> None:
         )
 
 
-def maps_in(recorded: Sequence[Topic]) -> tuple[str, ...]:
-    """Return the topics that a node makes maps of, as it calls them; OctoMaps of any name."""
-    found = [topic.name for topic in recorded if topic.name.endswith(_ENDS.get(topic.type, ' '))]
-    return tuple(dict.fromkeys(found))
-
-
 def told_nothing(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
     """Return in words which topics were used, and which others could be."""
-    return f'topics used: {_some(sorted(roles)) if roles else "none"}{_others(recorded, roles)}'
+    return f'topics used: {few_of(sorted(roles)) if roles else "none"}{_others(recorded, roles)}'
 
 
 def told_no_robot(recorded: Sequence[Topic]) -> str:
@@ -204,7 +203,7 @@ def told_no_robot(recorded: Sequence[Topic]) -> str:
     by = f', or all of a namespace by --namespace {space}' if named and space else ''
     return (
         f'{words}, or say which topic it is by --topic robot_description={first}{by}; of its type '
-        f'there are {_some(texts)}'
+        f'there are {few_of(texts)}'
     )
 
 
@@ -219,9 +218,10 @@ def _others(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
     hints = [f'--topic {role}={name}' for name, role in sorted(like.items())]
     spaces = sorted({name.split('/')[1] for name in like if name.count('/') > 1})
     hints += [f'--namespace {space}' for space in spaces]
-    return f'; others could be: {_some(hints)}' if hints else ''
+    return f'; others could be: {few_of(hints)}' if hints else ''
 
 
-def _some(names: Sequence[str]) -> str:
+def few_of(names: Sequence[str]) -> str:
+    """Return names with commas between, the first of them where they are many."""
     more = f' and {len(names) - _MOST_SHOWN} more' if len(names) > _MOST_SHOWN else ''
     return (', '.join(names[:_MOST_SHOWN]) or 'none') + more

@@ -186,6 +186,8 @@ def test_a_result_explains_itself_and_is_a_file_of_states_again(tmp_path, suffix
     from drake_geom_ros.geometry import SceneGraph
     from drake_geom_ros.scene_files import load_scene
 
+    if suffix == 'parquet':
+        pytest.importorskip('pyarrow')
     scene_graph = SceneGraph()
     joints = Joints.of(load_scene(CELL, scene_graph))
     rows = np.random.default_rng(2).uniform(-0.5, 0.5, (30, joints.count))

@@ -275,7 +275,22 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
     assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
 
 
-@pytest.mark.parametrize('name', ['peers', 'mutants', 'view', 'cluster'])
+SETS = {'cluster', 'examples', 'mutants', 'peers', 'recordings', 'view', 'vtk'}
+
+
+def test_every_set_of_packages_but_that_of_mutants_is_there_for_the_tests(folder):
+    """What nobody installs is skipped wherever the tests run: those of recordings once were."""
+    always = {'core', 'demo', 'test', 'build', 'lock'}
+    files = {path.stem for path in (folder / 'requirements').glob('*.txt')}
+    assert files - always == SETS
+    code, said, errors = shell(folder, 'echo "${test_sets[@]}"; declare -F')
+    assert code == 0, errors
+    sets, *functions = said.splitlines()
+    assert {*sets.split(), 'mutants'} == SETS
+    assert {f'declare -f install_{name}' for name in SETS} <= {*functions}
+
+
+@pytest.mark.parametrize('name', sorted(SETS))
 def test_a_further_set_is_installed_for_its_command_and_when_its_pins_change(folder, name):
     script = FAKE_STEPS + f'install_{name}() {{ echo {name} >>"$root/calls"; }}\n'
     for change in ('', '', '# changed\n'):

@@ -4,6 +4,12 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pytest
+
+# Whoever takes this module is skipped without the extra ``recordings``, and that is told.
+pytest.importorskip('rosbags')
+pytest.importorskip('mcap')
+
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 

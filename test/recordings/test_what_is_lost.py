@@ -9,7 +9,14 @@ from recordings.test_clearance import HERE, balls, poses  # noqa: F401
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.command_line.report_making import NOT_WHOLE
-from drake_geom_ros.recordings import IncompleteRecordingError, Topics, audit, clearance
+from drake_geom_ros.recordings import (
+    IncompleteRecordingError,
+    RecordingError,
+    Topics,
+    audit,
+    clearance,
+)
+from drake_geom_ros.recordings.recorded_poses import recorded_poses
 
 DISTANCES = 'drake_geom_msgs/msg/SignedDistancePairs'
 CLOCK = 'rosgraph_msgs/msg/Clock'
@@ -156,40 +163,69 @@ def test_a_run_that_holds_nothing_is_told_of(tmp_path, balls, capsys):  # noqa: 
     assert 'reports' not in capsys.readouterr().err
 
 
+CLOUD, IMAGE = 'sensor_msgs/msg/PointCloud2', 'sensor_msgs/msg/Image'
+
+
 @pytest.mark.parametrize('has_messages', [True, False])
+@pytest.mark.parametrize('name', ['/scene_graph/obstacles', '/camera'])
 def test_maps_that_sensors_see_are_in_no_distance_and_told_of(
     tmp_path,
     balls,  # noqa: F811
     capsys,
+    name,
     has_messages,
 ):
     """Nobody computes with them here, so what is told of the rest is not all."""
-    topics = ['/scene_graph/obstacles/points', '/scene_graph/obstacles/depth/image_rect_raw']
-    kinds = ['sensor_msgs/msg/PointCloud2', 'sensor_msgs/msg/Image']
-    elsewhere = [('/camera/points', kinds[0]), ('/camera/obstacles/info', kinds[1])]
-    messages = still(0.1 * np.arange(20))
+    topics = {f'{name}/points': CLOUD, f'{name}/depth/image_rect_raw': IMAGE}
+    messages, silent = still(0.1 * np.arange(20)), [('/camera/obstacles/info', IMAGE)]
     if has_messages:
         header = recorder.header(0.5, 'world')
         nothing = np.zeros(0, dtype=np.uint8)
-        cloud = (header, 1, 0, [], False, 16, 0, nothing, True)
-        image = (header, 1, 0, '16UC1', 0, 0, nothing)
-        both = [
-            recorder.store().types[kind](*some)
-            for kind, some in zip(kinds, (cloud, image), strict=True)
-        ]
-        messages += [(0.5 + 0.1 * k, topic, both[k]) for k, topic in enumerate(topics)]
+        values = {
+            CLOUD: (header, 1, 0, [], False, 16, 0, nothing, True),
+            IMAGE: (header, 1, 0, '16UC1', 0, 0, nothing),
+        }
+        types = recorder.store().types
+        messages += [(0.5, topic, types[kind](*values[kind])) for topic, kind in topics.items()]
         messages.sort(key=lambda each: each[0])
-    silent = [*elsewhere] if has_messages else [*zip(topics, kinds, strict=True), *elsewhere]
+    else:
+        silent += topics.items()
     run = recorder.record(tmp_path / 'run', messages, silent=silent)
     found = clearance(run, balls, between=['a:b'])
-    told = (
-        f'what sensors see, on {" and ".join(sorted(topics, key=found.maps.index))}, is in no '
-        'distance: pairs with these maps are not computed'
-    )
-    assert found.reservations() == [told]
-    with pytest.raises(IncompleteRecordingError, match='pairs with these maps'):
+    assert set(found.maps) == set(topics)
+    told = f'what sensors see, on {" and ".join(found.maps)}, is in no distance: pairs with maps'
+    (reserved,) = found.reservations()
+    assert reserved.startswith(told)
+    with pytest.raises(IncompleteRecordingError, match='pairs with maps'):
         found.least()
     arguments = ['report', str(run), '--scene', str(balls), '--out', str(tmp_path / 'out')]
     assert main(arguments) == NOT_WHOLE
-    assert f'not known: {told}' in capsys.readouterr().out
-    assert told in (tmp_path / 'out' / 'report.html').read_text()
+    assert f'not known: {reserved}' in capsys.readouterr().out
+    assert reserved in (tmp_path / 'out' / 'report.html').read_text()
+    assert main([*arguments, '--topic', 'obstacles=']) == 0
+    assert 'what sensors see' not in (tmp_path / 'out' / 'report.html').read_text()
+    poses = []
+    recorded_poses(run, balls, 10.0, tell=poses.append)
+    assert poses == [reserved]
+
+
+def test_who_says_what_a_node_saw_is_believed_where_it_was_recorded(
+    tmp_path,
+    balls,  # noqa: F811
+):
+    silent = [('/lidar', CLOUD), ('/aligned', IMAGE), ('/text', 'std_msgs/msg/String')]
+    run = recorder.record(tmp_path / 'run', still(0.1 * np.arange(20)), silent=silent)
+
+    def maps(*obstacles):
+        topics = Topics.of([f'obstacles={each}' for each in obstacles])
+        return clearance(run, balls, topics=topics).maps
+
+    assert maps() == ('/lidar',)
+    assert maps('') == ()
+    assert maps('/aligned,lidar') == ('/aligned', '/lidar')
+    with pytest.raises(RecordingError, match="no topic '/lida' was recorded; nearest: '/lidar'"):
+        maps('/lida')
+    with pytest.raises(RecordingError, match='/text is of the type std_msgs/msg/String, and obst'):
+        maps('/text')
+    with pytest.raises(RecordingError, match="obstacles is given twice, as '/lidar' and '/ali"):
+        maps('/lidar', '/aligned')

@@ -18,7 +18,7 @@ from drake_geom_ros.common.children import end
 ROOT = Path(__file__).resolve().parents[2]
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-PATIENCE = 30.0  # [s] a fact that has not come by then will not come
+PATIENCE = 60.0  # [s] a fact that has not come by then will not come
 ANSWER_PATIENCE = 10.0  # [s] an answer that has not come by then is lost; the call is made again
 
 
