@@ -1,8 +1,8 @@
 """Runs of messages: what each of many poses, told for all at once.
 
 Most of what a scene hears comes from senders that name the same joints, frames or transforms each
-time. While
-nothing else comes, such a message changes nothing but where these frames stand, and since when.
+time. While nothing else comes, such a message changes nothing but where these frames stand, and
+since when.
 This is told here, for the messages of several senders by turns, from the same tables and functions
 by which a live scene takes one message. Where a message could change more, no run is told, and
 the messages are taken one by one.
@@ -209,9 +209,10 @@ class _Telling:
         groups = [PosedGroup(frozenset(values), *key) for key, values in found.items()]
         if not self._hold(TF, groups):
             return False
-        self._groups += groups
-        self._ids.append(run.ids)
-        self._rows.append(run.rows)
+        if groups:  # else no frame of the scene hangs on these transforms
+            self._groups += groups
+            self._ids.append(run.ids)
+            self._rows.append(run.rows)
         return True
 
     def _are_fed_by(self, feeder: str, frames: Collection[int]) -> bool:
