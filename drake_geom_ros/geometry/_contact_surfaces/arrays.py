@@ -163,6 +163,14 @@ class Scratch(NamedTuple):
     counts: Integers  # (4,): those of ``Surfaces``
 
 
+class Field(NamedTuple):
+    """A pressure in the first body's frame that is linear, as it is all over an element."""
+
+    gradient: Vector  # [Pa/m]
+    level: float  # [Pa] at the origin
+    length: float  # [Pa/m] of the gradient
+
+
 class Between(NamedTuple):
     """Two bodies, and where they are: the second in the first, and the first in World."""
 

@@ -8,6 +8,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     FIRST_POINT,
     Between,
     Bodies,
+    Field,
     Floats,
     Scratch,
     Surfaces,
@@ -61,6 +62,51 @@ def snapped(height: float, rounding: float) -> float:
 
 
 @inlined
+def difference(one: float, other: float, near: float, near_other: float) -> float:
+    """Return by how much two pressures differ [Pa], 0 where that is nothing but rounding.
+
+    A pressure that is nothing but rounding is none, as where a body ends, and then the other one
+    tells: where a body ends that is 1e12 times as hard as the other they are equal so little
+    within it that no position tells it from its face.
+    """
+    one, other = snapped(one, near), snapped(other, near_other)
+    if one == 0.0 or other == 0.0:
+        return one - other
+    return snapped(one - other, near + near_other)
+
+
+@inlined
+def differences(
+    corners: tuple[Vector, Vector, Vector, Vector], field: Field, other: Field, rounding: float
+) -> tuple[float, float, float, float]:
+    """Return ``difference`` at the corners of a tetrahedron; ``rounding`` [m] of positions."""
+    c0, c1, c2, c3 = corners
+    near, near_other = rounding * field.length, rounding * other.length
+    return (
+        difference(pressure_at(field, c0), pressure_at(other, c0), near, near_other),
+        difference(pressure_at(field, c1), pressure_at(other, c1), near, near_other),
+        difference(pressure_at(field, c2), pressure_at(other, c2), near, near_other),
+        difference(pressure_at(field, c3), pressure_at(other, c3), near, near_other),
+    )
+
+
+@inlined
+def pressure_at(field: Field, point: Vector) -> float:
+    """Return a pressure [Pa], as if it went on where the body ends."""
+    pressure: float = dot(field.gradient, point) + field.level
+    return pressure
+
+
+@inlined
+def is_pressed(work: Floats, first: int, count: int, field: Field, rounding: float) -> bool:
+    """Tell whether there is a pressure, more than rounding, anywhere at a polygon's corners."""
+    pressed = False
+    for i in range(first, first + count):
+        pressed |= pressure_at(field, vector_in(work, i)) > rounding * field.length
+    return pressed
+
+
+@inlined
 def meet(
     bodies: Bodies, e: int, f: int, between: Between, scratch: Scratch, out: Surfaces
 ) -> None:
@@ -80,8 +126,9 @@ def meet(
     if _are_beyond_a_face(bodies, e, corners, between.rounding):
         return
     g, h = vector_in(bodies.fields, e), vector_in(other, FIELD)
-    constant = bodies.fields[e, 3] - other[FIELD, 3]
-    lengths = bodies.fields[e, 4] + other[LENGTH, 0]
+    field = Field(g, bodies.fields[e, 3], bodies.fields[e, 4])
+    others = Field(h, other[FIELD, 3], other[LENGTH, 0])
+    constant, lengths = field.level - others.level, field.length + others.length
     near = between.rounding * lengths
     n = sub(g, h)
     if lowest(n, corners) + constant > near or lowest(scale(-1.0, n), corners) - constant > near:
@@ -92,30 +139,35 @@ def meet(
     if is_beyond(other, own, between.rounding):
         return
     length = norm(n)
-    if not differ(length, bodies.fields[e, 4], other[LENGTH, 0]):
+    if not differ(length, field.length, others.length):
         return
     # Both pressures are rounded: the plane is the less sharp, the less their gradients differ.
     rounding = between.rounding * (lengths / length)
-    if not is_cut_by(bodies, f, corners, (n, constant, length), rounding, work):
+    heights = differences(corners, field, others, between.rounding)
+    if not is_cut(bodies, f, corners, heights, work):
         return
     nhat = scale(1.0 / length, n)
-    agree = agrees(nhat, g, bodies.fields[e, 4]) and agrees(scale(-1.0, nhat), h, other[LENGTH, 0])
+    agree = agrees(nhat, g, field.length) and agrees(scale(-1.0, nhat), h, others.length)
     if not (agree or between.anyway):
         return
     count = cut(work, nhat)
     if count == 0:
         return
     put_heights(bodies, e, count, rounding, work)
-    at, count, face = clipped(work, 0, count, 4, -1)
+    first, count, face = clipped(work, 0, count, 4, -1)
     if face >= 0:
-        # As in ``is_cut_by``: of two tetrahedra that share it the one above the plane has it.
-        if bodies.beyond[e, face] < 0 or not dot(n, own[face]) + constant > near:
+        if bodies.beyond[e, face] < 0:
+            # As near to where the first body ends both end, or the other one presses there.
+            if not is_pressed(work, first, count, others, between.rounding):
+                return
+        # As in ``is_cut``: of two tetrahedra that share it the one above the plane has it.
+        elif not dot(n, own[face]) + constant > near:
             return
-        at, count, face = clipped(work, at, count, 4, face)
+        first, count, face = clipped(work, first, count, 4, face)
     if count:
-        count = without_twins(work, at, count, rounding)
+        count = without_twins(work, first, count, rounding)
     if count:
-        emit(work, at, count, nhat, (g, bodies.fields[e, 3]), h, between, out)
+        emit(work, first, count, nhat, softer(field, others), (g, h), between, out)
 
 
 @inlined
@@ -164,29 +216,28 @@ def height_above_face(bodies: Bodies, f: int, k: int, point: Vector) -> float:
 
 
 @inlined
-def is_cut_by(
+def softer(field: Field, other: Field) -> Field:
+    """Return the one of two pressures that grows less: where they are equal it is less rounded."""
+    return field if field.length <= other.length else other
+
+
+@inlined
+def is_cut(
     bodies: Bodies,
     e: int,
     corners: tuple[Vector, Vector, Vector, Vector],
-    plane: tuple[Vector, float, float],
-    rounding: float,
+    heights: tuple[float, float, float, float],
     work: Floats,
 ) -> bool:
-    """Tell whether tetrahedron e is cut by the plane n x + constant = 0.
+    """Tell whether tetrahedron e is cut by the plane that its corners are so high above.
 
-    The plane is n, the constant, and the length of n. Then its corners and their heights above the
-    plane are in ``work``. One that is above the plane, and has a face on it, is cut there, if
-    something is beyond that face.
+    Then they and their heights, which may be differences of pressures, are in ``work``. One that
+    is above the plane, and has a face on it, is cut there, if something is beyond that face.
     """
-    n, constant, length = plane
-    near = rounding * length
-    c0, c1, c2, c3 = corners
-    h0, h1 = snapped(dot(n, c0) + constant, near), snapped(dot(n, c1) + constant, near)
-    h2, h3 = snapped(dot(n, c2) + constant, near), snapped(dot(n, c3) + constant, near)
+    h0, h1, h2, h3 = heights
     above = (h0 > 0.0) + (h1 > 0.0) + (h2 > 0.0) + (h3 > 0.0)
     if above == 0 or above == 4:
         return False
-    heights = h0, h1, h2, h3
     zeros = face = 0
     for k in range(4):
         row = CORNERS + k

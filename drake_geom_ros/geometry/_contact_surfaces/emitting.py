@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     PRESSURE_MOMENT,
     TORQUE,
     Between,
+    Field,
     Floats,
     Surfaces,
 )
@@ -56,15 +57,15 @@ def emit(
     at: int,
     count: int,
     nhat: Vector,
-    field: tuple[Vector, float],
-    other: Vector,
+    field: Field,
+    gradients: tuple[Vector, Vector],
     between: Between,
     surfaces: Surfaces,
 ) -> None:
     """Put a polygon out, in World, if there is room for it, and count it.
 
-    Its normal, the pressure (gradient, and value at the origin) and the other body's gradient are
-    those of the first body's frame. Nothing is put out, or counted, without area.
+    Its normal, the pressure and the gradients of the first body and the other one are those of the
+    first body's frame. Nothing is put out, or counted, without area.
     """
     origin = vector_in(work, at)
     at_origin = _pressure(field, origin)
@@ -104,8 +105,8 @@ def emit(
     middle = add_scaled(origin, 1.0 / area, moment)
     _put(surfaces.faces, faces, CENTROID, add(rotate(between.R_W, middle), between.p_W))
     own, others = (GRAD_N, GRAD_M) if between.flip else (GRAD_M, GRAD_N)
-    _put(surfaces.faces, faces, own, rotate(between.R_W, field[0]))
-    _put(surfaces.faces, faces, others, rotate(between.R_W, other))
+    _put(surfaces.faces, faces, own, rotate(between.R_W, gradients[0]))
+    _put(surfaces.faces, faces, others, rotate(between.R_W, gradients[1]))
     _add(surfaces.sums, row, AREA, area, add_scaled(moment, area, origin))
     pressed = add_scaled(pressed, force, origin)
     _increase(surfaces.sums, row, FORCE, scale(force, nhat))
@@ -138,7 +139,7 @@ def _add(sums: Floats, row: int, column: int, weight: float, moment: Vector) -> 
 
 
 @inlined
-def _pressure(field: tuple[Vector, float], corner: Vector) -> float:
+def _pressure(field: Field, corner: Vector) -> float:
     """Return the pressure at a corner: less than none is rounding."""
-    pressure: float = max(dot(field[0], corner) + field[1], 0.0)
+    pressure: float = max(dot(field.gradient, corner) + field.level, 0.0)
     return pressure

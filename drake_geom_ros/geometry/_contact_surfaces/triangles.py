@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     NODE,
     Between,
     Bodies,
+    Field,
     Floats,
     Indices,
     Scratch,
@@ -232,5 +233,5 @@ def _meet(
         return
     count = without_twins(work, at, count, near)
     if count:
-        zero = (0.0, 0.0, 0.0)
-        emit(work, at, count, nhat, (g, bodies.fields[k, 3]), zero, between, out)
+        field = Field(g, bodies.fields[k, 3], bodies.fields[k, 4])
+        emit(work, at, count, nhat, field, (g, (0.0, 0.0, 0.0)), between, out)
