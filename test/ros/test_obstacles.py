@@ -284,6 +284,22 @@ def test_cells_are_held_though_the_process_of_sensors_ends(cell, keeping):
     assert cell.distance() == near
 
 
+def test_a_covered_lens_does_not_blind_an_input_when_bodies_changed(cell):
+    call = cell.client.call
+    nothing, something = [[math.nan] * 3] * 7, [[0.55, 0.05, -0.95]]
+    cell.until(lambda: cell.distance() is not None, 'a map', points=something)
+    cell.client.spin_until(time.monotonic() + 1.0)  # what was sent is taken, or refused
+    post, ball = 's::world/post', msg.Shape(type=1, dimensions=[1.5])
+    accepted(call(srv.ChangeShape, 'change_shape', geometry=post, shape=ball))
+    try:
+        cell.until(lambda: 'none of its 7' in cell.told(), 'its refusal', points=nothing)
+        cell.until(lambda: cell.map_ages()['points'] > 1.2, 'an old map', points=nothing)
+        cell.until(lambda: cell.map_ages()['points'] < 1.0, 'a new map', points=something)
+    finally:
+        box = msg.Shape(type=2, dimensions=[0.1, 0.1, 1.0])
+        accepted(call(srv.ChangeShape, 'change_shape', geometry=post, shape=box))
+
+
 def test_a_process_of_sensors_that_is_killed_is_told_of_and_replaced(cell, node):
     near = pytest.approx(0.4, abs=1e-6)
     points = [[0.55, 0.05, -0.95], [0.0, 0.0, -1.0]]  # the second one on the hand

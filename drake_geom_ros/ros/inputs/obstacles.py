@@ -70,10 +70,11 @@ class ObstacleInput:
         self._held = None
         self.counts = MapCounts()
 
-    def begin(self, header: Any, waited: float = 0.0) -> Place:
+    def begin(self, header: Any, waited: float = 0.0, known: int = 0) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
-        Cells that are made of its points are put by ``finish``. Raises RuntimeError to refuse it.
+        Bodies of the number ``known`` are not told again. Cells that are made of its points are
+        put by ``finish``. Raises RuntimeError to refuse it.
         """
         start, self._begun = time.perf_counter(), None
         generation, settings = self._generation, self._settings()
@@ -89,7 +90,7 @@ class ObstacleInput:
         self._begun = _Begun(moment, start, generation)
         R_WF = np.array(moment.X_WF.rotation().matrix())
         p_WF = np.array(moment.X_WF.translation())
-        there, since = self._known.then(moment.query), moment.since
+        there, since = self._known.then(moment.query, known), moment.since
         return Place(R_WF, p_WF, since.held, since.epoch, generation, there, settings, self._held)
 
     def finish(self, found: Found) -> None:

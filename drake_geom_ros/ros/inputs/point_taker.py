@@ -25,8 +25,11 @@ MOST_POINTS = 5_000_000  # of a message
 class Map(Protocol):
     """Who has the scene that a map is in; both raise RuntimeError to refuse a message."""
 
-    def begin(self, header: Any, waited: float) -> Place:
-        """Return where the frame of a header was, of a message that came ``waited`` [s] ago."""
+    def begin(self, header: Any, waited: float, known: int) -> Place:
+        """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
+
+        Bodies of the number ``known`` are not told again.
+        """
 
     def finish(self, found: Found) -> None:
         """Put what was found into the scene, for the message that was begun last."""
@@ -75,17 +78,18 @@ class PointTaker:
         self._take_points((x, y, z), image.header, waited)
 
     def _take_points(self, columns: Columns, header: Any, waited: float) -> None:
-        place = self._map.begin(header, waited)
+        place = self._map.begin(header, waited, self.filter.number)
         count, settings = columns[0].size, place.settings
         if len(self._room) < count:
             self._room = np.empty((count, 3))
         reached = put_within_reach(
             as_columns(columns), place.R_WF, place.p_WF, settings.reach, self._room
         )
+        p_WQs = self._room[: reached.kept]
+        # Before any refusal: bodies are taken in by this, and not told anew with each message.
+        on_bodies = self.filter.near(place.bodies, p_WQs, settings.padding)
         if not reached.finite:
             raise ArgumentError(f'none of its {count} points is finite: it shows nothing')
-        p_WQs = self._room[: reached.kept]
-        on_bodies = self.filter.near(place.bodies, p_WQs, settings.padding)
         away = keep_in_box(p_WQs, on_bodies, *settings.corners())
         if not away.finite:
             raise ArgumentError('all of its points lie on bodies that the scene knows')

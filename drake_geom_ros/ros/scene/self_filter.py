@@ -80,10 +80,11 @@ class KnownBodies:
         """The frames that the bodies are on."""
         return self._frames
 
-    def then(self, query: QueryObject) -> BodiesThen:
-        """Return the bodies where a query sees them."""
+    def then(self, query: QueryObject, known: int = 0) -> BodiesThen:
+        """Return the bodies where a query sees them; those of the number ``known`` untold."""
         R_WFs, p_WFs, _ = query.X_WFs(self._bodies.frames)
-        return BodiesThen(self._number, self._bodies, np.array(R_WFs), np.array(p_WFs))
+        bodies = None if self._number == known else self._bodies
+        return BodiesThen(self._number, bodies, np.array(R_WFs), np.array(p_WFs))
 
     def know(self, query: QueryObject, geometries: Sequence[GeometryId]) -> None:
         """Take these for the bodies; their number is another where anything of them changed."""
@@ -117,7 +118,7 @@ class SelfFilter:
     """
 
     def __init__(self) -> None:
-        self.number = 0  # of the bodies that it has
+        self.number = 0  # of the bodies that it has: none
         self._frames: list[FrameId] = []  # its own
         self._graph = SceneGraph()
         self._bodies: list[Body] = []
@@ -129,19 +130,13 @@ class SelfFilter:
         """
         is_near = np.zeros(len(p_WQs), dtype=np.bool_)
         if there.number != self.number:
-            if there.bodies is None:
-                raise ArgumentError('the bodies on which points are left out were not told')
-            self._stand(there.number, there.bodies.bodies, len(there.bodies.frames))
+            self._take_in(there)
         if not self._bodies or not len(p_WQs):
             return is_near
         numbers = self._may_be_near(there, p_WQs, padding)
         if not len(numbers):
             return is_near
-        context = self._graph.CreateDefaultContext()
-        rows = zip(self._frames, there.R_WFs, there.p_WFs, strict=True)
-        poses = {frame: RigidTransform(RotationMatrix(R), p) for frame, R, p in rows}
-        context.UpdateFramePoses(FramePoseVector(poses))
-        bodies = self._graph.get_query_output_port().Eval(context)
+        bodies = self._query(there)
         certain, open_ones = self._decided_by_cubes(bodies, p_WQs[numbers], padding)
         is_near[numbers[certain]] = True
         rest = numbers[open_ones]
@@ -187,7 +182,24 @@ class SelfFilter:
             found = bodies.ComputeSignedDistanceToPoint(points[k : k + step], threshold)
             yield k + found.point_index.astype(np.int64), found.distance, found.error_bound
 
-    def _stand(self, number: int, bodies: list[Body], frames: int) -> None:
+    def _query(self, there: BodiesThen) -> QueryObject:
+        context = self._graph.CreateDefaultContext()
+        rows = zip(self._frames, there.R_WFs, there.p_WFs, strict=True)
+        poses = {frame: RigidTransform(RotationMatrix(R), p) for frame, R, p in rows}
+        context.UpdateFramePoses(FramePoseVector(poses))
+        return self._graph.get_query_output_port().Eval(context)
+
+    def _take_in(self, there: BodiesThen) -> None:
+        """Have other bodies from now on; the number is theirs once all of it is done."""
+        if there.bodies is None:
+            raise ArgumentError('the bodies on which points are left out were not told')
+        self._stand(there.bodies.bodies, len(there.bodies.frames))
+        if self._bodies:
+            # Kernels are compiled with the message that brings bodies, which may take long.
+            self._query(there).ComputeSignedDistanceToPoint(np.zeros((1, 3)), math.inf)
+        self.number = there.number
+
+    def _stand(self, bodies: list[Body], frames: int) -> None:
         """Make the scene anew."""
         graph = SceneGraph()
         source = graph.RegisterSource('bodies')
@@ -196,7 +208,7 @@ class SelfFilter:
             instance = GeometryInstance(body.X_FG, body.shape, f'{k}')
             instance.set_proximity_properties(body.properties)
             graph.RegisterGeometry(source, own[body.frame], instance)
-        self._graph, self._frames, self._bodies, self.number = graph, own, bodies, number
+        self._graph, self._frames, self._bodies = graph, own, bodies
 
     def _may_be_near(self, there: BodiesThen, p_WQs: Floats, padding: float) -> Indices:
         """Return which points may be near: those in cubes that balls of bodies reach into."""

@@ -53,9 +53,9 @@ class _MapOfNode:
     def __init__(self, pipe: Connection, name: str) -> None:
         self._pipe, self._name = pipe, name
 
-    def begin(self, header: Any, waited: float) -> Place:
+    def begin(self, header: Any, waited: float, known: int) -> Place:
         stamp = Stamp(header.stamp.sec, header.stamp.nanosec)
-        place = self._ask(Begin(self._name, Header(stamp, header.frame_id), waited))
+        place = self._ask(Begin(self._name, Header(stamp, header.frame_id), waited, known))
         assert isinstance(place, Place)
         return place
 

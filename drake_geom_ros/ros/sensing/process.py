@@ -56,7 +56,6 @@ class SensingProcess:
         self._heard = time.monotonic()
         self._limit = _COMPILING  # [s] for how long it may be silent
         self._hung = False
-        self._told: dict[str, int] = {}  # by input, which bodies the process knows
         self._holding: set[str] = set()  # inputs of which it has what is held from before
         self._thread = threading.Thread(target=self._serve, name='sensing', daemon=True)
         self._thread.start()
@@ -103,7 +102,7 @@ class SensingProcess:
         """Start a process and answer it until it ends; return how it did, in words."""
         ours, theirs = multiprocessing.Pipe()
         self._heard, self._limit, self._hung = time.monotonic(), _COMPILING, False
-        self._told, self._holding = {}, set()
+        self._holding = set()
         with self._lock, theirs:
             if self._closed.is_set():
                 ours.close()
@@ -143,13 +142,11 @@ class SensingProcess:
         self.trouble = ''
         self._limit, limit = math.inf, _SILENCE  # it waits for this thread meanwhile
         if isinstance(said, Begin):
-            answer = self._done(lambda: self._maps[said.input].begin(said.header, said.waited))
+            asked = said.header, said.waited, said.known
+            answer = self._done(lambda: self._maps[said.input].begin(*asked))
             if isinstance(answer, Place):
-                number = answer.bodies.number
-                if self._told.get(said.input) == number:
-                    answer = answer._replace(bodies=answer.bodies._replace(bodies=None))
-                else:
-                    self._told[said.input], limit = number, _COMPILING
+                if answer.bodies.bodies is not None:
+                    limit = _COMPILING
                 if said.input in self._holding:
                     answer = answer._replace(before=None)
             ours.send(answer)

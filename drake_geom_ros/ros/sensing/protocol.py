@@ -44,6 +44,7 @@ class Begin(NamedTuple):
     input: str
     header: Header
     waited: float  # [s] since it came
+    known: int  # number of the bodies that the process has: these are not told again
 
 
 class Finish(NamedTuple):

@@ -15,6 +15,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.ros.inputs import obstacles
+from drake_geom_ros.ros.inputs.point_taker import PointTaker
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.scene import moments
 from drake_geom_ros.sensed_maps.cells import Cells
@@ -82,6 +83,31 @@ def test_points_are_left_out_on_bodies_as_they_are_by_now():
     node.settings = node.settings._replace(self_filter='none')
     take()
     assert counts == [0, 0, 1, 0, 0]
+
+
+def test_bodies_are_told_once_and_known_though_the_message_was_refused():
+    node, told = Node(self_filter='scene'), []
+    node.move(100.0, [0, 0, 0])
+    begin = node.input.begin
+
+    def listening(*asked):
+        place = begin(*asked)
+        told.append(place.bodies.bodies is not None)
+        return place
+
+    node.input.begin = listening
+    nothing = cloud([[np.nan] * 3] * 5, 'world')
+    good = cloud([[0.12, 0.0, 0.0], [1.0, 0.0, 0.0]], 'world')  # one on the hand
+    for _ in range(2):
+        with pytest.raises(ArgumentError, match='none of its 5 points is finite'):
+            node.taker.take_cloud(nothing)
+    node.taker.take_cloud(good)
+    node.taker = PointTaker(node.input)  # in a process that was started again
+    with pytest.raises(ArgumentError, match='none of its 5 points is finite'):
+        node.taker.take_cloud(nothing)
+    node.taker.take_cloud(good)
+    assert told == [True, False, False, True, False]
+    assert node.input.counts.on_bodies == 1
 
 
 def test_the_pose_of_a_stamp_is_waited_for_a_little():
