@@ -36,13 +36,10 @@ class ChangingScene(HeldScene):
     def remove_source(self, source: SourceId) -> tuple[int, int]:
         """Remove a source and all that is its; return frames, geometries removed.
 
-        In place of sensed maps that topics feed, others wait for their first message then.
+        That of sensed maps is refused.
         """
-        had_maps = source == self.maps_source
-        removed = self._remove(source)
-        if had_maps and self.stand_maps is not None:
-            self.stand_maps(self)
-        return removed
+        self.refuse_maps(source)
+        return self._remove(source)
 
     def remove_maps(self, names: Iterable[str]) -> None:
         """Remove sensed maps; with the last one their source goes, and all others stay."""

@@ -89,8 +89,11 @@ class EditableScene(ChangingScene):
     def swap(self, sources: Sequence[SourceId], description: SceneDescription) -> tuple[int, int]:
         """Put what is described in the place of sources; return frames, geometries added.
 
-        Frames of the same source and name, of which nothing else is said, keep their poses.
+        Frames of the same source and name, of which nothing else is said, keep their poses. The
+        source of sensed maps is refused.
         """
+        for source in sources:
+            self.refuse_maps(source)
         for camera in description.cameras:
             frame, _ = self._cameras.get(camera.name, (None, None))
             if frame is not None and self.inspector.GetOwningSourceId(frame) not in sources:

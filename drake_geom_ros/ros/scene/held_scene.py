@@ -189,7 +189,8 @@ class HeldScene:
         if source == self.maps_source:
             raise ArgumentError(
                 f'the source {MAPS!r} holds sensed maps, which only messages of sensors, '
-                'load_obstacles and clear_obstacles change; register a source of another name'
+                'load_obstacles and clear_obstacles change; for what is to stand beside them '
+                'register a source of another name'
             )
 
     def is_mounted(self, frame: FrameId) -> bool:

@@ -11,7 +11,9 @@ from typing import Any
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.changing_scene import rehearse_swap
 from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
+from drake_geom_ros.ros.scene.seen_maps import GEOMETRY
 from drake_geom_ros.ros.services.saved_file import SavedFile
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
@@ -26,6 +28,7 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     srdf = request.srdf
     if srdf and not srdf.lstrip().startswith('<'):
         srdf = str(files.file(srdf, 'srdf'))
+    lost: list[str] = []
     description = read_scene(
         *(told, request.format, srdf, files.package_roots, files.folders), live.robot_options
     )
@@ -40,13 +43,25 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     elif request.replace:
         other = prepared(description)
         with live.editing() as scene:
+            lost = _maps_that_go(live, scene)
             added = scene.replace(other)
+            scene.warned += lost
     else:
         copy = registered_copy(live, description)
         with live.editing() as scene:
             added = scene.add(description, copy)
     response.frames, response.geometries = added
-    response.message = '\n'.join(description.warnings)
+    response.message = '\n'.join([*description.warnings, *lost])
+
+
+def _maps_that_go(live: LiveScene, scene: HeldScene) -> list[str]:
+    """Return in words which sensed maps go with a scene and are not waited for."""
+    return [
+        f'the map {MAPS}::{name}/{GEOMETRY} of {len(known.cells or ())} cells went with the scene '
+        'of before and is in no answer; call load_obstacles again'
+        for name, known in scene.maps.items()
+        if name not in live.map_sources.fed
+    ]
 
 
 def save_scene(live: LiveScene, request: Any, response: Any) -> None:

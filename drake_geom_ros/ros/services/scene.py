@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drake_geom_ros.geometry import ArgumentError, GeometryFrame
+from drake_geom_ros.geometry import ArgumentError, GeometryFrame, Role
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import fill_pose, pose_from_message
 from drake_geom_ros.ros.conversions.names import WORLD
@@ -40,6 +40,8 @@ def remove_role(scene: EditableScene, request: Any, response: Any) -> None:
     """Take a role away."""
     source, geometry = scene.owned_geometry(request.geometry)
     role = role_from_number(request.role)
+    if role == Role.kProximity:
+        scene.refuse_maps(source)
     response.count = scene.scene_graph.RemoveRole(source, geometry, role)
 
 
@@ -63,6 +65,7 @@ def attach(scene: EditableScene, request: Any, response: Any) -> None:
 def detach(scene: EditableScene, request: Any, response: Any) -> None:
     """Put an attached frame back on the one that it was registered on."""
     frame = scene.names.frame(request.frame)
+    scene.refuse_maps(scene.inspector.GetOwningSourceId(frame))
     fill_pose(response.pose, scene.detach(frame, _given_pose(request)))
 
 

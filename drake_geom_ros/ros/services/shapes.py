@@ -136,6 +136,8 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
     properties = properties_from_message(request.role)
     with live.reading() as scene:
         source, geometry = scene.owned_geometry(request.geometry)
+        if isinstance(properties, ProximityProperties):
+            scene.refuse_maps(source)
         is_new = isinstance(properties, ProximityProperties) and (
             properties.HasGroup(HYDROELASTIC) or _is_new(scene.inspector, geometry)
         )

@@ -11,13 +11,14 @@ from ros.live_scenes import live_scene
 from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometrySet, Role
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule, RuleMonitor
+from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.inputs.joint_input import JointInput
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.scene import seen_maps
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.scene_rules import Blind
-from drake_geom_ros.ros.services import obstacles, scene, shapes
+from drake_geom_ros.ros.services import files, obstacles, scene, shapes
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.sensed_maps import Cells
 
@@ -30,6 +31,7 @@ ROBOT = """<robot name="r"><link name="base"/>
 <link name="l"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
 <joint name="j" type="prismatic"><parent link="base"/><child link="l"/><axis xyz="1 0 0"/>
 <limit lower="-5" upper="5" effort="1" velocity="1"/></joint></robot>"""
+PROXIMITY, ILLUSTRATION = 1, 2  # of Role.msg
 MOVED = SCENE.replace('position: [0, 0, 2]', 'position: [5, 0, 2]')
 
 
@@ -67,16 +69,67 @@ def test_only_messages_change_what_is_the_maps():
     asked = [
         (scene.remove_geometry, Plain(geometry='obstacles::points/map')),
         (scene.register_frame, Plain(source='obstacles', name='x', frame_group=0, parent='')),
+        (scene.remove_role, Plain(geometry='obstacles::points/map', role=PROXIMITY)),
+        (scene.remove_source, Plain(source='obstacles')),
+        (scene.detach, Plain(frame='obstacles::points', pose_given=False)),
         (scene.attach, Plain(frame='obstacles::points', parent='s::mast', pose_given=False)),
         (scene.attach, Plain(frame='s::mast', parent='obstacles::points', pose_given=False)),
     ]
     for serve, request in asked:
         with node.live.editing() as held, pytest.raises(RuntimeError, match='sensed maps'):
-            serve(held, request, Plain())
-    with pytest.raises(RuntimeError, match='sensed maps'):
-        shapes.change_shape(
-            node.live, Plain(geometry='obstacles::points/map', shape=shape), Plain()
-        )
+            serve(held, request, Plain(pose=None))
+    role = Plain(role=PROXIMITY, properties=[])
+    for serve, told in (
+        (shapes.change_shape, {'shape': shape}),
+        (shapes.assign_role, {'role': role, 'assign': 1}),
+    ):
+        with pytest.raises(RuntimeError, match='sensed maps'):
+            serve(node.live, Plain(geometry='obstacles::points/map', **told), Plain())
+    with node.live.editing() as held:
+        before = set(held.names.frame_names.values())
+        for sources in ([held.maps_source], [held.names.source('s'), held.maps_source]):
+            with pytest.raises(RuntimeError, match='sensed maps'):
+                held.swap(sources, read_scene(SCENE))
+        assert set(held.names.frame_names.values()) == before
+
+
+def test_roles_to_be_drawn_by_are_for_anybody_to_give_to_a_map_and_to_take():
+    node = Node(self_filter='none')
+    node.move(100.0, [0, 0, 0])
+    node.taker.take_cloud(cloud([[1, 0, 0]]))
+    before = node.pairs()
+    geometry, role = 'obstacles::points/map', Plain(role=ILLUSTRATION, properties=[])
+    shapes.assign_role(node.live, Plain(geometry=geometry, role=role, assign=0), Plain())
+    response = Plain()
+    with node.live.editing() as held:
+        scene.remove_role(held, Plain(geometry=geometry, role=ILLUSTRATION), response)
+    assert response.count == 1
+    assert node.pairs() == before
+
+
+def test_a_map_of_a_file_that_goes_with_the_scene_is_told_of(tmp_path):
+    node = Node(self_filter='none')
+    node.live.files = FileAccess([str(tmp_path)])
+    (tmp_path / 'seen.xyz').write_text('3 3 3\n4 4 4\n')
+    asked = Plain(path=str(tmp_path / 'seen.xyz'), resolution=0.1)
+    obstacles.load_obstacles(node.live, asked, Plain())
+
+    def load(**changes):
+        told = {'path': '', 'text': SCENE, 'format': 'yaml', 'srdf': '', 'replaced_sources': []}
+        response = Plain()
+        files.load_scene(node.live, Plain(**{**told, **changes}), response)
+        return response.message
+
+    assert load(replace=False, replaced_sources=['s']) == ''
+    with node.live.reading() as held:
+        assert set(held.maps) == {'points', 'file'}
+    lost = load(replace=True)
+    assert 'obstacles::file/map of 2 cells' in lost
+    assert 'load_obstacles' in lost
+    with node.live.editing() as held:
+        assert set(held.maps) == {'points'}
+        assert held.warned == [lost]
+    assert load(replace=True) == ''
 
 
 def test_a_rule_about_a_map_goes_on_in_the_scene_that_takes_its_place():
@@ -91,8 +144,6 @@ def test_a_rule_about_a_map_goes_on_in_the_scene_that_takes_its_place():
         assert held.rules.rules == (rule,)
         assert held.rules.take_events() == []
         # The map of the old scene is none of the new one: it waits, and answers say so.
-        assert 'obstacles::points' in held.waiting().frames
-        held.remove_source(held.maps_source)
         assert 'obstacles::points' in held.waiting().frames
     assert node.input.counts.taken == 0
 
