@@ -107,7 +107,7 @@ class ObstacleListening:
                 f'{counts.not_finite} not finite, {counts.out_of_reach} out of reach, '
                 f'{counts.on_bodies} on bodies that the scene knows, {counts.out_of_box} beyond '
                 f'obstacle_box, {counts.in_sparse_cells} in cells with fewer points than '
-                'obstacle_least_points, which are in no answer; '
+                'obstacle_least_points that are not held, which are in no answer; '
                 f'{counts.cells} cells, {counts.held_cells} of them held from before, '
                 f'in {1e3 * counts.seconds:.1f} ms'
             )

@@ -1,9 +1,9 @@
 """Which cells are held from one cloud to the next: for some seconds, or until seen to be free.
 
 A cloud says where something is. Cells of before are held for ``keep`` seconds since a point was
-last in them; with rays, those that the sensor looked through are not held: on the way from the
-sensor to a point there is nothing. A ray frees no cell next to the one that it ends in, for there
-it grazes the surface that it hit.
+last in them, be it one where several make a cell; with rays, those that the sensor looked through
+are not held: on the way from the sensor to a point there is nothing. A ray frees no cell next to
+the one that it ends in, for there it grazes the surface that it hit.
 """
 
 from __future__ import annotations
@@ -37,22 +37,34 @@ class KeptCells:
         """Return these cells as if a point was last in each at ``now`` [s]."""
         return KeptCells(self.cells, np.full(len(self.seen), now))
 
-    def and_then(self, new: Cells, now: float, keep: float, free: Keys | None = None) -> KeptCells:
+    def and_then(
+        self,
+        new: Cells,
+        now: float,
+        keep: float,
+        free: Keys | None = None,
+        sparse: Keys | None = None,
+    ) -> KeptCells:
         """Return what is held once a cloud of time ``now`` [s] has come with cells ``new``.
 
-        ``free`` are packed keys of cells that its rays went through. Of another resolution nothing
-        is held. What was seen later than ``now`` counts as seen then: clocks are set back. Raises
-        MapError where these are more than a map may have.
+        ``free`` are packed keys of cells that its rays went through, and ``sparse`` of those with
+        points, too few to make one: these hold it. Of another resolution nothing is held. What was
+        seen later than ``now`` counts as seen then: clocks are set back. Raises MapError where
+        these are more than a map may have.
         """
         old, seen = self.cells.packed, np.minimum(self.seen, now)
         if new.resolution != self.cells.resolution:
             old, seen = old[:0], seen[:0]
+        shown = np.zeros(len(old), dtype=np.bool_)
+        if sparse is not None:
+            shown = np.isin(old, sparse, assume_unique=True)
+            seen[shown] = now
         held = now - seen <= keep if math.isfinite(keep) else np.ones(len(seen), dtype=np.bool_)
         held &= ~np.isin(old, new.packed, assume_unique=True)
         if keep <= 0.0:
             held[:] = False
         if free is not None and held.any():
-            held &= ~np.isin(old, free)
+            held &= shown | ~np.isin(old, free)
         packed = np.concatenate([old[held], new.packed])
         if len(packed) > MOST_CELLS:
             raise MapError(f'the map would have {len(packed)} cells; it may have {MOST_CELLS}')

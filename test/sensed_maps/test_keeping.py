@@ -36,6 +36,25 @@ def test_a_cell_is_held_as_long_as_it_was_seen_that_recently(sequence, keep):
         assert (np.diff(kept.cells.packed) > 0).all()
 
 
+@given(clouds, clouds, st.booleans(), st.sampled_from([1.0, 2.5, math.inf]))
+def test_a_point_holds_a_cell_where_it_makes_none(sequence, more, rays, keep):
+    kept, last = KeptCells.none(1.0), {}
+    for now, keys in enumerate(sequence):
+        sparse = set(more[now % len(more)]) - set(keys)
+        free = set(more[-1 - now % len(more)]) if rays else set()
+        packed = [cells_of(list(some)).packed for some in (free, sparse)]
+        kept = kept.and_then(cells_of(keys), float(now), keep, *packed)
+        last.update(dict.fromkeys(sparse.intersection(last), now))
+        last.update(dict.fromkeys(keys, now))
+        last = {
+            key: seen
+            for key, seen in last.items()
+            if seen == now or (now - seen <= keep and key not in free)
+        }
+        found = dict(zip(map(tuple, kept.cells.keys().tolist()), kept.seen.tolist(), strict=True))
+        assert found == last
+
+
 def test_another_resolution_begins_anew():
     before = KeptCells.none(1.0).and_then(cells_of([(0, 0, 0)]), 0.0, math.inf)
     after = before.and_then(cells_of([(5, 5, 5)], 0.5), 1.0, math.inf)

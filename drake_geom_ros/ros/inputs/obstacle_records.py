@@ -47,9 +47,9 @@ class MapCounts:
     out_of_reach: int = 0
     on_bodies: int = 0
     out_of_box: int = 0
-    in_sparse_cells: int = 0  # in cells with fewer points than make one occupied
+    in_sparse_cells: int = 0  # in cells with too few points to make one, where none is held
     cells: int = 0
-    held_cells: int = 0  # of these, that the last one did not show
+    held_cells: int = 0  # of these, that are there by those before the last one alone
 
 
 class Held(NamedTuple):

@@ -15,7 +15,7 @@ from drake_geom_ros.ros.conversions.depth_image import points_from_depth
 from drake_geom_ros.ros.conversions.point_cloud import Columns, columns_of_cloud
 from drake_geom_ros.ros.inputs.obstacle_records import Found, Held, MapCounts, Place
 from drake_geom_ros.ros.scene.self_filter import SelfFilter
-from drake_geom_ros.sensed_maps.cells import Cells
+from drake_geom_ros.sensed_maps.cells import Cells, Keys
 from drake_geom_ros.sensed_maps.keeping import KeptCells, seen_through
 from drake_geom_ros.sensed_maps.passes import as_columns, keep_in_box, put_within_reach
 
@@ -93,27 +93,28 @@ class PointTaker:
         away = keep_in_box(p_WQs, on_bodies, *settings.corners())
         if not away.finite:
             raise ArgumentError('all of its points lie on bodies that the scene knows')
-        cells, held = Cells.counted(p_WQs[: away.kept], settings.resolution)
-        enough = held >= settings.least_points
+        shown, points_in = Cells.counted(p_WQs[: away.kept], settings.resolution)
+        enough = points_in >= settings.least_points
         if not enough.any():  # a thin cloud is no empty room
             enough[:] = True
-        cells = Cells(cells.resolution, cells.packed[enough])
-        kept = self._with_kept(place, cells)
+        cells = Cells(shown.resolution, shown.packed[enough])
+        kept = self._with_kept(place, cells, shown.packed[~enough])
+        in_none = ~np.isin(shown.packed, kept.cells.packed, assume_unique=True)
         counts = MapCounts(
             points=count,
             not_finite=count - reached.finite,
             out_of_reach=reached.finite - reached.kept,
             on_bodies=reached.kept - away.finite,
             out_of_box=away.finite - away.kept,
-            in_sparse_cells=int(held[~enough].sum()),
+            in_sparse_cells=int(points_in[in_none].sum()),
             cells=len(kept.cells),
             held_cells=len(kept.cells) - len(cells),
         )
         self._map.finish(Found(kept, counts))
         self._held = Held(kept, place.epoch, place.generation)
 
-    def _with_kept(self, place: Place, cells: Cells) -> KeptCells:
-        """Return cells, and those of before that are held."""
+    def _with_kept(self, place: Place, cells: Cells, sparse: Keys) -> KeptCells:
+        """Return cells, and those of before that are held; ``sparse`` ones only hold."""
         held, settings = place.before or self._held, place.settings
         if held is None or held.generation != place.generation:
             before = KeptCells.none(cells.resolution)
@@ -126,4 +127,4 @@ class PointTaker:
         free = None
         if settings.rays and len(before.cells):
             free = seen_through(place.p_WF, cells)
-        return before.and_then(cells, place.held, settings.keep, free)
+        return before.and_then(cells, place.held, settings.keep, free, sparse)

@@ -239,6 +239,23 @@ def test_points_that_make_no_cell_are_counted():
     assert (len(node.centres()), node.input.counts.in_sparse_cells) == (1, 0)
 
 
+@pytest.mark.parametrize('rays', [False, True])
+def test_a_cell_is_held_by_any_point_in_it(rays):
+    node = Node(self_filter='none', least_points=2, keep=1.0, rays=rays)
+    one, wall = [[1.01, 0.01, 0.01]], [[3.01, 0.01, 0.01]] * 2
+    node.taker.take_cloud(cloud(2 * one + wall, stamp=100.0))
+    for now in (100.7, 101.4, 102.1):
+        node.clock.now = now
+        node.taker.take_cloud(cloud(one + wall, stamp=now))
+        assert near(node.centres(), [[1.05, 0.05, 2.05], [3.05, 0.05, 2.05]])
+        counts = node.input.counts
+        assert (counts.held_cells, counts.in_sparse_cells) == (1, 0)
+    node.clock.now = 103.2
+    node.taker.take_cloud(cloud([*wall, [0.01, 1.01, 0.01]], stamp=103.2))
+    assert near(node.centres(), [[3.05, 0.05, 2.05]])
+    assert node.input.counts.in_sparse_cells == 1
+
+
 def test_a_message_of_any_size_is_refused_before_it_is_read(monkeypatch):
     monkeypatch.setattr(obstacles, 'MOST_NODES', 10)
     node = Node('octomap')
