@@ -23,7 +23,7 @@ from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.changing_scene import ChangingScene
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
-from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
+from drake_geom_ros.ros.scene.feeders import MESSAGES, OBSTACLES, TF
 from drake_geom_ros.ros.scene.held_scene import MAPS
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.ros.scene.pose_history import Parts
@@ -231,7 +231,8 @@ class EditableScene(ChangingScene):
         self._context.UpdateFramePoses(poses)
         self.moved.update(poses.id_values().tolist())
         self.rules.measure_again()
-        if welded and (gone := set(welded).difference(manager.welded_frames())):
+        is_map = feeder == OBSTACLES  # whose frame is welded again where it is posed
+        if welded and not is_map and (gone := set(welded).difference(manager.welded_frames())):
             self._tell_of_welds(gone)
         if posed:
             self._ages.note(posed, stamp)

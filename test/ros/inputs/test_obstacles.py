@@ -304,6 +304,13 @@ def test_an_octomap_stands_in_its_frame():
     cells = Cells.of_points([[0.55, 0.05, 0.05]], 0.1)
     node.input.take_octomap(octomap(cells, 'arm', 99.95))
     assert near(node.centres(), [[1.0 - 0.05, 0.55, 0.05]])
+    node.clock.now = 100.1
+    node.move(100.1, [2.0, 0.0, 0.0])
+    node.input.take_octomap(octomap(cells, 'arm', 100.1))  # posed elsewhere, and at rest again
+    assert near(node.centres(), [[2.55, 0.05, 0.05]])
+    assert frozenset(['s::world/post', 'obstacles::octomap/map']) not in node.pairs()[0]
+    with node.live.reading() as held:
+        assert held.warned == []
     with pytest.raises(RuntimeError, match='no occupied cell'):
         node.input.take_octomap(octomap(Cells.of_points(np.zeros((0, 3)), 0.1)))
     assert len(node.centres()) == 1
