@@ -20,8 +20,8 @@ def points_from_depth(image: Any, camera: Any) -> NDArray[np.float64]:
 
     Of a pixel that shows nothing (0, or not finite) the point is not finite. ``camera`` is the
     CameraInfo of a rectified image of that size: the left of ``P`` counts, or ``K`` where lenses
-    do not distort. Raises ArgumentError for other encodings, for less data than the image says,
-    and for a camera that is none or of another image.
+    do not distort. Raises ArgumentError for other encodings, for less or more data than the image
+    says, and for a camera that is none or of another image.
     """
     if image.encoding not in _ENCODINGS:
         raise ArgumentError(
@@ -35,6 +35,11 @@ def points_from_depth(image: Any, camera: Any) -> NDArray[np.float64]:
         raise ArgumentError(
             f'data holds {len(image.data)} bytes; {height} rows of {width} pixels of {size} bytes '
             f'with step {image.step} do not fit in it'
+        )
+    if len(image.data) > height * image.step:
+        raise ArgumentError(
+            f'data holds {len(image.data)} bytes; {height} rows with step {image.step} have '
+            f'{height * image.step}; it may hold no more'
         )
     focal_x, focal_y, center_x, center_y = _intrinsics(camera, width, height)
     if not needed:

@@ -33,14 +33,9 @@ def columns_of_cloud(message: Any) -> Columns:
     """Return x, y and z (height, width) of a PointCloud2, float32 or float64, as they lie there.
 
     Takes any point_step, row_step, byte order and offsets; x, y and z are FLOAT32 or FLOAT64.
-    Raises ArgumentError for a cloud without them, or with less data than it says.
+    Raises ArgumentError for a cloud without them, or with less or more data than it says.
     """
-    refuse_too_many_fields(len(message.fields))
-    fields = {field.name: field for field in message.fields}
-    if missing := [axis for axis in 'xyz' if axis not in fields]:
-        raise ArgumentError(
-            f'fields lacks {", ".join(missing)}; it has {", ".join(fields)[:200] or "none"}'
-        )
+    fields = _coordinates(message)
     order = '>' if message.is_bigendian else '<'
     formats = []
     for axis in 'xyz':
@@ -63,12 +58,19 @@ def columns_of_cloud(message: Any) -> Columns:
         )
     except (ValueError, OverflowError) as error:
         raise ArgumentError(f'point_step {message.point_step}: {error}') from None
-    row_step = message.row_step if height > 1 else width * message.point_step
-    needed = row_step * (height - 1) + width * message.point_step if height and width else 0
-    if row_step < width * message.point_step or len(message.data) < needed:
+    # Of a single row some senders tell no row_step.
+    length = width * message.point_step
+    row_step = message.row_step if height > 1 else max(message.row_step, length)
+    needed = row_step * (height - 1) + length if height and width else 0
+    if row_step < length or len(message.data) < needed:
         raise ArgumentError(
             f'data holds {len(message.data)} bytes; {height} rows of {width} points with '
             f'point_step {message.point_step} and row_step {message.row_step} do not fit in it'
+        )
+    if len(message.data) > height * row_step:
+        raise ArgumentError(
+            f'data holds {len(message.data)} bytes; {height} rows with row_step {row_step} have '
+            f'{height * row_step}; it may hold no more'
         )
     strides = (row_step, message.point_step)
     if not needed:
@@ -76,6 +78,23 @@ def columns_of_cloud(message: Any) -> Columns:
         return none, none, none
     cloud = np.ndarray((height, width), point, memoryview(message.data), strides=strides)
     return cloud['x'], cloud['y'], cloud['z']
+
+
+def _coordinates(message: Any) -> dict[str, Any]:
+    """Return the fields x, y and z; raises ArgumentError where one is missing or not alone."""
+    refuse_too_many_fields(len(message.fields))
+    names = [field.name for field in message.fields]
+    if missing := [axis for axis in 'xyz' if axis not in names]:
+        raise ArgumentError(
+            f'fields lacks {", ".join(missing)}; it has {", ".join(names)[:200] or "none"}'
+        )
+    # Others may be padding, which is called alike.
+    if twice := [axis for axis in 'xyz' if names.count(axis) > 1]:
+        raise ArgumentError(
+            f'fields has {", ".join(twice)} more than once: {", ".join(names)[:200]}; x, y and z '
+            'must be there once each'
+        )
+    return {field.name: field for field in message.fields if field.name in ('x', 'y', 'z')}
 
 
 def refuse_too_many_fields(count: int) -> None:

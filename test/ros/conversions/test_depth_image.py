@@ -71,6 +71,8 @@ def lie(**changes):
         (lie(step=1), camera(3, 2), 'do not fit'),
         (lie(step=2**32 - 1), camera(3, 2), 'do not fit'),
         (lie(data=bytearray()), camera(3, 2), 'do not fit'),
+        (lie(data=bytearray(25)), camera(3, 2), 'holds 25 bytes; 2 rows with step 12 have 24'),
+        (lie(height=1), camera(3, 1), 'data holds 24 bytes.* 12'),
         (lie(), camera(4, 2), 'camera_info is of 4 x 2'),
         (lie(), camera(3, 2, binning_x=2), 'binning'),
         (lie(), camera(3, 2, roi=Plain(x_offset=1, y_offset=0, width=0, height=0)), 'region'),

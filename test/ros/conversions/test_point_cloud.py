@@ -75,12 +75,28 @@ def test_any_layout_gives_the_points_in_order(
         ({'data': bytearray()}, '0 bytes'),
         ({'fields': []}, 'lacks x, y, z'),
         ({'width': 2**32 - 1, 'height': 2**32 - 1}, 'do not fit'),
+        ({'data': bytearray(49)}, 'data holds 49 bytes; 1 rows with row_step 48 have 48'),
+        ({'height': 2, 'width': 2, 'row_step': 23}, 'do not fit'),
+        ({'height': 2, 'width': 1, 'row_step': 12}, 'data holds 48 bytes.* 24'),
+        ({'width': 3, 'row_step': 0}, 'data holds 48 bytes.* 36'),
+        ({'height': 0}, 'data holds 48 bytes.* 0;'),
     ],
 )
 def test_a_cloud_that_lies_about_its_size_is_refused(change, words):
     message = cloud(np.ones((4, 3)))
     vars(message).update(change)
     with pytest.raises(RuntimeError, match=words):
+        points_from_cloud(message)
+
+
+@pytest.mark.parametrize('axis', ['x', 'y', 'z'])
+def test_a_coordinate_that_is_there_twice_is_refused_and_padding_is_not(axis):
+    message = cloud(np.ones((4, 3)))
+    padding = [Plain(name='_', offset=k, datatype=2, count=1) for k in range(2)]
+    message.fields += padding
+    assert points_from_cloud(message).tolist() == np.ones((4, 3)).tolist()
+    message.fields.append(Plain(name=axis, offset=8, datatype=7, count=1))
+    with pytest.raises(RuntimeError, match=f'fields has {axis} more than once'):
         points_from_cloud(message)
 
 
