@@ -68,6 +68,11 @@ def run(options: argparse.Namespace) -> int:
 
 def _convert_map(source: Path, target: Path, resolution: float | None) -> None:
     read = read_map(source)
+    if not len(read.points):
+        what = f'{counted(read.left_out, "point")}, none of which is finite'
+        if read.cells is not None:
+            what = 'no occupied cell'
+        raise SceneFileError(f'holds {what}: there is no map to be written', str(source))
     data = map_bytes(read, target.suffix.lower(), resolution)
     with whole_file(target, 'wb') as file:
         file.write(data)

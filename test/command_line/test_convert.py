@@ -8,6 +8,7 @@ from drake_geom_ros.command_line.pose_file import read_poses
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.sensed_maps import read_map
+from drake_geom_ros.sensed_maps.pcd_file import pcd_file
 
 URDF = """<robot name="cart">
   <link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
@@ -109,6 +110,33 @@ def test_a_map_that_cannot_be_converted_is_refused(capsys, tmp_path, target, mor
     assert reason in capsys.readouterr().err
     assert (tmp_path / 'a.xyz').read_text() == CORNERS
     assert [each.name for each in tmp_path.iterdir()] == ['a.xyz']
+
+
+EMPTY = {
+    'free.ot': (
+        b'# Octomap OcTree file\nid OcTree\nsize 1\nres 0.1\ndata\n\x00\x00\x80\xbf\x00',
+        'no occupied cell',
+    ),
+    'free.bt': (
+        b'# Octomap OcTree binary file\nid OcTree\nsize 0\nres 0.1\ndata\n',
+        'no occupied cell',
+    ),
+    'all.xyz': (b'nan nan nan\ninf 0 0\n', '2 points, none of which is finite'),
+    'none.pcd': (pcd_file(np.zeros((0, 3))), '0 points'),
+}
+
+
+@pytest.mark.parametrize('target', ['b.bt', 'b.pcd', 'b.ply', 'b.xyz', 'b.npy'])
+@pytest.mark.parametrize('name', EMPTY)
+def test_a_map_that_holds_nothing_becomes_no_file(capsys, tmp_path, name, target):
+    content, reason = EMPTY[name]
+    (tmp_path / name).write_bytes(content)
+    asked = ['convert', str(tmp_path / name), str(tmp_path / target), '--resolution', '0.1']
+    assert main(asked) == 2
+    told = capsys.readouterr().err
+    assert name in told
+    assert reason in told
+    assert [each.name for each in tmp_path.iterdir()] == [name]
 
 
 def test_points_that_are_not_finite_are_told_of(capsys, tmp_path):
