@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.changing_scene import rehearse_swap
 from drake_geom_ros.ros.scene.editable_scene import prepared
@@ -57,8 +58,8 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
 def _maps_that_go(live: LiveScene, scene: HeldScene) -> list[str]:
     """Return in words which sensed maps go with a scene and are not waited for."""
     return [
-        f'the map {MAPS}::{name}/{GEOMETRY} of {len(known.cells or ())} cells went with the scene '
-        'of before and is in no answer; call load_obstacles again'
+        f'the map {MAPS}::{name}/{GEOMETRY} of {counted(len(known.cells or ()), "cell")} went '
+        'with the scene of before and is in no answer; call load_obstacles again'
         for name, known in scene.maps.items()
         if name not in live.map_sources.fed
     ]

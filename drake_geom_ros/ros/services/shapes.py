@@ -136,11 +136,10 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
     properties = properties_from_message(request.role)
     with live.reading() as scene:
         source, geometry = scene.owned_geometry(request.geometry)
+        is_new = False
         if isinstance(properties, ProximityProperties):
             scene.refuse_maps(source)
-        is_new = isinstance(properties, ProximityProperties) and (
-            properties.HasGroup(HYDROELASTIC) or _is_new(scene.inspector, geometry)
-        )
+            is_new = properties.HasGroup(HYDROELASTIC) or _is_new(scene.inspector, geometry)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.AssignRole(
