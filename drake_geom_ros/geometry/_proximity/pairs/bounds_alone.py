@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import (
     support_value,
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_defect, hull_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.maps import is_map
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -93,9 +94,10 @@ def bounding_interval(A: PosedShape, B: PosedShape, p_AB_W: Floats, out: Floats)
     """Write the middle and the half width of a certified interval of phi from bounds alone.
 
     For every unit n, ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or
-    along the normal of a half space, for which this is the exact value. Above, phi is at most the
-    distance of the balls inside, that of a hull being its vertex towards the other. The witness
-    points lie on the two supporting planes, above Ao.
+    along the normal of a half space, for which this is the exact value, save of a map: its support
+    value is that of the box around it. Above, phi is at most the distance of the balls inside,
+    that of a hull being its vertex towards the other; over a half space it is the height of one.
+    The witness points lie on the two supporting planes, above Ao.
     """
     p = vector_at(p_AB_W, 0)
     flat = A.kind == HALF_SPACE or B.kind == HALF_SPACE
@@ -114,10 +116,12 @@ def bounding_interval(A: PosedShape, B: PosedShape, p_AB_W: Floats, out: Floats)
         h_B = support_value(B.kind, B.shape, scale(-1.0, unrotate(B.R_WG, n_AB_W)))
     lower = dot(n_AB_W, p) - h_A - h_B
     upper = lower
-    if not flat:
+    if not flat or is_map(A.kind) or is_map(B.kind):
         a = point_inside(A.kind, A.shape, A.R_WG, n_AB_W)
         b = point_inside(B.kind, B.shape, B.R_WG, scale(-1.0, n_AB_W))
-        upper = max(lower, norm(sub(add(p, b), a)) - A.inner_radius - B.inner_radius)
+        p_ab_W = sub(add(p, b), a)
+        apart = dot(n_AB_W, p_ab_W) if flat else norm(p_ab_W)
+        upper = max(lower, apart - A.inner_radius - B.inner_radius)
     distance = lower + 0.5 * (upper - lower)
     p_ACa_W = scale(h_A, n_AB_W)
     p_ACb_W = add_scaled(p_ACa_W, distance, n_AB_W)
