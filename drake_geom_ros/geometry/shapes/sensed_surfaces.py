@@ -53,30 +53,42 @@ def _ball(fine: bool) -> tuple[Floats, Indices]:
 def surface_of_cells(centres: Floats, edge: float) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) [m] and triangles (m, 3), from outside, of the faces of cubes.
 
-    Of cubes that lie on one grid, faces that two of them share are left out.
+    Of cubes that lie on one grid, faces that two of them share are left out, and the corners where
+    the others meet are the same numbers: no ray slips between two.
     """
-    places = (centres - centres[0]) / edge
-    cells = np.rint(places)
-    on_grid = (np.abs(places - cells) <= ON_GRID).all() and np.abs(cells).max() < 2**20
-    numbers = _number(cells.astype(np.int64)) if on_grid else None
-    if numbers is not None:
-        numbers, first = np.unique(numbers, return_index=True)
-        centres, cells = centres[first], cells[first]
-    vertices = []
-    for side in _SIDES:
-        shown = centres
-        if numbers is not None:
-            beside = _number(cells.astype(np.int64) + side)
-            shown = centres[~np.isin(beside, numbers, assume_unique=True)]
-        k = int(np.argmax(np.abs(side)))
-        u, v = np.eye(3)[(k + 1) % 3], np.eye(3)[(k + 2) % 3]
-        if side[k] < 0:
-            u, v = v, u
-        square = side + np.array([-u - v, u - v, u + v, v - u])
-        vertices.append((shown[:, None] + 0.5 * edge * square).reshape(-1, 3))
-    corners = np.concatenate(vertices)
+    cells, half = _cells_of_one_grid(centres, edge), 0.5 * edge
+    if cells is None:
+        faces = [centres[:, None] + half * _square(side) for side in _SIDES]
+    else:
+        # From whole numbers: from their middles, cubes would round a corner that they share apart.
+        numbers = _number(cells)
+        bare = [~np.isin(_number(cells + side), numbers, assume_unique=True) for side in _SIDES]
+        faces = [
+            centres[0] + half * (2.0 * cells[shown][:, None] + _square(side))
+            for shown, side in zip(bare, _SIDES, strict=True)
+        ]
+    corners = np.concatenate(faces).reshape(-1, 3)
     firsts = 4 * np.arange(len(corners) // 4)[:, None, None]
     return corners, (firsts + np.array([(0, 1, 2), (0, 2, 3)])).reshape(-1, 3)
+
+
+def _cells_of_one_grid(centres: Floats, edge: float) -> Indices | None:
+    """Return whole numbers of edges (n, 3) from the first of cubes, each once; None: off a grid."""
+    places = (centres - centres[0]) / edge
+    cells = np.rint(places)
+    if not (np.abs(places - cells) <= ON_GRID).all() or not np.abs(cells).max() < 2**20:
+        return None
+    keys: Indices = cells.astype(np.int64)
+    return keys[np.unique(_number(keys), return_index=True)[1]]
+
+
+def _square(side: Indices) -> Indices:
+    """Return the corners (4, 3) of a side of a cube [half edges], seen from outside."""
+    k = int(np.argmax(np.abs(side)))
+    u, v = np.roll(np.eye(3, dtype=np.int64), -k - 1, axis=0)[:2]
+    if side[k] < 0:
+        u, v = v, u
+    return side + np.array([-u - v, u - v, u + v, v - u])
 
 
 def _number(cells: Indices) -> Indices:

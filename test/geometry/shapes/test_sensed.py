@@ -93,6 +93,18 @@ def test_surfaces_enclose_the_cells_without_the_faces_between_them():
     assert len(OccupiedCells(1.0, np.vstack((grid, grid))).surface()[1]) == 2 * 6 * 9
 
 
+@pytest.mark.parametrize('offset', [0.0, -7.3, 1e4])
+@pytest.mark.parametrize('edge', [0.1, 0.03, 1.0 / 3.0])
+def test_corners_of_cells_that_touch_are_the_same_numbers(edge, offset):
+    """Of a slab of 30 by 30 cells there are as many corners as the slab has, to the bit."""
+    places = np.stack(np.meshgrid(*2 * [np.arange(-15, 15)], [0]), axis=-1).reshape(-1, 3)
+    centres = (places + 0.5) * edge + offset
+    vertices, _ = OccupiedCells(edge, np.random.default_rng(0).permutation(centres)).surface()
+    assert len(np.unique(vertices, axis=0)) == 31 * 31 * 2
+    near = np.rint((vertices - offset) / edge) * edge + offset
+    assert vertices == pytest.approx(near, abs=1e-11)
+
+
 @pytest.mark.parametrize('count', [2, 10_001])
 def test_balls_are_drawn_as_closed_polyhedra_with_corners_on_them(count):
     centres = 3.0 * np.arange(count)[:, None] * [1.0, 0.0, 0.0]

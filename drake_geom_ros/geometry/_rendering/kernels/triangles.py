@@ -1,17 +1,19 @@
-"""Triangles into the buffers of a band, by edge functions in homogeneous coordinates.
+"""Triangles into the buffers of a band, by edge functions of corners seen along the ray.
 
-M. Olano, T. Greer, *Triangle scan conversion using 2D homogeneous coordinates*, Graphics Hardware
-1997: the ray d meets the triangle (a, b, c) where d . (b x c), d . (c x a) and d . (a x b) have
-one sign, and these, summed to 1, are the weights of the corners there. No corner is divided by
-its depth, so one behind the camera is as good as any.
+S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, Journal of Computer Graphics
+Techniques 2(1), 2013: with q = (x - d_x z, y - d_y z) of each corner, the ray d meets the triangle
+(a, b, c) where q_b x q_c, q_c x q_a and q_a x q_b have one sign, and these, summed to 1, are the
+weights of the corners there. No corner is divided by its depth, so one behind the camera is as good
+as any.
 
-b x c is taken as (b + c) x (c - b) / 2: it is exact where the corners are near to each other and
-far away, and the other triangle of the edge has the very negative. So no ray slips between two.
+Triangles that share a corner see it at the same q, and rounding keeps the order of two products:
+the sign of their difference is right, or it is 0, which counts as inside. So no ray slips between
+two triangles, nor through a corner of many.
 """
 
 import math
 
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector, signed32
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, signed32
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Seen
 from drake_geom_ros.geometry._rendering.kernels.windows import crossed, span, widened
@@ -33,14 +35,6 @@ def pose_vertices(
         x_low, y_low, z_low = min(x_low, cx), min(y_low, cy), min(z_low, cz)
         x_high, y_high, z_high = max(x_high, cx), max(y_high, cy), max(z_high, cz)
     return x_low, x_high, y_low, y_high, z_low, z_high
-
-
-@inlined
-def edge(x0: float, y0: float, z0: float, x1: float, y1: float, z1: float) -> Vector:
-    """Return the edge function of two corners: their cross product, doubled."""
-    sx, sy, sz = x0 + x1, y0 + y1, z0 + z1
-    dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
-    return sy * dz - sz * dy, sz * dx - sx * dz, sx * dy - sy * dx
 
 
 @inlined
@@ -102,20 +96,17 @@ def draw_triangles(k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
         v0 = max(v0, first_row)
         if u0 >= u1 or v0 >= v1:
             continue
-        ax, ay, az = edge(x1, y1, z1, x2, y2, z2)
-        bx, by, bz = edge(x2, y2, z2, x0, y0, z0)
-        cx, cy, cz = edge(x0, y0, z0, x1, y1, z1)
         xs = slopes[u0:u1]
         for row in range(v0 - first_row, v1 - first_row):
             y = (row + first_row + 0.5 - view[3]) / view[1]
+            ay, by, cy = y0 - y * z0, y1 - y * z1, y2 - y * z2
             row_depths = band.depths[row, u0:u1]
             row_owners = band.owners[row, u0:u1]
             row_facets = band.facets[row, u0:u1]
             for i in range(len(xs)):
                 x, deep, owner = xs[i], row_depths[i], row_owners[i]
-                wa = ax * x + ay * y + az
-                wb = bx * x + by * y + bz
-                wc = cx * x + cy * y + cz
+                ax, bx, cx = x0 - x * z0, x1 - x * z1, x2 - x * z2
+                wa, wb, wc = bx * cy - by * cx, cx * ay - cy * ax, ax * by - ay * bx
                 inside = (wa >= 0.0) & (wb >= 0.0) & (wc >= 0.0)
                 inside |= (wa <= 0.0) & (wb <= 0.0) & (wc <= 0.0)
                 total = wa + wb + wc
