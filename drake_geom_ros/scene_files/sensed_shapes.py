@@ -2,35 +2,66 @@
 
 from __future__ import annotations
 
+import math
 from base64 import b64encode
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import OccupiedCells, PointCloud, Shape
 from drake_geom_ros.scene_files.packed_rows import numbers_of
-from drake_geom_ros.sensed_maps import read_map
+from drake_geom_ros.sensed_maps import MapError, MapFile, read_map
 
 CELLS, POINTS = 'occupied_cells', 'point_cloud'
 KINDS = (CELLS, POINTS)
 _MOST_ROWS = 2000  # that are written as lists; of more a reader of YAML would take seconds
 
 
-def map_of(plain: Mapping[str, Any], find_file: Callable[[str], str]) -> Shape:
+def map_of(
+    plain: Mapping[str, Any], find_file: Callable[[str], str], warn: Callable[[str], None]
+) -> Shape:
     """Return the map that keys of a shape describe; ``find_file`` gives the path of a URI.
 
-    Raises MapError or ValueError for a file that holds none, and for numbers that are none.
+    ``warn`` is told what of a file is left out. Raises MapError or ValueError for a file that
+    holds none, for numbers that are none, and for balls that reach less far than their points
+    were moved.
     """
     resolution = plain.get('resolution')
     if plain['type'] == CELLS:
         if 'centres' in plain:
             return OccupiedCells(plain['resolution'], numbers_of(plain['centres'], '<f8'))
-        cells = read_map(find_file(plain['uri'])).as_cells(resolution)
+        cells = _read(find_file(plain['uri']), warn).as_cells(resolution)
         return OccupiedCells(cells.resolution, cells.centres())
+    radius = plain['radius']
     if 'positions' in plain:
-        return PointCloud(plain['radius'], numbers_of(plain['positions'], '<f8'))
-    read = read_map(find_file(plain['uri']))
-    points = read.points if resolution is None else read.as_cells(resolution).centres()
-    return PointCloud(plain['radius'], points)
+        return PointCloud(radius, numbers_of(plain['positions'], '<f8'))
+    read = _read(find_file(plain['uri']), warn)
+    if read.cells is None and resolution is None:
+        return PointCloud(radius, read.points)
+    cells = read.as_cells(resolution)
+    _refuse_balls_within_cells(radius, cells.resolution)
+    return PointCloud(radius, cells.centres())
+
+
+def _read(path: str, warn: Callable[[str], None]) -> MapFile:
+    read = read_map(path)
+    if n := read.left_out:
+        warn(f'{counted(n, "point")} of {path!r} {are(n)} not finite and left out')
+    return read
+
+
+def _refuse_balls_within_cells(radius: float, resolution: float) -> None:
+    """Raise MapError for balls that do not reach the corners of their cells.
+
+    What was measured there would be free.
+    """
+    reach = 0.5 * math.sqrt(3.0) * resolution
+    if radius < reach:
+        raise MapError(
+            f'radius is {radius!r} m, and the balls are at the centres of cells of '
+            f'{resolution:g} m, in whose corners something may have been measured: it must be at '
+            f'least {1.001 * reach:.4g} m'
+        )
 
 
 def plain_map(shape: OccupiedCells | PointCloud) -> dict[str, Any]:

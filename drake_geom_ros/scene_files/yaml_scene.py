@@ -240,11 +240,12 @@ class _SceneParser:
 
     def _geometry(self, index: int, plain: Plain) -> GeometryDescription:
         path = ('geometries', index)
-        place = self._document.at(*path, 'shape')
+        place = shape_place = self._document.at(*path, 'shape')
         try:
             shape = shape_of(
                 plain['shape'],
                 lambda uri: str(self._resolver.resolve(uri, self._folder)),
+                lambda told: self._warnings.append(str(shape_place.error(told))),
             )
             place = self._document.at(*path, 'roles')
             roles = roles_of(plain.get('roles'))

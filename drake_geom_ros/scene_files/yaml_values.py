@@ -85,8 +85,8 @@ def plain_pose(X: RigidTransform) -> dict[str, Any]:
     return {**plain, 'rotation': (X.rotation().matrix() + 0.0).tolist()}
 
 
-def shape_of(plain: Plain, find_file: Callable[[str], str]) -> Shape:
-    """Return a shape; ``find_file`` gives the path of a mesh's URI.
+def shape_of(plain: Plain, find_file: Callable[[str], str], warn: Callable[[str], None]) -> Shape:
+    """Return a shape; ``find_file`` gives the path of a URI, ``warn`` is told what is left out.
 
     Raises RuntimeError or ValueError for dimensions and files that the shape refuses.
     """
@@ -104,7 +104,7 @@ def shape_of(plain: Plain, find_file: Callable[[str], str]) -> Shape:
     if kind == 'half_space':
         return HalfSpace()
     if kind in sensed_shapes.KINDS:
-        return sensed_shapes.map_of(plain, find_file)
+        return sensed_shapes.map_of(plain, find_file, warn)
     make = Convex if kind == 'convex' else Mesh
     if 'vertices' in plain:
         data = MeshData(

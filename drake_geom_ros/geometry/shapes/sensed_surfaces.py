@@ -73,7 +73,7 @@ def surface_of_cells(centres: Floats, edge: float) -> tuple[Floats, Indices]:
 
 
 def _cells_of_one_grid(centres: Floats, edge: float) -> Indices | None:
-    """Return whole numbers of edges (n, 3) from the first of cubes, each once; None: off a grid."""
+    """Return where cubes are [edges] (n, 3) from the first, each once; None: not on one grid."""
     places = (centres - centres[0]) / edge
     cells = np.rint(places)
     if not (np.abs(places - cells) <= ON_GRID).all() or not np.abs(cells).max() < 2**20:

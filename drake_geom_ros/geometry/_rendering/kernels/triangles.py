@@ -3,8 +3,8 @@
 S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, Journal of Computer Graphics
 Techniques 2(1), 2013: with q = (x - d_x z, y - d_y z) of each corner, the ray d meets the triangle
 (a, b, c) where q_b x q_c, q_c x q_a and q_a x q_b have one sign, and these, summed to 1, are the
-weights of the corners there. No corner is divided by its depth, so one behind the camera is as good
-as any.
+weights of the corners there. No corner is divided by its depth, so one behind the camera is as
+good as any.
 
 Triangles that share a corner see it at the same q, and rounding keeps the order of two products:
 the sign of their difference is right, or it is 0, which counts as inside. So no ray slips between
