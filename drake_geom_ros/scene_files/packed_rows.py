@@ -15,4 +15,4 @@ def numbers_of(plain: Any, kind: str) -> Any:
     try:
         return np.frombuffer(b64decode(plain, validate=True), kind).reshape(-1, 3)
     except ValueError as error:
-        raise ValueError(f'a mesh is packed as base64 of rows of three {kind}: {error}') from None
+        raise ValueError(f'rows of three {kind} are packed as base64: {error}') from None

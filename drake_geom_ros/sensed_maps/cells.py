@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,8 +48,8 @@ class Cells:
     def of_points(cls, points: ArrayLike, resolution: float) -> Cells:
         """Return the cells that hold points (n, 3) [m], in whatever order.
 
-        Raises MapError for a point that is not finite or too far away, and for a resolution that
-        is none.
+        Raises MapError for what are no points, one that is not finite or too far away, and for a
+        resolution that is none.
         """
         return cls.counted(points, resolution)[0]
 
@@ -59,8 +60,7 @@ class Cells:
         Raises MapError as ``of_points``.
         """
         check_resolution(resolution)
-        # Writable and in one piece: for other arrays another version would be compiled.
-        rows = np.require(points, np.float64, ['C', 'W']).reshape(-1, 3)
+        rows = _rows(points)
         size, counted = _FIRST_TABLE, -1
         while counted < len(rows):
             table = empty_table(size)
@@ -76,6 +76,8 @@ class Cells:
     def of_keys(cls, keys: Keys, resolution: float) -> Cells:
         """Return the cells of keys (n, 3), each once; raises MapError as ``of_points`` does."""
         check_resolution(resolution)
+        if keys.ndim != 2 or keys.shape[1] != 3:
+            raise MapError(f'keys {keys.shape} must be (n, 3)')
         if keys.size and not -MOST_STEPS < keys.min() <= keys.max() < MOST_STEPS:
             raise MapError(f'a key must lie within {MOST_STEPS} cells of the origin')
         return cls(float(resolution), np.unique(_packed(keys)))
@@ -170,11 +172,23 @@ class Cells:
 
 def check_resolution(resolution: float) -> None:
     """Raise MapError for an edge length [m] that is none."""
-    if not LEAST_RESOLUTION <= resolution <= LARGEST_RESOLUTION:
+    is_number = isinstance(resolution, Real)
+    if not is_number or not LEAST_RESOLUTION <= resolution <= LARGEST_RESOLUTION:
         raise MapError(
             f'resolution is {resolution!r} m; it must lie in '
             f'[{LEAST_RESOLUTION:g}, {LARGEST_RESOLUTION:g}]'
         )
+
+
+def _rows(points: ArrayLike) -> Floats:
+    """Return points (n, 3) writable and in one piece: of others another version is compiled."""
+    try:
+        rows = np.require(points, np.float64, ['C', 'W'])
+    except (TypeError, ValueError) as problem:
+        raise MapError(f'points are no numbers (n, 3): {problem}') from None
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise MapError(f'points {rows.shape} must be (n, 3)')
+    return rows
 
 
 def _refuse_what_is_nowhere(point: Floats, number: int, resolution: float) -> None:

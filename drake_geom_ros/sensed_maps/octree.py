@@ -51,7 +51,7 @@ def cells_of_binary(data: bytes | memoryview, resolution: float) -> Cells:
         raise MapError(f'the tree has {len(data)} bytes; of a binary one they are two a node')
     words = np.frombuffer(data, dtype='<u2')
     paths = _paths(words.tolist(), _inner_children, LEVELS - 1)
-    kinds = (words[:, np.newaxis] >> np.arange(0, 16, 2)) & 3
+    kinds = _kinds_of_children(data)
     # Such a node would be a leaf of which nobody says whether anything is there.
     if len(words) and not (kinds != 0).any(axis=1).all():
         raise MapError('an inner node of the tree has no children')
@@ -76,6 +76,18 @@ def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTr
     paths = _paths(children.tolist(), _set_bits, LEVELS)
     is_leaf = children == 0
     return _cells_of_leaves(paths[is_leaf & (log_odds >= 0.0)], resolution)
+
+
+def count_nodes(data: bytes | memoryview, kind: str, *, binary: bool) -> int:
+    """Return how many nodes a tree has, of a binary one its leaves included, which have no bytes.
+
+    >>> tree = binary_of_cells(Cells.of_points([[1, 2, 3]], 0.1))
+    >>> (count_nodes(tree.data, 'OcTree', binary=True), tree.nodes)
+    (17, 17)
+    """
+    if not binary:
+        return len(data) // bytes_a_node(kind, binary=False)
+    return int(len(data) > 0) + int(np.count_nonzero(_kinds_of_children(data)))
 
 
 class BinaryTree(NamedTuple):
@@ -108,6 +120,13 @@ def binary_of_cells(cells: Cells) -> BinaryTree:
     order = np.argsort(np.concatenate(orders), kind='stable')
     data = np.concatenate(words)[order].astype('<u2').tobytes()
     return BinaryTree(data, count)
+
+
+def _kinds_of_children(data: bytes | memoryview) -> NDArray[np.int64]:
+    """Return what the children (n, 8) of the nodes of a binary tree are."""
+    words = np.frombuffer(data, dtype='<u2')
+    kinds: NDArray[np.int64] = (words[:, np.newaxis] >> np.arange(0, 16, 2)) & 3
+    return kinds
 
 
 @lru_cache(maxsize=1 << 16)

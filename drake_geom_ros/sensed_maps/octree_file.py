@@ -10,6 +10,7 @@ from drake_geom_ros.sensed_maps.octree import (
     cells_of_binary,
     cells_of_full,
     check_kind,
+    count_nodes,
 )
 
 _FIRST_LINES = {
@@ -17,6 +18,9 @@ _FIRST_LINES = {
     '.ot': b'# Octomap OcTree file',
 }
 _LONGEST_HEADER = 10_000  # bytes
+# float and int take more: underscores, other digits, nan.
+_NUMBER = re.compile(r'(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?', re.ASCII)
+_WHOLE = re.compile(r'\d{1,18}', re.ASCII)
 _DATA = re.compile(rb'^data[ \t]*\r?\n', re.MULTILINE)
 
 
@@ -34,18 +38,20 @@ def parse_octree_file(data: bytes, suffix: str) -> Cells:
     if missing := [key for key in ('id', 'size', 'res') if key not in header]:
         raise MapError(f'its header lacks {", ".join(missing)}')
     check_kind(header['id'])
-    try:
-        resolution, size = float(header['res']), int(header['size'])
-    except ValueError:
-        told = f'res {header["res"][:80]!r}, size {header["size"][:80]!r}'
-        raise MapError(f'its header says {told}, which are no numbers') from None
+    resolution, size = _numbers(header['res'], header['size'])
     check_resolution(resolution)
     tree = memoryview(data)[found.end() :]
     if size > 0 and not tree:
         raise MapError(f'its header tells of {size} nodes, and none follow: it is truncated')
-    if suffix == '.bt':
-        return cells_of_binary(tree, resolution)
-    return cells_of_full(tree, resolution, header['id'])
+    is_binary = suffix == '.bt'
+    cells = (
+        cells_of_binary(tree, resolution)
+        if is_binary
+        else cells_of_full(tree, resolution, header['id'])
+    )
+    if (nodes := count_nodes(tree, header['id'], binary=is_binary)) != size:
+        raise MapError(f'its header tells of {size} nodes, and {nodes} follow')
+    return cells
 
 
 def octree_file(cells: Cells) -> bytes:
@@ -60,5 +66,22 @@ def octree_file(cells: Cells) -> bytes:
 
 
 def _header(text: str) -> dict[str, str]:
-    lines = (line.split(None, 1) for line in text.splitlines() if not line.startswith('#'))
-    return {words[0]: words[1].strip() for words in lines if len(words) == 2}
+    header: dict[str, str] = {}
+    for line in text.splitlines():
+        words = line.split(None, 1)
+        if line.startswith('#') or len(words) != 2:
+            continue
+        if words[0] in header:
+            raise MapError(f'its header has {words[0][:80]!r} twice; it must be there once')
+        header[words[0]] = words[1].strip()
+    return header
+
+
+def _numbers(res: str, size: str) -> tuple[float, int]:
+    """Return the resolution [m] and the count of nodes that a header tells as text."""
+    if not _NUMBER.fullmatch(res) or not _WHOLE.fullmatch(size):
+        raise MapError(
+            f'its header says res {res[:80]!r}, size {size[:80]!r}; they must be a number [m] and '
+            'a whole number of nodes'
+        )
+    return float(res), int(size)

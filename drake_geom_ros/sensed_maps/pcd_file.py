@@ -7,6 +7,7 @@ Lehmann's LibLZF.
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ _LONGEST_HEADER = 10_000  # bytes
 _MOST_NUMBERS = 10_000  # of a field in a row
 _KINDS = {'F': {4, 8}, 'I': {1, 2, 4, 8}, 'U': {1, 2, 4, 8}}
 _LISTS = ('FIELDS', 'SIZE', 'TYPE')
+_PAGES = (4096, 16384, 65536)  # bytes of memory
 Floats = NDArray[np.float64]
 
 
@@ -28,12 +30,13 @@ def parse_pcd(data: bytes) -> Floats:
     """
     header, kind, start = _header(data)
     row, count = _row(header), _count(header)
+    _refuse_viewpoint(header.get('VIEWPOINT'))
     body = memoryview(data)[start:]
     if kind == 'ascii':
         return _ascii(body, row, count)
     if kind == 'binary_compressed':
         # It is laid out field by field: all x, then all y.
-        table = _decompressed(body, row.itemsize * count)
+        table = _decompressed(body, row.itemsize * count, start)
         offsets = [row.fields[axis][1] * count for axis in 'xyz'] if row.fields else []
         kinds = [row[axis].base for axis in 'xyz']
         columns = [
@@ -41,7 +44,7 @@ def parse_pcd(data: bytes) -> Floats:
             for of, offset in zip(kinds, offsets, strict=True)
         ]
         return np.stack([column.astype(np.float64) for column in columns], axis=1)
-    _refuse_other_rows(len(body), row.itemsize, count)
+    _refuse_other_size(body, row.itemsize * count, start)
     rows = np.frombuffer(body, row, count)
     return np.stack([rows[axis].astype(np.float64) for axis in 'xyz'], axis=1)
 
@@ -66,6 +69,8 @@ def _header(data: bytes) -> tuple[dict[str, list[str]], str, int]:
         start = end + 1
         if not words or words[0].startswith('#'):
             continue
+        if words[0] in header:
+            raise MapError(f'its header has {words[0][:80]!r} twice; it must be there once')
         header[words[0]] = words[1:]
         if words[0] == 'DATA':
             kind = ' '.join(words[1:])
@@ -126,15 +131,39 @@ def _whole(word: str, key: str) -> int:
     return int(word)
 
 
-def _refuse_other_rows(found: int, each: int, count: int) -> None:
-    """Raise MapError for fewer or more rows than the header tells of; a last newline is none."""
-    if found < each * count:
-        raise _truncated(found, each * count)
-    if found > each * count + 1:
+def _refuse_viewpoint(words: list[str] | None) -> None:
+    """Raise MapError for a sensor's pose other than the identity.
+
+    PCL's documentation leaves open whether points are in the sensor's frame or were moved by it:
+    there are writers of both kinds (CloudCompare puts what it would move points by there), and
+    readers too.
+    """
+    if words is None:
+        return
+    try:
+        numbers = [float(word) for word in words]
+    except ValueError:
+        numbers = []
+    if numbers[:3] != [0.0] * 3 or [abs(x) for x in numbers[3:]] != [1.0, 0.0, 0.0, 0.0]:
         raise MapError(
-            f'its header tells of {count} points of {each} bytes, and {found} bytes of data '
-            f'follow, not {each * count}'
+            f"its VIEWPOINT is {' '.join(words)[:200]!r}; it must be '0 0 0 1 0 0 0', for the "
+            'format leaves open whether the points were moved by it already: move them where they '
+            'are, and write that'
         )
+
+
+def _refuse_other_size(body: memoryview, needed: int, start: int) -> None:
+    """Raise MapError for data of fewer bytes than are needed, or more.
+
+    A last newline is none, nor is what older versions of PCL left at the end: they made a file
+    longer than its data by a page, into which the header went.
+    """
+    if len(body) < needed:
+        raise MapError(f'it is truncated: {len(body)} bytes of data of {needed}')
+    rest = bytes(body[needed:]) if len(body) - needed <= max(_PAGES) else None
+    fills_page = rest is not None and len(rest) + start in _PAGES and not any(rest)
+    if rest not in (b'', b'\n') and not fills_page:
+        raise MapError(f'{len(body)} bytes of data follow its header, which tells of {needed}')
 
 
 def _ascii(body: memoryview, row: np.dtype[np.void], count: int) -> Floats:
@@ -146,34 +175,41 @@ def _ascii(body: memoryview, row: np.dtype[np.void], count: int) -> Floats:
         if count:
             raise MapError(f'its header tells of {count} points, and none follow')
         return np.zeros((0, 3))
-    first = len(text.split(b'\n', 1)[0].split())
-    if first != before[-1]:
-        raise MapError(f'its fields have {before[-1]} numbers, and the first row has {first}')
     try:
-        # The last column too: a row that ends early is none.
         points = np.loadtxt(
-            io.BytesIO(text), usecols=[*columns, before[-1] - 1], max_rows=count + 1, ndmin=2,
-            comments=None,
-        )  # fmt: skip
+            _rows_of(text, before[-1]), usecols=columns, max_rows=count + 1, ndmin=2, comments=None
+        )
+    except MapError:
+        raise
     except ValueError as error:
         raise MapError(f'its points cannot be read: {error}') from None
     if len(points) != count:
         many = 'more' if len(points) > count else str(len(points))
         raise MapError(f'its header tells of {count} points, and {many} follow')
-    return np.ascontiguousarray(points[:, :3])
+    return np.ascontiguousarray(points)
 
 
-def _decompressed(body: memoryview, expected: int) -> bytes:
+def _rows_of(text: bytes, width: int) -> Iterator[bytes]:
+    """Yield the lines of a text but empty ones; raises MapError for other than so many words."""
+    for number, line in enumerate(io.BytesIO(text), 1):
+        found = len(line.split())
+        if not found:
+            continue
+        if found != width:
+            raise MapError(f'its fields have {width} numbers, and its row {number} has {found}')
+        yield line
+
+
+def _decompressed(body: memoryview, expected: int, start: int) -> bytes:
     """Return what LZF compressed, whose sizes come first: 4 bytes each."""
     if len(body) < 8:
-        raise _truncated(len(body), 8)
+        raise MapError(f'it is truncated: {len(body)} bytes of data of 8')
     packed, unpacked = np.frombuffer(body, '<u4', 2).tolist()
     if unpacked != expected:
         raise MapError(
             f'it unpacks to {unpacked} bytes, and its header tells of {expected} of points'
         )
-    if len(body) < 8 + packed:
-        raise _truncated(len(body), 8 + packed)
+    _refuse_other_size(body, 8 + packed, start)
     return unpacked_lzf(bytes(body[8 : 8 + packed]), unpacked)
 
 
@@ -208,7 +244,3 @@ def unpacked_lzf(packed: bytes, size: int) -> bytes:
     if len(out) != size:
         raise MapError(f'its compressed data hold {len(out)} bytes of {size}')
     return bytes(out)
-
-
-def _truncated(found: int, expected: int) -> MapError:
-    return MapError(f'it is truncated: {found} bytes of data of {expected}')

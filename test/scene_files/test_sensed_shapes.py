@@ -109,7 +109,10 @@ def test_what_is_saved_is_loaded_with_its_margin_and_to_the_bit(folder, count):
         ('type: occupied_cells, uri: none.bt', 'no file'),
         ('type: occupied_cells, uri: scene.yaml, resolution: 1', 'suffix'),
         ('type: occupied_cells, centres: [[0, 0, 0]]', 'resolution'),
-        ('type: occupied_cells, resolution: 1, centres: "AAA="', 'base64'),
+        (
+            'type: occupied_cells, resolution: 1, centres: "AAA="',
+            'shape: rows of three <f8 are packed as base64',
+        ),
         (
             'type: occupied_cells, resolution: 1, centres: [], uri: a.bt',
             'cannot be given together',

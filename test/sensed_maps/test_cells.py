@@ -108,3 +108,35 @@ def test_a_resolution_that_is_none_is_refused(resolution):
 def test_a_finer_grid_is_refused():
     with pytest.raises(MapError, match='finer than the map'):
         Cells.of_points([[0.0, 0.0, 0.0]], 0.1).coarser(0.05)
+
+
+@pytest.mark.parametrize(
+    ('points', 'told'),
+    [
+        (np.zeros((3, 2)), r'\(3, 2\) must be \(n, 3\)'),
+        (np.zeros(6), r'\(6,\) must be \(n, 3\)'),
+        (np.zeros((2, 2, 3)), r'\(2, 2, 3\) must be \(n, 3\)'),
+        (0.0, r'\(\) must be \(n, 3\)'),
+        ([['a', 'b', 'c']], r'no numbers \(n, 3\)'),
+        ([[1, 2, 3], [4, 5]], r'no numbers \(n, 3\)'),
+        (None, r'must be \(n, 3\)|no numbers'),
+    ],
+)
+def test_what_are_no_points_is_refused(points, told):
+    with pytest.raises(MapError, match=told):
+        Cells.of_points(points, 0.1)
+    if isinstance(points, np.ndarray):
+        with pytest.raises(MapError, match='must be'):
+            Cells.of_keys(points.astype(np.int64), 0.1)
+
+
+@pytest.mark.parametrize('resolution', ['x', '0.1', None, [0.1], 0.0, -1.0, np.nan, np.inf, 1e9])
+def test_what_is_no_resolution_is_refused(resolution):
+    for make in (
+        lambda: Cells.of_points([[0.0, 0.0, 0.0]], resolution),
+        lambda: Cells.of_keys(np.zeros((1, 3), dtype=np.int64), resolution),
+        lambda: Cells.of_points([[0.0, 0.0, 0.0]], 0.1).coarser(resolution),
+    ):
+        with pytest.raises(MapError, match=r'resolution is .* m; it must lie in'):
+            make()
+    assert len(Cells.of_points([[0.0, 0.0, 0.0]], np.float32(0.1))) == 1

@@ -156,6 +156,39 @@ def bt(id=b'OcTree', size=b'5', res=b'0.1', tree=b'\x02\x00'):
     return _BT + b'id %s\nsize %s\nres %s\ndata\n%s' % (id, size, res, tree)
 
 
+def tree(suffix, size=17):
+    """Return a file of a tree of 17 nodes, one of them a leaf."""
+    if suffix == '.bt':
+        nodes = struct.pack('<16H', *[3] * 15, 2)
+        return bt(size=b'%d' % size, tree=nodes)
+    nodes = struct.pack('<fB', 1.0, 1) * 16 + struct.pack('<fB', 1.0, 0)
+    return bt(size=b'%d' % size, tree=nodes).replace(b' binary', b'')
+
+
+PLY = map_bytes(MapFile(POINTS), '.ply')
+
+
+def compressed(points=POINTS):
+    """Return points as float32 in LZF that packs nothing, with both sizes before."""
+    plain = np.ascontiguousarray(points.T, '<f4').tobytes()
+    packed = b''.join(
+        bytes([len(plain[k : k + 32]) - 1]) + plain[k : k + 32] for k in range(0, len(plain), 32)
+    )
+    return struct.pack('<2I', len(packed), len(plain)) + packed
+
+
+def filling_a_page(body, more=0, page=4096, data='binary_compressed'):
+    """Return a file as older versions of PCL left it: zeros up to a page more than its data."""
+    header = pcd(b'', data)
+    return header + body + bytes(page - len(header) + more)
+
+
+def seen_from(viewpoint):
+    return pcd(POINTS.astype('<f4').tobytes()).replace(
+        b'POINTS', b'VIEWPOINT %s\nPOINTS' % viewpoint.encode()
+    )
+
+
 LIES = [
     ('.pcd', pcd(POINTS.astype('<f4').tobytes()[:-1]), 'truncated'),
     ('.pcd', pcd(b'', count=10**15), 'at most'),
@@ -169,11 +202,22 @@ LIES = [
     ('.pcd', pcd(b'', fields='x y q'), 'must have x, y and z'),
     ('.pcd', pcd(struct.pack('<2I', 4, 2**31), 'binary_compressed'), 'unpacks to'),
     ('.pcd', pcd(struct.pack('<2I', 2**31, 36), 'binary_compressed'), 'truncated'),
-    ('.pcd', pcd(POINTS.astype('<f4').tobytes() + b'\0' * 12), 'and 48 bytes of data follow'),
+    ('.pcd', pcd(POINTS.astype('<f4').tobytes() + b'\0' * 12), '48 bytes of data follow'),
+    ('.pcd', pcd(compressed() + b'\0', 'binary_compressed'), '47 bytes of data follow'),
+    ('.pcd', filling_a_page(compressed()[:-1] + b'\1', -1), '4[0-9]+ bytes of data follow'),
+    ('.pcd', pcd(b'1 2 3\n1 2 3 4\n1 2 3\n', data='ascii'), '3 numbers, and its row 2 has 4'),
+    ('.pcd', pcd(b'1 2 3\n1 2 3\n1 2\n', data='ascii'), '3 numbers, and its row 3 has 2'),
+    ('.pcd', pcd(b'').replace(b'HEIGHT 1', b'POINTS 3'), "'POINTS' twice"),
+    *(
+        ('.pcd', seen_from(viewpoint), r"VIEWPOINT is .*; it must be '0 0 0 1 0 0 0'")
+        for viewpoint in ('1 0 0 1 0 0 0', '0 0 0 0 1 0 0', '0 0 0', 'nan 0 0 1 0 0 0', 'there')
+    ),
+    ('.ply', PLY.replace(b'property', b'property double x\nproperty', 1), "'x' twice"),
+    ('.ply', PLY + PLY.replace(b'ply', b'', 1), 'left over'),
     ('.pcd', pcd(b'1 2 3\n' * 2, data='ascii'), 'tells of 3 points, and 2 follow'),
     ('.pcd', pcd(b'1 2 3\n' * 4, data='ascii'), 'tells of 3 points, and more follow'),
     ('.pcd', pcd(b'1 2 3\n', data='ascii', count=0), 'tells of 0 points, and more follow'),
-    ('.pcd', pcd(b'1 2 3 4\n' * 3, data='ascii'), '3 numbers, and the first row has 4'),
+    ('.pcd', pcd(b'1 2 3 4\n' * 3, data='ascii'), '3 numbers, and its row 1 has 4'),
     ('.pcd', pcd(b'1 2 3 4\n1 2 3\n1 2 3 4', 'ascii', *_OTHER), 'cannot be read'),
     ('.pcd', b'DATA binary\n', 'lacks FIELDS'),
     ('.pcd', b'x' * 100_000, 'no header'),
@@ -193,11 +237,18 @@ LIES = [
     ('.npy', npy(b'<f8', 3).replace(b'(3, 3)', b'(3, 2)') + bytes(48), 'must be'),
     ('.npy', npy(b'<c8', 1) + bytes(24), 'of floats'),
     ('.bt', bt(tree=b''), 'truncated'),
-    ('.bt', bt(res=b'nan'), 'must lie in'),
+    ('.bt', bt(res=b'1e9'), 'must lie in'),
+    *(('.bt', bt(res=res), 'they must be') for res in (b'nan', b'1_0', b'-1', b'0x1', b'1 2')),
+    *(('.bt', bt(size=size), 'whole number') for size in (b'x', b'-5', b'5.0', b'1_0', b'9' * 19)),
+    *(
+        (suffix, tree(suffix, size), 'tells of [0-9]+ nodes, and 17 follow')
+        for suffix in ('.bt', '.ot')
+        for size in (0, 16, 18, 500000)
+    ),
+    ('.bt', bt(res=b'0.1\nres 0.2'), "'res' twice"),
     ('.bt', bt(), 'at most'),
     ('.bt', bt(id=b'Tree'), "'Tree'"),
     ('.bt', _BT + b'size 5\nres 0.1\ndata\n', 'lacks id'),
-    ('.bt', bt(size=b'x'), 'no numbers'),
     ('.bt', _BT + b'#' * 20_000, "no line 'data'"),
     ('.ot', _BT, 'does not begin'),
     ('.bt', b'', 'empty'),
@@ -217,6 +268,12 @@ def test_what_lies_is_refused_with_its_name_and_no_memory_is_taken(tmp_path, suf
     finally:
         tracemalloc.stop()
     assert f'hostile{suffix}' in str(caught.value)
+
+
+@pytest.mark.parametrize('suffix', ['.bt', '.ot'])
+def test_a_header_that_counts_its_nodes_is_right(tmp_path, suffix):
+    (tmp_path / f'a{suffix}').write_bytes(tree(suffix))
+    assert len(read_map(tmp_path / f'a{suffix}').cells) == 1
 
 
 @pytest.mark.parametrize('suffix', MAP_SUFFIXES)
@@ -259,9 +316,21 @@ def test_points_without_a_resolution_are_no_cells():
         ('a.npy', npy(b'<f8', 0)),
         ('a.pcd', pcd(POINTS.astype('<f4').tobytes() + b'\n')),
         ('a.pcd', pcd(b'1 2 3\r\n' * 3 + b'\n\n', data='ascii')),
+        ('a.pcd', pcd(b'1 2 3\n\n1 2 3\n1 2 3\n', data='ascii')),
+        ('a.pcd', seen_from('0 0 -0.0 -1 0 0 0')),
+        *(
+            ('a.pcd', filling_a_page(body, page=page, data=data))
+            for page in (4096, 16384, 65536)
+            for data, body in (
+                ('binary', POINTS.astype('<f4').tobytes()),
+                ('binary_compressed', compressed()),
+            )
+        ),
     ],
 )
-def test_a_file_of_nothing_and_one_with_a_last_newline_are_whole(tmp_path, name, data):
+def test_a_file_of_nothing_and_one_with_what_its_writer_leaves_at_the_end_are_whole(
+    tmp_path, name, data
+):
     (tmp_path / name).write_bytes(data)
     found = read_map(tmp_path / name).points
     assert found.shape in ((0, 3), (3, 3))

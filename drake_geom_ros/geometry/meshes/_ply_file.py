@@ -124,7 +124,9 @@ def parse_ply(data: bytes) -> ParsedMesh:
     by_name = {element.name: element for element in elements}
     if 'tristrips' in by_name:
         raise ValueError("it has 'tristrips'; 'face' is read")
-    columns = tables['vertex'][0]
+    columns = tables['vertex'][0] if 'vertex' in tables else {}
+    if missing := [axis for axis in 'xyz' if axis not in columns]:
+        raise ValueError(f"its header has no {', '.join(missing)} of an element 'vertex'")
     vertices = np.stack([columns[axis] for axis in 'xyz'], axis=1)
     none = np.zeros((0, 3), dtype=np.int64)
     if 'face' not in tables:
@@ -168,7 +170,17 @@ def _header(text: str) -> tuple[str, list[_Element]]:
         raise ValueError(f'its header tells more than once of {", ".join(twice)}')
     if order != 'ascii' and order not in _ORDERS:
         raise ValueError(f'its format is {order!r}; ascii, {", ".join(_ORDERS)} are read')
+    _refuse_doubles('element', [element.name for element in elements])
+    for element in elements:
+        _refuse_doubles(f'{element.name} property', [each.name for each in element.properties])
     return order, elements
+
+
+def _refuse_doubles(what: str, names: list[str]) -> None:
+    """Raise ValueError for a name that is there twice: which of its columns counts is unknown."""
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f'its header has the {what} {name!r} twice; it must be there once')
 
 
 def _read(body: _PlyBody, element: _Element) -> tuple[Columns, Lists]:

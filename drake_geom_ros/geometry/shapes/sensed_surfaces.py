@@ -88,7 +88,8 @@ def _square(side: Indices) -> Indices:
     u, v = np.roll(np.eye(3, dtype=np.int64), -k - 1, axis=0)[:2]
     if side[k] < 0:
         u, v = v, u
-    return side + np.array([-u - v, u - v, u + v, v - u])
+    corners: Indices = side + np.array([-u - v, u - v, u + v, v - u])
+    return corners
 
 
 def _number(cells: Indices) -> Indices:

@@ -127,3 +127,30 @@ def test_a_truncated_file_is_refused(order):
 def test_what_is_not_understood_is_refused(content, reason):
     with pytest.raises(MeshFileError, match=reason):
         read(content)
+
+
+@pytest.mark.parametrize(
+    ('line', 'twice', 'told'),
+    [
+        (b'property float x\n', b'property float x\n', "vertex property 'x' twice"),
+        (b'property short quality\n', b'property int quality\n', "face property 'quality' twice"),
+        (b'element face 12\n', b'element vertex 8\n', "element 'vertex' twice"),
+    ],
+)
+def test_what_a_header_has_twice_is_refused(line, twice, told):
+    content = ply()
+    assert line in content
+    with pytest.raises(MeshFileError, match=told):
+        read(content.replace(line, twice + line, 1))
+
+
+@pytest.mark.parametrize(
+    ('line', 'other', 'told'),
+    [
+        (b'property float z\n', b'property float w\n', 'has no z of an element'),
+        (b'element vertex 8\n', b'element point 8\n', 'has no x, y, z of an element'),
+    ],
+)
+def test_vertices_without_a_coordinate_are_refused(line, other, told):
+    with pytest.raises(MeshFileError, match=told):
+        read(ply().replace(line, other, 1))
