@@ -30,9 +30,6 @@ _KINDS = {
 }
 _ORDERS = {'binary_little_endian': '<', 'binary_big_endian': '>'}
 _END = b'end_header'
-# What is read of a file: others may be told of as often as they like.
-_ONCE = ('vertex', 'face', *(f'vertex.{axis}' for axis in 'xyz'))
-_ONCE += ('face.vertex_index', 'face.vertex_indices')
 
 
 class _Property(NamedTuple):
@@ -164,10 +161,6 @@ def _header(text: str) -> tuple[str, list[_Element]]:
             elements[-1].properties.append(_Property(words[2], _KINDS[words[1]]))
         elif words and words[0] not in ('comment', 'obj_info'):
             raise ValueError(f'its header has the line {line.strip()!r}')
-    names = [element.name for element in elements]
-    names += [f'{element.name}.{each.name}' for element in elements for each in element.properties]
-    if twice := [name for name in _ONCE if names.count(name) > 1]:
-        raise ValueError(f'its header tells more than once of {", ".join(twice)}')
     if order != 'ascii' and order not in _ORDERS:
         raise ValueError(f'its format is {order!r}; ascii, {", ".join(_ORDERS)} are read')
     _refuse_doubles('element', [element.name for element in elements])
