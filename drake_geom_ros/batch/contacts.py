@@ -53,7 +53,8 @@ class ContactsOfStates(PairNames, _ContactsOfStates):
 
     Surfaces of state s are rows ``offsets[s]`` to ``offsets[s + 1]``, sorted by (id_M, id_N), with
     ``ContactSurface``'s quantities in World. Pairs without a surface are rows ``point_offsets[s]``
-    to ``point_offsets[s + 1]``: how deep, and why. ``name_A`` and ``name_B`` are theirs.
+    to ``point_offsets[s + 1]``: how deep, and why. ``name_A`` and ``name_B`` are theirs. Half
+    spaces that overlap are infinitely deep.
     """
 
     @property

@@ -40,7 +40,10 @@ class ContactSurface(Pair):
 
 @dataclass(frozen=True)
 class PairWithoutSurface(Pair):
-    """Two geometries that overlap and have no contact surface, why, and how deep [m]."""
+    """Two geometries that overlap and have no contact surface, why, and how deep [m].
+
+    Two half spaces are infinitely deep, and have neither witness points nor a normal: NaN.
+    """
 
     reason: str
     depth: float

@@ -1,6 +1,7 @@
 """The part of ``check`` that tells which geometries have contact surfaces, and of what meshes."""
 
 from collections.abc import Iterator
+from itertools import combinations
 
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.geometry import GeometryId, HalfSpace, HydroelasticType, Role, VolumeMesh
@@ -10,9 +11,13 @@ _WORDS = {HydroelasticType.kRigid: 'rigid', HydroelasticType.kCompliant: 'compli
 
 
 def contact_lines(scene: PosedScene) -> Iterator[str]:
-    """Yield a line for each geometry with hydroelastic properties; nothing without any."""
+    """Yield a line for each geometry with hydroelastic properties; nothing without any.
+
+    And for pairs of half spaces that are not filtered, for what they do to queries.
+    """
     title = 'contact surfaces'
-    for geometry in scene.inspector.GetAllGeometryIds(Role.kProximity):
+    geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
+    for geometry in geometries:
         properties = scene.inspector.GetProximityProperties(geometry)
         assert properties is not None
         kind = properties.GetPropertyOrDefault(_GROUP, 'compliance_type', None)
@@ -24,6 +29,15 @@ def contact_lines(scene: PosedScene) -> Iterator[str]:
             if kind is HydroelasticType.kCompliant:
                 told.append(f'{properties.GetProperty(_GROUP, "hydroelastic_modulus"):g} Pa')
             yield f'  {scene.names[geometry]}: {", ".join([*told, _mesh(scene, geometry)])}'
+    if not title:
+        planes = [g for g in geometries if isinstance(scene.inspector.GetShape(g), HalfSpace)]
+        manager = scene.scene_graph.collision_filter_manager()
+        for a, b in combinations(planes, 2):
+            if not manager.explain(a, b):
+                yield (
+                    f'  {scene.names[a]} and {scene.names[b]}: no surface, for both are half '
+                    'spaces, which overlap unless they are opposed; filter the pair'
+                )
 
 
 def _mesh(scene: PosedScene, geometry: GeometryId) -> str:

@@ -57,6 +57,24 @@ def test_who_has_contact_surfaces_is_told(capsys, tmp_path):
     ]
 
 
+def test_half_spaces_that_are_in_the_way_of_contact_surfaces_are_named(capsys, tmp_path):
+    path = tmp_path / 'planes.yaml'
+    moving = '\n'.join(
+        f'- {{name: {name}, frame: f, shape: {{type: half_space}}}}' for name in ('belt', 'other')
+    )
+    path.write_text(f'frames: [{{name: f, pose: {{}}}}]{PRESSING}{moving}\n')
+    assert main(['check', str(path)]) == 0
+    told = [line for line in capsys.readouterr().out.splitlines() if 'half spaces' in line]
+    why = 'no surface, for both are half spaces, which overlap unless they are opposed'
+    assert told == [
+        f'  scene::world/floor and scene::f/{name}: {why}; filter the pair'
+        for name in ('belt', 'other')
+    ]
+    path.write_text(path.read_text() + 'filters: [{exclude_between: [[world/floor], [f]]}]\n')
+    assert main(['check', str(path)]) == 0
+    assert 'half spaces' not in capsys.readouterr().out
+
+
 def test_filtered_pairs_are_listed_with_reasons(capsys, tmp_path):
     path = tmp_path / 'filtered.yaml'
     path.write_text(FILTERED)

@@ -186,6 +186,27 @@ def test_what_never_had_a_pose_is_told(client):
         accepted(client.call(srv.RemoveSource, 'remove_source', source='late'))
 
 
+def test_half_spaces_that_overlap_are_told_though_they_have_no_depth(client, publisher):
+    text = 'sources: [p]\nframes: [{name: f, source: p, pose: {position: [0, 0, -50]}}]\n'
+    text += 'geometries: [{name: g, source: p, frame: f, shape: {type: half_space}}]\n'
+    accepted(client.call(srv.LoadScene, 'load_scene', text=text))
+    try:
+        ask = ('compute_contact_surfaces',)
+        refused(client.call(srv.ComputeContactSurfaces, *ask), 'both are half spaces')
+        answer = client.call(srv.ComputeContactSurfaces, *ask, with_fallback=True)
+        heard = client.listen(msg.ContactSurfaces, 'contact_surfaces')
+        message = next_of(client, publisher, heard, PLACES, 35)
+        for found in (accepted(answer).result, message):
+            assert list(found.point_pair_reason) == [msg.ContactSurfaces.REASON_HALF_SPACES]
+            assert list(found.point_pair_depth) == [np.inf]
+            assert np.isnan(found.point_pair_p_wca).all()
+        with SceneGraphClient() as scene:
+            (pair,) = scene.contact_surfaces(with_fallback=True).without_surface
+            assert pair.reason == 'both are half spaces'
+    finally:
+        accepted(client.call(srv.RemoveSource, 'remove_source', source='p'))
+
+
 def test_markers_are_coloured_by_pressure_and_vanish(client, publisher):
     heard = client.listen(MarkerArray, 'markers')
     publisher.publish(poses(FRAMES, PLACES, 's', stamp=41))

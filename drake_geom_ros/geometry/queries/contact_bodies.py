@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
-    HALF_SPACE,
-    KIND,
     SWALLOWED,
     TURNED,
     Bodies,
@@ -61,7 +59,7 @@ class NoSurface(IntEnum):
 _REASONS = {
     NoSurface.NO_PROPERTIES: 'one of them has no hydroelastic properties; give it some',
     NoSurface.BOTH_RIGID: 'both are rigid; make one of them compliant',
-    NoSurface.HALF_SPACES: 'both are half spaces',
+    NoSurface.HALF_SPACES: 'both are half spaces, and such overlap without end',
     NoSurface.TOO_DEEP: 'one is so deep within the other that their pressures are equal nowhere',
     NoSurface.FACES_LEFT_OUT: (
         'all its faces are left out, for one pressure does not grow along their normals'
@@ -95,14 +93,12 @@ class ContactBodies(NamedTuple):
         return Posed(self.bodies, Geometries(self.ids, self.body_of, R_WGs, p_WGs))
 
     def why_not(self, M: Indices, N: Indices, states: Indices) -> Indices:
-        """Return why pairs (k,) that overlap have no surface: values of NoSurface.
+        """Return why pairs (k,) that overlap, not both half spaces, have no surface: a NoSurface.
 
         By the places of geometries among ``ids``, and what ``Surfaces.states`` says of the pairs.
         """
         rows = np.column_stack((self.body_of[M], self.body_of[N]))
         reasons = np.full(len(rows), NoSurface.BOTH_RIGID.value)
-        half_spaces = self.bodies.table[rows, KIND] == HALF_SPACE
-        reasons[half_spaces.all(axis=1)] = NoSurface.HALF_SPACES
         reasons[(rows < 0).any(axis=1)] = NoSurface.NO_PROPERTIES
         reasons[states == SWALLOWED] = NoSurface.TOO_DEEP
         reasons[states == TURNED] = NoSurface.FACES_LEFT_OUT

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from drake_geom_ros.geometry.queries.contact_surfaces import (
     HydroelasticContactRepresentation,
 )
 from drake_geom_ros.geometry.queries.context_state import ContextState
+from drake_geom_ros.geometry.queries.half_space_pairs import EndlessOverlaps, with_endless
 from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
 
@@ -38,11 +40,16 @@ class Contacts(NamedTuple):
     others: PenetrationResults
     reasons: Indices
 
+    def pair(self, k: int) -> tuple[Indices, int]:
+        """Return the ids (2,) of a pair without a surface, and the reason."""
+        ids = np.array([self.others.id_A[k], self.others.id_B[k]])
+        return ids, int(self.reasons[k])
+
 
 class _Found(NamedTuple):
-    """What was found of pairs (k, 2), by the places of geometries among ids (n,)."""
+    """What was found of pairs (k, 2), by the places of geometries in a world."""
 
-    all_ids: Indices
+    world: World
     pairs: Indices
     answer: Answer
     surfaces: ContactSurfaceResults
@@ -50,10 +57,34 @@ class _Found(NamedTuple):
     @property
     def ids(self) -> Indices:
         """The ids of the pairs (k, 2), the lower one first."""
-        return np.sort(self.all_ids[self.pairs], axis=1)
+        return np.sort(self.world.geometries.ids[self.pairs], axis=1)
 
 
-def without_surface(
+def contacts_of(
+    bodies: ContactBodies,
+    ids: Indices,
+    found: tuple[Answer, ContactSurfaceResults],
+    endless: EndlessOverlaps,
+    overlaps: Callable[[], PenetrationResults],
+) -> Contacts:
+    """Return the contacts of pairs of ids (k, 2), the lower one first, by what was found of them.
+
+    And of half spaces that overlap. ``overlaps`` are asked for where a pair may be without a
+    surface.
+    """
+    answer, surfaces = found
+    others, reasons = PenetrationResults(np.zeros((0, ANSWER_WIDTH))), np.zeros(0, dtype=np.int64)
+    if answer.left:
+        others, reasons = _without_surface(bodies, ids, answer.states, overlaps())
+    if len(endless.ids):
+        others = with_endless(others, endless)
+        endings = np.full(len(endless.ids), NoSurface.HALF_SPACES.value)
+        order = np.lexsort((others.id_B, others.id_A))
+        others, reasons = others.of(order), np.concatenate((reasons, endings))[order]
+    return Contacts(surfaces, others, reasons)
+
+
+def _without_surface(
     bodies: ContactBodies, ids: Indices, states: Indices, overlaps: PenetrationResults
 ) -> tuple[PenetrationResults, Indices]:
     """Return the overlaps that have no surface, and why (p,): a NoSurface.
@@ -102,8 +133,9 @@ class ContactQueries:
         Touching is no contact. Padding is no part of it. Sorted by (id_M, id_N).
 
         Raises GeometryError, which names the pair, where one overlaps that can have no surface:
-        one without hydroelastic properties, two rigid ones, two half spaces (their padding counts,
-        as in ComputePointPairPenetration); where one body is so deep within the other that
+        one without hydroelastic properties, two rigid ones (their padding counts, as in
+        ComputePointPairPenetration), two half spaces, which overlap unless their normals are
+        opposed and they are apart; where one body is so deep within the other that
         their pressures are equal nowhere; and where all faces are left out, as in Drake, because
         a pressure does not grow along their normals. Collision filters leave pairs out, and
         ``ComputeContactSurfacesWithFallback`` answers for them by points.
@@ -114,10 +146,8 @@ class ContactQueries:
 
     def refuse_others(self, contacts: Contacts) -> None:
         """Raise GeometryError where pairs overlap that have no surface: see above."""
-        others = contacts.others
-        if others:
-            pair = np.array([others.id_A[0], others.id_B[0]])
-            raise self._refusal('ComputeContactSurfaces', pair, int(contacts.reasons[0]))
+        if contacts.others:
+            raise self._refusal('ComputeContactSurfaces', *contacts.pair(0))
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -127,12 +157,13 @@ class ContactQueries:
     ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
         """Return the contact surfaces, and the penetration of pairs that overlap and have none.
 
-        These are the pairs for which ``ComputeContactSurfaces`` raises.
+        These are the pairs for which ``ComputeContactSurfaces`` raises. Of two half spaces that
+        overlap there is no penetration: for them this raises, too.
         """
-        found = self._found(representation)
-        if not found.answer.left:
-            return found.surfaces, []
-        return found.surfaces, list(self._with_others(found, None).others)
+        contacts = self.contacts(representation)
+        for endless in np.flatnonzero(contacts.reasons == NoSurface.HALF_SPACES).tolist():
+            raise self._refusal('ComputeContactSurfacesWithFallback', *contacts.pair(endless))
+        return contacts.surfaces, list(contacts.others)
 
     def contacts(
         self,
@@ -143,21 +174,18 @@ class ContactQueries:
     ) -> Contacts:
         """Return what ComputeContactSurfacesWithFallback does, as arrays, with the reasons.
 
-        ``overlaps`` are those of ComputePointPairPenetration, where these are known already.
+        Half spaces that overlap are among the others: infinitely deep, and where they are opposed
+        within rounding with an infinite error bound. ``overlaps`` are those of
+        ComputePointPairPenetration, where these are known already.
         """
         found = self._found(representation)
-        if not found.answer.left:
-            none = np.zeros(0, dtype=np.int64)
-            return Contacts(found.surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
-        return self._with_others(found, overlaps)
-
-    def _with_others(self, found: _Found, overlaps: PenetrationResults | None) -> Contacts:
-        """Return what was found, and the pairs that overlap without a surface."""
-        if overlaps is None:
-            overlaps = self.ComputePointPairPenetration()
-        bodies = self._state.contact_bodies()
-        others = without_surface(bodies, found.ids, found.answer.states, overlaps)
-        return Contacts(found.surfaces, *others)
+        return contacts_of(
+            self._state.contact_bodies(),
+            found.ids,
+            (found.answer, found.surfaces),
+            self._state.endless_overlaps(found.world),
+            lambda: self.ComputePointPairPenetration() if overlaps is None else overlaps,
+        )
 
     def hydroelastic_geometries(self) -> Indices:
         """Return the values of the ids (b,) of all geometries with hydroelastic properties."""
@@ -192,9 +220,12 @@ class ContactQueries:
         names = ' and '.join(
             named(self._state.model.geometry(GeometryId(id))) for id in pair.tolist()
         )
+        instead = ', or use ComputeContactSurfacesWithFallback'
+        if reason == NoSurface.HALF_SPACES:
+            instead = ''
         return GeometryError(
             f'{call}: {names} overlap and have no surface: {NoSurface(reason).in_words()}. Filter '
-            'the pair, or use ComputeContactSurfacesWithFallback.'
+            f'the pair{instead}.'
         )
 
     def _found(self, representation: HydroelasticContactRepresentation) -> _Found:
@@ -206,4 +237,4 @@ class ContactQueries:
         world, pairs = self._candidates()
         answer = surfaces_of(self._state.posed_bodies(world), pairs)
         surfaces = ContactSurfaceResults(answer, representation)
-        return _Found(world.geometries.ids, pairs, answer, surfaces)
+        return _Found(world, pairs, answer, surfaces)

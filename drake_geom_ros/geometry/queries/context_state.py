@@ -18,6 +18,11 @@ from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
+from drake_geom_ros.geometry.queries.half_space_pairs import (
+    EndlessOverlaps,
+    endless_overlaps,
+    pairs_of_half_spaces,
+)
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
@@ -42,6 +47,13 @@ class _KnownPaddings(NamedTuple):
 
     version: int | None
     paddings: Paddings | None
+
+
+class _HalfSpaces(NamedTuple):
+    """The unfiltered pairs of half spaces (k, 2) by their places, and when they were so."""
+
+    moment: object
+    pairs: NDArray[np.int64]
 
 
 class _PosedBodies(NamedTuple):
@@ -74,6 +86,7 @@ class ContextState(PosedScene):
         self._snapshot: Model | None = None
         self._padded = _KnownPaddings(None, None)
         self._waiting_pairs = _WaitingPairs(None, 0)
+        self._half_spaces = _HalfSpaces(None, np.zeros((0, 2), dtype=np.int64))
         self._contact_bodies: ContactBodies | None = None
         self._posed_bodies = _NO_POSED_BODIES
         super().__init__(model, filters, partial)
@@ -167,6 +180,13 @@ class ContextState(PosedScene):
         ids = self.up_to_date_world().geometries.ids
         self._contact_bodies = contact_bodies(self.model, ids, self._contact_bodies)
         return self._contact_bodies
+
+    def endless_overlaps(self, world: World) -> EndlessOverlaps:
+        """Return the unfiltered pairs of half spaces that overlap in a world of a query."""
+        moment = self.built, self.filters.version
+        if self._half_spaces.moment != moment:
+            self._half_spaces = _HalfSpaces(moment, pairs_of_half_spaces(world, self.filters))
+        return endless_overlaps(world, self._half_spaces.pairs, self.paddings())
 
     def posed_bodies(self, world: World) -> Posed:
         """Return these bodies as the geometries of a world, where they are."""

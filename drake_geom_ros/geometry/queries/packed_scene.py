@@ -25,6 +25,7 @@ from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.model.scene_content import SceneContent, proximity_keys_on
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
+from drake_geom_ros.geometry.queries.half_space_pairs import pairs_of_half_spaces
 from drake_geom_ros.geometry.queries.padding import (
     Paddings,
 )
@@ -61,9 +62,10 @@ class PackedScene:
     moved: Indices  # the frames whose poses make a state
     paddings: Floats  # (n,) [m] of the geometries, and of which points take a mesh's surface
     meshes: NDArray[np.bool_]  # (n,)
-    # What they are to contact surfaces; of those who ask about none no body.
+    # What they are to contact surfaces; of those who ask about none no body, and no half spaces.
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
+    half_spaces: Indices  # (m, 2) the pairs of them that no filter leaves out
 
     @classmethod
     def of(
@@ -103,12 +105,15 @@ class PackedScene:
             )
         world.update()
         near = NeighbourList(world)
-        near.bring_up_to_date(world, _unwelded(state, frame_ids, still or {}), math.inf)
+        filters = _unwelded(state, frame_ids, still or {})
+        near.bring_up_to_date(world, filters, math.inf)
         table = world.geometries
         none = np.zeros(len(table.ids))
         body_of, bodies = np.full(len(table.ids), -1), packed([packed_half_space(0.0)])
+        half_spaces = np.zeros((0, 2), dtype=np.int64)
         if about_contacts:
             _, _, body_of, bodies = state.contact_bodies()
+            half_spaces = pairs_of_half_spaces(world, filters)
         paddings = state.paddings() or Paddings(none, none.astype(bool))
         # What no state keeps is no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
@@ -133,6 +138,7 @@ class PackedScene:
             meshes=paddings.meshes,
             body_of=body_of,
             bodies=bodies,
+            half_spaces=half_spaces,
         )
         return scene, table.ids
 

@@ -233,9 +233,9 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
         """Return the derivatives (k, n) of the depths, as ``distance_jacobian`` of distances."""
         return self._jacobian(J_As, J_Bs)
 
-    def of(self, mask: NDArray[np.bool_]) -> PenetrationResults:
-        """Return those of these pairs that a mask (k,) names."""
-        return type(self)(PairBatch(self._ids[mask], self._rows[mask]), self._kept_poses)
+    def of(self, which: NDArray[np.bool_] | Ids) -> PenetrationResults:
+        """Return those of these pairs that a mask (k,) names, or places, in their order."""
+        return type(self)(PairBatch(self._ids[which], self._rows[which]), self._kept_poses)
 
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]

@@ -7,16 +7,17 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.arrays import Bodies
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
-from drake_geom_ros.geometry._proximity.world.world import Named, World
+from drake_geom_ros.geometry._proximity.world.world import Named
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
-from drake_geom_ros.geometry.queries.contact_queries import Contacts, without_surface
+from drake_geom_ros.geometry.queries.contact_queries import Contacts, contacts_of
 from drake_geom_ros.geometry.queries.contact_surfaces import (
     ContactSurfaceResults,
     HydroelasticContactRepresentation,
 )
+from drake_geom_ros.geometry.queries.half_space_pairs import endless_overlaps
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.padding import Paddings
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
 
 Floats = NDArray[np.float64]
@@ -29,11 +30,13 @@ class StateContacts:
     A state is a pose (7,) in its parent of each frame of ``rows`` (n,); all others stay.
     """
 
-    def __init__(self, world: World, rows: Indices, body_of: Indices, bodies: Bodies) -> None:
+    def __init__(self, scene: PackedScene, paddings: Paddings | None) -> None:
+        world, rows, body_of = scene.world(), scene.moved.copy(), scene.body_of
         self._world = world
         self._named = Named(world.frames.ids[rows], rows)
-        self._bodies = ContactBodies(0, np.arange(len(body_of)), body_of, bodies)
+        self._bodies = ContactBodies(0, np.arange(len(body_of)), body_of, scene.bodies)
         self._posed = self._bodies.posed(world.R_WGs, world.p_WGs)
+        self._half_spaces, self._paddings = scene.half_spaces, paddings
 
     def of(
         self, pose: Floats, pairs: Indices, overlaps: Callable[[], PenetrationResults]
@@ -51,7 +54,5 @@ class StateContacts:
         pairs = np.sort(pairs, axis=1)
         answer = surfaces_of(self._posed, pairs)
         surfaces = ContactSurfaceResults(answer, HydroelasticContactRepresentation.kPolygon)
-        if not answer.left:
-            none = np.zeros(0, dtype=np.int64)
-            return Contacts(surfaces, PenetrationResults(np.zeros((0, ANSWER_WIDTH))), none)
-        return Contacts(surfaces, *without_surface(bodies, pairs, answer.states, overlaps()))
+        endless = endless_overlaps(world, self._half_spaces, self._paddings)
+        return contacts_of(bodies, pairs, (answer, surfaces), endless, overlaps)

@@ -58,8 +58,7 @@ class StateQueries:
         self._paddings = Paddings(scene.paddings, scene.meshes) if scene.paddings.any() else None
         self._contacts = None
         if (scene.body_of >= 0).any():
-            rows = scene.moved.copy()
-            self._contacts = StateContacts(scene.world(), rows, scene.body_of, scene.bodies)
+            self._contacts = StateContacts(scene, self._paddings)
 
     def has_collisions(
         self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None

@@ -1,0 +1,95 @@
+"""Pairs of half spaces, which no kernel answers for: whether they overlap.
+
+Two that are not exactly opposed overlap somewhere, however far away that is, and no translation
+parts them. Of opposed ones the gap tells. Where rounding hides which it is, they overlap.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    METHOD,
+    UNIQUE,
+)
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, HALF_SPACE
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
+    BATCH_WIDTH,
+    DEPTH,
+    OVERLAPS,
+    PROMISED,
+    PairBatch,
+)
+from drake_geom_ros.geometry._proximity.tolerances import POSITION_STEP
+from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
+from drake_geom_ros.geometry._proximity.world.world import World
+from drake_geom_ros.geometry.queries.padding import Paddings
+from drake_geom_ros.geometry.queries.query_results import PenetrationResults
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class EndlessOverlaps(NamedTuple):
+    """Pairs of half spaces that overlap, ``ids`` (p, 2), the lower one first, ascending.
+
+    Their depth counts as infinite. ``error_bound`` (p,) [m] is of that: 0, and infinite where they
+    are opposed within rounding, and a translation may part them.
+    """
+
+    ids: Indices
+    error_bound: Floats
+
+
+NONE = EndlessOverlaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
+
+
+def pairs_of_half_spaces(world: World, filters: FilterState) -> Indices:
+    """Return the unfiltered pairs of half spaces (k, 2), by their places in a world, ascending."""
+    planes = np.flatnonzero(world.geometries.types == HALF_SPACE)
+    pairs = planes[np.column_stack(np.triu_indices(len(planes), 1))]
+    slots = filters.slots(world.geometries.ids)
+    return pairs[filters.mask(slots[pairs[:, 0]], slots[pairs[:, 1]])]
+
+
+def endless_overlaps(world: World, pairs: Indices, paddings: Paddings | None) -> EndlessOverlaps:
+    """Return which of such pairs (k, 2) overlap in a world that is up to date.
+
+    Those that wait for a pose are left out.
+    """
+    if not len(pairs):  # as in most scenes, and what follows takes as long as a small surface
+        return NONE
+    pairs = pairs[~world.waiting[pairs].any(axis=1)]
+    a, b = pairs.T
+    nhat_AW, nhat_BW = world.R_WGs[a, :, 2], world.R_WGs[b, :, 2]
+    p_AB_W = world.p_WGs[b] - world.p_WGs[a]
+    rounding, tilt = (world.roundings[pairs, column].sum(axis=1) for column in (RADIUS, TILT))
+    opposed = np.linalg.norm(nhat_AW + nhat_BW, axis=1) <= tilt
+    gap = np.einsum('ki,ki->k', nhat_AW, p_AB_W)
+    if paddings is not None:
+        gap -= paddings.radii[pairs].sum(axis=1)
+    slack = rounding + (tilt + POSITION_STEP) * np.abs(p_AB_W).sum(axis=1)
+    overlap = ~(opposed & (gap > slack))
+    return EndlessOverlaps(
+        world.geometries.ids[pairs[overlap]], np.where(opposed[overlap], np.inf, 0.0)
+    )
+
+
+def with_endless(others: PenetrationResults, endless: EndlessOverlaps) -> PenetrationResults:
+    """Return pairs, and behind them those that are endless: without witness points or a normal."""
+    rows = np.full((len(endless.ids), BATCH_WIDTH), np.nan)
+    rows[:, DISTANCE], rows[:, DEPTH] = -np.inf, np.inf
+    rows[:, ERROR_BOUND], rows[:, PROMISED] = endless.error_bound, np.inf
+    rows[:, METHOD], rows[:, UNIQUE], rows[:, OVERLAPS] = CLOSED_FORM, 0.0, 1.0
+    if others.is_padded:
+        rows = np.hstack((rows, rows))
+    known = others._batch
+    ids = np.vstack((known.ids, endless.ids))
+    rows = np.vstack((known.rows[:, : rows.shape[1]], rows))
+    return PenetrationResults(PairBatch(ids, rows), others._kept_poses)
