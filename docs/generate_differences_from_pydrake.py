@@ -74,8 +74,9 @@ _IN_WORDS = """
   a pair that can have none only where it overlaps, and for one of which a body is so deep within
   the other that it has none, where pydrake's answer is empty; `ComputeContactSurfacesWithFallback`
   gives both as points, and raises for two half spaces, as pydrake does wherever they are. A closed
-  Mesh that is inside out is turned. Touching is no contact; a `margin` is refused. There are none
-  of poses that are AutoDiffXd.
+  piece of a rigid Mesh that is inside out is turned, and one with neighbours turned opposite ways
+  is refused. Touching is no contact; a `margin` is refused. There are none of poses that are
+  AutoDiffXd.
   See [contact surfaces](contact_surfaces.md).
 """
 

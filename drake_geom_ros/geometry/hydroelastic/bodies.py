@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry.errors import ArgumentError, GeometryError, MeshFileError
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.hydroelastic._cells import CutBody
 from drake_geom_ros.geometry.hydroelastic._meshing import (
     box_body,
@@ -19,8 +19,8 @@ from drake_geom_ros.geometry.hydroelastic._meshing import (
     ellipsoid_body,
     pyramids,
 )
+from drake_geom_ros.geometry.meshes._outward import turned_outward
 from drake_geom_ros.geometry.meshes._surface_distances import distances_to_surface
-from drake_geom_ros.geometry.meshes._welding import closed_surface
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.meshes.volume_surface import (
@@ -80,7 +80,7 @@ class CompliantBody:
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
-    """The surface in the geometry's frame, turned outward."""
+    """The surface in the geometry's frame, what is closed of it turned outward."""
 
     mesh: TriangleSurfaceMesh
 
@@ -100,7 +100,7 @@ def body_of(shape: Shape, material: HydroelasticMaterial, what: str) -> Hydroela
 
     Raises GeometryError, which begins with ``what``, where the material lacks what the shape needs
     and where the shape has no such body: a point, a mesh with the property ('mesh', 'solid') that
-    is compliant, a hint too fine.
+    is compliant, a rigid mesh of which neighbours are turned opposite ways, a hint too fine.
     """
     try:
         if material.compliance is HydroelasticType.kRigid:
@@ -115,26 +115,12 @@ def _rigid(shape: Shape, material: HydroelasticMaterial) -> RigidBody | HalfSpac
     if isinstance(shape, HalfSpace):
         return HalfSpaceBody(0.0)
     if isinstance(shape, Mesh):
-        return RigidBody(TriangleSurfaceMesh.FromArrays(*_outward(*shape.surface())))
+        vertices, triangles = turned_outward(*shape.surface(), 'its mesh')
+        return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
     if isinstance(shape, Convex):
         vertices, triangles = shape.hull_surface()
         return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
     return RigidBody(ConvertVolumeToSurfaceMesh(_cut(shape, material).mesh))
-
-
-def _outward(vertices: Floats, triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], Floats]:
-    """Return triangles and vertices of a mesh; one that is inside out as a whole is turned.
-
-    One that is not closed has no inside: it stays as it is.
-    """
-    try:
-        closed = closed_surface(vertices, triangles, 'the mesh')
-    except MeshFileError:
-        return triangles, vertices
-    a, b, c = np.moveaxis(closed.vertices[closed.triangles], 1, 0)
-    origin = closed.vertices.mean(axis=0)
-    volume = (np.cross(a - origin, b - origin) * (c - origin)).sum()
-    return (triangles[:, ::-1] if volume < 0.0 else triangles), vertices
 
 
 def _compliant(shape: Shape, material: HydroelasticMaterial) -> CompliantBody | HalfSpaceBody:

@@ -412,6 +412,36 @@ def test_a_rigid_mesh_may_be_inside_out(inside_out):
     np.testing.assert_allclose(a.force_on_M_W(), b.force_on_M_W(), rtol=1e-12, atol=1e-9)
 
 
+@pytest.mark.parametrize('inside_out', [False, True])
+def test_each_piece_of_a_rigid_mesh_is_turned_outward(inside_out):
+    corners, triangles = box_mesh(2.0)
+    other, more = box_mesh(1.0, inside_out=inside_out)
+    both = (
+        np.vstack((corners, other + np.array([6, 0, 0]))),
+        triangles + [tuple(v + 8 for v in t) for t in more],
+    )
+    ball, mesh = Body('Sphere', (0.3,), 1e5, 0.1), Body('Mesh', both, 0.0)
+    for height, area in ((1.1, 0.246), (1.25, 0.083)):
+        surface = one([mesh, ball], [(UPRIGHT, np.zeros(3)), (UPRIGHT, [6, 0, height])])
+        assert surface.total_area() == pytest.approx(area, abs=1e-3)
+    query, *_ = query_of([mesh, ball], [(UPRIGHT, np.zeros(3)), (UPRIGHT, [6, 0, 0])])
+    with pytest.raises(GeometryError, match='deep within'):
+        query.ComputeContactSurfaces()
+
+
+def test_a_rigid_mesh_with_a_flipped_triangle_is_refused_where_it_is_registered():
+    corners, triangles = box_mesh(0.5)
+    flipped = Body('Mesh', (corners, [*triangles[:-1], triangles[-1][::-1]]), 0.0)
+    why = 'hydroelastic properties, and its mesh has no outside: of its edges 3'
+    with pytest.raises(GeometryError, match=why):
+        query_of([flipped], [(UPRIGHT, np.zeros(3))])
+    # An open one has sides all the same.
+    sheet = Body('Mesh', (corners, triangles[-2:]), 0.0)
+    ball, poses = Body('Sphere', (0.3,), 1e5, 0.1), [(UPRIGHT, np.zeros(3))]
+    with pytest.warns(UserWarning, match='bounds no solid'):
+        assert one([sheet, ball], [*poses, (UPRIGHT, [0, 0, 0.7])]).total_area() > 0.1
+
+
 def test_a_corner_on_a_plane_is_no_contact():
     ball = Body('Sphere', (1.0,), 1e5, 0.5)
     for height in (1.0, 1.0 + 1e-15):
