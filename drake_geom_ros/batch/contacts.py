@@ -71,14 +71,17 @@ class ContactsOfStates(PairNames, _ContactsOfStates):
         """Return the area (N,) [m^2] of all surfaces of each state, 0 where nothing presses.
 
         Raises GeometryError, which names the first, where pairs overlap without a surface, whose
-        area nobody knows; ``with_fallback`` they are left to who looks at ``point_offsets``.
+        area nobody knows; ``with_fallback`` they are left to who looks at ``point_offsets``, as
+        are those whose meshes are too coarse to meet, which have none.
         """
-        if len(self.id_A) and not with_fallback:
-            state = int(np.searchsorted(self.point_offsets, 0, 'right')) - 1
+        unknown = np.flatnonzero(self.reason != NoSurface.TOO_COARSE)
+        if len(unknown) and not with_fallback:
+            k = int(unknown[0])
+            state = int(np.searchsorted(self.point_offsets, k, 'right')) - 1
             raise GeometryError(
-                f'total_areas: in state {state} {self.name_A[0]} and {self.name_B[0]} overlap and '
-                f'have no surface: {NoSurface(int(self.reason[0])).in_words()}; in all states '
-                f'{len(self.id_A)} pairs do. Filter such pairs, or say with_fallback=True.'
+                f'total_areas: in state {state} {self.name_A[k]} and {self.name_B[k]} overlap and '
+                f'have no surface: {NoSurface(int(self.reason[k])).in_words()}; in all states '
+                f'{len(unknown)} pairs do. Filter such pairs, or say with_fallback=True.'
             )
         of = np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
         totals = np.zeros(len(self.offsets) - 1)

@@ -18,6 +18,7 @@ _REASONS = {
     3: 'both are half spaces',
     4: 'one is too deep within the other',
     5: 'all faces are left out: one pressure does not grow along their normals',
+    6: 'the meshes that stand for them are too coarse to meet',
 }
 _Surfaces = TypeVar('_Surfaces', bound='ContactSurfaces')
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    NOTHING,
     SWALLOWED,
     TURNED,
     Bodies,
@@ -30,6 +31,10 @@ from drake_geom_ros.geometry.hydroelastic.bodies import (
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
 from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model._records import GeometryRecord, is_solid
+from drake_geom_ros.geometry.queries.padding import Paddings
+from drake_geom_ros.geometry.shapes.from_meshes import Mesh
+from drake_geom_ros.geometry.shapes.primitives import Capsule, Cylinder, Ellipsoid, Sphere
 
 if TYPE_CHECKING:  # with its kernels
     from drake_geom_ros.geometry._contact_surfaces.asking import Posed
@@ -50,11 +55,19 @@ class NoSurface(IntEnum):
     HALF_SPACES = 3
     TOO_DEEP = 4
     FACES_LEFT_OUT = 5
+    TOO_COARSE = 6
 
     def in_words(self) -> str:
         """Return the reason, and what can be done."""
         return _REASONS[self]
 
+
+# What a body is beside the shape that all other queries see: the same, or a mesh of a round one,
+# all of whose corners are on the surface, or a mesh that counts as its hull there.
+SAME, ROUND, OTHER = range(3)
+# What there may be of a pair beside what ``Surfaces.states`` says: NOTHING, where meshes are so
+# coarse that they miss one another.
+COARSE = 5
 
 _REASONS = {
     NoSurface.NO_PROPERTIES: 'one of them has no hydroelastic properties; give it some',
@@ -63,6 +76,9 @@ _REASONS = {
     NoSurface.TOO_DEEP: 'one is so deep within the other that their pressures are equal nowhere',
     NoSurface.FACES_LEFT_OUT: (
         'all its faces are left out, for one pressure does not grow along their normals'
+    ),
+    NoSurface.TOO_COARSE: (
+        'the meshes that stand for them do not overlap; give them a smaller resolution_hint'
     ),
 }
 
@@ -74,6 +90,8 @@ class ContactBodies(NamedTuple):
     ids: Indices  # (n,) of all geometries that proximity queries know
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
+    likeness: Indices  # (n,) SAME, ROUND or OTHER
+    paddings: Paddings | None
 
     def load_kernels(self) -> None:
         """Compile what makes surfaces, or load it from the cache; nothing without a body."""
@@ -92,6 +110,26 @@ class ContactBodies(NamedTuple):
 
         return Posed(self.bodies, Geometries(self.ids, self.body_of, R_WGs, p_WGs))
 
+    def judged(self, ids: Indices, states: Indices) -> Indices:
+        """Return what there is of pairs of ids (k, 2): of some that have NOTHING it is COARSE.
+
+        If they overlap: of a round body, and of none that counts as its hull.
+        """
+        nothing = np.flatnonzero(states == NOTHING)
+        places = np.searchsorted(self.ids, ids[nothing])
+        coarse = nothing[self.likeness[places].max(axis=1, initial=SAME) == ROUND]
+        if len(coarse):
+            states = states.copy()
+            states[coarse] = COARSE
+        return states
+
+    def padding_between(self, ids: Indices) -> Floats:
+        """Return by how much pairs of ids (k, 2) come nearer by their paddings [m]."""
+        if self.paddings is None:
+            return np.zeros(len(ids))
+        radii: Floats = self.paddings.radii[np.searchsorted(self.ids, ids)].sum(axis=1)
+        return radii
+
     def why_not(self, M: Indices, N: Indices, states: Indices) -> Indices:
         """Return why pairs (k,) that overlap, not both half spaces, have no surface: a NoSurface.
 
@@ -102,10 +140,13 @@ class ContactBodies(NamedTuple):
         reasons[(rows < 0).any(axis=1)] = NoSurface.NO_PROPERTIES
         reasons[states == SWALLOWED] = NoSurface.TOO_DEEP
         reasons[states == TURNED] = NoSurface.FACES_LEFT_OUT
+        reasons[states == COARSE] = NoSurface.TOO_COARSE
         return reasons
 
 
-def contact_bodies(model: Model, ids: Indices, before: ContactBodies | None) -> ContactBodies:
+def contact_bodies(
+    model: Model, ids: Indices, paddings: Paddings | None, before: ContactBodies | None
+) -> ContactBodies:
     """Return the bodies of a model, those from before where nothing has changed since.
 
     ``ids`` (n,) are the values of those of all its geometries in proximity queries, ascending.
@@ -114,14 +155,26 @@ def contact_bodies(model: Model, ids: Indices, before: ContactBodies | None) -> 
     if before is not None and before.version == version and before.ids is ids:
         return before
     parts, body_of = [packed_half_space(0.0)], []  # arrays need something to be joined of
+    likeness = []
     for value in ids.tolist():
-        body = model.geometry(GeometryId(value)).hydroelastic_body
+        record = model.geometry(GeometryId(value))
+        body = record.hydroelastic_body
+        likeness.append(_likeness(record))
         body_of.append(-1 if body is None else len(parts))
         if body is not None:
             if body not in _PACKED:
                 _PACKED[body] = _packed(body)
             parts.append(_PACKED[body])
-    return ContactBodies(version, ids, np.array(body_of, dtype=np.int64), packed(parts))
+    rows, alike = np.array(body_of, dtype=np.int64), np.array(likeness, dtype=np.int64)
+    return ContactBodies(version, ids, rows, packed(parts), alike, paddings)
+
+
+def _likeness(record: GeometryRecord) -> int:
+    """Return what a geometry's body is beside the shape that all other queries see."""
+    if isinstance(record.shape, Mesh) and not is_solid(record):
+        return OTHER
+    is_round = isinstance(record.shape, (Sphere, Ellipsoid, Cylinder, Capsule))
+    return ROUND if is_round else SAME
 
 
 def _packed(body: HydroelasticBody) -> PackedBody:

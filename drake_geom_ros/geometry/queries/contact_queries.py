@@ -17,7 +17,7 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._records import named
-from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, NoSurface
+from drake_geom_ros.geometry.queries.contact_bodies import COARSE, ContactBodies, NoSurface
 from drake_geom_ros.geometry.queries.contact_surfaces import (
     ContactSurfaceResults,
     HydroelasticContactRepresentation,
@@ -26,9 +26,6 @@ from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.half_space_pairs import EndlessOverlaps, with_endless
 from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
-
-if TYPE_CHECKING:  # with its kernels
-    from drake_geom_ros.geometry._contact_surfaces.asking import Answer
 
 Indices = NDArray[np.int64]
 
@@ -46,58 +43,48 @@ class Contacts(NamedTuple):
         return ids, int(self.reasons[k])
 
 
-class _Found(NamedTuple):
-    """What was found of pairs (k, 2), by the places of geometries in a world."""
+class Found(NamedTuple):
+    """What was found of pairs of ids (k, 2), the lower one first, and what there is of each."""
 
-    world: World
-    pairs: Indices
-    answer: Answer
+    ids: Indices
+    states: Indices
     surfaces: ContactSurfaceResults
-
-    @property
-    def ids(self) -> Indices:
-        """The ids of the pairs (k, 2), the lower one first."""
-        return np.sort(self.world.geometries.ids[self.pairs], axis=1)
 
 
 def contacts_of(
     bodies: ContactBodies,
-    ids: Indices,
-    found: tuple[Answer, ContactSurfaceResults],
+    found: Found,
     endless: EndlessOverlaps,
     overlaps: Callable[[], PenetrationResults],
 ) -> Contacts:
-    """Return the contacts of pairs of ids (k, 2), the lower one first, by what was found of them.
+    """Return the contacts of pairs by what was found of them, and those of half spaces.
 
-    And of half spaces that overlap. ``overlaps`` are asked for where a pair may be without a
-    surface.
+    ``overlaps`` are asked for where a pair may be without a surface.
     """
-    answer, surfaces = found
     others, reasons = PenetrationResults(np.zeros((0, ANSWER_WIDTH))), np.zeros(0, dtype=np.int64)
-    if answer.left:
-        others, reasons = _without_surface(bodies, ids, answer.states, overlaps())
+    if (found.states >= UNABLE).any():
+        others, reasons = _without_surface(bodies, found, overlaps())
     if len(endless.ids):
         others = with_endless(others, endless)
         endings = np.full(len(endless.ids), NoSurface.HALF_SPACES.value)
         order = np.lexsort((others.id_B, others.id_A))
         others, reasons = others.of(order), np.concatenate((reasons, endings))[order]
-    return Contacts(surfaces, others, reasons)
+    return Contacts(found.surfaces, others, reasons)
 
 
 def _without_surface(
-    bodies: ContactBodies, ids: Indices, states: Indices, overlaps: PenetrationResults
+    bodies: ContactBodies, found: Found, overlaps: PenetrationResults
 ) -> tuple[PenetrationResults, Indices]:
-    """Return the overlaps that have no surface, and why (p,): a NoSurface.
-
-    Of pairs of ids (k, 2), the lower one first, by what ``Surfaces.states`` (k,) says of them.
-    """
-    without = states >= UNABLE
-    rows = zip(ids[without].tolist(), states[without].tolist(), strict=True)
+    """Return the overlaps that have no surface, and why (p,): a NoSurface."""
+    without = found.states >= UNABLE
+    rows = zip(found.ids[without].tolist(), found.states[without].tolist(), strict=True)
     left = {tuple(pair): state for pair, state in rows}
-    overlapping = np.column_stack((overlaps.id_A, overlaps.id_B))
-    found = np.array([left.get(tuple(pair), 0) for pair in overlapping.tolist()], np.int64)
-    kept = found >= UNABLE
-    return overlaps.of(kept), _reasons_of(bodies, overlapping[kept], found[kept])
+    ids = np.column_stack((overlaps.id_A, overlaps.id_B))
+    states = np.array([left.get(tuple(pair), 0) for pair in ids.tolist()], np.int64)
+    # Padding is no part of a surface: what overlaps by it alone has been missed by no mesh.
+    bare = overlaps.depth + overlaps.error_bound > bodies.padding_between(ids)
+    kept = (states >= UNABLE) & ((states != COARSE) | bare)
+    return overlaps.of(kept), _reasons_of(bodies, ids[kept], states[kept])
 
 
 def _reasons_of(bodies: ContactBodies, ids: Indices, states: Indices) -> Indices:
@@ -138,16 +125,18 @@ class ContactQueries:
         opposed and they are apart; where one body is so deep within the other that
         their pressures are equal nowhere; and where all faces are left out, as in Drake, because
         a pressure does not grow along their normals. Collision filters leave pairs out, and
-        ``ComputeContactSurfacesWithFallback`` answers for them by points.
+        ``ComputeContactSurfacesWithFallback`` answers for them by points. As in Drake nothing is
+        raised where the meshes of round shapes are so coarse that they miss what the shapes touch.
         """
-        contacts = self.contacts(representation)
+        # Where only meshes miss one another nothing is raised, and it would take long to know.
+        contacts = self._contacts(self._found(representation), None)
         self.refuse_others(contacts)
         return contacts.surfaces
 
     def refuse_others(self, contacts: Contacts) -> None:
         """Raise GeometryError where pairs overlap that have no surface: see above."""
-        if contacts.others:
-            raise self._refusal('ComputeContactSurfaces', *contacts.pair(0))
+        for k in np.flatnonzero(contacts.reasons != NoSurface.TOO_COARSE).tolist():
+            raise self._refusal('ComputeContactSurfaces', *contacts.pair(k))
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -157,8 +146,10 @@ class ContactQueries:
     ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
         """Return the contact surfaces, and the penetration of pairs that overlap and have none.
 
-        These are the pairs for which ``ComputeContactSurfaces`` raises. Of two half spaces that
-        overlap there is no penetration: for them this raises, too.
+        These are the pairs for which ``ComputeContactSurfaces`` raises, and round ones that
+        overlap though the meshes which stand for them, within the shapes, do not: there a finer
+        ``resolution_hint`` gives a surface. Of two half spaces that overlap there is no
+        penetration: for them this raises, too.
         """
         contacts = self.contacts(representation)
         for endless in np.flatnonzero(contacts.reasons == NoSurface.HALF_SPACES).tolist():
@@ -179,11 +170,15 @@ class ContactQueries:
         ComputePointPairPenetration, where these are known already.
         """
         found = self._found(representation)
+        states = self._state.contact_bodies().judged(found.ids, found.states)
+        return self._contacts(found._replace(states=states), overlaps)
+
+    def _contacts(self, found: Found, overlaps: PenetrationResults | None) -> Contacts:
+        """Return what was found, and the pairs that overlap without a surface."""
         return contacts_of(
             self._state.contact_bodies(),
-            found.ids,
-            (found.answer, found.surfaces),
-            self._state.endless_overlaps(found.world),
+            found,
+            self._state.endless_overlaps(),
             lambda: self.ComputePointPairPenetration() if overlaps is None else overlaps,
         )
 
@@ -205,9 +200,9 @@ class ContactQueries:
         ``ComputeContactSurfaces``.
         """
         found = self._found(representation)
-        if found.answer.left and (overlap := found.answer.states > UNABLE).any():
+        if (overlap := found.states > UNABLE).any():
             at = int(np.argmax(overlap))
-            (reason,) = self._reasons(found.ids[at : at + 1], found.answer.states[at : at + 1])
+            (reason,) = self._reasons(found.ids[at : at + 1], found.states[at : at + 1])
             raise self._refusal('contact_surfaces', found.ids[at], int(reason))
         return found.surfaces
 
@@ -228,7 +223,7 @@ class ContactQueries:
             f'the pair{instead}.'
         )
 
-    def _found(self, representation: HydroelasticContactRepresentation) -> _Found:
+    def _found(self, representation: HydroelasticContactRepresentation) -> Found:
         """Return the surfaces of all candidates, and which of them can have none."""
         # Only who asks for surfaces loads their kernels, and those of solids behind them.
         from drake_geom_ros.geometry._contact_surfaces.asking import surfaces_of
@@ -237,4 +232,4 @@ class ContactQueries:
         world, pairs = self._candidates()
         answer = surfaces_of(self._state.posed_bodies(world), pairs)
         surfaces = ContactSurfaceResults(answer, representation)
-        return _Found(world, pairs, answer, surfaces)
+        return Found(np.sort(world.geometries.ids[pairs], axis=1), answer.states, surfaces)

@@ -178,11 +178,13 @@ class ContextState(PosedScene):
     def contact_bodies(self) -> ContactBodies:
         """Return the bodies of geometries with hydroelastic properties, as they are now."""
         ids = self.up_to_date_world().geometries.ids
-        self._contact_bodies = contact_bodies(self.model, ids, self._contact_bodies)
+        before = self._contact_bodies
+        self._contact_bodies = contact_bodies(self.model, ids, self.paddings(), before)
         return self._contact_bodies
 
-    def endless_overlaps(self, world: World) -> EndlessOverlaps:
-        """Return the unfiltered pairs of half spaces that overlap in a world of a query."""
+    def endless_overlaps(self) -> EndlessOverlaps:
+        """Return the unfiltered pairs of half spaces that overlap, as of the last query."""
+        world = self.world
         moment = self.built, self.filters.version
         if self._half_spaces.moment != moment:
             self._half_spaces = _HalfSpaces(moment, pairs_of_half_spaces(world, self.filters))

@@ -65,6 +65,7 @@ class PackedScene:
     # What they are to contact surfaces; of those who ask about none no body, and no half spaces.
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
+    likeness: Indices  # (n,) of the bodies to what other queries see: see ``contact_bodies``
     half_spaces: Indices  # (m, 2) the pairs of them that no filter leaves out
 
     @classmethod
@@ -110,9 +111,11 @@ class PackedScene:
         table = world.geometries
         none = np.zeros(len(table.ids))
         body_of, bodies = np.full(len(table.ids), -1), packed([packed_half_space(0.0)])
+        likeness = np.zeros(len(table.ids), dtype=np.int64)
         half_spaces = np.zeros((0, 2), dtype=np.int64)
         if about_contacts:
-            _, _, body_of, bodies = state.contact_bodies()
+            contacts = state.contact_bodies()
+            body_of, bodies, likeness = contacts.body_of, contacts.bodies, contacts.likeness
             half_spaces = pairs_of_half_spaces(world, filters)
         paddings = state.paddings() or Paddings(none, none.astype(bool))
         # What no state keeps is no part of the content.
@@ -138,6 +141,7 @@ class PackedScene:
             meshes=paddings.meshes,
             body_of=body_of,
             bodies=bodies,
+            likeness=likeness,
             half_spaces=half_spaces,
         )
         return scene, table.ids

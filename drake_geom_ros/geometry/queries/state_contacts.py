@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.world.world import Named
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
-from drake_geom_ros.geometry.queries.contact_queries import Contacts, contacts_of
+from drake_geom_ros.geometry.queries.contact_queries import Contacts, Found, contacts_of
 from drake_geom_ros.geometry.queries.contact_surfaces import (
     ContactSurfaceResults,
     HydroelasticContactRepresentation,
@@ -34,9 +34,11 @@ class StateContacts:
         world, rows, body_of = scene.world(), scene.moved.copy(), scene.body_of
         self._world = world
         self._named = Named(world.frames.ids[rows], rows)
-        self._bodies = ContactBodies(0, np.arange(len(body_of)), body_of, scene.bodies)
+        self._bodies = ContactBodies(
+            0, np.arange(len(body_of)), body_of, scene.bodies, scene.likeness, paddings
+        )
         self._posed = self._bodies.posed(world.R_WGs, world.p_WGs)
-        self._half_spaces, self._paddings = scene.half_spaces, paddings
+        self._half_spaces = scene.half_spaces
 
     def of(
         self, pose: Floats, pairs: Indices, overlaps: Callable[[], PenetrationResults]
@@ -54,5 +56,6 @@ class StateContacts:
         pairs = np.sort(pairs, axis=1)
         answer = surfaces_of(self._posed, pairs)
         surfaces = ContactSurfaceResults(answer, HydroelasticContactRepresentation.kPolygon)
-        endless = endless_overlaps(world, self._half_spaces, self._paddings)
-        return contacts_of(bodies, pairs, (answer, surfaces), endless, overlaps)
+        endless = endless_overlaps(world, self._half_spaces, bodies.paddings)
+        states = bodies.judged(pairs, answer.states)
+        return contacts_of(bodies, Found(pairs, states, surfaces), endless, overlaps)
