@@ -21,6 +21,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     SceneGraphContext,
 )
+from drake_geom_ros.geometry.checks import as_number
 from drake_geom_ros.geometry.queries.joint_queries import (
     FREE,
     NEAR,
@@ -85,13 +86,14 @@ class Checker:
         and where the joints move nothing that could collide; PoseError for frames that have no
         pose or are not in this scene.
         """
-        if not (isinstance(margin, (int, float, np.number)) and 0.0 <= margin < math.inf):
+        number = as_number(margin)
+        if number is None or not 0.0 <= number < math.inf:
             raise ArgumentError(f'margin={margin!r} must be a number >= 0, in metres')
         if not isinstance(joints, Joints):
             raise ArgumentError(
                 f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
             )
-        self.joints, self.margin = joints, float(margin)
+        self.joints, self.margin = joints, number
         self._mark = SceneMark(scene_graph, joints.id_values)
         context = context_of(scene_graph)
         self.accuracy = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy

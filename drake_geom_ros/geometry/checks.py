@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from numbers import Real
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,6 +33,19 @@ def checked_type(value: Any, kind: type[_T], what: str) -> _T:
     if not isinstance(value, kind):
         raise ArgumentTypeError(f'{what} = {value!r} must be of type {kind.__name__}')
     return value
+
+
+def as_number(value: object) -> float | None:
+    """Return a number, of numpy too, as a float; None for what is none, such as a bool.
+
+    One that is too large for a float is infinite.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):  # np.bool is no Real
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf  # type: ignore[operator]
 
 
 def checked_pose(X: RigidTransform, what: str) -> RigidTransform:

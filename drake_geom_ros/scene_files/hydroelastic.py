@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError, HydroelasticType
+from drake_geom_ros.geometry.checks import as_number
 
 GROUP = 'hydroelastic'
 COMPLIANCE, HINT, MODULUS = 'compliance_type', 'resolution_hint', 'hydroelastic_modulus'
@@ -36,12 +37,12 @@ def proximity_property(group: str, name: str, value: Any) -> Any:
     if name not in (HINT, MODULUS, *_LENGTHS):
         known = ', '.join((COMPLIANCE, HINT, MODULUS, *_LENGTHS))
         raise ArgumentError(f"there is no property '{GROUP}/{name}'; known are {known}")
-    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not is_number or not (0.0 < value < math.inf or (name == 'margin' and value == 0.0)):
+    number = as_number(value)
+    if number is None or not (0.0 < number < math.inf or (name == 'margin' and number == 0.0)):
         raise ArgumentError(
             f"the property '{GROUP}/{name}' is {value!r}; it must be a number > 0 and finite"
         )
-    return float(value)
+    return number
 
 
 def in_words(kind: HydroelasticType) -> str:

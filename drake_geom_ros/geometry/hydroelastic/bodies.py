@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry.checks import as_number
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.hydroelastic._cells import CutBody
 from drake_geom_ros.geometry.hydroelastic._meshing import (
@@ -192,10 +193,11 @@ def _needed(value: float | None, name: str, shape: Shape) -> float:
     """Return a property that the shape needs, which must be positive and finite."""
     if value is None:
         raise GeometryError(f"a {type(shape).__name__} needs the property 'hydroelastic/{name}'")
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    number = as_number(value)
+    if number is None:
         raise GeometryError(f"the property 'hydroelastic/{name}' is {value!r}; give a number")
-    if not 0.0 < value < math.inf:
+    if not 0.0 < number < math.inf:
         raise GeometryError(
             f"the property 'hydroelastic/{name}' is {value}; it must be > 0 and finite"
         )
-    return float(value)
+    return number

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
+from drake_geom_ros.geometry.checks import as_number
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticBody, body_of
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
@@ -212,13 +213,14 @@ def _length_of(record: GeometryRecord, name: tuple[str, str], most: float) -> fl
     value = record.proximity and record.proximity.GetPropertyOrDefault(*name, None)
     if value is None:
         return 0.0
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    number = as_number(value)
+    if number is None:
         raise GeometryError(f'{named(record)}: the property {name} is {value!r}; give metres')
-    if not 0.0 <= value <= most:
+    if not 0.0 <= number <= most:
         raise GeometryError(
             f'{named(record)}: the property {name} is {value}; it must be >= 0 and finite [m]'
         )
-    return float(value)
+    return number
 
 
 def check_for_queries(record: GeometryRecord) -> None:

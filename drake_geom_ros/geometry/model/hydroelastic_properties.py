@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.checks import as_number, checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticMaterial, HydroelasticType
 from drake_geom_ros.geometry.model.properties import ProximityProperties
@@ -86,16 +86,16 @@ def _add(call: str, properties: ProximityProperties | None, values: dict[str, ob
     for name, value in values.items():
         if name == COMPLIANCE:
             continue
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        values[name] = number = as_number(value)
+        if number is None:
             raise ArgumentError(f'{call}: {name} = {value!r} must be a number')
-        if not 0.0 < value < math.inf:
+        if not 0.0 < number < math.inf:
             raise ArgumentError(f'{call}: {name} = {value} must be > 0 and finite')
     for name in values:
         if into.HasProperty(GROUP, name):
             raise ArgumentError(f'{call}: there is a property {GROUP}/{name} already')
     for name, value in values.items():
-        is_enum = isinstance(value, HydroelasticType)
-        into.AddProperty(GROUP, name, value if is_enum else float(value))  # type: ignore[arg-type]
+        into.AddProperty(GROUP, name, value)
 
 
 def material_of(properties: ProximityProperties, what: str) -> HydroelasticMaterial | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields, replace
 
-from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.checks import as_number, checked_type
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.hydroelastic.bodies import HydroelasticType
 from drake_geom_ros.geometry.model.hydroelastic_properties import (
@@ -69,25 +69,33 @@ def checked_config(config: SceneGraphConfig) -> SceneGraphConfig:
             f"SceneGraphConfig: 'compliance_type' is {defaults.compliance_type!r}; it must be one "
             f'of {", ".join(COMPLIANCE_TYPES)}'
         )
-    for each in fields(defaults):
-        if each.name != 'compliance_type':
-            _check_number(each.name, getattr(defaults, each.name))
+    numbers = {
+        each.name: _checked_number(each.name, getattr(defaults, each.name))
+        for each in fields(defaults)
+        if each.name != 'compliance_type'
+    }
+    defaults = replace(defaults, **numbers)  # type: ignore[arg-type]
     _check_friction(defaults.static_friction, defaults.dynamic_friction)
-    return replace(config, default_proximity_properties=replace(defaults))
+    return replace(config, default_proximity_properties=defaults)
 
 
-def _check_number(name: str, value: object) -> None:
-    """Raise ArgumentError for a value that a default property cannot have; None is no value."""
+def _checked_number(name: str, value: object) -> float | None:
+    """Return a default property as a float, None where there is no value.
+
+    Raises ArgumentError for a value that it cannot have.
+    """
     if value is None:
-        return
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    number = as_number(value)
+    if number is None:
         raise ArgumentError(f'SceneGraphConfig: {name!r} is {value!r}; give a number or None')
     may_be_zero = name not in (HINT, MODULUS, SLAB, 'point_stiffness')
-    if not (0.0 < value < math.inf or (may_be_zero and value == 0.0)):
+    if not (0.0 < number < math.inf or (may_be_zero and number == 0.0)):
         raise ArgumentError(
             f'SceneGraphConfig: {name!r} is {value}; it must be '
             f'{">= 0" if may_be_zero else "> 0"} and finite'
         )
+    return number
 
 
 def _check_friction(static: float | None, dynamic: float | None) -> None:

@@ -1,7 +1,9 @@
 """Hydroelastic properties, and the defaults that a scene gives."""
 
 import math
+from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from drake_geom_ros.geometry import (
@@ -52,7 +54,36 @@ def test_which_properties_are_added():
             add(properties)
 
 
-@pytest.mark.parametrize('bad', [0.0, -1.0, math.nan, math.inf, True, 'soft'])
+@pytest.mark.parametrize(
+    'number', [np.float32(0.5), np.float16(0.5), np.int64(2), np.uint8(2), Fraction(1, 2)]
+)
+def test_numbers_of_all_kinds_are_numbers(number):
+    properties = ProximityProperties()
+    AddCompliantHydroelasticProperties(number, number, properties)
+    AddCompliantHydroelasticPropertiesForHalfSpace(number, number, ProximityProperties())
+    for name in ('resolution_hint', 'hydroelastic_modulus'):
+        kept = properties.GetProperty('hydroelastic', name)
+        assert (type(kept), kept) == (float, float(number))
+    defaults = DefaultProximityProperties(
+        compliance_type='compliant', hydroelastic_modulus=number, resolution_hint=number
+    )
+    scene_graph, config = SceneGraph(), SceneGraphConfig(default_proximity_properties=defaults)
+    scene_graph.set_config(config)
+    held = scene_graph.get_config().default_proximity_properties.hydroelastic_modulus
+    assert (type(held), held) == (float, float(number))
+    given = ProximityProperties()
+    given.AddProperty('hydroelastic', 'compliance_type', HydroelasticType.kCompliant)
+    for name in ('resolution_hint', 'hydroelastic_modulus'):
+        given.AddProperty('hydroelastic', name, number)
+    given.AddProperty('proximity', 'padding', number)
+    scene, _, id = scene_of(Sphere(1.0), given)
+    assert scene.model_inspector().maybe_get_hydroelastic_mesh(id).num_elements() > 0
+
+
+BAD = [0.0, -1.0, math.nan, math.inf, True, np.bool_(True), 'soft', 10**400, np.array([0.5])]
+
+
+@pytest.mark.parametrize('bad', BAD)
 def test_values_that_are_refused_leave_nothing(bad):
     properties = ProximityProperties()
     for call, others in (
