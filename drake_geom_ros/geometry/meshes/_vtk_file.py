@@ -26,17 +26,24 @@ _MISSING = (
     "its extra 'volume_meshes'"
 )
 _TETRAHEDRA = 'its cells must be tetrahedra, of type 10'
+_LAYOUT = (
+    'CELLS must be rows of 4 and four vertices, or in version 5.1, and no other, OFFSETS and '
+    'CONNECTIVITY'
+)
+_HEAD = 2000  # [bytes] the lines that tell what a file is are in
+_ANNOUNCED = re.compile(rb'^\s*CELL_TYPES\s+(\d+)', re.IGNORECASE | re.MULTILINE)
 
 
 def parse_vtk(data: bytes) -> ParsedMesh:
     """Return the boundary of a file's tetrahedra, and these: see ``ParsedMesh.volume``.
 
     Vertices of no tetrahedron are left out. Raises ValueError, or what meshio raises, for another
-    content, and for tetrahedra that have no volume or are inside out.
+    content, and for tetrahedra that have no volume, are inside out, or overlap at a face.
     """
     _check_kind(data)
     read = _read(data)
-    declared = re.search(rb'^\s*CELL_TYPES\s+(\d+)', data, re.IGNORECASE | re.MULTILINE)
+    head = data[:_HEAD].splitlines(keepends=True)[:2]  # the title may be anything
+    declared = _ANNOUNCED.search(data, sum(map(len, head)))
     kinds = {block.type for block in read.cells}
     if others := kinds - {'tetra'}:
         raise ValueError(f'it has cells of the kind {", ".join(sorted(others))}; {_TETRAHEDRA}')
@@ -46,8 +53,9 @@ def parse_vtk(data: bytes) -> ParsedMesh:
     # meshio leaves out cells behind the last type of a file that ends early.
     if declared is None or len(elements) != int(declared[1]):
         raise ValueError(f'it ends early: {len(elements)} cells of those that it announces')
-    volume = _used(VolumeMesh.FromArrays(elements, np.asarray(read.points, dtype=np.float64)))
-    check_elements(volume, 'its tetrahedra')
+    volume = VolumeMesh.FromArrays(elements, np.asarray(read.points, dtype=np.float64))
+    check_elements(volume, 'its tetrahedra')  # by the numbers of the file
+    volume = _used(volume)
     boundary = ConvertVolumeToSurfaceMesh(volume)
     vertices, triangles = boundary.vertex_array(), boundary.triangle_array()
     return ParsedMesh(vertices.copy(), triangles.copy(), volume=volume)
@@ -73,18 +81,21 @@ def vtk_text(mesh: VolumeMesh) -> str:
 
 def _check_kind(data: bytes) -> None:
     """Raise ValueError for what is no legacy file in ASCII of an unstructured grid."""
-    lines = [line.strip().upper() for line in data[:2000].splitlines()]
+    lines = [line.strip().upper() for line in data[:_HEAD].splitlines()]
     if not lines or not lines[0].startswith(b'# VTK DATAFILE VERSION'):
         raise ValueError("it does not begin with '# vtk DataFile Version', as legacy files do")
     if len(lines) < 3 or lines[2] != b'ASCII':
         raise ValueError('its third line must be ASCII: files that are BINARY are not read')
-    kind = next((line.split()[1:] for line in lines if line.startswith(b'DATASET')), [])
+    kind = next((line.split()[1:] for line in lines[3:] if line.startswith(b'DATASET')), [])
     if kind != [b'UNSTRUCTURED_GRID']:
         raise ValueError('its DATASET must be an UNSTRUCTURED_GRID')
 
 
 def _read(data: bytes) -> Any:
-    """Return what meshio makes of a file, which it takes from a disk only."""
+    """Return what meshio makes of a file, which it takes from a disk only.
+
+    Raises ValueError for what it cannot read.
+    """
     try:
         from meshio import vtk
     except ImportError:
@@ -92,7 +103,11 @@ def _read(data: bytes) -> Any:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, 'mesh.vtk')
         path.write_bytes(data)
-        return vtk.read(path)
+        try:
+            return vtk.read(path)
+        except Exception as problem:  # of many kinds, and some without a word
+            said = f' ({problem})' if str(problem) else ''
+            raise ValueError(f'meshio makes nothing of it{said}; {_LAYOUT}') from None
 
 
 def _used(mesh: VolumeMesh) -> VolumeMesh:

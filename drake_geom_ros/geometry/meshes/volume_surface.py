@@ -84,8 +84,8 @@ def RefineVolumeMesh(mesh: VolumeMesh) -> VolumeMesh:
 
     A pressure that is 0 on the boundary is 0 all along such an edge, as if there were a hole: it
     is cut in two in all elements around it; then a face is cut about its centroid, then an element
-    about its. The mesh itself is returned where there is none. Raises RuntimeError where more than
-    two elements share a face, and for an element that has no volume or is inside out.
+    about its. The mesh itself is returned where there is none. Raises RuntimeError for an element
+    that has no volume or is inside out, and where two are on one side of a face that they share.
     """
     checked_type(mesh, VolumeMesh, 'RefineVolumeMesh: mesh')
     check_elements(mesh, 'RefineVolumeMesh')
@@ -98,9 +98,10 @@ def RefineVolumeMesh(mesh: VolumeMesh) -> VolumeMesh:
 
 
 def check_elements(mesh: VolumeMesh, what: str) -> None:
-    """Raise GeometryError for an element that has no volume or is inside out.
+    """Raise GeometryError for an element that has no volume or is inside out, and for an overlap.
 
-    One that is flatter than rounding, a billionth of its longest side cubed, has none.
+    One that is flatter than rounding, a billionth of its longest side cubed, has none. Two that
+    are on one side of a face that they share overlap; others are not looked at.
     """
     elements, p_MVs = mesh.element_array(), mesh.vertex_array()
     if not len(elements):
@@ -116,6 +117,26 @@ def check_elements(mesh: VolumeMesh, what: str) -> None:
             f'{what}: element {e} {kind}: {volumes[e]:.3g} m^3, corners {corners[e].tolist()}; '
             'its first three corners must be counter-clockwise, seen from the fourth'
         )
+    _check_sides(elements, what)
+
+
+def _check_sides(elements: Indices, what: str) -> None:
+    """Raise GeometryError where two elements are on one side of a face that they share."""
+    faces = outer_faces(elements).reshape(-1, 3)
+    # Each face from its least vertex on, so that those which run the same way are the same.
+    turned = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + [0, 1, 2]) % 3, axis=1)
+    order = np.lexsort(turned.T)
+    same = (np.diff(turned[order], axis=0) == 0).all(axis=1)
+    if not same.any():
+        return
+    at = int(np.argmax(same))
+    first, second = sorted((order[at : at + 2] // 4).tolist())
+    face = turned[order[at]].tolist()
+    if set(elements[first].tolist()) == set(elements[second].tolist()):
+        why = f'are the same: vertices {sorted(elements[first].tolist())}'
+    else:
+        why = f'overlap: both are on one side of their face {face}'
+    raise GeometryError(f'{what}: elements {first} and {second} {why}')
 
 
 def _refined(elements: Indices, p_MVs: Floats, corners: int) -> tuple[Indices, Floats]:

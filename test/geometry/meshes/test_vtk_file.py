@@ -53,7 +53,7 @@ def test_data_of_points_and_cells_are_skipped(tmp_path):
     assert Mesh(written(tmp_path, text)).volume_mesh().num_elements() == 12
 
 
-def test_version_5_1_is_read(tmp_path):
+def in_version_5_1():
     lines = vtk(version='5.1').splitlines()
     at = lines.index('CELLS 12 60')
     offsets = ' '.join(map(str, range(0, 49, 4)))
@@ -62,8 +62,27 @@ def test_version_5_1_is_read(tmp_path):
         *('CELLS 13 48', 'OFFSETS vtktypeint64', offsets, 'CONNECTIVITY vtktypeint64'),
         *rows,
     ]
-    mesh = Mesh(written(tmp_path, '\n'.join(lines) + '\n')).volume_mesh()
+    return '\n'.join(lines) + '\n'
+
+
+def test_version_5_1_is_read(tmp_path):
+    mesh = Mesh(written(tmp_path, in_version_5_1())).volume_mesh()
     assert (mesh.element_array() == CELLS).all()
+
+
+@pytest.mark.parametrize('title', ['CELL_TYPES 3', 'DATASET POLYDATA', '', 'x' * 255])
+def test_a_title_says_nothing(tmp_path, title):
+    lines = vtk().splitlines()
+    lines[1] = title
+    for end in ('\n', '\r\n'):
+        path = written(tmp_path, end.join(lines) + end)
+        assert Mesh(path).volume_mesh().num_elements() == 12
+
+
+def rolled(cell):
+    """Return the same tetrahedron, from another vertex on."""
+    a, b, c, d = cell
+    return b, c, a, d
 
 
 def test_a_file_in_memory_is_read_and_another_format_has_no_tetrahedra():
@@ -91,7 +110,17 @@ REFUSED = {
     'flat': (vtk(POINTS, FLAT), 'element 12 has no volume'),
     'no such vertex': (vtk(POINTS, [*CELLS, (0, 1, 2, 9)]), r'has vertices \[0, 1, 2, 9\]'),
     'a negative one': (vtk(POINTS, [*CELLS, (0, 1, 2, -1)]), r'has vertices \[0, 1, 2, -1\]'),
-    'a face of three': (vtk(POINTS, [*CELLS, CELLS[0], CELLS[0]]), 'share the face'),
+    'one twice': (vtk(POINTS, [*CELLS, CELLS[0]]), 'elements 0 and 12 are the same: vertices'),
+    'one twice, turned': (vtk(POINTS, [*CELLS, rolled(CELLS[3])]), 'elements 3 and 12 are the'),
+    'two on one side of a face': (
+        vtk([*POINTS, 0.9 * np.array(POINTS[8]) + 0.1 * BOX[0]], [*CELLS, (*CELLS[5][:3], 9)]),
+        r'elements 5 and 12 overlap: both are on one side of their face \[',
+    ),
+    'version 5.1 with cells of 3.0': (
+        vtk(version='5.1'),
+        'or in version 5.1, and no other, OFFSETS',
+    ),
+    'version 5.0 with cells of 5.1': (in_version_5_1().replace('5.1', '5.0'), 'and no other, OFF'),
     'a type too few': (vtk()[:-3], 'ends early: 11 cells'),
     'not a number': (vtk().replace('CELLS 12', '7 CELLS 12'), 'cannot be read|holds no mesh'),
     'not finite': (vtk([*POINTS[:8], (np.nan, 1, 1)]), 'finite'),
