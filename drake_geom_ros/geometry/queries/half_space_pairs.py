@@ -89,7 +89,4 @@ def with_endless(others: PenetrationResults, endless: EndlessOverlaps) -> Penetr
     rows[:, METHOD], rows[:, UNIQUE], rows[:, OVERLAPS] = CLOSED_FORM, 0.0, 1.0
     if others.is_padded:
         rows = np.hstack((rows, rows))
-    known = others._batch
-    ids = np.vstack((known.ids, endless.ids))
-    rows = np.vstack((known.rows[:, : rows.shape[1]], rows))
-    return PenetrationResults(PairBatch(ids, rows), others._kept_poses)
+    return others.and_others(PairBatch(endless.ids, rows))

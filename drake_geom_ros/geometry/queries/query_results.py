@@ -1,14 +1,6 @@
-"""What queries return: sequences of records, which are made when indexed, over arrays.
-
-A record costs about 1 us of Python, for all pairs of a large scene more than the whole query. So
-a query returns a read-only sequence of arrays, which makes a record when somebody asks for it.
-"""
+"""What queries return about pairs and points: see ``result_sequence``."""
 
 from __future__ import annotations
-
-import operator
-from collections.abc import Callable, Sequence
-from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,6 +42,7 @@ from drake_geom_ros.geometry.queries.query_records import (
     SignedDistancePair,
     SignedDistanceToPoint,
 )
+from drake_geom_ros.geometry.queries.result_sequence import Record, ResultSequence
 
 # Of columns, made once: to write them as slices takes a third of the time of a view.
 _FIRST, _SECOND, _IDS = np.s_[:, 0], np.s_[:, 1], np.s_[:, IDS:]
@@ -61,71 +54,6 @@ _DEPTHS, _DISTANCES = np.s_[:, DEPTH], np.s_[:, DISTANCE]
 
 Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
-Record = TypeVar('Record')
-Batch = TypeVar('Batch', PairBatch, PointBatch)
-
-
-class ResultSequence(Sequence[Record], Generic[Record, Batch]):
-    """A sequence of records over arrays; subclasses name the arrays.
-
-    Nothing in it can be changed but the order, by ``sort``, which the arrays follow. It compares
-    with lists of records, and adds to them as one; the sum is a list.
-    """
-
-    _rows: Floats
-
-    @property
-    def _batch(self) -> Batch:
-        """All arrays."""
-        raise NotImplementedError
-
-    def _take(self, batch: Batch) -> None:
-        """Have these arrays."""
-        raise NotImplementedError
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    @overload
-    def __getitem__(self, index: int) -> Record: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Record]: ...
-    def __getitem__(self, index: int | slice) -> Record | list[Record]:
-        count = len(self)
-        if isinstance(index, slice):
-            return [self._record(k) for k in range(*index.indices(count))]
-        if not -count <= index < count:
-            raise IndexError(f'result {index} of {count} results was asked for')
-        return self._record(index % count)
-
-    def sort(self, *, key: Callable[[Record], Any], reverse: bool = False) -> None:
-        """Order the results by ``key(record)``, as ``list.sort`` does; the arrays follow."""
-        order = sorted(range(len(self)), key=[*map(key, self)].__getitem__, reverse=reverse)
-        arrays: list[Any] = [array[order] for array in self._batch]
-        for array in arrays:
-            array.flags.writeable = False
-        self._take(type(self._batch)(*arrays))
-
-    def __add__(self, other: Sequence[Any]) -> list[Any]:
-        if not isinstance(other, (list, ResultSequence)):
-            return NotImplemented
-        return [*self, *other]
-
-    def __radd__(self, other: list[Any]) -> list[Any]:
-        return [*other, *self] if isinstance(other, list) else NotImplemented
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, (list, ResultSequence)):
-            return NotImplemented
-        return len(self) == len(other) and all(map(operator.eq, self, other))
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __repr__(self) -> str:
-        return f'<{type(self).__name__} of {len(self)} results>'
-
-    def _record(self, k: int) -> Record:
-        raise NotImplementedError
 
 
 def _vector(row: Floats, column: int) -> Floats:
@@ -236,6 +164,12 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
     def of(self, which: NDArray[np.bool_] | Ids) -> PenetrationResults:
         """Return those of these pairs that a mask (k,) names, or places, in their order."""
         return type(self)(PairBatch(self._ids[which], self._rows[which]), self._kept_poses)
+
+    def and_others(self, batch: PairBatch) -> PenetrationResults:
+        """Return these pairs and behind them others of a batch, with as many columns as it has."""
+        ids = np.vstack((self._ids, batch.ids))
+        rows = np.vstack((self._rows[:, : batch.rows.shape[1]], batch.rows))
+        return type(self)(PairBatch(ids, rows), self._kept_poses)
 
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]
