@@ -113,7 +113,8 @@ class ContactBodies(NamedTuple):
     def judged(self, ids: Indices, states: Indices) -> Indices:
         """Return what there is of pairs of ids (k, 2): of some that have NOTHING it is COARSE.
 
-        If they overlap: of a round body, and of none that counts as its hull.
+        If they overlap: of a round body, and of none that counts as its hull. Without such pairs
+        the same array is returned.
         """
         nothing = np.flatnonzero(states == NOTHING)
         places = np.searchsorted(self.ids, ids[nothing])

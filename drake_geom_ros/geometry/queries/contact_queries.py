@@ -27,6 +27,9 @@ from drake_geom_ros.geometry.queries.half_space_pairs import EndlessOverlaps, wi
 from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
 
+if TYPE_CHECKING:  # with its kernels
+    from drake_geom_ros.geometry._contact_surfaces.asking import Answer
+
 Indices = NDArray[np.int64]
 
 
@@ -44,11 +47,29 @@ class Contacts(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What was found of pairs of ids (k, 2), the lower one first, and what there is of each."""
+    """What was found of pairs (k, 2), by the places of geometries among ids (n,)."""
 
-    ids: Indices
-    states: Indices
+    all_ids: Indices
+    pairs: Indices
+    answer: Answer
     surfaces: ContactSurfaceResults
+
+    @property
+    def ids(self) -> Indices:
+        """The ids of the pairs (k, 2), the lower one first."""
+        return np.sort(self.all_ids[self.pairs], axis=1)
+
+    def states(self, bodies: ContactBodies, with_coarse: bool) -> Indices | None:
+        """Return what there is of each pair (k,), None where all of them press or have nothing.
+
+        ``with_coarse`` those of which meshes may be too coarse to meet are told from the latter.
+        """
+        # Both counts are there already, and what follows takes as long as a small surface.
+        count, answer = len(self.pairs), self.answer
+        if with_coarse and answer.counts.surfaces + answer.left < count:
+            states = bodies.judged(self.ids, answer.states)
+            return None if states is answer.states and not answer.left else states
+        return answer.states if answer.left else None
 
 
 def contacts_of(
@@ -56,14 +77,16 @@ def contacts_of(
     found: Found,
     endless: EndlessOverlaps,
     overlaps: Callable[[], PenetrationResults],
+    with_coarse: bool = True,
 ) -> Contacts:
     """Return the contacts of pairs by what was found of them, and those of half spaces.
 
     ``overlaps`` are asked for where a pair may be without a surface.
     """
     others, reasons = PenetrationResults(np.zeros((0, ANSWER_WIDTH))), np.zeros(0, dtype=np.int64)
-    if (found.states >= UNABLE).any():
-        others, reasons = _without_surface(bodies, found, overlaps())
+    states = found.states(bodies, with_coarse)
+    if states is not None:
+        others, reasons = _without_surface(bodies, found.ids, states, overlaps())
     if len(endless.ids):
         others = with_endless(others, endless)
         endings = np.full(len(endless.ids), NoSurface.HALF_SPACES.value)
@@ -73,18 +96,21 @@ def contacts_of(
 
 
 def _without_surface(
-    bodies: ContactBodies, found: Found, overlaps: PenetrationResults
+    bodies: ContactBodies, ids: Indices, states: Indices, overlaps: PenetrationResults
 ) -> tuple[PenetrationResults, Indices]:
-    """Return the overlaps that have no surface, and why (p,): a NoSurface."""
-    without = found.states >= UNABLE
-    rows = zip(found.ids[without].tolist(), found.states[without].tolist(), strict=True)
+    """Return the overlaps that have no surface, and why (p,): a NoSurface.
+
+    Of pairs of ids (k, 2) by what there is of them (k,).
+    """
+    without = states >= UNABLE
+    rows = zip(ids[without].tolist(), states[without].tolist(), strict=True)
     left = {tuple(pair): state for pair, state in rows}
-    ids = np.column_stack((overlaps.id_A, overlaps.id_B))
-    states = np.array([left.get(tuple(pair), 0) for pair in ids.tolist()], np.int64)
+    overlapping = np.column_stack((overlaps.id_A, overlaps.id_B))
+    found = np.array([left.get(tuple(pair), 0) for pair in overlapping.tolist()], np.int64)
     # Padding is no part of a surface: what overlaps by it alone has been missed by no mesh.
-    bare = overlaps.depth + overlaps.error_bound > bodies.padding_between(ids)
-    kept = (states >= UNABLE) & ((states != COARSE) | bare)
-    return overlaps.of(kept), _reasons_of(bodies, ids[kept], states[kept])
+    bare = overlaps.depth + overlaps.error_bound > bodies.padding_between(overlapping)
+    kept = (found >= UNABLE) & ((found != COARSE) | bare)
+    return overlaps.of(kept), _reasons_of(bodies, overlapping[kept], found[kept])
 
 
 def _reasons_of(bodies: ContactBodies, ids: Indices, states: Indices) -> Indices:
@@ -129,12 +155,14 @@ class ContactQueries:
         raised where the meshes of round shapes are so coarse that they miss what the shapes touch.
         """
         # Where only meshes miss one another nothing is raised, and it would take long to know.
-        contacts = self._contacts(self._found(representation), None)
+        contacts = self._contacts(representation, None, with_coarse=False)
         self.refuse_others(contacts)
         return contacts.surfaces
 
     def refuse_others(self, contacts: Contacts) -> None:
         """Raise GeometryError where pairs overlap that have no surface: see above."""
+        if not contacts.others:
+            return
         for k in np.flatnonzero(contacts.reasons != NoSurface.TOO_COARSE).tolist():
             raise self._refusal('ComputeContactSurfaces', *contacts.pair(k))
 
@@ -152,6 +180,8 @@ class ContactQueries:
         penetration: for them this raises, too.
         """
         contacts = self.contacts(representation)
+        if not contacts.others:
+            return contacts.surfaces, []
         for endless in np.flatnonzero(contacts.reasons == NoSurface.HALF_SPACES).tolist():
             raise self._refusal('ComputeContactSurfacesWithFallback', *contacts.pair(endless))
         return contacts.surfaces, list(contacts.others)
@@ -169,17 +199,23 @@ class ContactQueries:
         within rounding with an infinite error bound. ``overlaps`` are those of
         ComputePointPairPenetration, where these are known already.
         """
-        found = self._found(representation)
-        states = self._state.contact_bodies().judged(found.ids, found.states)
-        return self._contacts(found._replace(states=states), overlaps)
+        return self._contacts(representation, overlaps, with_coarse=True)
 
-    def _contacts(self, found: Found, overlaps: PenetrationResults | None) -> Contacts:
-        """Return what was found, and the pairs that overlap without a surface."""
+    def _contacts(
+        self,
+        representation: HydroelasticContactRepresentation,
+        overlaps: PenetrationResults | None,
+        *,
+        with_coarse: bool,
+    ) -> Contacts:
+        """Return the surfaces, and the pairs that overlap without one."""
+        found = self._found(representation)
         return contacts_of(
             self._state.contact_bodies(),
             found,
             self._state.endless_overlaps(),
             lambda: self.ComputePointPairPenetration() if overlaps is None else overlaps,
+            with_coarse,
         )
 
     def hydroelastic_geometries(self) -> Indices:
@@ -200,9 +236,9 @@ class ContactQueries:
         ``ComputeContactSurfaces``.
         """
         found = self._found(representation)
-        if (overlap := found.states > UNABLE).any():
+        if found.answer.left and (overlap := found.answer.states > UNABLE).any():
             at = int(np.argmax(overlap))
-            (reason,) = self._reasons(found.ids[at : at + 1], found.states[at : at + 1])
+            (reason,) = self._reasons(found.ids[at : at + 1], found.answer.states[at : at + 1])
             raise self._refusal('contact_surfaces', found.ids[at], int(reason))
         return found.surfaces
 
@@ -232,4 +268,4 @@ class ContactQueries:
         world, pairs = self._candidates()
         answer = surfaces_of(self._state.posed_bodies(world), pairs)
         surfaces = ContactSurfaceResults(answer, representation)
-        return Found(np.sort(world.geometries.ids[pairs], axis=1), answer.states, surfaces)
+        return Found(world.geometries.ids, pairs, answer, surfaces)

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.half_space_pairs import (
+    NONE_ENDLESS,
     EndlessOverlaps,
     endless_overlaps,
     pairs_of_half_spaces,
@@ -188,7 +189,8 @@ class ContextState(PosedScene):
         moment = self.built, self.filters.version
         if self._half_spaces.moment != moment:
             self._half_spaces = _HalfSpaces(moment, pairs_of_half_spaces(world, self.filters))
-        return endless_overlaps(world, self._half_spaces.pairs, self.paddings())
+        pairs = self._half_spaces.pairs
+        return endless_overlaps(world, pairs, self.paddings()) if len(pairs) else NONE_ENDLESS
 
     def posed_bodies(self, world: World) -> Posed:
         """Return these bodies as the geometries of a world, where they are."""

@@ -47,7 +47,7 @@ class EndlessOverlaps(NamedTuple):
     error_bound: Floats
 
 
-NONE = EndlessOverlaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
+NONE_ENDLESS = EndlessOverlaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
 
 
 def pairs_of_half_spaces(world: World, filters: FilterState) -> Indices:
@@ -64,7 +64,7 @@ def endless_overlaps(world: World, pairs: Indices, paddings: Paddings | None) ->
     Those that wait for a pose are left out.
     """
     if not len(pairs):  # as in most scenes, and what follows takes as long as a small surface
-        return NONE
+        return NONE_ENDLESS
     pairs = pairs[~world.waiting[pairs].any(axis=1)]
     a, b = pairs.T
     nhat_AW, nhat_BW = world.R_WGs[a, :, 2], world.R_WGs[b, :, 2]

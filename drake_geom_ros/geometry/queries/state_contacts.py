@@ -57,5 +57,4 @@ class StateContacts:
         answer = surfaces_of(self._posed, pairs)
         surfaces = ContactSurfaceResults(answer, HydroelasticContactRepresentation.kPolygon)
         endless = endless_overlaps(world, self._half_spaces, bodies.paddings)
-        states = bodies.judged(pairs, answer.states)
-        return contacts_of(bodies, Found(pairs, states, surfaces), endless, overlaps)
+        return contacts_of(bodies, Found(bodies.ids, pairs, answer, surfaces), endless, overlaps)
