@@ -104,13 +104,16 @@ class Pair:
         self._query = graph.get_query_output_port().Eval(self._context)
 
     def asked(self, poses: Poses) -> tuple[ContactSurfaceResults, int]:
-        """Return the surfaces, and how many pairs overlap without one."""
+        """Return the surfaces, and how many pairs surely overlap without one.
+
+        Of round bodies that touch, an iteration may find either.
+        """
         vector = FramePoseVector()
         for k, (R, p) in enumerate(poses):
             vector.set_value(self._frames[k], RigidTransform(RotationMatrix(R), p))
         self._port.FixValue(self._context, vector)
         surfaces, others = self._query.ComputeContactSurfacesWithFallback()
-        return surfaces, len(others)
+        return surfaces, sum(pair.depth > pair.error_bound for pair in others)
 
 
 def broken_law(surfaces: ContactSurfaceResults) -> str:
