@@ -43,6 +43,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
 )
 
 Floats = NDArray[np.float64]
+_LEAST, _MOST = 1e-50, 1e50  # of what pressures are made of, in SI units
 
 
 class HydroelasticType(enum.Enum):
@@ -126,9 +127,9 @@ def _rigid(shape: Shape, material: HydroelasticMaterial) -> RigidBody | HalfSpac
 
 def _compliant(shape: Shape, material: HydroelasticMaterial) -> CompliantBody | HalfSpaceBody:
     """Return a compliant body."""
-    modulus = _needed(material.hydroelastic_modulus, 'hydroelastic_modulus', shape)
+    modulus = _moderate(material.hydroelastic_modulus, 'hydroelastic_modulus', shape)
     if isinstance(shape, HalfSpace):
-        thickness = _needed(material.slab_thickness, 'slab_thickness', shape)
+        thickness = _moderate(material.slab_thickness, 'slab_thickness', shape)
         return HalfSpaceBody(modulus / thickness)
     cut = _cut(shape, material)
     return CompliantBody(cut.mesh, modulus * cut.extents)
@@ -187,6 +188,16 @@ def _hull_body(vertices: Floats, triangles: NDArray[np.int64]) -> CutBody:
     volumes = (np.cross(a, b) * c).sum(axis=1)
     centre = origin + volumes @ (a + b + c) / (4.0 * volumes.sum())
     return pyramids(vertices, triangles, centre)
+
+
+def _moderate(value: float | None, name: str, shape: Shape) -> float:
+    """Return a property of pressures: so moderate that products of a few stay within float64."""
+    number = _needed(value, name, shape)
+    if not _LEAST <= number <= _MOST:
+        raise GeometryError(
+            f"the property 'hydroelastic/{name}' is {number}; it must be {_LEAST:g} to {_MOST:g}"
+        )
+    return number
 
 
 def _needed(value: float | None, name: str, shape: Shape) -> float:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from oracles.contact_scenes import Body, query_of
 
 from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.geometry import GeometryError
 
 UPRIGHT = np.eye(3)
 SOFT = 1e5  # [Pa]
@@ -52,7 +53,7 @@ def test_a_part_of_steel_on_foam(order, floor, cube, soft, depth):
 @given(
     st.sampled_from(sorted(BODIES)),
     st.sampled_from(sorted(BODIES)),
-    st.sampled_from([1e9, 1e12, 1e16, 1e20]),
+    st.sampled_from([1e9, 1e12, 1e16, 1e20, 1e45]),
     st.integers(0, 2**32 - 1),
     st.permutations([0, 1]),
 )
@@ -76,3 +77,24 @@ def test_a_much_harder_body_is_as_a_rigid_one(soft, hard, ratio, seed, order):
         np.testing.assert_allclose(
             found.forces_on_M_W, rigid.forces_on_M_W, rtol=0, atol=near * max(sizes, 1.0)
         )
+
+
+@pytest.mark.parametrize('hint', [1e-6, 1e-12, 1e-50])
+def test_a_thin_slab_is_as_rigid(hint):
+    bodies = [BODIES['ball'], Body('HalfSpace', (), SOFT, hint)]
+    poses = [(random_rotation(np.random.default_rng(1)), [0.0, 0.0, 0.25]), (UPRIGHT, [0, 0, 0])]
+    (found,), _ = surfaces_of(bodies, poses)
+    (rigid,), _ = surfaces_of([bodies[0], bodies[1]._replace(modulus=0.0)], poses)
+    assert found.total_area() == pytest.approx(rigid.total_area(), rel=10.0 * hint + 1e-12)
+    np.testing.assert_allclose(
+        found.force_on_M_W(), rigid.force_on_M_W(), rtol=1e2 * hint + 1e-12, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize('factor', [1e-60, 1e60])
+def test_pressures_whose_squares_are_no_numbers_are_refused(factor):
+    for body in (BODIES['ball'], BODIES['half space']):
+        with pytest.raises(GeometryError, match=r'hydroelastic_modulus.*1e-50 to 1e\+50'):
+            surfaces_of([body._replace(modulus=SOFT * factor)], [(UPRIGHT, [0, 0, 0])])
+    with pytest.raises(GeometryError, match=r'slab_thickness.*1e-50 to 1e\+50'):
+        surfaces_of([BODIES['half space']._replace(hint=factor)], [(UPRIGHT, [0, 0, 0])])
