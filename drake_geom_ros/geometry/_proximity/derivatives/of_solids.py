@@ -34,11 +34,9 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, SOLID
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import P_ACA, P_BCB
-from drake_geom_ros.geometry._proximity.pairs.kernel_calls import oriented
-from drake_geom_ros.geometry._proximity.pairs.slots import Shapes
 from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
-from drake_geom_ros.geometry._proximity.runtime.views import row
+from drake_geom_ros.geometry._proximity.runtime.views import part, row
 
 
 @allocating
@@ -78,7 +76,6 @@ def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: B
     Of what touches nobody knows whether it is the only one.
     """
     types, starts, pool, R_WGs = scene
-    shapes = Shapes(types, starts, pool)
     for k in range(places.shape[0]):
         a, b = places[k, 0], places[k, 1]
         if not is_of_surfaces(types[a], types[b]):
@@ -93,7 +90,8 @@ def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: B
         if not unique[k]:
             continue
         n, p, q = vector_at(numbers, NORMAL), vector_at(numbers, P_ACA), vector_at(numbers, P_BCB)
-        A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
+        A = OrientedShape(types[a], part(pool, starts[a], starts[a + 1]), row(R_WGs, a))
+        B = OrientedShape(types[b], part(pool, starts[b], starts[b + 1]), row(R_WGs, b))
         # Each solid can be the one that the other is near to or leaves.
         unique[k] = types[b] == SOLID and _is_alone(numbers, A, p, B, q, n)
         if not unique[k] and types[a] == SOLID:
