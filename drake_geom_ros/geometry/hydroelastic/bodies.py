@@ -20,6 +20,7 @@ from drake_geom_ros.geometry.hydroelastic._meshing import (
     ellipsoid_body,
     pyramids,
 )
+from drake_geom_ros.geometry.hydroelastic.tolerances import LEAST_STIFF, MOST_STIFF
 from drake_geom_ros.geometry.meshes._outward import turned_outward
 from drake_geom_ros.geometry.meshes._surface_distances import distances_to_surface
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
@@ -43,7 +44,6 @@ from drake_geom_ros.geometry.shapes.primitives import (
 )
 
 Floats = NDArray[np.float64]
-_LEAST, _MOST = 1e-50, 1e50  # of what pressures are made of, in SI units
 
 
 class HydroelasticType(enum.Enum):
@@ -193,9 +193,10 @@ def _hull_body(vertices: Floats, triangles: NDArray[np.int64]) -> CutBody:
 def _moderate(value: float | None, name: str, shape: Shape) -> float:
     """Return a property of pressures: so moderate that products of a few stay within float64."""
     number = _needed(value, name, shape)
-    if not _LEAST <= number <= _MOST:
+    if not LEAST_STIFF <= number <= MOST_STIFF:
         raise GeometryError(
-            f"the property 'hydroelastic/{name}' is {number}; it must be {_LEAST:g} to {_MOST:g}"
+            f"the property 'hydroelastic/{name}' is {number}; it must be {LEAST_STIFF:g} to "
+            f'{MOST_STIFF:g}'
         )
     return number
 
