@@ -72,11 +72,11 @@ _IN_WORDS = """
 - Contact surfaces: each polygon has its own vertices, where pydrake shares those in a half space;
   a compliant half space and a compliant body have a surface; `ComputeContactSurfaces` raises for
   a pair that can have none only where it overlaps, and for one of which a body is so deep within
-  the other that it has none, where pydrake's answer is empty; `ComputeContactSurfacesWithFallback`
-  gives both as points, as well as round shapes whose meshes are too coarse to meet, and raises for
-  two half spaces, as pydrake does wherever they are. A closed piece of a rigid Mesh that is inside
-  out is turned, and one with neighbours turned opposite ways is refused. Touching is no contact; a
-  `margin` is refused. There are none of poses that are AutoDiffXd.
+  the other that it has none, where pydrake's answer is empty;
+  `ComputeContactSurfacesWithFallback` gives both as points, and raises for two half spaces, as
+  pydrake does wherever they are. A closed piece of a rigid Mesh that is inside out is turned, and
+  one with neighbours turned opposite ways is refused. Touching is no contact; a `margin` is
+  refused. There are none of poses that are AutoDiffXd.
   See [contact surfaces](contact_surfaces.md).
 """
 

@@ -33,19 +33,22 @@ def coarse(hint, height=0.65, second=None):
 def test_what_a_mesh_misses_is_a_point_pair(second):
     query, ids, _ = coarse(10.0, second=second)
     assert len(query.ComputeContactSurfaces()) == len(query.contact_surfaces()) == 0
-    surfaces, (point,) = query.ComputeContactSurfacesWithFallback()
-    assert len(surfaces) == 0
+    surfaces, points = query.ComputeContactSurfacesWithFallback()
+    assert (len(surfaces), points) == (0, [])  # as in Drake
+    contacts = query.contacts()
+    assert len(contacts.surfaces) == 0
+    (point,) = contacts.others
     assert {point.id_A, point.id_B} == set(ids)
     assert point.depth == pytest.approx(0.35, rel=1e-9)
-    assert query.contacts().reasons.tolist() == [NoSurface.TOO_COARSE]
+    assert contacts.reasons.tolist() == [NoSurface.TOO_COARSE]
 
 
 def test_a_finer_mesh_has_a_surface_and_what_is_apart_has_nothing():
-    surfaces, points = coarse(0.3)[0].ComputeContactSurfacesWithFallback()
-    assert (len(surfaces), points) == (1, [])
+    fine = coarse(0.3)[0].contacts()
+    assert (len(fine.surfaces), len(fine.others)) == (1, 0)
     for height in (1.0, 1.001):
-        surfaces, points = coarse(10.0, height)[0].ComputeContactSurfacesWithFallback()
-        assert (len(surfaces), points) == (0, [])
+        apart = coarse(10.0, height)[0].contacts()
+        assert (len(apart.surfaces), len(apart.others)) == (0, 0)
 
 
 def test_a_mesh_that_counts_as_its_hull_tells_nothing_of_what_is_in_a_hollow_of_it():
@@ -56,7 +59,7 @@ def test_a_mesh_that_counts_as_its_hull_tells_nothing_of_what_is_in_a_hollow_of_
     with pytest.warns(UserWarning, match='bounds no solid'):
         query = query_of([mesh, ball], [(UPRIGHT, np.zeros(3)), (UPRIGHT, [4, 4, 5])])[0]
     assert len(query.ComputePointPairPenetration()) == 1
-    assert query.ComputeContactSurfacesWithFallback()[1] == []
+    assert not query.contacts().others
 
 
 @pytest.mark.parametrize('padding', [0.0, 0.05])
