@@ -155,7 +155,7 @@ class ContactQueries:
         raised where the meshes of round shapes are so coarse that they miss what the shapes touch.
         """
         # Where only meshes miss one another nothing is raised, and it would take long to know.
-        contacts = self._contacts(representation, None, with_coarse=False)
+        contacts = self._contacts(self._found(representation), None, with_coarse=False)
         self.refuse_others(contacts)
         return contacts.surfaces
 
@@ -178,9 +178,11 @@ class ContactQueries:
         overlap there is no penetration: for them this raises, too. Round ones that overlap though
         the meshes which stand for them do not are told by ``contacts`` alone: see there.
         """
-        contacts = self._contacts(representation, None, with_coarse=False)
-        if not contacts.others:
-            return contacts.surfaces, []
+        found = self._found(representation)
+        # Most scenes end here: what follows takes as long as a small surface.
+        if not found.answer.left and not len(self._state.endless_overlaps().ids):
+            return found.surfaces, []
+        contacts = self._contacts(found, None, with_coarse=False)
         for endless in np.flatnonzero(contacts.reasons == NoSurface.HALF_SPACES).tolist():
             raise self._refusal('ComputeContactSurfacesWithFallback', *contacts.pair(endless))
         return contacts.surfaces, list(contacts.others)
@@ -200,17 +202,12 @@ class ContactQueries:
         infinitely deep, and where they are opposed within rounding with an infinite error bound.
         ``overlaps`` are those of ComputePointPairPenetration, where these are known already.
         """
-        return self._contacts(representation, overlaps, with_coarse=True)
+        return self._contacts(self._found(representation), overlaps, with_coarse=True)
 
     def _contacts(
-        self,
-        representation: HydroelasticContactRepresentation,
-        overlaps: PenetrationResults | None,
-        *,
-        with_coarse: bool,
+        self, found: Found, overlaps: PenetrationResults | None, *, with_coarse: bool
     ) -> Contacts:
         """Return the surfaces, and the pairs that overlap without one."""
-        found = self._found(representation)
         return contacts_of(
             self._state.contact_bodies(),
             found,
