@@ -121,7 +121,7 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
-    'ros/status': (('common', 'client', 'ros/status'), ('ROS',)),
+    'ros/status': (('common', 'client', 'ros/sensing', 'ros/status'), ('ROS',)),
     'ros': (
         (
             *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),

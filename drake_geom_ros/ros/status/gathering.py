@@ -10,14 +10,17 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg
+from rclpy.node import NodeNameNonExistentError
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from drake_geom_ros.client import SceneGraphClient
+from drake_geom_ros.client import NoAnswerError, SceneGraphClient
 from drake_geom_ros.common.geometry_names import WORLD
+from drake_geom_ros.ros.sensing.protocol import SENSORS
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _ANY = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT)  # meets every publisher
-_LARGE = 'sensor_msgs/msg/Image'  # megabytes a message: not listened to
+# Megabytes a message: not listened to.
+_LARGE = 'sensor_msgs/msg/Image', 'sensor_msgs/msg/PointCloud2'
 _INTERNAL = 'SceneGraphInternal'  # the source of the world frame: nobody's
 _WINDOW = 2.2  # [s] in which messages are counted; diagnostics come once a second
 
@@ -69,12 +72,16 @@ class Watcher:
     def status(self, window: float = _WINDOW) -> Status:
         """Return what the node tells within ``window`` [s]; NoAnswerError where it is silent."""
         self._client.wait_for(lambda: 'scene' in self._latest, f'{self._server}/scene')
-        topics = self._topics()
+        # A latched message may come before discovery tells who its node is.
+        self._client.wait_for(self._topics, f'{self._server} in the ROS graph')
         before, begun = Counter(self._counts), time.monotonic()
+        counted = set(self._counted)
         time.sleep(window)
         counts, seconds = Counter(self._counts), time.monotonic() - begun
+        if not (topics := self._topics()):  # again: discovery may have told some of them only
+            raise NoAnswerError(f'{self._server} left the ROS graph within {window:g} s')
         for topic in topics:
-            if topic.name in self._counted:
+            if topic.name in counted:
                 topic.rate = (counts[topic.name] - before[topic.name]) / seconds
         return self._told(topics)
 
@@ -87,14 +94,28 @@ class Watcher:
                 self._latest['diagnostics'] = status
 
     def _topics(self) -> list[Topic]:
-        """Return the node's topics; those that others read or write are counted from now on."""
+        """Return the node's topics, none where the ROS graph does not know it.
+
+        Those that others read or write are counted from now on.
+        """
+        if not (found := self._topics_of(self._server)):
+            return []
+        # What it hears of clouds and depth images, a process of its own does.
+        found += self._topics_of(self._server + SENSORS)
+        return sorted(found, key=lambda each: (not each.published, each.name))
+
+    def _topics_of(self, server: str) -> list[Topic]:
         node, found = self._client.node, []
-        namespace, _, name = self._server.rpartition('/')
+        namespace, _, name = server.rpartition('/')
         for published, of_node in (
             (True, node.get_publisher_names_and_types_by_node),
             (False, node.get_subscriber_names_and_types_by_node),
         ):
-            for topic, (kind, *_) in of_node(name, namespace or '/'):
+            try:
+                listed = of_node(name, namespace or '/')
+            except NodeNameNonExistentError:
+                return []
+            for topic, (kind, *_) in listed:
                 if topic in ('/rosout', '/parameter_events'):
                     continue
                 listing = (
@@ -104,9 +125,9 @@ class Watcher:
                 )
                 others = [each for each in listing(topic) if each.node_name != node.get_name()]
                 found.append(Topic(topic, kind, published, len(others)))
-                if others and kind != _LARGE and topic not in self._counted:
+                if others and kind not in _LARGE and topic not in self._counted:
                     self._count(topic, kind)
-        return sorted(found, key=lambda each: (not each.published, each.name))
+        return found
 
     def _count(self, topic: str, kind: str) -> None:
         """Count the messages of a topic, as they are on the wire."""

@@ -1,11 +1,13 @@
 """`python -m drake_geom_ros.ros.status` beside a real node."""
 
 import json
+import re
 import signal
 import time
 
-from drake_geom_msgs import srv
-from ros.harness import Process, run_python
+from drake_geom_msgs import msg, srv
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from ros.harness import Process, run_python, start_node
 from ros.scene_calls import accepted, exclude
 
 SCENE = """
@@ -57,6 +59,19 @@ def test_a_running_node_is_told_whole(client):
     assert '  arm: 1 frame, 1 geometry: hand' in out
 
 
+def test_what_its_process_of_sensors_hears_is_told_too(lone_client, tmp_path):
+    node = start_node(tmp_path / 'log', name='seeing', obstacles='[points]')
+    try:
+        lone_client.wait_for(
+            lambda: 'seeing_sensors' in lone_client.node.get_node_names(), 'its process of sensors'
+        )
+        code, out, errors = status('--node', 'seeing', '--timeout', '60')
+    finally:
+        node.end()
+    assert code == 0, errors
+    assert re.search(r'in  /seeing/obstacles/points +0 others  nobody sends', out), out
+
+
 def test_without_a_node_it_says_so_and_ends():
     begun = time.monotonic()
     code, out, errors = status('--node', '/nobody', '--timeout', '1')
@@ -66,13 +81,21 @@ def test_without_a_node_it_says_so_and_ends():
     assert time.monotonic() - begun < 30.0
 
 
+def test_a_scene_of_a_node_that_the_graph_does_not_know_is_no_status(client):
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    client.node.create_publisher(msg.Scene, '/unknown/scene', latched).publish(msg.Scene())
+    code, out, errors = status('--node', '/unknown', '--timeout', '3')
+    assert (code, out) == (1, '')
+    assert 'waited 3 s for /unknown in the ROS graph' in errors
+
+
 def test_watching_goes_on_until_it_is_interrupted(client, tmp_path):
     watching = Process(
         tmp_path / 'watch.txt', 'drake_geom_ros.ros.status', '--watch', '--json', '--timeout', '20'
     )
     end = time.monotonic() + 40.0
-    while watching.output().count('\n') < 2 and time.monotonic() < end:
+    while watching.output().count('\n{') < 1 and time.monotonic() < end:
         time.sleep(0.2)
     code = watching.end(signal.SIGINT)
-    assert watching.output().count('\n') >= 2, watching.output()
+    assert watching.output().count('\n{') >= 1, watching.output()
     assert code == 130, watching.output()
