@@ -63,10 +63,10 @@ setup(
     extras_require=EXTRAS,
     entry_points={
         'console_scripts': [
-            'drake_geom_ros = drake_geom_ros.command_line.program:main',
-            'scene_graph_node = drake_geom_ros.ros.scene_graph_node:main',
-            'scene_viewer = drake_geom_ros.ros.viewer.scene_viewer:main',
-            'pose_player = drake_geom_ros.ros.pose_player:main',
+            'drake_geom_ros = drake_geom_ros.programs:drake_geom_ros',
+            'scene_graph_node = drake_geom_ros.programs:scene_graph_node',
+            'scene_viewer = drake_geom_ros.programs:scene_viewer',
+            'pose_player = drake_geom_ros.programs:pose_player',
         ]
     },
 )

@@ -2,5 +2,5 @@
 
 In: arguments of the shell, through ``__main__``.
 Out: the exit code of a program.
-May import: ``command_line``.
+May import: ``programs``.
 """

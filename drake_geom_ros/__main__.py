@@ -2,7 +2,7 @@
 
 import sys
 
-from drake_geom_ros.command_line.program import main
+from drake_geom_ros.programs import drake_geom_ros
 
 if __name__ == '__main__':
-    sys.exit(main(prog='python -m drake_geom_ros'))
+    sys.exit(drake_geom_ros(prog='python -m drake_geom_ros'))

@@ -34,6 +34,25 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
     asked cannot be, said in one line on standard error; 3: ``report --audit`` refutes what a node
     said; 4: ``report --compare`` finds a run nearer than the other one; 130: interrupted.
     """
+    try:
+        options = _parser(prog).parse_args(arguments)
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Whoever read has what it wanted. Python flushes once more at its end: into nothing.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _READER_LEFT
+    except KeyboardInterrupt:
+        print('drake_geom_ros: interrupted', file=sys.stderr)
+        return batch.INTERRUPTED
+    except (GeometryError, OSError) as error:
+        reason = ' '.join(str(error).split())
+        print(f'drake_geom_ros: {reason}', file=sys.stderr)
+        return BAD_INPUT
+
+
+def _parser(prog: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=prog,
         description='Answers about a scene file, without ROS.',
@@ -54,19 +73,4 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         compile,
     ):
         module.add_to(commands)
-    options = parser.parse_args(arguments)
-    try:
-        code = int(options.run(options))
-        sys.stdout.flush()
-        return code
-    except BrokenPipeError:
-        # Whoever read has what it wanted. Python flushes once more at its end: into nothing.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _READER_LEFT
-    except KeyboardInterrupt:
-        print('drake_geom_ros: interrupted', file=sys.stderr)
-        return batch.INTERRUPTED
-    except (GeometryError, OSError) as error:
-        reason = ' '.join(str(error).split())
-        print(f'drake_geom_ros: {reason}', file=sys.stderr)
-        return BAD_INPUT
+    return parser

@@ -6,7 +6,6 @@ until the other side is gone.
 
 import contextlib
 import os
-import signal
 import sys
 from multiprocessing.connection import Connection
 
@@ -18,8 +17,6 @@ NICENESS = 10  # it may wait; the cycles beside may not
 def main(descriptor: int) -> None:
     """Serve until the other side is gone."""
     os.nice(NICENESS)
-    # Who starts it ends it: Ctrl-C reaches both.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     opinion = SecondOpinion()
     with Connection(descriptor) as connection, contextlib.suppress(EOFError, OSError):
         while True:

@@ -70,6 +70,7 @@ class Asker:
                 [sys.executable, '-m', 'drake_geom_ros.cross_check', str(descriptor)],
                 pass_fds=[descriptor],
                 stdin=subprocess.DEVNULL,
+                start_new_session=True,  # what a terminal sends to the node is not for it
             )
         self._version = -1
 

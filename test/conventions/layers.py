@@ -121,7 +121,7 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
-    'ros/status': (('common', 'client', 'ros/sensing', 'ros/status'), ('ROS',)),
+    'ros/status': (('common', 'client', 'ros/sensing', 'ros', 'ros/status'), ('ROS',)),
     'ros': (
         (
             *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),
@@ -133,7 +133,9 @@ ROS_ROOMS = {
 
 # Room -> (rooms of ours, libraries of others) that its files may import. The longest room wins.
 LAYERS = {
-    '': (('command_line',), ()),
+    '': (('programs',), ()),
+    # What is started, each of which imports the rest of itself.
+    'programs': (('command_line', 'ros', 'ros/viewer', 'ros/status'), ()),
     'math': (('math',), ('numpy',)),
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),

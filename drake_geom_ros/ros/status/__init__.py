@@ -3,5 +3,5 @@
 In: the name of a node.
 Out: topics with rates, the scene, who waits, what was refused, filters with their leases; as text
     or as JSON.
-May import: ``common``, ``client``, ``sensing``; ROS.
+May import: ``common``, ``client``, ``sensing``, ``ros``; ROS.
 """

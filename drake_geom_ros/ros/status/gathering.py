@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
 from dataclasses import dataclass
@@ -76,7 +77,7 @@ class Watcher:
         self._client.wait_for(self._topics, f'{self._server} in the ROS graph')
         before, begun = Counter(self._counts), time.monotonic()
         counted = set(self._counted)
-        time.sleep(window)
+        pause(self._client, window)
         counts, seconds = Counter(self._counts), time.monotonic() - begun
         if not (topics := self._topics()):  # again: discovery may have told some of them only
             raise NoAnswerError(f'{self._server} left the ROS graph within {window:g} s')
@@ -173,6 +174,12 @@ class Watcher:
             },
             values=values,
         )
+
+
+def pause(client: SceneGraphClient, seconds: float) -> None:
+    """Let time pass [s], unless what ends the client's waits ends this one."""
+    over = time.monotonic() + seconds
+    client.wait_for(lambda: time.monotonic() >= over, 'the time to pass', math.inf)
 
 
 def _names(values: dict[str, str], key: str) -> list[str]:

@@ -1,0 +1,60 @@
+"""Programs that are interrupted before they have begun: a code, no traceback."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+from conventions.source_tree import ROOT
+from ros.harness import environment
+
+# Starts a program; the first import of a library, which each of them needs, is interrupted.
+INTERRUPTED = """
+import signal, sys
+from drake_geom_ros import programs
+
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == 'numpy':
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+sys.exit(getattr(programs, sys.argv.pop())())
+"""
+
+
+def started(*arguments, **how):
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=ROOT,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=False,
+        **how,
+    )
+
+
+@pytest.mark.parametrize(
+    ('name', 'code', 'said'),
+    [
+        ('drake_geom_ros', 130, 'drake_geom_ros: interrupted\n'),
+        ('scene_graph_node', 0, ''),
+        ('scene_viewer', 0, ''),
+        ('pose_player', 0, ''),
+        ('status', 130, ''),
+    ],
+)
+def test_an_interrupt_while_it_is_imported_is_no_traceback(name, code, said):
+    done = started('-c', INTERRUPTED, name)
+    assert (done.returncode, done.stdout, done.stderr) == (code, '', said)
+
+
+def test_where_interrupts_are_ignored_they_stay_so():
+    """So does ``nohup``, and a shell with what it runs in the background."""
+    ignoring = lambda: signal.signal(signal.SIGINT, signal.SIG_IGN)  # noqa: E731
+    script = INTERRUPTED.replace('sys.argv.pop())()', "sys.argv[1])(['--help'])")
+    done = started('-c', script, 'drake_geom_ros', preexec_fn=ignoring)
+    assert (done.returncode, done.stderr) == (0, '')
+    assert done.stdout.startswith('usage: drake_geom_ros')
