@@ -2,6 +2,7 @@
 
 import pytest
 from drake_geom_msgs import msg, srv
+from ros.harness import PATIENCE
 
 from drake_geom_ros.client import IncompleteError, SceneGraphClient
 from drake_geom_ros.client import SignedDistances as Distances
@@ -24,7 +25,7 @@ HERE = {'lost::base': [9, 0, 0, 0, 0, 0, 1]}
 
 @pytest.fixture(scope='module')
 def client(node):
-    with SceneGraphClient() as client:
+    with SceneGraphClient(patience=PATIENCE) as client:
         client.call('load_scene', text=SCENE, replace=True)
         yield client
 

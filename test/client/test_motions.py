@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 from drake_geom_msgs import msg
-from ros.harness import start_node
+from ros.harness import PATIENCE, start_node
 from ros.inputs.test_joint_input import JOINTS_OF_ARM
 from ros.services.test_motions import BOUNDS, FIRST_TOUCH, NOW
 from ros.services.test_states import cell_in
@@ -37,7 +37,7 @@ def asked(scene_file):
     process = start_node(
         scene_file.parent / 'log', name='moved', scene_file=scene_file, use_joint_states=True
     )
-    with SceneGraphClient('/moved') as client:
+    with SceneGraphClient('/moved', patience=PATIENCE) as client:
         yield client
     assert process.end() == 0, process.output()
 

@@ -3,17 +3,18 @@
 import re
 
 from conventions.source_tree import ROOT
-from ros.harness import run_python, start_node
+from ros.harness import run_python, start_node, wait_until_ready
 
 from drake_geom_ros import client
 
 TEXT = (ROOT / 'docs/client.md').read_text()
 
 
-def test_the_script_prints_what_is_shown(tmp_path):
+def test_the_script_prints_what_is_shown(tmp_path, lone_client):
     script, shown = re.search(r'```python\n(.*?)```\n\n```\n(.*?)```', TEXT, re.S).groups()
     node = start_node(tmp_path / 'log', scene_file='scenes/minimal.yaml')
     try:
+        wait_until_ready(lone_client)
         done = run_python('-c', script)
     finally:
         node.end()

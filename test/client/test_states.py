@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ros.harness import start_node
+from ros.harness import PATIENCE, start_node
 from ros.inputs.test_joint_input import JOINTS_OF_ARM
 from ros.services.test_states import BOUNDS, cell_in
 from sensor_msgs.msg import JointState
@@ -28,7 +28,7 @@ def asked(scene_file):
     process = start_node(
         scene_file.parent / 'log', name='planned', scene_file=scene_file, use_joint_states=True
     )
-    with SceneGraphClient('/planned') as client:
+    with SceneGraphClient('/planned', patience=PATIENCE) as client:
         yield client
     assert process.end() == 0, process.output()
 

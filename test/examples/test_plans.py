@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from ros.harness import environment, start_node
+from ros.harness import environment, start_node, wait_until_ready
 
 from examples.test_examples import EXAMPLES, output
 
@@ -22,11 +22,12 @@ def test_ways_that_are_proved_touch_nothing():
     assert counts[1][2] == counts[1][4] == '0'
 
 
-def test_a_node_proves_a_way_past_wires(tmp_path, monkeypatch):
+def test_a_node_proves_a_way_past_wires(tmp_path, monkeypatch, lone_client):
     for name, value in environment().items():  # of the node's domain, and its messages
         monkeypatch.setenv(name, value)
     node = start_node(tmp_path / 'log', scene_file=EXAMPLES / 'wires.yaml')
     try:
+        wait_until_ready(lone_client)
         for edges in ('proofs', 'samples', 'discrete'):
             said = output(EXAMPLES / 'plan_an_arm.py', '--edges', edges, '--seed', '2')
             waypoints, kind = re.search(r'(\d+) waypoints, (.*) at a tenth', said).groups()

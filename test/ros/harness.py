@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import rclpy
+from drake_geom_msgs import srv
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -18,8 +19,10 @@ from drake_geom_ros.common.children import end
 ROOT = Path(__file__).resolve().parents[2]
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-PATIENCE = 60.0  # [s] a fact that has not come by then will not come
-ANSWER_PATIENCE = 10.0  # [s] an answer that has not come by then is lost; the call is made again
+# A fact that has not come by then [s] will not come: a node may have to compile its kernels first,
+# on a busy machine, and pytest ends a test soon after.
+PATIENCE = 240.0
+ANSWER_PATIENCE = 10.0  # [s] an answer that has not come by then may be lost
 
 
 def environment():
@@ -56,13 +59,17 @@ def run_python(*arguments, timeout=120):
 
 
 class Process:
-    """A Python module run as a process, with its output in a file; ended by its own pid."""
+    """A Python module, or one of our programs by the path of its script, run as a process.
 
-    def __init__(self, log: Path, module: str, *arguments: str) -> None:
+    Its output is in a file, and it is ended by its own pid.
+    """
+
+    def __init__(self, log: Path, started: str | Path, *arguments: str) -> None:
         self.log = log
         self._output = log.open('w')
+        how = [started] if isinstance(started, Path) else ['-m', started]
         self.popen = subprocess.Popen(
-            [sys.executable, '-m', module, *arguments],
+            [sys.executable, *how, *arguments],
             env=environment(),
             cwd=ROOT,
             stdout=self._output,
@@ -96,7 +103,12 @@ def start_node(
     for parameter, value in parameters.items():
         text = str(value).lower() if isinstance(value, bool) else str(value)
         arguments += ['-p', f'{parameter}:={text}']
-    return Process(log, 'drake_geom_ros.ros.scene_graph_node', *arguments)
+    return Process(log, ROOT / 'scripts/scene_graph_node', *arguments)
+
+
+def wait_until_ready(client) -> None:
+    """Wait until the server of a client answers: what is started then need not be so patient."""
+    assert client.call(srv.HasCollisions, 'has_collisions').success
 
 
 class Client:
@@ -153,7 +165,10 @@ class Client:
         return messages
 
     def publisher(self, message_class, topic: str, qos=SENSOR):
-        """Return a publisher that the server has found."""
+        """Return a publisher that knows a listener.
+
+        That one may not know the publisher yet: what is sent by best effort at once may be lost.
+        """
         publisher = self.node.create_publisher(message_class, f'{self.server}/{topic}', qos)
         self.wait_for(lambda: publisher.get_subscription_count() > 0, f'a listener to {topic}')
         return publisher
@@ -166,11 +181,16 @@ class Client:
         client = self._clients[name]
         self.wait_for(client.service_is_ready, f'the service {name}')
         # A server may take a request before it has found who asks, and then its answer is lost
-        # (a known race of discovery over DDS, seen where a node opens its services anew).
-        for _ in range(int(PATIENCE / ANSWER_PATIENCE)):
-            future = client.call_async(service_class.Request(**fields))
-            end = time.monotonic() + ANSWER_PATIENCE
-            self.wait_for(lambda f=future, e=end: f.done() or time.monotonic() > e, name)
-            if future.done():
-                return future.result()
-        raise AssertionError(f'no answer of {name} in {PATIENCE:g} s')
+        # (a known race of discovery over DDS, seen where a node opens its services anew): the call
+        # is made again. An answer may be late, too, as while the server compiles: the first one
+        # counts, for the second call may be refused what the first one did.
+        futures, again = [], 0.0
+
+        def answered():
+            nonlocal again
+            if time.monotonic() > again:
+                futures.append(client.call_async(service_class.Request(**fields)))
+                again = time.monotonic() + ANSWER_PATIENCE
+            return next((future for future in futures if future.done()), None)
+
+        return self.wait_for(answered, f'an answer of {name}').result()

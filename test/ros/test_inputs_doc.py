@@ -5,7 +5,7 @@ import re
 import pytest
 import yaml
 from drake_geom_msgs import msg, srv
-from ros.harness import ROOT, run_python, start_node
+from ros.harness import ROOT, run_python, start_node, wait_until_ready
 from ros.scene_calls import accepted
 from ros.test_readme import filled
 
@@ -23,8 +23,9 @@ def node(tmp_path_factory):
     assert process.end() == 0, process.output()
 
 
-def test_the_script_prints_what_is_shown(node):
+def test_the_script_prints_what_is_shown(node, client):
     """First: the ball still stands where the scene file puts it."""
+    wait_until_ready(client)
     done = run_python('examples/feed_the_node.py')
     assert done.returncode == 0, done.stderr + node.output()
     assert f'```\n{done.stdout}```' in TEXT

@@ -5,7 +5,7 @@ from importlib import import_module
 
 import pytest
 import yaml
-from ros.harness import ROOT, run_python, start_node
+from ros.harness import ROOT, run_python, start_node, wait_until_ready
 from ros.scene_calls import accepted
 
 from drake_geom_ros.ros.services.table import SERVICES
@@ -21,9 +21,10 @@ SERVICES_PAGE = (ROOT / 'docs/services.md').read_text()
         ('ask_the_node.py', {'scene_file': 'scenes/minimal.yaml', 'max_distance': 1.0}),
     ],
 )
-def test_an_example_prints_what_the_readme_says(tmp_path, example, asked):
+def test_an_example_prints_what_the_readme_says(tmp_path, lone_client, example, asked):
     node = start_node(tmp_path / 'log', **{'max_distance': 0.3, **asked})
     try:
+        wait_until_ready(lone_client)
         done = run_python(f'examples/{example}')
     finally:
         node.end()
