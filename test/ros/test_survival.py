@@ -24,7 +24,7 @@ rclpy.spin(node)
 
 def start_player(log):
     arguments = ['--ros-args', '-p', f'scene_file:={SCENE}', '-p', 'rate:=50.0']
-    return Process(log, 'drake_geom_ros.ros.pose_player', *arguments)
+    return Process(log, ROOT / 'scripts/pose_player', *arguments)
 
 
 @pytest.fixture
