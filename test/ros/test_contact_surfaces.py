@@ -5,7 +5,7 @@ import pytest
 from drake_geom_msgs import msg, srv
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
-from ros.harness import start_node
+from ros.harness import PATIENCE, start_node
 from ros.scene_calls import accepted, poses, refused
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -200,7 +200,7 @@ def test_half_spaces_that_overlap_are_told_though_they_have_no_depth(client, pub
             assert list(found.point_pair_reason) == [msg.ContactSurfaces.REASON_HALF_SPACES]
             assert list(found.point_pair_depth) == [np.inf]
             assert np.isnan(found.point_pair_p_wca).all()
-        with SceneGraphClient() as scene:
+        with SceneGraphClient(patience=PATIENCE) as scene:
             (pair,) = scene.contact_surfaces(with_fallback=True).without_surface
             assert pair.reason == 'both are half spaces'
     finally:
@@ -209,27 +209,27 @@ def test_half_spaces_that_overlap_are_told_though_they_have_no_depth(client, pub
 
 def test_markers_are_coloured_by_pressure_and_vanish(client, publisher):
     heard = client.listen(MarkerArray, 'markers')
-    publisher.publish(poses(FRAMES, PLACES, 's', stamp=41))
 
-    def shown(action):
+    def shown(action, places, stamp):
+        publisher.publish(poses(FRAMES, places, 's', stamp=stamp))
         found = [m for each in heard for m in each.markers if m.ns == 'contact_surfaces']
         return [m for m in found[-1:] if m.action == action]
 
-    (marker,) = client.wait_for(lambda: shown(Marker.ADD), 'a patch')
+    (marker,) = client.wait_for(lambda: shown(Marker.ADD, PLACES, 41), 'a patch')
     assert marker.type == Marker.TRIANGLE_LIST
     assert len(marker.points) == len(marker.colors) == 3 * (len(marker.points) // 3) > 0
     assert {round(p.z, 6) for p in marker.points} == {0.0}
     reddest = max(range(len(marker.points)), key=lambda k: marker.colors[k].r)
     p = marker.points[reddest]
     assert np.hypot(p.x, p.y) < 0.003  # the pressure is largest in the middle
-    publisher.publish(poses(FRAMES, [(0, 0, 1), *PLACES[1:]], 's', stamp=42))
-    client.wait_for(lambda: shown(Marker.DELETE), 'the patch to vanish')
+    away = [(0, 0, 1), *PLACES[1:]]
+    client.wait_for(lambda: shown(Marker.DELETE, away, 42), 'the patch to vanish')
 
 
 def test_the_client_gives_names_and_no_free_space(client, publisher):
     # A service does not wait for poses that were sent before: another topic, another order.
     next_of(client, publisher, client.listen(msg.ContactSurfaces, 'contact_surfaces'), PLACES, 51)
-    with SceneGraphClient() as scene:
+    with SceneGraphClient(patience=PATIENCE) as scene:
         found = scene.contact_surfaces({'s::ball': [0.5, 0, 0.09, 0, 0, 0, 1]}, polygons=True)
         (surface,) = found
         assert {surface.name_a, surface.name_b} == {'ball/g', 'pad/g'}
@@ -283,5 +283,8 @@ def test_diagnostics_and_empty_scenes(client, publisher):
     assert (message.participants, list(message.id_a)) == (0, [])
     answer = client.call(srv.ComputeContactSurfaces, 'compute_contact_surfaces')
     refused(answer, 'no geometry has hydroelastic properties')
-    with SceneGraphClient() as scene, pytest.raises(RefusedError, match='no geometry has'):
+    with (
+        SceneGraphClient(patience=PATIENCE) as scene,
+        pytest.raises(RefusedError, match='no geometry has'),
+    ):
         scene.contact_surfaces()
