@@ -174,6 +174,8 @@ def test_rules_are_saved_and_end_with_what_they_are_about(client, tmp_path):
     bare = SCENE[: SCENE.index('proximity_rules')].replace('tray', 'shelf').replace('post', 'mast')
     accepted(client.call(srv.LoadScene, 'load_scene', text=bare, replace=True))
     client.wait_for(lambda: standing(states) == {STOP: True}, 'a rule to end')
+    # States may come before the events that they know of.
+    client.wait_for(lambda: any(SLOW in m.rule for m in events), 'its event')
     assert [m.why[m.rule.index(SLOW)] for m in events if SLOW in m.rule] == [
         msg.ProximityEvents.GONE
     ]
@@ -197,8 +199,9 @@ def test_what_is_decided_while_nobody_listens_is_known_later(client):
     for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_ACTIVATE):
         request = Transition(id=transition)
         assert client.call(ChangeState, 'change_state', transition=request).success
-    late = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+    # In this order: once the states have come the node knows who listens to events.
     events = client.listen(msg.ProximityEvents, 'proximity_events', EVENTS)
+    late = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
     client.wait_for(lambda: standing(late) == {STOP: True, SLOW: True}, 'a late listener to know')
     assert late[-1].next_sequence == before + 2
     assert all(since > 1e9 for since in late[-1].since)  # by the time of day
@@ -286,8 +289,8 @@ def test_a_dead_node_is_noticed_by_the_middleware_and_by_the_monitor(client, nod
     hand.until(0.0, lambda: monitor.why_stop() == f'{STOP}: near', 'a stop')
     hand.until(1.0, lambda: not monitor.why_stop(), 'the stop to go')
     node.popen.send_signal(signal.SIGKILL)
-    client.wait_for(lambda: 'silent' in monitor.why_stop(), 'the monitor to notice', 10.0)
-    client.wait_for(lambda: missed and died, 'the middleware to notice', 10.0)
+    client.wait_for(lambda: 'silent' in monitor.why_stop(), 'the monitor to notice')
+    client.wait_for(lambda: missed and died, 'the middleware to notice')
     assert 'silent' in told[-1]
     assert monitor.missed == 0
 
