@@ -91,6 +91,11 @@ class Cell:
         ]
         return min(found) if found else None
 
+    def waits(self):
+        """Clear the maps, for what was sent before may still be taken; return whether all wait."""
+        accepted(self.client.call(srv.ClearObstacles, 'clear_obstacles'))
+        return self.results and self.results[-1].waiting_pairs == 2
+
     def map_ages(self):
         last = self.reports[-1]
         return dict(zip(last.maps, last.map_ages, strict=True))
@@ -117,9 +122,9 @@ class Cell:
 
 @pytest.fixture
 def cell(client):
-    client.spin_until(time.monotonic() + 0.3)  # what an earlier test sent may still be taken
-    accepted(client.call(srv.ClearObstacles, 'clear_obstacles'))
-    return Cell(client)
+    cell = Cell(client)
+    cell.until(cell.waits, 'maps that wait, as at first')
+    return cell
 
 
 def test_what_never_came_waits_then_counts_then_grows_old(cell):
@@ -234,9 +239,8 @@ def test_maps_are_saved_loaded_and_cleared(cell, node):
     other = str(folder / 'other.bt')
     refused(call(srv.SaveObstacles, 'save_obstacles', path=other), 'not written by save_obstacles')
 
-    cell.client.spin_until(time.monotonic() + 0.3)
     assert accepted(call(srv.ClearObstacles, 'clear_obstacles')).cells == 2
-    cell.until(lambda: cell.results[-1].waiting_pairs == 2, 'that both wait again')
+    cell.until(cell.waits, 'that both wait again')
     loaded = accepted(call(srv.LoadObstacles, 'load_obstacles', path=str(folder / 'seen.bt')))
     assert loaded.cells == 2
     cell.until(lambda: cell.distance() == near, 'the loaded map')
