@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
-import time
+from types import SimpleNamespace as Plain
 
 import pytest
 from cross_check.test_second_opinion import asked  # noqa: F401  (a fixture)
@@ -56,12 +56,14 @@ def test_a_process_that_was_killed_is_started_again_after_a_while(
     assert verdicts(asker, asked) == [AGREED] * 10
     asker._process.send_signal(signal.SIGKILL)
     asker._process.wait()
-    monkeypatch.setattr(asker_module, '_PAUSE', 0.3)
+    now = [100.0]
+    monkeypatch.setattr(asker_module, 'time', Plain(monotonic=lambda: now[0]))
     assert verdicts(asker, asked) is None
     assert asker.lost == 1
+    now[0] += asker_module._PAUSE - 1.0
     assert verdicts(asker, asked) is None  # too early, which is no loss
     assert asker.lost == 1
-    time.sleep(0.4)
+    now[0] += 2.0
     assert verdicts(asker, asked) == [AGREED] * 10
 
 

@@ -150,7 +150,7 @@ def test_a_publisher_that_another_thread_closes_between_two_looks_ends_nothing(n
 
 
 SLOW = """
-import sys, time
+import signal, sys, time
 from rclpy.node import Node
 from drake_geom_ros.ros.spinning import run_node
 
@@ -161,9 +161,11 @@ class Slow(Node):
 
     def work(self):
         print('working', flush=True)
-        end = time.monotonic() + float(sys.argv.pop())
-        while time.monotonic() < end:
+        stop = signal.getsignal(signal.SIGINT).__self__
+        while not stop.received:
             time.sleep(0.01)
+        print('told to stop', flush=True)
+        time.sleep(float(sys.argv.pop()))
         print('done', flush=True)
 
 sys.exit(run_node(Slow, (), []))
@@ -184,7 +186,7 @@ def test_what_runs_when_a_signal_comes_may_finish():
     process = start_slow(1.0)
     assert process.stdout.readline() == 'working\n'
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=30.0) == ('done\n', '')
+    assert process.communicate() == ('told to stop\ndone\n', '')
     assert process.returncode == 0
 
 
@@ -194,10 +196,9 @@ def test_a_second_signal_ends_what_takes_too_long(second):
     process = start_slow(1000.0)
     assert process.stdout.readline() == 'working\n'
     process.send_signal(signal.SIGINT)
-    with pytest.raises(subprocess.TimeoutExpired):
-        process.wait(0.5)
+    assert process.stdout.readline() == 'told to stop\n'  # and goes on
     process.send_signal(second)
-    assert process.wait(30.0) == -second
+    assert process.wait() == -second
     assert process.communicate() == ('', '')
 
 
@@ -237,7 +238,7 @@ def of_middleware():
 
 def ask():
     try:
-        with SceneGraphClient() as client:
+        with SceneGraphClient(patience=100.0) as client:
             client.scene()
             counts.append(of_middleware())
     finally:

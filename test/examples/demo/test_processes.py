@@ -2,13 +2,14 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace as Plain
 
 import pytest
 from conventions.source_tree import ROOT
 
+from examples.demo import processes as module
 from examples.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
 
 
@@ -91,13 +92,18 @@ def test_another_process_that_ends_first_is_a_failure(modules, tmp_path):
     assert not _runs(pid)
 
 
-def test_an_interrupt_lets_the_client_finish(modules, tmp_path):
+def test_an_interrupt_lets_the_client_finish(modules, tmp_path, monkeypatch):
     with ProcessGroup(modules) as processes:
         arguments = str(tmp_path / 'finished'), str(tmp_path / 'ready')
         processes.start('client', 'finishes', *arguments, log=tmp_path / 'client.log')
         _wait_for_file(tmp_path / 'ready')
-        timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
-        timer.start()
+        interrupts = iter([signal.SIGINT])
+
+        def interrupted(seconds):  # while it waits: anywhere else pytest would end
+            for number in interrupts:
+                signal.raise_signal(number)
+
+        monkeypatch.setattr(module, 'time', Plain(sleep=interrupted))
         processes.wait_for('client')
     assert (tmp_path / 'finished').read_text() == 'finished'
 

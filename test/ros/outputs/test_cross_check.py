@@ -44,7 +44,7 @@ def checks(monkeypatch, tmp_path):
     monkeypatch.setattr(module, 'Asker', FakeAsker)
     made = []
 
-    def make(rate=1000.0, folder=tmp_path, limit=20):
+    def make(rate=1e9, folder=tmp_path, limit=20):
         made.append(CrossCheck(rate, lambda: (str(folder), limit)))
         return made[-1]
 

@@ -79,7 +79,7 @@ def sensing(heard):
 def test_one_that_is_killed_is_told_of_and_another_is_started(sensing, heard):
     first = pid_of(sensing)
     os.kill(first, signal.SIGKILL)
-    wait_for(lambda: sensing.trouble, 'trouble')
+    wait_for(lambda: heard.told, 'trouble')
     (told,) = heard.told
     assert 'ended by SIGKILL' in told
     wait_for(lambda: not sensing.trouble, 'that another one has started')
