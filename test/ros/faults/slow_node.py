@@ -1,20 +1,28 @@
-"""The node, but it takes 2 s to warm_up what is loaded."""
+"""The node, but what it loads is warmed up no sooner than a cleanup has begun."""
 
 import sys
-import time
+import threading
 
 from drake_geom_ros.ros import scene_graph_node
 from drake_geom_ros.ros.scene import live_scene
 
-warm_up = live_scene.warm_up
+warm_up, on_cleanup = live_scene.warm_up, scene_graph_node.SceneGraphNode.on_cleanup
+begun = threading.Event()
 
 
 def slowly(*what):
-    time.sleep(2.0)
+    print('warming up', flush=True)
+    begun.wait()
     return warm_up(*what)
 
 
+def cleaning_up(*what):
+    begun.set()
+    return on_cleanup(*what)
+
+
 live_scene.warm_up = slowly
+scene_graph_node.SceneGraphNode.on_cleanup = cleaning_up
 
 if __name__ == '__main__':
     sys.exit(scene_graph_node.main())

@@ -1,7 +1,6 @@
 """A node that is cleaned up while it loads a scene: the late load is dropped, and told so."""
 
 import os
-import time
 from pathlib import Path
 
 import pytest
@@ -39,8 +38,7 @@ def test_the_load_is_dropped_and_the_caller_told(node, lone_client):
     caller = client.node.create_client(srv.LoadScene, f'{client.server}/load_scene')
     client.wait_for(caller.service_is_ready, 'load_scene')
     late = caller.call_async(srv.LoadScene.Request(text=TEXT))
-    accepted(client.call(srv.HasCollisions, 'has_collisions'))
-    time.sleep(0.5)  # the load has been taken, in its own thread
+    client.wait_for(lambda: 'warming up' in node.output(), 'that the load was taken')
     change(client, Transition.TRANSITION_CLEANUP)
     client.wait_for(late.done, 'the answer to the load')
     refused(late.result(), 'closed')
