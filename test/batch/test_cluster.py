@@ -2,10 +2,10 @@
 
 import contextlib
 import importlib.util
+import json
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -52,19 +52,20 @@ class Watched(Executor):
 
 class Cluster:
     def __init__(self, folder):
-        with socket.socket() as free:
-            free.bind(('127.0.0.1', 0))
-            port = free.getsockname()[1]
-        self.address = f'tcp://127.0.0.1:{port}'
-        self.folder = folder
-        options = ('--host', '127.0.0.1', '--port', str(port), '--no-dashboard', '--no-show')
-        self.scheduler = start(folder, 'dask_scheduler', *options)
+        self.folder, told = folder, folder / 'scheduler.json'
+        # A port that is free, which it chooses: one that was free before may be taken by then.
+        options = ('--host', '127.0.0.1', '--port', '0', '--no-dashboard', '--no-show')
+        self.scheduler = start(folder, 'dask_scheduler', *options, '--scheduler-file', str(told))
         self.processes = [self.scheduler]
-        deadline = time.monotonic() + 100.0
-        while time.monotonic() < deadline:
-            with contextlib.suppress(OSError), socket.create_connection(('127.0.0.1', port), 1.0):
-                break
+        self.address = self._address(told)
+
+    def _address(self, told):
+        """Return what the scheduler writes into a file once it listens."""
+        while self.scheduler.poll() is None:
+            with contextlib.suppress(OSError, ValueError):
+                return json.loads(told.read_text())['address']
             time.sleep(0.2)
+        raise RuntimeError('the scheduler has ended')
 
     def worker(self, path=ROOT):
         options = ('--nthreads', '1', '--no-nanny', '--no-dashboard')

@@ -101,7 +101,8 @@ def test_a_robot_that_was_never_posed_is_left_out_counted_and_named(cell):
 
 def test_what_rests_where_the_file_put_it_has_no_age_and_what_moved_has(cell):
     assert cell.next_status().message.endswith('pose messages')  # nothing to warn of
-    assert cell.next_result().oldest_pose_age < 0.5
+    # Of what is younger than the table a busy machine may tell only later.
+    cell.client.wait_for(lambda: cell.next_result().oldest_pose_age < 0.5, 'a young result')
     cell.warned('1 of 2 frames are stale (older than 0.5 s): cell::cart')
     view = cell.client.call(srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise')
     assert 0.5 < accepted(view).result.oldest_pose_age < math.inf
