@@ -71,10 +71,12 @@ class Watched:
         self.client.wait_for(lambda: self.stops and self.stops[-1].data == stop, f'stop: {stop}')
         self.stops.clear()
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
+
+        def waited():
             self.move()
-            self.client.spin_until(time.monotonic() + 0.05)
-        assert len(self.stops) > 10
+            return time.monotonic() > end and len(self.stops) > 10
+
+        self.client.wait_for(waited, 'ten words of the monitor')
         assert {word.data for word in self.stops} == {stop}
 
     def close(self):
