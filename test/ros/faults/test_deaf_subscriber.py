@@ -27,7 +27,7 @@ def test_nobody_waits_for_it(tmp_path, lone_client):
     node = start_node(tmp_path / 'node', scene_file=SCENE, max_distance=1.0)
     player = Process(
         tmp_path / 'player',
-        'drake_geom_ros.ros.pose_player',
+        ROOT / 'scripts/pose_player',
         *('--ros-args', '-p', f'scene_file:={SCENE}', '-p', 'rate:=200.0'),
     )
     deaf = subprocess.Popen(

@@ -134,7 +134,7 @@ def test_a_frame_named_as_the_id_of_another(client):
     client.wait_for(lambda: posed(number, by_name, 1.0), 'the pose by name')
     by_id = poses([], [(2, 0, 0)], 'numbered')
     by_id.frame_ids = [number]
-    client.wait_for(lambda: posed('first', by_id, 2.0), 'the pose by id', patience=5.0)
+    client.wait_for(lambda: posed('first', by_id, 2.0), 'the pose by id')
     assert where(client, f'numbered::{number}') == 1.0
 
 

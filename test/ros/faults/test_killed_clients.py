@@ -37,7 +37,7 @@ def test_the_node_answers_and_keeps_its_scene(node, lone_client, tmp_path):
     for seed in itertools.count():
         arguments = ('--clients', str(CLIENTS), '--seed', str(seed), '--life', str(LIFE))
         dying = Process(tmp_path / f'dying_{seed}', 'bench.ros.dying', *arguments)
-        client.wait_for(lambda d=dying: d.popen.poll() is not None, 'the clients to die', 60.0)
+        client.wait_for(lambda d=dying: d.popen.poll() is not None, 'the clients to die')
         assert dying.end() == 0, dying.output()
         accepted(client.call(srv.HasCollisions, 'has_collisions'))
         # One that has not found the node by then was killed all the same, beside those that ask.

@@ -64,11 +64,15 @@ def test_what_its_process_of_sensors_hears_is_told_too(lone_client, tmp_path):
         lone_client.wait_for(
             lambda: 'seeing_sensors' in lone_client.node.get_node_names(), 'its process of sensors'
         )
-        code, out, errors = status('--node', 'seeing', '--timeout', '60')
+
+        def told():  # it listens after it was named, and a reading does not wait for it
+            code, out, errors = status('--node', 'seeing', '--timeout', '60')
+            assert code == 0, errors
+            return re.search(r'in  /seeing/obstacles/points +0 others  nobody sends', out)
+
+        lone_client.wait_for(told, 'a topic that it hears')
     finally:
         node.end()
-    assert code == 0, errors
-    assert re.search(r'in  /seeing/obstacles/points +0 others  nobody sends', out), out
 
 
 def test_without_a_node_it_says_so_and_ends():
