@@ -63,6 +63,7 @@ class Checker:
     farther apart than ``margin`` [m]: its distance minus its error bound is larger. (So what may
     touch is not free, however small the margin.) To the bit it is what ``evaluate`` says of
     ``'collision'`` with the margin as ``max_distance``; what was asked before changes nothing.
+    Two half spaces are as far apart as their gap where they are opposed, and else overlap.
 
     The scene is that of now. Once it changes, its filters or the poses of frames that the joints
     do not move, a checker refuses to answer: make a new one, which takes some milliseconds.
@@ -191,6 +192,11 @@ class Checker:
             )
         if verdict == NEAR:
             near = self.nearest(q)
+            if near.distance == -math.inf:
+                return (
+                    f'{near.name_a} and {near.name_b} are half spaces that overlap, as all do '
+                    'that are not exactly opposed; filter the pair where that does not count'
+                )
             return (
                 f'{near.name_a} and {near.name_b} are not certified to be farther apart than '
                 f'{self.margin:.6g} m: at least {near.lower_bound:.6g} m'

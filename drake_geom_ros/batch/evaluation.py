@@ -66,7 +66,7 @@ def evaluate(
 
     - ``'collision'``: whether any pair overlaps, as HasCollisions tells: a bool array (N,). A
       finite ``max_distance`` >= 0 [m] is a margin: False only where every pair is certified to be
-      farther apart;
+      farther apart. Pairs of half spaces count here, and are in no list of distances;
     - ``'least'``: the pair of the least lower bound, which is distance minus error bound. Its
       interval holds the least distance of all pairs: ``LeastDistances``;
     - ``'nearest'``: the ``count`` pairs of the least lower bounds, in their order. What is left

@@ -82,6 +82,16 @@ KINDS: dict[str, Callable[[PosedScene, float, Any, str], Table]] = {
 }
 
 
+def half_spaces_beside(scene: PosedScene) -> list[str]:
+    """Return in words which half spaces overlap, of which no list of pairs tells."""
+    return [
+        f'{" and ".join(_names(scene, ids))} are half spaces that overlap, and in no list of '
+        'distances or penetrations: ask for collisions, or filter the pair'
+        for ids in scene.query.half_space_gaps().overlapping
+    ]
+
+
+OF_PAIRS = ('distance', 'penetration')  # the kinds that are lists of pairs
 LIMITED = ('distance', 'points')  # the kinds that heed a limit
 
 

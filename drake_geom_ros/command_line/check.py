@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import Any
 
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
-from drake_geom_ros.command_line.contact_report import contact_lines
+from drake_geom_ros.command_line.contact_report import contact_lines, half_space_lines
 from drake_geom_ros.command_line.mesh_report import file_name, is_solid, mesh_lines
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
@@ -94,6 +94,7 @@ def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:
         yield f'  {scene.names[geometry]}: {shown}, {", ".join(roles) or "no role"}'
     yield from mesh_lines(scene)
     yield from contact_lines(scene)
+    yield from half_space_lines(scene)
     yield 'filters'
     yield from (f'  {_filter(entry)}' for entry in description.filters)
     yield 'filtered pairs'

@@ -1,4 +1,4 @@
-"""The part of ``check`` that tells which geometries have contact surfaces, and of what meshes."""
+"""The parts of ``check`` about contact surfaces and meshes of them, and pairs of half spaces."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -11,10 +11,7 @@ _WORDS = {HydroelasticType.kRigid: 'rigid', HydroelasticType.kCompliant: 'compli
 
 
 def contact_lines(scene: PosedScene) -> Iterator[str]:
-    """Yield a line for each geometry with hydroelastic properties; nothing without any.
-
-    And for pairs of half spaces that are not filtered, for what they do to queries.
-    """
+    """Yield a line for each geometry with hydroelastic properties; nothing without any."""
     title = 'contact surfaces'
     geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
     for geometry in geometries:
@@ -29,15 +26,21 @@ def contact_lines(scene: PosedScene) -> Iterator[str]:
             if kind is HydroelasticType.kCompliant:
                 told.append(f'{properties.GetProperty(_GROUP, "hydroelastic_modulus"):g} Pa')
             yield f'  {scene.names[geometry]}: {", ".join([*told, _mesh(scene, geometry)])}'
-    if not title:
-        planes = [g for g in geometries if isinstance(scene.inspector.GetShape(g), HalfSpace)]
-        manager = scene.scene_graph.collision_filter_manager()
-        for a, b in combinations(planes, 2):
-            if not manager.explain(a, b):
-                yield (
-                    f'  {scene.names[a]} and {scene.names[b]}: no surface, for both are half '
-                    'spaces, which overlap unless they are opposed; filter the pair'
-                )
+
+
+def half_space_lines(scene: PosedScene) -> Iterator[str]:
+    """Yield a line for each pair of half spaces that is not filtered; nothing without any."""
+    geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
+    planes = [g for g in geometries if isinstance(scene.inspector.GetShape(g), HalfSpace)]
+    manager = scene.scene_graph.collision_filter_manager()
+    pairs = [(a, b) for a, b in combinations(planes, 2) if not manager.explain(a, b)]
+    if pairs:
+        yield 'pairs of half spaces'
+    for a, b in pairs:
+        yield (
+            f'  {scene.names[a]} and {scene.names[b]}: in collision unless they are opposed and '
+            'apart, without a distance, a depth or a contact surface; filter the pair'
+        )
 
 
 def _mesh(scene: PosedScene, geometry: GeometryId) -> str:

@@ -13,7 +13,15 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.command_line.answers import KINDS, LIMITED, Table, write_csv, write_json
+from drake_geom_ros.command_line.answers import (
+    KINDS,
+    LIMITED,
+    OF_PAIRS,
+    Table,
+    half_spaces_beside,
+    write_csv,
+    write_json,
+)
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
@@ -75,11 +83,15 @@ def run(options: argparse.Namespace) -> int:
     inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
     check_outputs({'--output': options.output}, inputs)
 
+    beside: dict[str, None] = {}
+
     def answers() -> Iterator[tuple[float | None, Table]]:
         ask = KINDS[options.what]
         for moment in moments:
             scene.pose(moment.poses)
             scene.check_whole()
+            if options.what in OF_PAIRS:
+                beside.update(dict.fromkeys(half_spaces_beside(scene)))
             yield moment.time, ask(scene, options.max_distance, points, options.accuracy)
 
     # Everything is computed before the file is opened: bad input leaves an old one alone.
@@ -90,6 +102,8 @@ def run(options: argparse.Namespace) -> int:
             write_json(done, file)
         else:
             write_csv(done, timed, file)
+    for told in beside:
+        print(told, file=sys.stderr)
     return 0
 
 

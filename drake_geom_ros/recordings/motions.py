@@ -17,6 +17,7 @@ from drake_geom_ros.batch import LeastDistances
 from drake_geom_ros.batch.running import cores
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.state_queries import has_two_half_spaces
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.states import Block
@@ -64,10 +65,12 @@ class Motions:
         moves = (poses[:-1] != poses[1:]).any(axis=(1, 2))
         here, there = codes[first:], bounds[first:]
         lower = (found.distance - found.error_bound)[first:]
-        rests = known & ~moves
+        # A pair of half spaces has no distance by which what rests could be told to be clear.
+        by_distances = not has_two_half_spaces(block.context)
+        rests = known & ~moves & by_distances
         here[rests] = np.where(lower[rests] > 0.0, CLEAR, CONTACT)
         there[rests] = np.where(lower[rests] > 0.0, lower[rests], np.nan)
-        asked = np.flatnonzero(known & moves)
+        asked = np.flatnonzero(known & ~rests)
         if asked.size:
             self._prove(block, poses, asked, here, there, lower)
         return codes, bounds
@@ -88,7 +91,8 @@ class Motions:
         """Put what is proved of motions from rows of poses to the next ones."""
         context = block.narrowed(block.asked[self._number])
         scene, _ = PackedScene.of(context, block.frames, about_points=False)
-        if not scene.has_moving_pairs():  # what moves is in no pair of the set
+        # Where what moves is in no pair of the set.
+        if not scene.has_moving_pairs() and not len(scene.half_spaces):
             codes[asked] = np.where(lower[asked] > 0.0, CLEAR, CONTACT)
             bounds[asked] = np.where(lower[asked] > 0.0, lower[asked], np.nan)
             return

@@ -13,7 +13,9 @@ from drake_geom_ros.geometry import (
     FramePoseVector,
     GeometryFrame,
     GeometryId,
+    HalfSpace,
     SceneGraph,
+    Shape,
     SignedDistanceResults,
 )
 from drake_geom_ros.math import RigidTransform
@@ -99,6 +101,9 @@ class Judge:
         return self._of_pair(event)
 
     def _of_pair(self, event: RecordedEvent) -> Verdict:
+        names = event.geometry_a, event.geometry_b
+        if all(isinstance(self._shape(name), HalfSpace) for name in names):
+            return _untold('two half spaces have no distance that could be computed again')
         results = self._distance(event)
         d, bound = float(results.distance[0]), float(results.error_bound[0])
         coordinates = (results.p_WCa, results.p_WCb, event.pose_a[:3], event.pose_b[:3])
@@ -130,6 +135,9 @@ class Judge:
         context.UpdateFramePoses(FramePoseVector(X_WFs))
         query = graph.get_query_output_port().Eval(context)
         return query.signed_distance_of_pair(ids[0], ids[1], accuracy='exact')
+
+    def _shape(self, name: str) -> Shape:
+        return self._graph.model_inspector().GetShape(self._geometry(name))
 
     def _geometry(self, name: str) -> GeometryId:
         if name not in self._geometries:

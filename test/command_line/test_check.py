@@ -57,18 +57,26 @@ def test_who_has_contact_surfaces_is_told(capsys, tmp_path):
     ]
 
 
-def test_half_spaces_that_are_in_the_way_of_contact_surfaces_are_named(capsys, tmp_path):
+PLAIN = '\ngeometries:\n- {name: floor, shape: {type: half_space}}\n'
+
+
+@pytest.mark.parametrize('others', [PRESSING, PLAIN], ids=['pressing', 'plain'])
+def test_pairs_of_half_spaces_are_named(capsys, tmp_path, others):
     path = tmp_path / 'planes.yaml'
     moving = '\n'.join(
         f'- {{name: {name}, frame: f, shape: {{type: half_space}}}}' for name in ('belt', 'other')
     )
-    path.write_text(f'frames: [{{name: f, pose: {{}}}}]{PRESSING}{moving}\n')
+    path.write_text(f'frames: [{{name: f, pose: {{}}}}]{others}{moving}\n')
     assert main(['check', str(path)]) == 0
-    told = [line for line in capsys.readouterr().out.splitlines() if 'half spaces' in line]
-    why = 'no surface, for both are half spaces, which overlap unless they are opposed'
-    assert told == [
-        f'  scene::world/floor and scene::f/{name}: {why}; filter the pair'
-        for name in ('belt', 'other')
+    lines = capsys.readouterr().out.splitlines()
+    start = lines.index('pairs of half spaces')
+    why = (
+        'in collision unless they are opposed and apart, without a distance, a depth or a contact'
+    )
+    assert lines[start + 1 : start + 4] == [
+        f'  scene::world/floor and scene::f/belt: {why} surface; filter the pair',
+        f'  scene::world/floor and scene::f/other: {why} surface; filter the pair',
+        'filters',
     ]
     path.write_text(path.read_text() + 'filters: [{exclude_between: [[world/floor], [f]]}]\n')
     assert main(['check', str(path)]) == 0

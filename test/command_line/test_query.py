@@ -105,3 +105,23 @@ def test_nothing_is_answered_while_a_frame_has_no_pose(capsys, tmp_path):
 def test_a_limit_that_would_be_ignored_is_refused(capsys, what):
     assert main(['query', SCENE, '--what', what, '--max-distance', '0.5']) == 2
     assert '--max-distance goes with --what distance or points' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('what', ['distance', 'penetration', 'candidates', 'collisions'])
+def test_half_spaces_that_overlap_are_told_beside_a_list(capsys, tmp_path, what):
+    scene = tmp_path / 'planes.yaml'
+    scene.write_text(
+        'frames: [{name: f, pose: {position: [0, 0, 1]}}]\ngeometries:\n'
+        '- {name: floor, shape: {type: half_space}}\n'
+        '- {name: plane, frame: f, shape: {type: half_space}}\n'
+    )
+    assert main(['query', str(scene), '--what', what]) == 0
+    answer, told = capsys.readouterr()
+    if what in ('distance', 'penetration'):
+        assert len(answer.splitlines()) == 1
+        assert told == (
+            'scene::world/floor and scene::f/plane are half spaces that overlap, and in no list '
+            'of distances or penetrations: ask for collisions, or filter the pair\n'
+        )
+    else:
+        assert (len(answer.splitlines()), told) == (2, '')

@@ -154,6 +154,19 @@ def test_a_partial_context_answers_for_the_rest():
     assert scene.pairs() == pairs_of(*scene.balls, scene.floor)
 
 
+def test_half_spaces_that_wait_are_left_out_as_others():
+    scene = Chain(partial=True)
+    plane = scene.geometry(scene.c, HalfSpace())
+    assert not scene.query.HasCollisions()
+    assert scene.query.FindCollisionCandidates() == []
+    assert len(scene.query.half_space_gaps().ids) == 0
+    scene.pose(scene.c)
+    assert scene.query.HasCollisions()
+    assert scene.query.FindCollisionCandidates() == [(scene.floor, plane)]
+    with pytest.raises(PoseError, match='never had a pose'):
+        Chain(partial=False).query.half_space_gaps()
+
+
 def test_what_is_left_out_is_counted_without_what_is_filtered():
     scene = Chain(partial=True)
     assert scene.query.num_waiting_pairs() == 6
@@ -162,9 +175,8 @@ def test_what_is_left_out_is_counted_without_what_is_filtered():
     assert scene.query.num_waiting_pairs() == 5
     scene.pose(scene.c)
     assert scene.query.num_waiting_pairs() == 4
-    # Two half spaces have no distance.
-    scene.geometry(scene.a, HalfSpace())
-    assert scene.query.num_waiting_pairs() == 6
+    scene.geometry(scene.a, HalfSpace())  # and the floor, which HasCollisions would tell of
+    assert scene.query.num_waiting_pairs() == 7
     scene.pose(scene.a, scene.b)
     assert scene.query.num_waiting_pairs() == 0
 

@@ -19,9 +19,12 @@ from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.half_space_pairs import (
+    NO_GAPS,
     NONE_ENDLESS,
     EndlessOverlaps,
+    HalfSpaceGaps,
     endless_overlaps,
+    gaps_of,
     pairs_of_half_spaces,
 )
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
@@ -185,12 +188,25 @@ class ContextState(PosedScene):
 
     def endless_overlaps(self) -> EndlessOverlaps:
         """Return the unfiltered pairs of half spaces that overlap, as of the last query."""
-        world = self.world
+        if not self.world.has_two_planes:
+            return NONE_ENDLESS
+        return endless_overlaps(self.world, self._pairs_of_half_spaces(), self.paddings())
+
+    def half_space_gaps(self) -> HalfSpaceGaps:
+        """Return how far apart the unfiltered pairs of half spaces are now."""
+        world = self.posed_world()
+        if not world.has_two_planes:
+            return NO_GAPS
+        world.update()
+        return gaps_of(world, self._pairs_of_half_spaces(), self.paddings())
+
+    def _pairs_of_half_spaces(self) -> NDArray[np.int64]:
+        """Return the unfiltered pairs (k, 2), by their places in the world of the last query."""
         moment = self.built, self.filters.version
         if self._half_spaces.moment != moment:
-            self._half_spaces = _HalfSpaces(moment, pairs_of_half_spaces(world, self.filters))
-        pairs = self._half_spaces.pairs
-        return endless_overlaps(world, pairs, self.paddings()) if len(pairs) else NONE_ENDLESS
+            pairs = pairs_of_half_spaces(self.world, self.filters)
+            self._half_spaces = _HalfSpaces(moment, pairs)
+        return self._half_spaces.pairs
 
     def posed_bodies(self, world: World) -> Posed:
         """Return these bodies as the geometries of a world, where they are."""

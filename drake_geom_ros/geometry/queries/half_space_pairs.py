@@ -36,6 +36,29 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
+class HalfSpaceGaps(NamedTuple):
+    """How far apart pairs of half spaces are, ``ids`` (k, 2), the lower one first, ascending.
+
+    Opposed ones have a distance, negative where they overlap. That of all others is minus
+    infinity: they cross somewhere, and no translation parts them.
+    """
+
+    ids: Indices
+    distance: Floats  # (k,) [m]
+    error_bound: Floats  # (k,) [m]
+
+    @property
+    def lower(self) -> Floats:
+        """What no pair is nearer than (k,) [m]: they overlap unless it is above 0."""
+        found: Floats = self.distance - self.error_bound
+        return found
+
+    @property
+    def overlapping(self) -> Indices:
+        """The ids (p, 2) of those that overlap, or touch within rounding."""
+        return self.ids[~(self.lower > 0.0)]
+
+
 class EndlessOverlaps(NamedTuple):
     """Pairs of half spaces that overlap, ``ids`` (p, 2), the lower one first, ascending.
 
@@ -47,6 +70,7 @@ class EndlessOverlaps(NamedTuple):
     error_bound: Floats
 
 
+NO_GAPS = HalfSpaceGaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0), np.zeros(0))
 NONE_ENDLESS = EndlessOverlaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
 
 
@@ -58,13 +82,11 @@ def pairs_of_half_spaces(world: World, filters: FilterState) -> Indices:
     return pairs[filters.mask(slots[pairs[:, 0]], slots[pairs[:, 1]])]
 
 
-def endless_overlaps(world: World, pairs: Indices, paddings: Paddings | None) -> EndlessOverlaps:
-    """Return which of such pairs (k, 2) overlap in a world that is up to date.
+def gaps_of(world: World, pairs: Indices, paddings: Paddings | None) -> HalfSpaceGaps:
+    """Return how far apart such pairs (k, 2) are in a world that is up to date.
 
     Those that wait for a pose are left out.
     """
-    if not len(pairs):  # as in most scenes, and what follows takes as long as a small surface
-        return NONE_ENDLESS
     pairs = pairs[~world.waiting[pairs].any(axis=1)]
     a, b = pairs.T
     nhat_AW, nhat_BW = world.R_WGs[a, :, 2], world.R_WGs[b, :, 2]
@@ -75,10 +97,21 @@ def endless_overlaps(world: World, pairs: Indices, paddings: Paddings | None) ->
     if paddings is not None:
         gap -= paddings.radii[pairs].sum(axis=1)
     slack = rounding + (tilt + POSITION_STEP) * np.abs(p_AB_W).sum(axis=1)
-    overlap = ~(opposed & (gap > slack))
-    return EndlessOverlaps(
-        world.geometries.ids[pairs[overlap]], np.where(opposed[overlap], np.inf, 0.0)
-    )
+    ids = world.geometries.ids[pairs]
+    return HalfSpaceGaps(ids, np.where(opposed, gap, -np.inf), np.where(opposed, slack, 0.0))
+
+
+def endless_overlaps(world: World, pairs: Indices, paddings: Paddings | None) -> EndlessOverlaps:
+    """Return which of such pairs (k, 2) overlap in a world that is up to date.
+
+    Those that wait for a pose are left out.
+    """
+    if not len(pairs):  # as in most scenes, and what follows takes as long as a small surface
+        return NONE_ENDLESS
+    gaps = gaps_of(world, pairs, paddings)
+    overlap = ~(gaps.lower > 0.0)
+    opposed = np.isfinite(gaps.distance[overlap])
+    return EndlessOverlaps(gaps.ids[overlap], np.where(opposed, np.inf, 0.0))
 
 
 def with_endless(others: PenetrationResults, endless: EndlessOverlaps) -> PenetrationResults:

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.states.joint_checks import (
 )
 from drake_geom_ros.geometry._proximity.states.joint_loops import JointLoops
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
+from drake_geom_ros.geometry.queries.half_space_states import HalfSpaceStates
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 
@@ -56,8 +57,11 @@ class JointQueries:
             GAPS_OF_LEVELS[accuracy],
             margin,
         )
+        self._half_spaces, self._margin = HalfSpaceStates.of(scene, chain), margin
         # Bound here: a method that passes it on takes a tenth of a microsecond.
         self.verdict = self._loops.verdict  # of one state (1, c), as ``verdicts``
+        if self._half_spaces is not None:
+            self.verdict = self._verdict_with_half_spaces
 
     def verdicts(self, states: Floats) -> NDArray[np.int64]:
         """Return what is true of each state (N, c), in one piece: (N,).
@@ -66,8 +70,31 @@ class JointQueries:
         where a value is beyond its limits, NO_STATE where it is not finite, NO_POSE where a link
         would be too far away to be anywhere.
         """
-        return self._loops.verdicts(states)
+        found = self._loops.verdicts(states)
+        if self._half_spaces is not None:
+            for k in np.flatnonzero(found == FREE).tolist():
+                found[k] = self._of_half_spaces(states[k])
+        return found
 
     def least(self, state: Floats) -> Least:
         """Return the pair of the least lower bound in a state (1, c), whatever its limits."""
-        return Least(*self._loops.least(state))
+        found = Least(*self._loops.least(state))
+        if self._half_spaces is None or found.verdict not in (FREE, NEAR):
+            return found
+        gaps = self._half_spaces.at_joints(state[0])
+        k = int(np.argmin(gaps.lower))
+        if found.verdict == NEAR and found.distance - found.error_bound <= gaps.lower[k]:
+            return found
+        a, b = gaps.ids[k].tolist()
+        return Least(NEAR, float(gaps.distance[k]), float(gaps.error_bound[k]), a, b)
+
+    def _verdict_with_half_spaces(self, state: Floats) -> int:
+        """Return the verdict about a state (1, c) of a scene with pairs of half spaces."""
+        verdict = self._loops.verdict(state)
+        return self._of_half_spaces(state[0]) if verdict == FREE else verdict
+
+    def _of_half_spaces(self, values: Floats) -> int:
+        """Return the verdict about values (c,) at which all other pairs are free."""
+        assert self._half_spaces is not None
+        near = (self._half_spaces.at_joints(values).lower <= self._margin).any()
+        return NEAR if near else FREE

@@ -43,11 +43,17 @@ class MotionCheck:
       that rounding hides what is true. ``times[1]`` is the end, of a path that of the edge that
       was looked at, or an earlier time at which they are certified to touch.
 
+    Two half spaces that are not opposed overlap. A pair that no frame moves against one another is
+    what it is at the start; of others nothing is proved unless all frames of ``CheckMotion`` go
+    straight: planes that turn cross at once, so the outcome is 'unknown' from the start on and
+    names the pair. Where that does not count, filter it.
+
     ``id_A < id_B`` are the pair that is told, ``distance`` and ``error_bound`` its own at
-    ``time``, with the witness points ``p_WCa`` and ``p_WCb`` (3,) in World [m]: of a contact the
-    pair that touches, at ``times[1]``; of an unknown outcome the pair that is not proved, at
-    ``times[0]``; of a clear one the least distance that was seen. (Where no pair had to be looked
-    at, that is infinite and there are no ids: bounds alone proved that all stay apart.)
+    ``time``, with the witness points ``p_WCa`` and ``p_WCb`` (3,) in World [m] (NaN of two half
+    spaces): of a contact the pair that touches, at ``times[1]``; of an unknown outcome the pair
+    that is not proved, at ``times[0]``; of a clear one the least distance that was seen. (Where no
+    pair had to be looked at, that is infinite and there are no ids: bounds alone proved that all
+    stay apart.)
     ``lower_bound`` [m] is the least of all bounds that were proved. ``evaluations`` is how many
     pairs were answered by kernels, ``ignored`` how many pairs were left out because they were not
     clear at the start, as was asked for.

@@ -27,7 +27,14 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
 from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, Told
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
+from drake_geom_ros.geometry._proximity.world.pose_rows import POSITION
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
+from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps
+from drake_geom_ros.geometry.queries.half_space_states import (
+    HalfSpaceStates,
+    SpanOfHalfSpaces,
+    span_of,
+)
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
@@ -107,6 +114,10 @@ class MotionQueries:
         chain: JointChain | None = None,
         columns: int = 0,
     ) -> None:
+        self._half_spaces = HalfSpaceStates.of(scene, chain)
+        # Which pairs of half spaces may move against one another.
+        carriers = scene.carriers()[scene.half_spaces]
+        self._moves = carriers[:, 0] != carriers[:, 1]
         if chain is not None:
             chain = chain._replace(X_WLs=chain.X_WLs.copy())  # room, of this thread alone
         self.moved = scene.moved
@@ -129,6 +140,8 @@ class MotionQueries:
         Of queries without a chain.
         """
         self._loops.stand(R_PFs, p_PFs)
+        if self._half_spaces is not None:
+            self._half_spaces.stand(R_PFs, p_PFs)
 
     def move(
         self, asked: MotionQuestion, starts: Floats, ends: Floats, interpolation: str
@@ -143,7 +156,13 @@ class MotionQueries:
             told = self._loops.move(starts, ends, INTERPOLATIONS[interpolation])
             return self._found(told, np.zeros((2, 0)), 1.0)
 
-        return self._closely(asked, once, None)
+        found = self._closely(asked, once, None)
+        if self._half_spaces is None:
+            return found
+        turns = bool((starts[:, :POSITION] != ends[:, :POSITION]).any())
+        start = self._half_spaces.at_rows(starts)
+        end = None if turns else self._half_spaces.at_rows(ends)
+        return _with_half_spaces(found, self._span(asked, start, end, start), 0.0)
 
     def follow(
         self,
@@ -165,7 +184,31 @@ class MotionQueries:
             told = self._loops.follow(way, first, max(last, first + 1))
             return self._found(told, way, float(last))
 
-        return self._closely(asked, once, skipped)
+        found = self._closely(asked, once, skipped)
+        if self._half_spaces is None:
+            return found
+        at_joints, part = self._half_spaces.at_joints, way[first : last + 1]
+        start = at_joints(way[first])
+        end = None if (part != way[first]).any() else start
+        return _with_half_spaces(
+            found, self._span(asked, start, end, at_joints(way[0])), float(first)
+        )
+
+    def _span(
+        self,
+        asked: MotionQuestion,
+        start: HalfSpaceGaps,
+        end: HalfSpaceGaps | None,
+        beginning: HalfSpaceGaps,
+    ) -> SpanOfHalfSpaces:
+        """Return what is true of half spaces from ``start`` to ``end``; None: frames may turn.
+
+        What is ignored is what was not clear at the ``beginning`` of the whole path.
+        """
+        left_out = np.zeros(len(self._moves), dtype=np.bool_)
+        if asked.ignore_start_contacts:
+            left_out = ~(beginning.lower > asked.min_distance)
+        return span_of(start, end, self._moves, left_out, asked.min_distance)
 
     def skipped(self) -> Booleans:
         """Return which pairs (n,) the last answer left out: they were not clear at its start."""
@@ -270,6 +313,32 @@ class MotionQueries:
             evaluations=told.evaluations,
             ignored=told.ignored,
         )
+
+
+def _with_half_spaces(found: FoundMotion, span: SpanOfHalfSpaces, start: float) -> FoundMotion:
+    """Return what is found of a motion that begins at time ``start``, pairs of half spaces too."""
+    ignored = found.ignored + span.ignored
+    if span.outcome == 'clear':
+        return replace(
+            found, lower_bound=min(found.lower_bound, span.lower_bound), ignored=ignored
+        )
+    if found.outcome == 'contact' and found.times[0] <= start:
+        return replace(found, ignored=ignored)
+    nowhere = np.full(3, np.nan)
+    return replace(
+        found,
+        outcome=span.outcome,
+        times=(start, start if span.outcome == 'contact' else found.times[1]),
+        time=start,
+        a=span.a,
+        b=span.b,
+        distance=span.distance,
+        error_bound=span.error_bound,
+        lower_bound=span.lower_bound,
+        p_WCa=nowhere,
+        p_WCb=nowhere,
+        ignored=ignored,
+    )
 
 
 def _earlier(edge: int, t: float) -> float:

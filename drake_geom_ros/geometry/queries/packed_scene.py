@@ -62,11 +62,11 @@ class PackedScene:
     moved: Indices  # the frames whose poses make a state
     paddings: Floats  # (n,) [m] of the geometries, and of which points take a mesh's surface
     meshes: NDArray[np.bool_]  # (n,)
-    # What they are to contact surfaces; of those who ask about none no body, and no half spaces.
+    half_spaces: Indices  # (m, 2) the pairs of them that no filter leaves out
+    # What they are to contact surfaces; of those who ask about none no body.
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
     likeness: Indices  # (n,) of the bodies to what other queries see: see ``contact_bodies``
-    half_spaces: Indices  # (m, 2) the pairs of them that no filter leaves out
 
     @classmethod
     def of(
@@ -112,11 +112,9 @@ class PackedScene:
         none = np.zeros(len(table.ids))
         body_of, bodies = np.full(len(table.ids), -1), packed([packed_half_space(0.0)])
         likeness = np.zeros(len(table.ids), dtype=np.int64)
-        half_spaces = np.zeros((0, 2), dtype=np.int64)
         if about_contacts:
             contacts = state.contact_bodies()
             body_of, bodies, likeness = contacts.body_of, contacts.bodies, contacts.likeness
-            half_spaces = pairs_of_half_spaces(world, filters)
         paddings = state.paddings() or Paddings(none, none.astype(bool))
         # What no state keeps is no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
@@ -139,10 +137,10 @@ class PackedScene:
             moved=rows,
             paddings=paddings.radii,
             meshes=paddings.meshes,
+            half_spaces=pairs_of_half_spaces(world, filters),
             body_of=body_of,
             bodies=bodies,
             likeness=likeness,
-            half_spaces=half_spaces,
         )
         return scene, table.ids
 
@@ -157,12 +155,19 @@ class PackedScene:
                 found.update(np.ascontiguousarray(array).tobytes())
         return found.hexdigest()
 
+    def carriers(self) -> Indices:
+        """Return the frame (n,) that states pose and that carries each geometry; 0: none does."""
+        carriers = np.arange(len(self.parents))
+        moved = np.isin(carriers, self.moved)
+        for frame, parent in enumerate(self.parents.tolist()):
+            if not moved[frame]:
+                carriers[frame] = carriers[parent]
+        return carriers[self.frames]
+
     def has_moving_pairs(self) -> bool:
         """Return whether any pair has a geometry that hangs on a frame which states pose."""
-        moving = np.isin(np.arange(len(self.parents)), self.moved)
-        for frame, parent in enumerate(self.parents.tolist()):
-            moving[frame] |= moving[parent]
-        return bool(moving[self.frames[self.pairs]].any())
+        pairs = np.concatenate((self.pairs, self.half_spaces))
+        return bool((self.carriers()[pairs] > 0).any())
 
     def world(self) -> World:
         """Return a world of its own, all frames with a pose."""

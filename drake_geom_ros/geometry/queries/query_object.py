@@ -20,6 +20,7 @@ from drake_geom_ros.geometry.ids import GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
 from drake_geom_ros.geometry.queries.contact_queries import ContactQueries
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
+from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
 from drake_geom_ros.geometry.queries.motion_checks import MotionChecks
 from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
@@ -101,7 +102,8 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         """Return the unfiltered pairs that overlap, with depth and witness points.
 
         Touching is not penetrating: the depth must exceed ``TOUCHING_DEPTH`` times the pair's
-        size, see ``_proximity/tolerances.py``. Sorted by (id_A, id_B), and ``id_A < id_B``.
+        size, see ``_proximity/tolerances.py``. Sorted by (id_A, id_B), and ``id_A < id_B``. Two
+        half spaces have no depth and are left out: HasCollisions tells of them.
 
         Pairs that were answered from bounds alone (method BOUND_ONLY: by the level, or left by
         the ``time_budget``) are reported where they may overlap: none that does is missing. Where
@@ -122,7 +124,10 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         return PenetrationResults(answers, query.world.kept_poses())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
-        """Return whether ComputePointPairPenetration would report a pair; stops at the first.
+        """Return whether any unfiltered pair overlaps; stops at the first.
+
+        Those are the pairs that ComputePointPairPenetration reports, and those of half spaces that
+        overlap, which no list has: all but opposed ones that are apart by more than rounding.
 
         Where sizes, distances or coordinates are so large, from about 1e11 m on, that rounding
         hides contacts deeper than a millimetre, a pair counts as colliding when the certified
@@ -130,9 +135,17 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         """
         state = self._state
         if paddings := state.paddings():
-            return len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
-        query = state.query('contact', accuracy, 0.0, True, CONTACT)
-        return state.engine.finds_overlap(query)
+            found = len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
+        else:
+            query = state.query('contact', accuracy, 0.0, True, CONTACT)
+            found = state.engine.finds_overlap(query)
+        if found or not state.world.has_two_planes:
+            return found
+        return len(state.endless_overlaps().ids) > 0
+
+    def half_space_gaps(self) -> HalfSpaceGaps:
+        """Return how far apart the unfiltered pairs of half spaces are, which no list has."""
+        return self._state.half_space_gaps()
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self,
@@ -241,6 +254,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     ) -> list[tuple[GeometryId, GeometryId]]:
         """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids.
 
+        Two half spaces are kept apart where they are opposed, by a gap above rounding.
         They are the same at each ``accuracy``; a name that is none raises ArgumentError.
         """
         self._state.level(accuracy)
@@ -250,10 +264,17 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         world, places = self._candidates()
-        return world.geometries.ids[places]
+        ids, endless = world.geometries.ids[places], self._state.endless_overlaps().ids
+        if not len(endless):
+            return ids
+        ids = np.concatenate((ids, endless))
+        return ids[np.lexsort((ids[:, 1], ids[:, 0]))]
 
     def _candidates(self) -> tuple[World, NDArray[np.int64]]:
-        """Return the world, brought up to date, and FindCollisionCandidates by places in it."""
+        """Return the world, brought up to date, and FindCollisionCandidates by places in it.
+
+        But for those of two half spaces.
+        """
         state = self._state
         reach = paddings.of_pair if (paddings := state.paddings()) else 0.0
         # Whatever the level is; that of the context is kept prepared.

@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.errors import GeometryError, PoseError
 from drake_geom_ros.geometry.queries.contact_queries import Contacts
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
+from drake_geom_ros.geometry.queries.half_space_states import HalfSpaceStates
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import (
     Paddings,
@@ -43,6 +44,11 @@ def default_accuracy(context: SceneGraphContext) -> str:
     return state_of(context).accuracy
 
 
+def has_two_half_spaces(context: SceneGraphContext) -> bool:
+    """Return whether a context has half spaces of which no distance tells whether they overlap."""
+    return bool(state_of(context).up_to_date_world().has_two_planes)
+
+
 class StateQueries:
     """Answers about states of a packed scene, without the GIL; each thread takes one of its own.
 
@@ -56,6 +62,7 @@ class StateQueries:
         self._world = scene.world()
         self._loops = StateLoops(self._world, scene.pairs.copy(), scene.moved.copy())
         self._paddings = Paddings(scene.paddings, scene.meshes) if scene.paddings.any() else None
+        self._half_spaces = HalfSpaceStates.of(scene)
         self._contacts = None
         if (scene.body_of >= 0).any():
             self._contacts = StateContacts(scene, self._paddings)
@@ -67,6 +74,17 @@ class StateQueries:
 
         That is so unless every pair is certified to be farther apart than the margin.
         """
+        found = self._collide(poses, accuracy, stop, margin)
+        if self._half_spaces is not None:
+            for k in np.flatnonzero(~found).tolist():
+                _check_done(k if stop[0] else len(poses), poses, stop)
+                found[k] = bool((self._half_spaces.at(poses[k]).lower <= (margin or 0.0)).any())
+        return found
+
+    def _collide(
+        self, poses: Floats, accuracy: str, stop: Indices, margin: float | None
+    ) -> NDArray[np.bool_]:
+        """Return ``has_collisions`` as if there were no pairs of half spaces."""
         if self._paddings is not None:
             counts, rows = self._padded(poses, accuracy, margin or 0.0, stop)
             near = rows[:, OVERLAPS] > 0.0

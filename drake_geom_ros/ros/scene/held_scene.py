@@ -29,6 +29,7 @@ from drake_geom_ros.ros.scene.awaited_filters import AwaitedFilters
 from drake_geom_ros.ros.scene.camera_limits import CameraLimits
 from drake_geom_ros.ros.scene.clocks import Clocks, Since
 from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
+from drake_geom_ros.ros.scene.half_spaces import overlapping_half_spaces
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
 from drake_geom_ros.ros.scene.pose_history import PoseHistory
@@ -309,12 +310,13 @@ class HeldScene:
         return waiting(self.query, self.names)
 
     def troubles(self) -> list[str]:
-        """Return what is wrong with the poses and twists that come, in words."""
+        """Return what is wrong with the poses and twists that come, and with lists, in words."""
         values = self.feeders.contested()
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
         told = [] if self._twists is None else self._twists.troubles(self.names)
         rules = self.rules.troubles(watches_motion=self.watches_motion)
         told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *rules]
+        told += filter(None, [overlapping_half_spaces(self.query, self.names)])
         if not names:
             return told
         return [

@@ -157,7 +157,7 @@ class SceneRules:
             )
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
-        measured = _measured(results, speeds)
+        measured = _with_half_spaces(_measured(results, speeds), query)
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
             measured = measured._replace(unpredicted=lost)
@@ -278,6 +278,24 @@ def _measured(
         results.p_WCa,
         results.p_WCb,
         closing_speed,
+    )
+
+
+def _with_half_spaces(measured: Measured, query: QueryObject) -> Measured:
+    """Return what was measured, and the pairs of half spaces, which no list has."""
+    gaps = query.half_space_gaps()
+    count = len(gaps.ids)
+    if not count:  # as in most scenes
+        return measured
+    nowhere, speeds = np.full((count, 3), np.nan), measured.closing_speed
+    return Measured(
+        np.concatenate((measured.id_A, gaps.ids[:, 0])),
+        np.concatenate((measured.id_B, gaps.ids[:, 1])),
+        np.concatenate((measured.distance, gaps.distance)),
+        np.concatenate((measured.error_bound, gaps.error_bound)),
+        np.concatenate((measured.p_WCa, nowhere)),
+        np.concatenate((measured.p_WCb, nowhere)),
+        None if speeds is None else np.concatenate((speeds, np.full(count, np.nan))),
     )
 
 

@@ -21,6 +21,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.driven_robot import JointEntry
+from drake_geom_ros.ros.scene.half_spaces import overlapping_half_spaces
 from drake_geom_ros.ros.scene.pose_ages import Oldest, UnknownAges
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
@@ -94,4 +95,9 @@ class SceneView:
     def reservations(self) -> str:
         """Return in words what an answer leaves out, and which poses it should not be built on."""
         said = self.waiting().in_words(), self.unknown_ages.in_words()
+        return '; '.join(filter(None, said))
+
+    def reservations_of_list(self) -> str:
+        """Return the same of a list of pairs, which leaves out pairs of half spaces, too."""
+        said = overlapping_half_spaces(self.query, self.names), self.reservations()
         return '; '.join(filter(None, said))

@@ -73,7 +73,7 @@ def _pairs_at_least(view: SceneView) -> int:
     """Return how many pairs, at least, a query without a limit of the distance reports.
 
     All of them, without those that can never be, that are filtered, or that wait for a pose.
-    Planes have no distance from one another; where they are filtered too they count twice.
+    Planes have no distance from one another; where they are filtered, or wait, they count twice.
     """
     inspector = view.query.inspector()
     geometries = inspector.GetAllGeometryIds(Role.kProximity)
@@ -96,7 +96,7 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
     fill_closing_speeds(response.result, view.closing_speeds(results))
     view.moment.stamp(response.result)
     view.waiting().tell_pairs(response.result)
-    response.message = view.reservations()
+    response.message = view.reservations_of_list()
 
 
 def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: Any) -> None:
@@ -115,7 +115,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     fill_closing_speeds(response.result, view.closing_speeds(results))
     view.moment.stamp(response.result)
     view.waiting().tell_pairs(response.result)
-    response.message = view.reservations()
+    response.message = view.reservations_of_list()
 
 
 def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.world.world import World
 
 
@@ -17,13 +16,12 @@ def count_waiting_pairs(world: World, filters: FilterState) -> int:
     if not world.waiting.any():
         return 0
     slots = filters.slots(world.geometries.ids)
-    is_plane = world.geometries.types == HALF_SPACE
     count = 0
     # One geometry after the other: a scene that waits as a whole may have millions of pairs.
     partners = np.ones(world.geometry_count, dtype=np.bool_)
     for waiting in np.flatnonzero(world.waiting).tolist():
         partners[waiting] = False
-        rows = np.flatnonzero(partners & ~(is_plane & is_plane[waiting]))
+        rows = np.flatnonzero(partners)
         slot = np.full(len(rows), slots[waiting])
         count += int(np.count_nonzero(filters.mask(slot, slots[rows])))
     return count

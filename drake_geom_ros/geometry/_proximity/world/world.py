@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import balls_inside, shape_radii
-from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.runtime.threads import share
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
@@ -134,6 +134,8 @@ class World:
         kinds = frozenset(table.types.tolist())
         self.point_shapes = PointShapes(table.types, table.starts, table.pool, kinds)
         self.has_point_shapes = False
+        # A query asks it each time, and looks at pairs of planes in no other scene.
+        self.has_two_planes = np.count_nonzero(table.types == HALF_SPACE) > 1
         self.anchored = table.frames == 0
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].

@@ -1,0 +1,118 @@
+"""The pairs of half spaces of a packed scene, state after state, for one thread."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain, pose_links
+from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_poses
+from drake_geom_ros.geometry._proximity.world.world import Named
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps, gaps_of
+from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.padding import Paddings
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+
+class HalfSpaceStates:
+    """How far apart the pairs of half spaces of a packed scene are; ids are places in the scene.
+
+    ``chain`` poses the frames that the scene has as moved, where states are joint values. Python
+    does it, for hardly any scene has such a pair; ``of`` gives None of those that have none.
+    """
+
+    def __init__(self, scene: PackedScene, chain: JointChain | None = None) -> None:
+        self._world, self._pairs = scene.world(), scene.half_spaces.copy()
+        self._named = Named(self._world.frames.ids[scene.moved], scene.moved.copy())
+        self._paddings = Paddings(scene.paddings, scene.meshes) if scene.paddings.any() else None
+        self._chain = None if chain is None else chain._replace(X_WLs=chain.X_WLs.copy())
+
+    @classmethod
+    def of(cls, scene: PackedScene, chain: JointChain | None = None) -> HalfSpaceStates | None:
+        """Return those of a scene; None where it has no pair of half spaces."""
+        return cls(scene, chain) if len(scene.half_spaces) else None
+
+    def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
+        """Put all frames where these rows (nf, 3, 3) and (nf, 3) [m] are, by their place."""
+        self._world.set_poses(np.arange(1, len(p_PFs)), R_PFs[1:], p_PFs[1:])
+
+    def at_rows(self, X_PFs: Floats) -> HalfSpaceGaps:
+        """Return the gaps where the moved frames have poses (n, POSE_WIDTH)."""
+        self._world.pose(self._named, X_PFs)
+        self._world.update()
+        return gaps_of(self._world, self._pairs, self._paddings)
+
+    def at(self, poses: Floats) -> HalfSpaceGaps:
+        """Return the gaps in a state (n, 7); raises PoseError for what is none."""
+        X_PFs = np.empty((len(poses), POSE_WIDTH))
+        if read_poses(poses, X_PFs) < len(poses):
+            raise PoseError('a state of half spaces has a pose that is none')
+        return self.at_rows(X_PFs)
+
+    def at_joints(self, values: Floats) -> HalfSpaceGaps:
+        """Return the gaps at joint values (c,); raises PoseError as ``at``."""
+        assert self._chain is not None
+        poses = np.empty((1, len(self._chain.links), 7))
+        pose_links(np.ascontiguousarray(values)[None], tuple(self._chain), 0, poses)
+        return self.at(poses[0])
+
+
+class SpanOfHalfSpaces(NamedTuple):
+    """What is true of the pairs of half spaces over a motion: the worst one, by its places.
+
+    One is told where the ``outcome`` is another than 'clear', with what it is at the start;
+    ``lower_bound`` [m] is the least that was proved, ``ignored`` how many pairs were left out.
+    """
+
+    outcome: str
+    lower_bound: float
+    ignored: int
+    a: int = -1
+    b: int = -1
+    distance: float = math.inf  # [m]
+    error_bound: float = 0.0  # [m]
+
+
+def span_of(
+    start: HalfSpaceGaps,
+    end: HalfSpaceGaps | None,
+    moves: Booleans,
+    left_out: Booleans,
+    min_distance: float,
+) -> SpanOfHalfSpaces:
+    """Return what is true of pairs (k,) over a motion from a state to another.
+
+    Those that never move against one another stay as they are at the ``start``. Where no frame
+    turns, planes that are opposed stay so, and their gap is least at the start or the ``end``.
+    Where one does, ``end`` is None, and of those that ``moves`` names nothing is proved: they
+    cross as soon as they are not exactly opposed, and no bound on a speed holds that off.
+    """
+    lower = start.lower.copy()
+    if end is not None:
+        lower = np.minimum(lower, end.lower)
+    elif moves.any():
+        lower[moves] = -math.inf
+    lower[left_out] = math.inf
+    least, ignored = float(lower.min(initial=math.inf)), int(np.count_nonzero(left_out))
+    if least > min_distance:
+        return SpanOfHalfSpaces('clear', least, ignored)
+    upper = np.where(left_out, math.inf, start.distance + start.error_bound)
+    touches = float(upper.min()) <= min_distance
+    worst = int(np.argmin(upper if touches else lower))
+    a, b = start.ids[worst].tolist()
+    return SpanOfHalfSpaces(
+        'contact' if touches else 'unknown',
+        float(start.lower[worst]),
+        ignored,
+        a,
+        b,
+        float(start.distance[worst]),
+        float(start.error_bound[worst]),
+    )

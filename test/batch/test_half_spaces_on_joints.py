@@ -1,0 +1,154 @@
+"""States and paths of a robot that carries a half space over a floor."""
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.batch import Checker, Joints, check_path, evaluate
+from drake_geom_ros.batch.paths import PathChecker
+from drake_geom_ros.geometry import (
+    FramePoseVector,
+    GeometryInstance,
+    HalfSpace,
+    ProximityProperties,
+    SceneGraph,
+)
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.scene_files import load_scene
+
+ARM = """
+sources: [arm]
+robots: [{name: arm, urdf: %s}]
+geometries: [{name: floor, source: arm, shape: {type: half_space}}]
+"""
+URDF = """<robot name="arm"><link name="base"/><link name="lift"/>
+<link name="plate"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<joint name="up" type="prismatic"><parent link="base"/><child link="lift"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="2" effort="1" velocity="1"/></joint>
+<joint name="tilt" type="revolute"><parent link="lift"/><child link="plate"/><axis xyz="1 0 0"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+class Press:
+    """A plate over a floor, turned downwards where ``tilt`` is 0, at the height ``up``."""
+
+    def __init__(self, folder, overturned=True):
+        (folder / 'arm.urdf').write_text(URDF)
+        (folder / 'arm.yaml').write_text(ARM % 'arm.urdf')
+        self.scene = SceneGraph()
+        loaded = load_scene(folder / 'arm.yaml', self.scene)
+        self.joints = Joints.of(loaded)
+        inspector = self.scene.model_inspector()
+        frames = [f for f in inspector.GetAllFrameIds() if inspector.GetName(f) == 'plate']
+        R = RotationMatrix(np.diag([1.0, -1.0, -1.0] if overturned else [1.0, 1.0, 1.0]))
+        body = GeometryInstance(RigidTransform(R, [0, 0, 0.06]), HalfSpace(), 'press')
+        body.set_proximity_properties(ProximityProperties())
+        source = inspector.GetAllSourceIds()[-1]
+        self.press = self.scene.RegisterGeometry(source, frames[0], body)
+
+    def query(self, q):
+        context = self.scene.CreateDefaultContext()
+        (poses,) = self.joints.poses(np.array([q]))
+        context.UpdateFramePoses(FramePoseVector.FromArrays(self.joints.frame_ids, poses))
+        return self.scene.get_query_output_port().Eval(context)
+
+
+@pytest.fixture(scope='module')
+def press(tmp_path_factory):
+    return Press(tmp_path_factory.mktemp('press'))
+
+
+def states(press):
+    rng = np.random.default_rng(1)
+    found = np.zeros((40, press.joints.count))
+    names = list(press.joints.names)
+    found[:, names.index('arm::up')] = rng.uniform(-0.2, 0.6, 40)
+    found[::4, names.index('arm::tilt')] = rng.choice([1e-9, -1.0, 2.0], 10)
+    return found
+
+
+@pytest.mark.parametrize('margin', [0.0, 0.2])
+def test_checkers_batches_and_contexts_agree(press, margin):
+    rows = states(press)
+    checker = Checker(press.scene, press.joints, margin)
+    free = checker.free_each(rows)
+    collides = evaluate(
+        press.scene, want='collision', states=rows, joints=press.joints, max_distance=margin
+    )
+    assert (free == ~collides).all()
+    assert 0 < np.count_nonzero(free) < len(free)
+    for q, is_free in zip(rows, free, strict=True):
+        query = press.query(q)
+        lower = query.half_space_gaps().lower
+        others = query.ComputeSignedDistancePairwiseClosestPoints()
+        least = min(lower.min(), (others.distance - others.error_bound).min())
+        assert checker.free(q) == is_free == (least > margin)
+        assert checker.clearance(q) == pytest.approx(least, abs=1e-12)
+        assert (checker.reason(q) == '') == is_free
+        if margin == 0.0:
+            assert query.HasCollisions() == (not is_free)
+        if least == -np.inf:
+            near = checker.nearest(q)
+            assert near.id_A < near.id_B
+            assert press.press in (near.id_A, near.id_B)
+            assert 'are half spaces that overlap' in checker.reason(q)
+
+
+def test_a_pair_of_half_spaces_alone_is_something_that_could_collide(tmp_path):
+    press = Press(tmp_path)
+    inspector = press.scene.model_inspector()
+    source = inspector.GetAllSourceIds()[-1]
+    (ball,) = [
+        g
+        for g in inspector.GetAllGeometryIds()
+        if not isinstance(inspector.GetShape(g), HalfSpace)
+    ]
+    press.scene.RemoveGeometry(source, ball)
+    checker = Checker(press.scene, press.joints)
+    high, tilted = _values(press, 0.5), _values(press, 0.5, 0.1)
+    assert checker.free(high)
+    assert not checker.free(tilted)
+    assert checker.clearance(high) == pytest.approx(0.56)
+    assert check_path(press.scene, press.joints, [high]).outcome == 'clear'
+
+
+def _values(press, up, tilt=0.0):
+    return [{'arm::up': up, 'arm::tilt': tilt}[name] for name in press.joints.names]
+
+
+def test_paths_are_clear_only_where_nothing_moves(press):
+    high, low, tilted = _values(press, 0.5), _values(press, 0.4), _values(press, 0.5, 0.1)
+    inside = _values(press, -0.2)
+
+    def outcomes(*path, **asked):
+        found = check_path(press.scene, press.joints, path, **asked)
+        return found.outcome, found.times
+
+    assert outcomes(high) == ('clear', (0.0, 0.0))
+    assert outcomes(high, high, high) == ('clear', (2.0, 2.0))
+    assert outcomes(high, low) == ('unknown', (0.0, 1.0))
+    assert outcomes(high, tilted)[0] == 'unknown'
+    assert outcomes(tilted, high) == ('contact', (0.0, 0.0))
+    assert outcomes(inside) == ('contact', (0.0, 0.0))
+    assert outcomes(high, high, min_distance=0.6) == ('contact', (0.0, 0.0))
+    assert outcomes(tilted, high, ignore_start_contacts=True) == ('clear', (1.0, 1.0))
+    assert outcomes(high, tilted, ignore_start_contacts=True)[0] == 'unknown'
+    found = check_path(press.scene, press.joints, [high, low])
+    assert press.press in (found.id_A, found.id_B)
+    assert found.distance == pytest.approx(0.56)
+
+
+def test_edges_are_told_each_by_itself(press):
+    high, low, tilted = _values(press, 0.5), _values(press, 0.4), _values(press, 0.5, 0.1)
+    checker = PathChecker(press.scene, press.joints)
+    found = checker.check_edges([high, high, low, tilted, tilted])
+    assert [each.outcome for each in found] == ['clear', 'unknown', 'unknown', 'contact']
+    assert [each.times[0] for each in found] == [1.0, 1.0, 2.0, 3.0]
+    path = [low, *[high] * 100]
+    checks = [
+        checker.check(path),
+        checker.check_each([path], 2)[0],
+        checker.check_each([path], 1)[0],
+    ]
+    assert {(each.outcome, each.times[0]) for each in checks} == {('unknown', 0.0)}
+    checks = [checker.check([*path[1:], tilted]), checker.check_each([[*path[1:], tilted]], 2)[0]]
+    assert {each.outcome for each in checks} == {'unknown'}
