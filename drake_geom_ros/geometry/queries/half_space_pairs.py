@@ -76,6 +76,8 @@ NONE_ENDLESS = EndlessOverlaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
 
 def pairs_of_half_spaces(world: World, filters: FilterState) -> Indices:
     """Return the unfiltered pairs of half spaces (k, 2), by their places in a world, ascending."""
+    if not world.has_two_planes:
+        return NO_GAPS.ids
     planes = np.flatnonzero(world.geometries.types == HALF_SPACE)
     pairs = planes[np.column_stack(np.triu_indices(len(planes), 1))]
     slots = filters.slots(world.geometries.ids)

@@ -32,6 +32,9 @@ class HalfSpaceStates:
         self._world, self._pairs = scene.world(), scene.half_spaces.copy()
         self._named = Named(self._world.frames.ids[scene.moved], scene.moved.copy())
         self._paddings = Paddings(scene.paddings, scene.meshes) if scene.paddings.any() else None
+        # (k,) which pairs may move against one another
+        carriers = scene.carriers()[scene.half_spaces]
+        self.moves: Booleans = carriers[:, 0] != carriers[:, 1]
         self._chain = None if chain is None else chain._replace(X_WLs=chain.X_WLs.copy())
 
     @classmethod
@@ -94,11 +97,10 @@ def span_of(
     Where one does, ``end`` is None, and of those that ``moves`` names nothing is proved: they
     cross as soon as they are not exactly opposed, and no bound on a speed holds that off.
     """
-    lower = start.lower.copy()
-    if end is not None:
-        lower = np.minimum(lower, end.lower)
-    elif moves.any():
-        lower[moves] = -math.inf
+    if end is None:
+        lower = np.where(moves, -math.inf, start.lower)
+    else:
+        lower = np.minimum(start.lower, end.lower)
     lower[left_out] = math.inf
     least, ignored = float(lower.min(initial=math.inf)), int(np.count_nonzero(left_out))
     if least > min_distance:

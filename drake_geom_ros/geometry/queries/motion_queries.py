@@ -115,9 +115,6 @@ class MotionQueries:
         columns: int = 0,
     ) -> None:
         self._half_spaces = HalfSpaceStates.of(scene, chain)
-        # Which pairs of half spaces may move against one another.
-        carriers = scene.carriers()[scene.half_spaces]
-        self._moves = carriers[:, 0] != carriers[:, 1]
         if chain is not None:
             chain = chain._replace(X_WLs=chain.X_WLs.copy())  # room, of this thread alone
         self.moved = scene.moved
@@ -162,7 +159,8 @@ class MotionQueries:
         turns = bool((starts[:, :POSITION] != ends[:, :POSITION]).any())
         start = self._half_spaces.at_rows(starts)
         end = None if turns else self._half_spaces.at_rows(ends)
-        return _with_half_spaces(found, self._span(asked, start, end, start), 0.0)
+        span = _span(asked, start, end, start, self._half_spaces.moves)
+        return _with_half_spaces(found, span, 0.0)
 
     def follow(
         self,
@@ -190,25 +188,8 @@ class MotionQueries:
         at_joints, part = self._half_spaces.at_joints, way[first : last + 1]
         start = at_joints(way[first])
         end = None if (part != way[first]).any() else start
-        return _with_half_spaces(
-            found, self._span(asked, start, end, at_joints(way[0])), float(first)
-        )
-
-    def _span(
-        self,
-        asked: MotionQuestion,
-        start: HalfSpaceGaps,
-        end: HalfSpaceGaps | None,
-        beginning: HalfSpaceGaps,
-    ) -> SpanOfHalfSpaces:
-        """Return what is true of half spaces from ``start`` to ``end``; None: frames may turn.
-
-        What is ignored is what was not clear at the ``beginning`` of the whole path.
-        """
-        left_out = np.zeros(len(self._moves), dtype=np.bool_)
-        if asked.ignore_start_contacts:
-            left_out = ~(beginning.lower > asked.min_distance)
-        return span_of(start, end, self._moves, left_out, asked.min_distance)
+        span = _span(asked, start, end, at_joints(way[0]), self._half_spaces.moves)
+        return _with_half_spaces(found, span, float(first))
 
     def skipped(self) -> Booleans:
         """Return which pairs (n,) the last answer left out: they were not clear at its start."""
@@ -313,6 +294,23 @@ class MotionQueries:
             evaluations=told.evaluations,
             ignored=told.ignored,
         )
+
+
+def _span(
+    asked: MotionQuestion,
+    start: HalfSpaceGaps,
+    end: HalfSpaceGaps | None,
+    beginning: HalfSpaceGaps,
+    moves: Booleans,
+) -> SpanOfHalfSpaces:
+    """Return what is true of half spaces from ``start`` to ``end``; None: frames may turn.
+
+    What is ignored is what was not clear at the ``beginning`` of the whole path.
+    """
+    left_out = np.zeros(len(moves), dtype=np.bool_)
+    if asked.ignore_start_contacts:
+        left_out = ~(beginning.lower > asked.min_distance)
+    return span_of(start, end, moves, left_out, asked.min_distance)
 
 
 def _with_half_spaces(found: FoundMotion, span: SpanOfHalfSpaces, start: float) -> FoundMotion:
