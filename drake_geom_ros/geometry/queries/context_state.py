@@ -20,6 +20,7 @@ from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.half_space_pairs import (
     NO_GAPS,
+    NO_PAIRS,
     NONE_ENDLESS,
     EndlessOverlaps,
     HalfSpaceGaps,
@@ -90,7 +91,7 @@ class ContextState(PosedScene):
         self._snapshot: Model | None = None
         self._padded = _KnownPaddings(None, None)
         self._waiting_pairs = _WaitingPairs(None, 0)
-        self._half_spaces = _HalfSpaces(None, np.zeros((0, 2), dtype=np.int64))
+        self._half_spaces = _HalfSpaces(None, NO_PAIRS)
         self._contact_bodies: ContactBodies | None = None
         self._posed_bodies = _NO_POSED_BODIES
         super().__init__(model, filters, partial)
@@ -188,20 +189,26 @@ class ContextState(PosedScene):
 
     def endless_overlaps(self) -> EndlessOverlaps:
         """Return the unfiltered pairs of half spaces that overlap, as of the last query."""
-        if not self.world.has_two_planes:
-            return NONE_ENDLESS
-        return endless_overlaps(self.world, self._pairs_of_half_spaces(), self.paddings())
+        pairs = self._pairs_of_half_spaces()
+        return endless_overlaps(self.world, pairs, self.paddings()) if len(pairs) else NONE_ENDLESS
 
     def half_space_gaps(self) -> HalfSpaceGaps:
         """Return how far apart the unfiltered pairs of half spaces are now."""
-        world = self.posed_world()
-        if not world.has_two_planes:
+        world, pairs = self.posed_world(), self.pairs_of_half_spaces()
+        if not len(pairs):
             return NO_GAPS
         world.update()
-        return gaps_of(world, self._pairs_of_half_spaces(), self.paddings())
+        return gaps_of(world, pairs, self.paddings())
+
+    def pairs_of_half_spaces(self) -> NDArray[np.int64]:
+        """Return the unfiltered pairs of half spaces (k, 2), by their places in the world."""
+        self.up_to_date_world()
+        return self._pairs_of_half_spaces()
 
     def _pairs_of_half_spaces(self) -> NDArray[np.int64]:
-        """Return the unfiltered pairs (k, 2), by their places in the world of the last query."""
+        """Return them as of the world of the last query, which is quick."""
+        if not self.world.has_plane_pairs:
+            return NO_PAIRS
         moment = self.built, self.filters.version
         if self._half_spaces.moment != moment:
             pairs = pairs_of_half_spaces(self.world, self.filters)

@@ -58,6 +58,10 @@ class HalfSpaceGaps(NamedTuple):
         """The ids (p, 2) of those that overlap, or touch within rounding."""
         return self.ids[~(self.lower > 0.0)]
 
+    def are_beyond(self, margin: float) -> bool:
+        """Return whether all are certified to be farther apart than a margin [m]."""
+        return bool((self.lower > margin).all())
+
 
 class EndlessOverlaps(NamedTuple):
     """Pairs of half spaces that overlap, ``ids`` (p, 2), the lower one first, ascending.
@@ -70,14 +74,15 @@ class EndlessOverlaps(NamedTuple):
     error_bound: Floats
 
 
-NO_GAPS = HalfSpaceGaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0), np.zeros(0))
-NONE_ENDLESS = EndlessOverlaps(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
+NO_PAIRS = np.zeros((0, 2), dtype=np.int64)
+NO_GAPS = HalfSpaceGaps(NO_PAIRS, np.zeros(0), np.zeros(0))
+NONE_ENDLESS = EndlessOverlaps(NO_PAIRS, np.zeros(0))
 
 
 def pairs_of_half_spaces(world: World, filters: FilterState) -> Indices:
     """Return the unfiltered pairs of half spaces (k, 2), by their places in a world, ascending."""
-    if not world.has_two_planes:
-        return NO_GAPS.ids
+    if not world.has_plane_pairs:
+        return NO_PAIRS
     planes = np.flatnonzero(world.geometries.types == HALF_SPACE)
     pairs = planes[np.column_stack(np.triu_indices(len(planes), 1))]
     slots = filters.slots(world.geometries.ids)

@@ -96,5 +96,4 @@ class JointQueries:
     def _of_half_spaces(self, values: Floats) -> int:
         """Return the verdict about values (c,) at which all other pairs are free."""
         assert self._half_spaces is not None
-        near = (self._half_spaces.at_joints(values).lower <= self._margin).any()
-        return NEAR if near else FREE
+        return FREE if self._half_spaces.at_joints(values).are_beyond(self._margin) else NEAR

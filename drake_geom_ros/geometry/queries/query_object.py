@@ -139,7 +139,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         else:
             query = state.query('contact', accuracy, 0.0, True, CONTACT)
             found = state.engine.finds_overlap(query)
-        if found or not state.world.has_two_planes:
+        if found or not state.world.has_plane_pairs:
             return found
         return len(state.endless_overlaps().ids) > 0
 

@@ -44,9 +44,14 @@ def default_accuracy(context: SceneGraphContext) -> str:
     return state_of(context).accuracy
 
 
-def has_two_half_spaces(context: SceneGraphContext) -> bool:
-    """Return whether a context has half spaces of which no distance tells whether they overlap."""
-    return bool(state_of(context).up_to_date_world().has_two_planes)
+def may_have_half_space_pairs(context: SceneGraphContext) -> bool:
+    """Return whether states of a context may have pairs of which no distance tells an overlap.
+
+    A state may move a frame from where it is welded to the world, where pairs of it are filtered.
+    """
+    state = state_of(context)
+    is_welded = state.filters.welded and state.up_to_date_world().has_plane_pairs
+    return bool(is_welded) or len(state.pairs_of_half_spaces()) > 0
 
 
 class StateQueries:
@@ -78,7 +83,7 @@ class StateQueries:
         if self._half_spaces is not None:
             for k in np.flatnonzero(~found).tolist():
                 _check_done(k if stop[0] else len(poses), poses, stop)
-                found[k] = bool((self._half_spaces.at(poses[k]).lower <= (margin or 0.0)).any())
+                found[k] = not self._half_spaces.at(poses[k]).are_beyond(margin or 0.0)
         return found
 
     def _collide(

@@ -109,6 +109,24 @@ def test_it_answers_what_batches_answer_to_the_bit(live, batch, states, clearanc
     assert list(near.distance) == pairs.distance.tolist()
 
 
+@pytest.mark.parametrize(('link', 'free'), [('upper', True), ('hand', False)])
+def test_half_spaces_that_overlap_are_not_free_whatever_is_wanted(text, live, states, link, free):
+    states = states[answer(live, states).free][:2]
+    turned = '[[1, 0, 0], [0, -1, 0], [0, 0, -1]]'
+    pose = f'{{rotation: {turned}, position: [0, 0, 40]}}'
+    planes = (
+        'geometries:\n- {name: floor, source: cell, pose: {position: [0, 0, -9]}, '
+        'shape: {type: half_space}}\n'
+        f'- {{name: plate, source: arm, frame: {link}, pose: {pose}, '
+        'shape: {type: half_space}}\n'
+    )
+    live = live_scene(text.replace('geometries:\n', planes), Clock(1000.0))
+    for want in ('collision', 'least', 'near'):
+        for stop in (False, True):
+            found = answer(live, states, want=want, stop_at_first=stop)
+            assert found.free == ([True] * 2 if free else [False] * (1 if stop else 2))
+
+
 def test_ids_are_those_of_the_live_scene(live, states):
     found = answer(live, states, want='least')
     with live.reading() as scene:

@@ -134,9 +134,12 @@ class World:
         kinds = frozenset(table.types.tolist())
         self.point_shapes = PointShapes(table.types, table.starts, table.pool, kinds)
         self.has_point_shapes = False
-        # A query asks it each time, and looks at pairs of planes in no other scene.
-        self.has_two_planes = np.count_nonzero(table.types == HALF_SPACE) > 1
         self.anchored = table.frames == 0
+        # A query asks it each time, and looks at pairs of half spaces in no other scene: filters
+        # leave out those of two that hang on the world.
+        planes = table.types == HALF_SPACE
+        has_moving = bool((planes & ~self.anchored).any())
+        self.has_plane_pairs = has_moving and int(np.count_nonzero(planes)) > 1
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].
         shapes = table.types, table.starts, table.pool
