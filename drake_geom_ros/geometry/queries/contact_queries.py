@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._contact_surfaces.arrays import (
-    UNABLE,
-)
+from drake_geom_ros.geometry._contact_surfaces.arrays import UNABLE
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.checks import checked_type
@@ -161,10 +159,9 @@ class ContactQueries:
 
     def refuse_others(self, contacts: Contacts) -> None:
         """Raise GeometryError where pairs overlap that have no surface: see above."""
-        if not contacts.others:
-            return
-        for k in np.flatnonzero(contacts.reasons != NoSurface.TOO_COARSE).tolist():
-            raise self._refusal('ComputeContactSurfaces', *contacts.pair(k))
+        refused = np.flatnonzero(contacts.reasons != NoSurface.TOO_COARSE)
+        if len(refused):
+            raise self._refusal('ComputeContactSurfaces', *contacts.pair(refused[0]))
 
     def ComputeContactSurfacesWithFallback(
         self,
@@ -183,8 +180,9 @@ class ContactQueries:
         if not found.answer.left and not len(self._state.endless_overlaps().ids):
             return found.surfaces, []
         contacts = self._contacts(found, None, with_coarse=False)
-        for endless in np.flatnonzero(contacts.reasons == NoSurface.HALF_SPACES).tolist():
-            raise self._refusal('ComputeContactSurfacesWithFallback', *contacts.pair(endless))
+        endless = np.flatnonzero(contacts.reasons == NoSurface.HALF_SPACES)
+        if len(endless):
+            raise self._refusal('ComputeContactSurfacesWithFallback', *contacts.pair(endless[0]))
         return contacts.surfaces, list(contacts.others)
 
     def contacts(
