@@ -80,8 +80,11 @@ class Process:
         return self.log.read_text()
 
     def end(self, signal_number=signal.SIGINT) -> int:
-        """Ask the process to end, wait, and return its exit code."""
-        code = end(self.popen, 20.0, signal_number)
+        """Ask the process to end, wait, and return its exit code.
+
+        One that compiles ends once it has: on a busy machine more than 20 s later.
+        """
+        code = end(self.popen, 60.0, signal_number)
         self._output.close()
         return code
 
