@@ -9,7 +9,10 @@ from bench.evidence.pages import table
 
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / 'docs/reference.md'
-_FIELD = re.compile(r'(?P<type>[\w/\[\]<=]+) +(?P<name>\w+)(?P<value>=\S+)?(?: +# (?P<text>.*))?')
+_FIELD = re.compile(
+    r'(?P<type>[\w/\[\]<=]+) +(?P<name>\w+)(?P<value>=\S+)?(?: +(?P<default>[^#\s]+))?'
+    r'(?: +# (?P<text>.*))?'
+)
 # Every answer begins with these two, described once.
 _OUTCOME = ('success', 'message')
 _INTRODUCTION = """# Messages, services and parameters
@@ -83,7 +86,9 @@ def _rows(lines: list[str]) -> list[tuple[str, str, str]]:
             raise ValueError(f'{line!r} is no field of a definition')
         if match['name'] not in _OUTCOME:
             name = f'{match["name"]}{match["value"] or ""}'
-            rows.append((f'`{name}`', f'`{match["type"]}`', match['text'] or ''))
+            default = f' (default: {match["default"]})' if match['default'] else ''
+            text = f'{match["text"] or ""}{default}'
+            rows.append((f'`{name}`', f'`{match["type"]}`', text))
     return rows
 
 

@@ -33,6 +33,8 @@ WHY = {
     msg.ProximityEvents.STALE: 'stale',
     msg.ProximityEvents.NO_POSE: 'no pose',
     msg.ProximityEvents.GONE: 'gone',
+    msg.ProximityEvents.TWO_SENDERS: 'two senders',
+    msg.ProximityEvents.OTHER_CLOCK: 'other clock',
 }
 
 

@@ -31,6 +31,8 @@ class Why(IntEnum):
     STALE = 3  # a pose that the rule needs is too old
     NO_POSE = 4  # or never came
     GONE = 5  # what the rule is about is no more
+    TWO_SENDERS = 7  # two senders pose a body that the rule needs, in turn
+    OTHER_CLOCK = 8  # stamps of a pose that it needs are of another clock: its age is not known
 
 
 @dataclass(frozen=True)

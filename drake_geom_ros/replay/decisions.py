@@ -90,6 +90,8 @@ class Judge:
             return _untold('the rule was removed, or what it is about')
         if event.entered and event.why == Why.NO_POSE:
             return _untold('a pose never came, and what never came is not recorded')
+        if event.entered and event.why in (Why.TWO_SENDERS, Why.OTHER_CLOCK):
+            return _untold('an event does not record who sent a pose, nor the stamps of its clock')
         if event.entered and event.why == Why.STALE:
             is_old = event.oldest_pose_age > event.limit_time
             said = f'the oldest pose was {event.oldest_pose_age:.3g} s old'

@@ -8,7 +8,7 @@ from conventions.source_tree import ROOT
 
 FOLDER = ROOT / 'msg_defs'
 DEFINITIONS = sorted([*FOLDER.glob('msg/*.msg'), *FOLDER.glob('srv/*.srv')])
-LINE = re.compile(r'(?P<field>[\w/]+(\[\d*\])? \w+(=\w+)?) *(# ?(?P<comment>.*))?')
+LINE = re.compile(r'(?P<field>[\w/]+(\[\d*\])? \w+(=\w+)?)( \w+)? *(# ?(?P<comment>.*))?')
 
 stems = pytest.mark.parametrize('path', DEFINITIONS, ids=lambda path: path.name)
 
