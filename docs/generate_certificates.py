@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bench.evidence.pages import table
+from bench.pages import table
 from drake_geom_ros.geometry._proximity.kernels.pair_table import (
     ALL_ROWS,
     OVER_MAP_KERNEL,

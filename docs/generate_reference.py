@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from bench.evidence.pages import table
+from bench.pages import table
 
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / 'docs/reference.md'

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from bench.evidence.pages import table
+from bench.pages import table
 
 ROOT = Path(__file__).resolve().parents[1]
 SCHEMA = ROOT / 'drake_geom_ros/scene_files/scene.schema.json'

@@ -11,7 +11,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.planning import RobotDiagramBuilder, SceneGraphCollisionChecker
 
-from bench.evidence.peers.pydrake_peer import drake_shape
+from truth.peers.pydrake_peer import drake_shape
 
 Name = tuple[str, str, str]
 

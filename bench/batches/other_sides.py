@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 import pinocchio
 
-from bench.evidence.peers.coal_peer import coal_shape
-from bench.evidence.peers.mujoco_peer import FARTHEST, add_geom
+from truth.peers.coal_peer import coal_shape
+from truth.peers.mujoco_peer import FARTHEST, add_geom
 
 assert coal
 Name = tuple[str, str, str]

@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 
-from bench.evidence.bodies.random_bodies import random_rotation
+from truth.bodies.random_bodies import random_rotation
 
 ROUNDS = 100
 PAUSES = 0.0, 0.01  # [s]

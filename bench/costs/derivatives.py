@@ -12,11 +12,11 @@ import time
 
 import numpy as np
 
-from bench.evidence.bodies.random_bodies import random_body, random_rotations
-from bench.evidence.judging.asking import BodyScene
 from drake_geom_ros.cross_check.bodies import BOUNDED
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math.batched import poses_from_matrices
+from truth.bodies.random_bodies import random_body, random_rotations
+from truth.judging.asking import BodyScene
 
 KINDS = (*BOUNDED, 'Convex')
 REACH = 0.5  # [m]

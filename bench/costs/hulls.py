@@ -10,10 +10,10 @@ import time
 import numpy as np
 from numba import njit
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.kernels.shapes import hull_packing as hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import farthest_vertex
+from truth.bodies.random_bodies import random_directions
 
 COUNTS = (16, 32, 64, 100, 200, 500, 1000, 5000)
 DIRECTIONS = 5000

@@ -14,7 +14,6 @@ import time
 import numpy as np
 from numba import njit
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotations
 from drake_geom_ros.cross_check.bodies import COUNTS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -27,6 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.pair_table import PAIR_TABLE, SHAPE_NAMES
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from truth.bodies.random_bodies import random_directions, random_rotations
 
 DISTANCES = (0.05, 0.002, 0.0, -0.001, -0.01, -0.05)
 HULL_VERTICES = 64

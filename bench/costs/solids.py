@@ -15,9 +15,6 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.grids import L, flat, surface
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.peers.coal_peer import coal_shape
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
@@ -25,6 +22,10 @@ from drake_geom_ros.geometry._proximity.kernels.solids.pairs import signed_dista
 from drake_geom_ros.geometry._proximity.kernels.solids.plain_overlap import plain_overlap
 from drake_geom_ros.geometry._proximity.kinds import Method
 from drake_geom_ros.geometry.meshes._solids import solid_of
+from truth.bodies.grids import L, flat, surface
+from truth.bodies.random_bodies import random_rotation
+from truth.bodies.tori import torus
+from truth.peers.coal_peer import coal_shape
 
 ROUNDS, LEAST = 5, 0.02  # [s] a round
 LINES = [np.arange(9.0)] * 3
@@ -35,17 +36,6 @@ def grid(cells, cuts):
     """Return a union of cells, its faces cut, as a solid."""
     vertices, triangles = surface(cells, LINES, cuts)
     return Body('Solid', vertices, triangles=triangles)
-
-
-def torus(n, m, thick=0.3):
-    """Return a torus of radius 1 about z, of 2 n m triangles."""
-    u, v = np.meshgrid(*(2.0 * np.pi * np.arange(k) / k for k in (n, m)), indexing='ij')
-    out = 1.0 + thick * np.cos(v)
-    vertices = np.stack((out * np.cos(u), out * np.sin(u), thick * np.sin(v)), -1).reshape(-1, 3)
-    i, j = (k.ravel() for k in np.indices((n, m)))
-    a, b = i * m + j, (i + 1) % n * m + j
-    c, d = (i + 1) % n * m + (j + 1) % m, i * m + (j + 1) % m
-    return Body('Solid', vertices, triangles=np.vstack((np.c_[a, b, c], np.c_[a, c, d])))
 
 
 def placed():

@@ -21,7 +21,7 @@ from typing import Any
 
 from bench.effects import report
 from bench.effects.rungs import LADDER
-from bench.evidence.pages import processor
+from bench.pages import processor
 from bench.peers.run import machine
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from bench.effects.rungs import RATE, Rung
-from bench.evidence.pages import table, three
+from bench.pages import table, three
 
 Result = dict[str, Any]
 STEPS = ('core', 'numba', 'scene files', 'scene', 'compile', 'first query')

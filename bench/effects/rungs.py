@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.evidence.bodies.random_bodies import random_directions
 from bench.ros.scenes import scene_text, two_arms
 from drake_geom_ros.cross_check.bodies import Floats
+from truth.bodies.random_bodies import random_directions
 
 SCENE, FRAMES, POSES = 'scene.yaml', 'frames.json', 'poses.npy'  # the files of a rung
 CYCLES = 200  # poses of a rung, one a cycle

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from bench.evidence.bodies import arms
 from bench.images import moderngl_side as images_moderngl
 from drake_geom_ros.cross_check.bodies import Body
+from truth.bodies import arms
 
 WIDTH, HEIGHT, FOV_Y = 640, 480, 0.8
 NEAR, FAR = 0.05, 20.0
@@ -71,7 +71,7 @@ LIBRARIES = {'exact': ours, 'VTK': ours_by_vtk, 'pydrake': pydrakes, 'moderngl':
 
 
 def shape_of(library: Library, body: Body) -> Any:
-    """Return the shape of a body of the evidence."""
+    """Return the shape of a body of the truth."""
     return getattr(library.geometry, body.kind)(*body.size)
 
 

@@ -48,7 +48,7 @@ class CoalSide:
     def __init__(self, cells: OccupiedCells, links: list[Shape]) -> None:
         import coal
 
-        from bench.evidence.peers.coal_peer import coal_shape
+        from truth.peers.coal_peer import coal_shape
 
         self._coal = coal
         self._tree = coal.makeOctree(cells.centres().copy(), cells.resolution())

@@ -13,8 +13,8 @@ from matplotlib import pyplot
 from numpy.typing import NDArray
 
 from bench.batches.ours import ROOT
-from bench.evidence.pages import table, three
 from bench.maps.scenes import sheet
+from bench.pages import table, three
 from drake_geom_ros.geometry import (
     Box,
     FramePoseVector,

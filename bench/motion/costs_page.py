@@ -9,8 +9,8 @@ import matplotlib
 import numpy as np
 from matplotlib import pyplot
 
-from bench.evidence.pages import description, table, three, versions
 from bench.motion.costs import Cost, column
+from bench.pages import description, table, three, versions
 
 matplotlib.use('Agg')
 

@@ -29,7 +29,10 @@ KEPT = ROOT / 'out/mutants'  # which test runs which line
 
 def files_of(names: list[str]) -> list[Path]:
     """Return the files of what was named, folders with all below; by default kernels and model."""
-    paths = [Path(name).resolve() for name in names] or [OURS / '_proximity', OURS / '_model.py']
+    paths = [Path(name).resolve() for name in names] or [
+        OURS / '_proximity',
+        OURS / 'model/_model.py',
+    ]
     found = [path for each in paths for path in (each.rglob('*.py') if each.is_dir() else [each])]
     return sorted(path for path in found if path.name not in ('__init__.py', 'tolerances.py'))
 

@@ -8,7 +8,7 @@ import matplotlib
 from matplotlib import pyplot
 from matplotlib.ticker import LogLocator
 
-from bench.evidence.pages import legend_below
+from bench.pages import legend_below
 from bench.peers.report import LIBRARIES, Measurement, number
 from bench.peers.scenes import QUERIES
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import coal
 import numpy as np
 
-from bench.evidence.peers.coal_peer import coal_shape
 from bench.peers.scenes import Floats, Scene
+from truth.peers.coal_peer import coal_shape
 
 NAME = 'Coal'
 MOST_CONTACTS = 10**6

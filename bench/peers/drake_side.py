@@ -13,9 +13,9 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
-from bench.evidence.peers.pydrake_peer import drake_shape
 from bench.peers.scenes import NEAR, Floats, Scene
 from drake_geom_ros.cross_check.bodies import Body
+from truth.peers.pydrake_peer import drake_shape
 
 NAME = 'pydrake'
 

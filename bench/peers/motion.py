@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.arms import SWING, link_poses
 from drake_geom_ros.cross_check.bodies import Floats
+from truth.bodies.arms import SWING, link_poses
 
 PACES = ('slow', 'robot', 'jump')
 TURN = 0.01  # [rad] how far a body turns in a slow cycle, at most, about each axis

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import mujoco
 
-from bench.evidence.peers.mujoco_peer import add_geom
 from bench.peers.scenes import Floats, Scene
+from truth.peers.mujoco_peer import add_geom
 
 NAME = 'MuJoCo'
 MEMORY = 2**29  # [bytes] for contacts

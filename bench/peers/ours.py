@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.evidence.judging.asking import BodyScene
 from bench.peers.scenes import NEAR, Floats, Scene
 from drake_geom_ros import geometry
+from truth.judging.asking import BodyScene
 
 NAME = 'ours'
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bench.evidence.pages import three
+from bench.pages import three
 from bench.peers.scenes import TENTH
 from bench.peers.timing import Taken
 

@@ -11,13 +11,13 @@ from statistics import median
 from types import ModuleType
 from typing import Any, Protocol
 
-from bench.evidence.pages import table, versions
-from bench.evidence.peers import installed as installed_peers
+from bench.pages import table, versions
 from bench.peers import chart, first_call, recorded, report
 from bench.peers.motion import PACES
 from bench.peers.report import GROWTH, ONE_BY_ONE, Measurement
 from bench.peers.scenes import Floats, Scene, build
 from bench.peers.timing import Turn, interleave
+from truth.peers import installed as installed_peers
 
 MODULES = ('ours', 'drake_side', 'mujoco_side', 'fcl_side', 'coal_side')
 LIMITS = {'python-fcl': 1.0, 'Coal': 1.0, 'MuJoCo': 1.0, 'pydrake': 2.0, 'ours': 30.0}  # [s]

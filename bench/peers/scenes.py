@@ -8,10 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from bench.evidence.bodies import arms
-from bench.evidence.bodies.random_bodies import random_directions, random_rotations
 from bench.peers.motion import Motion, Walk, swinging
 from drake_geom_ros.cross_check.bodies import BOUNDED, Body, Floats
+from truth.bodies import arms
+from truth.bodies.random_bodies import random_directions, random_rotations
 
 # Space for each body [m^3] at which bodies of these sizes have about one contact each.
 ROOM = {'spheres': 0.032, 'mixed': 0.030, 'hulls': 0.020, 'anchored': 0.02}

@@ -12,7 +12,7 @@ from pathlib import Path
 import matplotlib
 from matplotlib import pyplot
 
-from bench.evidence.pages import table
+from bench.pages import table
 from bench.peers import ours, scenes
 from bench.peers.chart import COLOURS, DPI
 from bench.peers.motion import PACES

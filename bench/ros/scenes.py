@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.evidence.bodies.random_bodies import random_directions
 from bench.ros.processes import ROOT
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
+from truth.bodies.random_bodies import random_directions
 
 _SHAPES = (
     '{type: sphere, radius: 0.1}',

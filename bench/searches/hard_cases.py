@@ -15,8 +15,9 @@ import json
 import time
 from pathlib import Path
 
-from bench.evidence.hard_cases import report
-from bench.evidence.hard_cases.cases import (
+from bench.searches import hard_cases_report as report
+from drake_geom_ros.cross_check.lost_process import outcomes
+from truth.hard_cases.cases import (
     CATALOGUE,
     PEERS_TODAY,
     Case,
@@ -24,10 +25,9 @@ from bench.evidence.hard_cases.cases import (
     families,
     load,
 )
-from bench.evidence.hard_cases.judge import CaseVerdict, judged
-from bench.evidence.judging.asking import OURS, asking, names
-from bench.evidence.peers import QUERIES
-from drake_geom_ros.cross_check.lost_process import outcomes
+from truth.hard_cases.judge import CaseVerdict, judged
+from truth.judging.asking import OURS, asking, names
+from truth.peers import QUERIES
 
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT = 3.0  # [s] of processor time for one question to a peer

@@ -6,7 +6,7 @@ Beside it solids on a lattice are put flush or nearly so, whose truth fractions 
     python -m bench.searches.hunt --rounds 20 --seed 3    # the same each time, on any machine
     python -m bench.searches.hunt --record                # also write docs/accuracy/hunt.md
 
-What is found is minimised, printed as entries for evidence/hard_cases/catalogue and written to
+What is found is minimised, printed as entries for test/truth/hard_cases/catalogue and written to
 out/hunt. The exit code is 1 where a law was broken.
 """
 
@@ -17,7 +17,6 @@ import sys
 import time
 from pathlib import Path
 
-from bench.evidence.hard_cases.cases import text_of
 from bench.searches.hunting.report import (
     entries,
     page,
@@ -27,6 +26,7 @@ from bench.searches.hunting.report import (
 )
 from bench.searches.hunting.search import Hunt
 from bench.searches.hunting.solids import SolidHunt
+from truth.hard_cases.cases import text_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / 'docs/accuracy/hunt.md'

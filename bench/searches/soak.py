@@ -17,12 +17,12 @@ from collections import Counter
 
 import numpy as np
 
-from bench.evidence.bodies.random_bodies import awkward_body, awkward_poses
-from bench.evidence.judging import laws
-from bench.evidence.judging.asking import BodyScene
-from bench.evidence.tolerances import UNIT, VERY_WIDE
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import FramePoseVector, SignedDistanceResults
+from truth.bodies.random_bodies import awkward_body, awkward_poses
+from truth.judging import laws
+from truth.judging.asking import BodyScene
+from truth.tolerances import UNIT, VERY_WIDE
 
 BODIES = 40
 SCALES = (1e-6, 1e-3, 1.0, 1e4)  # [m]

@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.surfaces.nearby import ALLOWED, HARDER, is_alone, numbers_of, poses_near
 from drake_geom_ros import geometry
 from drake_geom_ros.geometry import ContactSurfaceResults, FramePoseVector, GeometryError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies.random_bodies import random_rotation
+from truth.surfaces.nearby import ALLOWED, HARDER, is_alone, numbers_of, poses_near
 
 Floats = NDArray[np.float64]
 Pose = tuple[Floats, Floats]

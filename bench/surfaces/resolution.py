@@ -19,9 +19,9 @@ import numpy as np
 from matplotlib import pyplot
 from numpy.typing import NDArray
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.pages import description, legend_below, table, three, versions
-from bench.surfaces.truth import (
+from bench.pages import description, legend_below, table, three, versions
+from truth.bodies.random_bodies import random_rotation
+from truth.surfaces.closed_forms import (
     DEPTH,
     MODULUS,
     RADIUS,

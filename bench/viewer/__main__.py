@@ -23,10 +23,10 @@ from typing import Any
 
 import numpy as np
 
-from bench.evidence.judging.asking import BodyScene
 from bench.viewer.browser import PROGRAM, Browser
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import FramePoseVector
+from truth.judging.asking import BodyScene
 
 RATE = 20.0  # [Hz]
 MAX_DISTANCE = 0.15  # [m]

@@ -11,7 +11,7 @@
 ``bodies`` ``surfaces``       what is asked about, and what it is, by plain formulas
 ============================  ==================================================================
 
-The node imports the first two alone. ``bench/evidence`` builds on the last three lines.
+The node imports the first two alone. ``test/truth`` builds on the last three lines.
 
 In: pairs as they were answered, from a node or a program.
 Out: verdicts, counted, and those that disagree.

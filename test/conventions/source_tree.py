@@ -8,6 +8,9 @@ PACKAGE = ROOT / 'drake_geom_ros'
 
 SOURCES = sorted(PACKAGE.rglob('*.py'))
 SCRIPTS = sorted(path for room in ('bench', 'examples') for path in (ROOT / room).rglob('*.py'))
+TRUTH = sorted(
+    path for path in (ROOT / 'test/truth').rglob('*.py') if not path.name.startswith('test_')
+)
 
 
 def name_of(path):

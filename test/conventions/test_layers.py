@@ -5,7 +5,7 @@ from graphlib import CycleError, TopologicalSorter
 
 import pytest
 from conventions.layers import EXCEPTIONS, LAYERS, room_of
-from conventions.source_tree import PACKAGE, SOURCES, imports_of, module_of, name_of
+from conventions.source_tree import PACKAGE, SOURCES, TRUTH, imports_of, module_of, name_of
 
 ROS_PREFIXES = ('rclpy', 'rosidl', 'ament', 'builtin_interfaces', 'rcl_interfaces', 'std_srvs')
 
@@ -69,7 +69,7 @@ def test_private_modules_stay_within_their_room(path):
         ('client/results.py', 'from drake_geom_ros.geometry import Sphere', 'geometry'),
         ('ros/inputs/tf_input.py', 'from drake_geom_ros.ros import surface', 'surface'),
         ('ros/scene_graph_node.py', 'from examples.demo import client', 'examples'),
-        ('ros/outputs/cycle.py', 'from bench.evidence.truth import convex', 'bench'),
+        ('ros/outputs/cycle.py', 'from bench.peers import report', 'bench'),
         (
             'cross_check/judging.py',
             'import drake_geom_ros.geometry._proximity.pairs.error_bounds',
@@ -86,6 +86,24 @@ def test_private_modules_stay_within_their_room(path):
 def test_a_forbidden_import_is_seen(path, source, culprit):
     (found,) = forbidden(path, source)
     assert culprit in found
+
+
+def beside_the_truth(source):
+    """Return what a source imports that would judge us by ourselves: kernels, tests, bench."""
+    rooms = {'bench', 'oracles', 'conventions', 'pytest'}
+    names = imports_of(source)
+    return [name for name in names if name.split('.')[0] in rooms or '_proximity' in name]
+
+
+def test_truth_imports_no_kernel_no_test_and_no_measurement():
+    found = {name_of(path): beside_the_truth(path.read_text()) for path in TRUTH}
+    assert {name: names for name, names in found.items() if names} == {}
+
+
+def test_truth_by_a_kernel_is_seen():
+    kernel = 'drake_geom_ros.geometry._proximity.kernels.vectors'
+    source = f'import numpy\nimport {kernel}\nfrom bench.peers import report\nimport oracles'
+    assert beside_the_truth(source) == [kernel, 'bench.peers.report', 'oracles']
 
 
 def test_the_exception_is_allowed():

@@ -7,7 +7,7 @@ import re
 import tokenize
 
 import pytest
-from conventions.source_tree import PACKAGE, ROOT, SCRIPTS, SOURCES, module_of, name_of
+from conventions.source_tree import PACKAGE, ROOT, SCRIPTS, SOURCES, TRUTH, module_of, name_of
 
 # Epsilons by name, and worst errors that the accuracy tests keep true.
 NUMBERS_ALLOWED = ('tolerances.py', 'pair_table.py')
@@ -39,7 +39,7 @@ def test_an_unnamed_epsilon_is_seen():
     ]
 
 
-@pytest.mark.parametrize('path', [*SOURCES, *SCRIPTS, ROOT / 'run'], ids=name_of)
+@pytest.mark.parametrize('path', [*SOURCES, *SCRIPTS, *TRUTH, ROOT / 'run'], ids=name_of)
 def test_a_file_is_short(path):
     assert len(path.read_text().splitlines()) <= MOST_LINES
 

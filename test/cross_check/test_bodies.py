@@ -8,15 +8,15 @@ from oracles import body_truth as truth
 from oracles import closed_forms
 from oracles.hard_cases.construct import turned, unit
 
-from bench.evidence.bodies import grids
-from bench.evidence.bodies.grids import L, solid
-from bench.evidence.bodies.random_bodies import random_body, random_rotation
 from drake_geom_ros.cross_check.bodies import BOUNDED, PRIMITIVES, Body, Pair
 from drake_geom_ros.cross_check.surfaces import height, support_value, width
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry.meshes._solids import volume
 from drake_geom_ros.geometry.meshes._welding import merged
 from drake_geom_ros.geometry.shapes.primitives import for_queries
+from truth.bodies import grids
+from truth.bodies.grids import L, solid
+from truth.bodies.random_bodies import random_body, random_rotation
 
 
 def body(kind):

@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.random_bodies import box_corners
-from bench.evidence.peers import PairAnswer
 from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.cross_check.judging import allowed_to_others, judged
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, REFUTED, SILENT, PairQuestion
+from truth.bodies.random_bodies import box_corners
+from truth.peers import PairAnswer
 
 EYE = np.eye(3)
 X = np.array([1.0, 0.0, 0.0])

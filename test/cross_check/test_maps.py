@@ -7,7 +7,6 @@ import pytest
 from cross_check.test_second_opinion import batch_of
 from oracles.shape_scenes import SHAPES, ShapeScene
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, SILENT, questions_of
 from drake_geom_ros.cross_check.second_opinion import SecondOpinion
 from drake_geom_ros.geometry import (
@@ -19,6 +18,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies.random_bodies import random_rotation
 
 NAMES = [name for name in SHAPES if name != 'half_space']
 EDGE = 0.05

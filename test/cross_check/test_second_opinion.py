@@ -7,9 +7,6 @@ import signal
 import numpy as np
 import pytest
 
-from bench.evidence.hard_cases import cases
-from bench.evidence.judging.asking import BodyScene
-from bench.evidence.peers import PairAnswer
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.cross_check.question import (
     AGREED,
@@ -24,6 +21,9 @@ from drake_geom_ros.cross_check.question import (
 )
 from drake_geom_ros.cross_check.second_opinion import MOST_LOST, SecondOpinion, body_of
 from drake_geom_ros.geometry import Mesh
+from truth.hard_cases import cases
+from truth.judging.asking import BodyScene
+from truth.peers import PairAnswer
 
 CORNERS = np.array([[0.0, 0.0, 0.3], [0.2, 0.0, 0.3], [0.0, 0.2, 0.3], [0.0, 0.0, 0.5]])
 BODIES = [

@@ -11,9 +11,9 @@ import pytest
 from oracles.shape_scenes import ShapeScene
 from oracles.solids import surface_of
 
-from bench.evidence.bodies import grids
 from drake_geom_ros.batch import evaluate
 from drake_geom_ros.geometry import Box, Convex, Mesh, MeshData, Sphere
+from truth.bodies import grids
 
 VERTICES, TRIANGLES = grids.surface(grids.L)
 L = MeshData(VERTICES, TRIANGLES)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from oracles.shape_scenes import SHAPES, MovingPair, moved
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 
 def asked(pair, p_WQs):

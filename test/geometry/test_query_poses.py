@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from bench.evidence.judging.asking import BodyScene
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import RoleError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.judging.asking import BodyScene
 
 
 def test_they_are_those_of_each_by_itself():

@@ -8,10 +8,10 @@ from numba import config
 from oracles.crossings import crossings
 from oracles.voxels import KINDS, filled_cells, placed, voxel_mesh
 
-from bench.evidence.bodies.grids import surface
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import MeshData, MeshFileError
 from drake_geom_ros.geometry.meshes._solids import solid_of
+from truth.bodies.grids import surface
+from truth.bodies.random_bodies import random_rotation
 
 ONES = (1.0, 1.0, 1.0)
 SEEDS, LARGEST = (2, 3) if config.DISABLE_JIT else (25, 6)

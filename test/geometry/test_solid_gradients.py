@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from oracles.shape_scenes import BLOCK, QUARTERS, MovingPair
 from oracles.solids import CELLS, surface_of
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     METHODS,
     Box,
@@ -21,6 +20,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 SOLIDS = {name: Mesh.FromMeshData(surface_of(name)) for name in CELLS}
 OTHERS = {

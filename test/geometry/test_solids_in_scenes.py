@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from oracles.shape_scenes import ShapeScene
 from oracles.solids import surface_of
 
-from bench.evidence.bodies import grids
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     Box,
@@ -28,6 +27,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import load_scene, save_scene
+from truth.bodies import grids
 
 ROOT = Path(__file__).parents[2]
 L, RING = Mesh.FromMeshData(surface_of('L')), Mesh.FromMeshData(surface_of('ring'))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numba import config
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
@@ -25,6 +24,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from truth.bodies.random_bodies import random_directions
 
 BODIES = 24
 CYCLES = 12 if config.DISABLE_JIT else 400

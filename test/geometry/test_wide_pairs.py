@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bench.evidence.judging.asking import PairScene
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.math import RollPitchYaw
+from truth.judging.asking import PairScene
 
 PAIRS = {
     # Almost a ball, and in it something small: every direction is almost as good.

@@ -8,12 +8,12 @@ import numpy as np
 from mpmath import mp, mpf
 from oracles import closed_forms
 
-from bench.evidence.tolerances import EPS, SEARCH
-from bench.evidence.truth import convex
-from bench.evidence.truth.meshes import ball_distance
-from bench.evidence.truth.supports import offset_between, posed
 from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
 from drake_geom_ros.cross_check.surfaces import CONVEX, HALF_SPACE
+from truth.references import convex
+from truth.references.meshes import ball_distance
+from truth.references.supports import offset_between, posed
+from truth.tolerances import EPS, SEARCH
 
 WITH_CLOSED_FORM = {(2, 2), (2, 3), (3, 3)}  # beside spheres and half spaces
 

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from bench.evidence.hard_cases.cases import Case
-from bench.evidence.judging.asking import PairScene
-from bench.evidence.judging.laws import WIDE, lacking, off_span, off_unit, turned
-from bench.evidence.tolerances import COARSE_NORMALS, EPS, POSITIONS, UNIT
 from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.cross_check.surfaces import off_surfaces
 from drake_geom_ros.geometry import METHODS, SignedDistanceResults
+from truth.hard_cases.cases import Case
+from truth.judging.asking import PairScene
+from truth.judging.laws import WIDE, lacking, off_span, off_unit, turned
+from truth.tolerances import COARSE_NORMALS, EPS, POSITIONS, UNIT
 
 FALSE, COARSE = 'error_bound below the error', 'coarse normal'
 ITERATIVE = METHODS['iterative']

@@ -8,8 +8,8 @@ import itertools
 
 from mpmath import mp, mpf
 
-from bench.evidence.truth.digits import columns, combine, cross, dot, norm, vector
 from drake_geom_ros.geometry import ShapeKind
+from truth.references.digits import columns, combine, cross, dot, norm, vector
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, *_ = ShapeKind
 DIGITS = 50

@@ -7,7 +7,6 @@ from oracles.forms import PARAMETERS
 from oracles.kernel_calls import call_for_pair
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
@@ -15,6 +14,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes import supports
 from drake_geom_ros.geometry._proximity.kinds import ELLIPSOID
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
+from truth.bodies.random_bodies import random_rotation
 
 
 def turned(axis, angle):

@@ -7,7 +7,7 @@ plane if they have an area in common. Those that only touch, wherever and howeve
 from fractions import Fraction
 from itertools import combinations
 
-from bench.evidence.truth.digits import combine, cross, dot
+from truth.references.digits import combine, cross, dot
 
 
 def sub(a, b):

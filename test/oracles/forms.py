@@ -6,7 +6,6 @@ The numbers are half sizes; of a hull, and of a solid, they are what it is packe
 import numpy as np
 from oracles.kernel_calls import call_for_pair
 
-from bench.evidence.truth import convex
 from drake_geom_ros.cross_check.bodies import COUNTS, NUMBERS, PRIMITIVES, Body
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
@@ -16,6 +15,7 @@ from drake_geom_ros.geometry._proximity.kernels.pair_table import (
     TYPE_COUNT,
 )
 from drake_geom_ros.geometry.meshes._solids import solid_of
+from truth.references import convex
 
 KINDS = {NUMBERS[kind]: kind for kind in (*PRIMITIVES, 'Convex')}
 PARAMETERS = {NUMBERS[kind]: count for kind, count in COUNTS.items()}

@@ -8,13 +8,13 @@ from oracles import body_truth
 from oracles.case_laws import radius_of_core
 from oracles.forms import PARAMETERS, body, row_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.judging import laws
-from bench.evidence.tolerances import EPS
 from drake_geom_ros.cross_check import surfaces
 from drake_geom_ros.cross_check.bodies import Pair
 from drake_geom_ros.cross_check.surfaces import width
 from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CLOSED_FORM, HALF_SPACE
+from truth.bodies.random_bodies import random_rotation
+from truth.judging import laws
+from truth.tolerances import EPS
 
 
 def pair_of(kind_A, size_A, R_WA, kind_B, size_B, R_WB, p_AB_W):

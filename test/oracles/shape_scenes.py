@@ -5,12 +5,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import (
-    box_corners,
-    random_directions,
-    random_rotation,
-)
-from bench.evidence.judging.asking import BodyScene
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
@@ -24,6 +18,12 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies.random_bodies import (
+    box_corners,
+    random_directions,
+    random_rotation,
+)
+from truth.judging.asking import BodyScene
 
 HULL = Convex.FromMeshData(
     MeshData(random_directions(np.random.default_rng(5), 24) * [0.2, 0.15, 0.1], ())

@@ -9,10 +9,10 @@ import functools
 import numpy as np
 from oracles.forms import kernel_form, row_of
 
-from bench.evidence.bodies import grids
-from bench.evidence.truth.meshes import parts_of
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
+from truth.bodies import grids
+from truth.references.meshes import parts_of
 
 CELLS = {'L': grids.L, 'U': grids.U, 'ring': grids.RING}
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from bench.evidence.bodies.grids import surface
-from bench.evidence.bodies.random_bodies import random_rotation
+from truth.bodies.grids import surface
+from truth.bodies.random_bodies import random_rotation
 
 KINDS = ('any', 'pits', 'tunnels', 'shells', 'corners', 'edges')
 

@@ -3,12 +3,12 @@
 import numpy as np
 from oracles.forms import KINDS
 
-from bench.evidence.bodies.random_bodies import random_body, random_rotations
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import BoundedBodies
 from drake_geom_ros.geometry._proximity.world.pose_rounding import taken_roundings
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
+from truth.bodies.random_bodies import random_body, random_rotations
 
 
 def random_parameters(rng, kind):

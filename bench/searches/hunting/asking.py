@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.tolerances import ROUNDING, SEARCH
-from bench.evidence.truth import convex
 from bench.searches.hunting import judge
 from bench.searches.hunting.chains import ChainedScene
 from bench.searches.hunting.judge import Judged, Ratios
 from bench.searches.hunting.scene import PairsScene
 from drake_geom_ros.cross_check.bodies import Floats, Pair
+from truth.bodies.random_bodies import random_rotation
+from truth.references import convex
+from truth.tolerances import ROUNDING, SEARCH
 
 GIVEN, CHAIN = 'given', 'chain'
 POWERS = (-30, 14)  # of two, of other scales

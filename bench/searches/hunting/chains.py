@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from bench.searches.hunting.scene import PairsScene
 from drake_geom_ros.cross_check.bodies import Body, Pair, Pose
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryFrame
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies.random_bodies import random_rotation
 
 LINKS = (1, 2, 4)  # frames between World and the frame that carries the geometry
 POSES = 40  # of links, in any order

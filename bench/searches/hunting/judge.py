@@ -12,8 +12,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.evidence.judging import laws
-from bench.evidence.tolerances import (
+from bench.searches.hunting import planes
+from bench.searches.hunting.scene import Distances, Replies
+from drake_geom_ros.cross_check.bodies import Floats, Pair
+from drake_geom_ros.cross_check.surfaces import off_surfaces
+from truth.judging import laws
+from truth.tolerances import (
     AS_TOUCHING,
     COARSE_NORMALS,
     POSITIONS,
@@ -21,10 +25,6 @@ from bench.evidence.tolerances import (
     TURNED,
     UNIT,
 )
-from bench.searches.hunting import planes
-from bench.searches.hunting.scene import Distances, Replies
-from drake_geom_ros.cross_check.bodies import Floats, Pair
-from drake_geom_ros.cross_check.surfaces import off_surfaces
 
 TINY = math.ulp(0.0)
 

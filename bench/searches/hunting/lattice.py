@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.evidence.bodies import grids
-from bench.evidence.bodies.grids import Cell
 from drake_geom_ros.cross_check.bodies import Floats
 from drake_geom_ros.geometry import Mesh, MeshData
+from truth.bodies import grids
+from truth.bodies.grids import Cell
 
 SIDE = 3  # cells along each axis, at most
 UNITS = (1.0, 1e-3, 0.3, 1e4)  # [m] of a cell

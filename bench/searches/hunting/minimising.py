@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.evidence.tolerances import ROUNDED_SKEW
 from bench.searches.hunting.asking import Scenes, merged
 from bench.searches.hunting.starts import valid
 from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from truth.tolerances import ROUNDED_SKEW
 
 DIGITS = (1, 2, 3, 6, 9)
 ROUNDS = 30

@@ -8,15 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.evidence.tolerances import (
+from bench.searches.hunting import starts
+from drake_geom_ros.cross_check.bodies import Body, Floats, Pair, as_tuples
+from drake_geom_ros.math import RotationMatrix
+from truth.tolerances import (
     ACCEPTED_SKEW,
     ENTRY_SKEW,
     HUNTED_GAPS,
     HUNTED_LENGTHS,
 )
-from bench.searches.hunting import starts
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair, as_tuples
-from drake_geom_ros.math import RotationMatrix
 
 FINEST, COARSEST = -17.0, 0.0  # decades of a step
 

@@ -19,10 +19,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from bench.evidence.bodies.random_bodies import even_directions
-from bench.evidence.tolerances import ALIKE, NARROWEST, ON_AXIS
-from bench.evidence.truth.supports import posed
 from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from truth.bodies.random_bodies import even_directions
+from truth.references.supports import posed
+from truth.tolerances import ALIKE, NARROWEST, ON_AXIS
 
 SHAPES = 4096  # that are kept as arrays
 RING = 16  # directions about each axis

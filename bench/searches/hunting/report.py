@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import itertools
 
-from bench.evidence.hard_cases.cases import Case
-from bench.evidence.pages import table
-from bench.evidence.tolerances import SEARCH
-from bench.evidence.truth.convex import of_any_size
+from bench.pages import table
 from bench.searches.hunting.judge import LAWS
 from bench.searches.hunting.minimising import minimised
 from bench.searches.hunting.search import CHAIN, WAYS, Hunt
 from bench.searches.hunting.solids import LAWS as LAWS_OF_SOLIDS
 from bench.searches.hunting.solids import SolidHunt
 from drake_geom_ros.cross_check.bodies import Pair
+from truth.hard_cases.cases import Case
+from truth.references.convex import of_any_size
+from truth.tolerances import SEARCH
 
 SHOWN = 2  # pairs of shapes, the worst of each law and way, that are minimised
 # What each law demands.

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.evidence.judging.asking import BodyScene
 from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
@@ -19,6 +18,7 @@ from drake_geom_ros.geometry import (
     PenetrationResults,
     SignedDistanceResults,
 )
+from truth.judging.asking import BodyScene
 
 
 class Distances(NamedTuple):

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.evidence.tolerances import ROUNDED_SKEW
 from bench.searches.hunting import starts
 from bench.searches.hunting.asking import CHAIN, GIVEN, Scenes, merged
 from bench.searches.hunting.judge import LAWS, Judged
 from bench.searches.hunting.mutation import Last, mutated_pose, mutated_size
 from drake_geom_ros.cross_check.bodies import Floats, Pair
+from truth.tolerances import ROUNDED_SKEW
 
 SLOTS = 48  # pairs that evolve beside each other
 STEPS = 10  # poses that a scene's pairs are tried in, before sizes change

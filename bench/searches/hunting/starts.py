@@ -8,15 +8,15 @@ import numpy as np
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import (
+from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, Body, Floats, Pair, as_tuples
+from drake_geom_ros.cross_check.surfaces import height
+from truth.bodies.random_bodies import (
     box_corners,
     random_directions,
     random_rotation,
 )
-from bench.evidence.judging.asking import BodyScene
-from bench.evidence.tolerances import ACCEPTED_SKEW, RATIONAL_STEPS
-from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, Body, Floats, Pair, as_tuples
-from drake_geom_ros.cross_check.surfaces import height
+from truth.judging.asking import BodyScene
+from truth.tolerances import ACCEPTED_SKEW, RATIONAL_STEPS
 
 KINDS = (*BOUNDED, 'Convex', 'HalfSpace')
 OFTEN = ('Sphere', *2 * KINDS[1:-1])  # as the first body, and half of the others

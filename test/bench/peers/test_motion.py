@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.arms import APART, BENT, LENGTHS
 from bench.peers.motion import PACES, ROBOT_STEP, Walk, reflected, swinging
+from truth.bodies.arms import APART, BENT, LENGTHS
 
 
 def test_mirrors_keep_values_inside_and_leave_those_that_are():

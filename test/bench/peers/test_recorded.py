@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.evidence.pages import table
+from bench.pages import table
 from bench.peers import recorded, report
 from bench.peers.report import Measurement
 from bench.peers.timing import Taken

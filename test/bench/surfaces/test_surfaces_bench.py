@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bench.surfaces.hunt import searched
-from bench.surfaces.truth import DEPTH, MODULUS, RADIUS, SIZE, ball_in_ball, box_on_plane
+from truth.surfaces.closed_forms import DEPTH, MODULUS, RADIUS, SIZE, ball_in_ball, box_on_plane
 
 
 def test_flush_bodies_break_no_law():

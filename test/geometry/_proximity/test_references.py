@@ -19,7 +19,6 @@ from numba.core.runtime import _nrt_python, rtsys
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import _proximity
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     SIGNATURE_BY_ADDRESS,
@@ -45,6 +44,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.leaves import leaf_pair
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import walk
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, OCCUPIED_CELLS, SOLID
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 VIEWS = {'row', 'part'}  # of ``kernels.calling.views``
 NUMPY_MAKERS = {'empty', 'zeros', 'full', 'eye', 'copy', 'argsort'}

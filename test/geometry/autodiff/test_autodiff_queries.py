@@ -7,7 +7,6 @@ import pytest
 from oracles.shape_scenes import PAIRS, SHAPES, MovingPair, lattice_pair, random_pair
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue
 from drake_geom_ros.geometry import (
     Box,
@@ -19,6 +18,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.geometry.autodiff.poses import with_derivatives
 from drake_geom_ros.math import RigidTransform, RigidTransform_, RotationMatrix
+from truth.bodies.random_bodies import random_directions
 
 VECTORS = ('nhat_BA_W', 'p_ACa', 'p_BCb')
 

@@ -9,8 +9,8 @@ from oracles.contact_scenes import Body, query_of, surfaces
 from oracles.mesh_files import vtk
 
 import drake_geom_ros.geometry as ours
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.math import RigidTransform
+from truth.bodies.random_bodies import random_rotation
 
 MODULUS = 1e5
 

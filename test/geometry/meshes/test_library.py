@@ -11,9 +11,9 @@ import pytest
 import trimesh
 from oracles.solids import surface_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import MeshData, MeshFileError
 from drake_geom_ros.geometry.meshes.source import MeshFile, hull_of, hull_surface, surface
+from truth.bodies.random_bodies import random_rotation
 
 ROOT = Path(__file__).parents[3]
 ONES = np.ones(3)

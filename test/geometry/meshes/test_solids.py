@@ -6,7 +6,6 @@ import trimesh
 from oracles.forms import row_of
 from oracles.solids import surface_of
 
-from bench.evidence.bodies.grids import surface
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import (
     Box,
@@ -22,6 +21,7 @@ from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry.meshes._solids import solid_of
 from drake_geom_ros.geometry.shapes.mesh_facts import mesh_facts
 from drake_geom_ros.math import RigidTransform
+from truth.bodies.grids import surface
 
 ONES = (1.0, 1.0, 1.0)
 CORNERS = np.array(list(np.ndindex(2, 2, 2)), dtype=float)

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.contact_scenes import Body, query_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     GeometryError,
@@ -20,6 +19,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.geometry._contact_surfaces import asking, packing
 from drake_geom_ros.geometry.queries import contact_bodies
+from truth.bodies.random_bodies import random_rotation
 
 TRIANGLES = HydroelasticContactRepresentation.kTriangle
 POLYGONS = HydroelasticContactRepresentation.kPolygon

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from oracles.contact_scenes import Body, query_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.surfaces.nearby import HARDER, is_alone, numbers_of, poses_near
+from truth.bodies.random_bodies import random_rotation
+from truth.surfaces.nearby import HARDER, is_alone, numbers_of, poses_near
 
 BOX, LONG = Body('Box', (1.0, 1.0, 1.0), 1e5), Body('Box', (2.0, 1.0, 1.0), 1e5)
 CUBE = Body('Convex', tuple((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)), 1e5)

@@ -8,7 +8,6 @@ import pytest
 from oracles.contact_scenes import Body, query_of, surfaces
 
 import drake_geom_ros.geometry as ours
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._contact_surfaces import packing
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     AREA,
@@ -23,6 +22,7 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
 from drake_geom_ros.geometry._contact_surfaces.asking import Posed, surfaces_of
 from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES
 from drake_geom_ros.geometry.meshes.volume_surface import neighbours_of
+from truth.bodies.random_bodies import random_rotation
 
 theirs = pytest.importorskip('pydrake.geometry', exc_type=ImportError)
 logging.getLogger('drake').setLevel(logging.ERROR)

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.contact_scenes import Body, query_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import GeometryError
+from truth.bodies.random_bodies import random_rotation
 
 UPRIGHT = np.eye(3)
 SOFT = 1e5  # [Pa]

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.contact_scenes import Body, query_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     GeometryError,
@@ -18,6 +17,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.geometry.queries.contact_bodies import NoSurface
+from truth.bodies.random_bodies import random_rotation
 
 UPRIGHT = np.eye(3)
 OVERTURNED = np.diag([1.0, -1.0, -1.0])

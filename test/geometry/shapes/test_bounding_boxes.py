@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Aabb, HalfSpace, Obb, Plane
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from truth.bodies.random_bodies import random_directions
 
 X_HB = RigidTransform(RollPitchYaw(0.3, -1.0, 2.0), [1, 2, 3])
 

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 from oracles.small_scene import TETRAHEDRON
 
-from bench.evidence.bodies.grids import L, solid
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry import (
     Convex,
@@ -22,6 +20,8 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import tree_of
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry.shapes.primitives import for_queries
+from truth.bodies.grids import L, solid
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 CUBE = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 CORNER = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)

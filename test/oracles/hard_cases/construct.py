@@ -10,14 +10,14 @@ import itertools
 import numpy as np
 from oracles import body_truth as truth
 
-from bench.evidence.bodies.random_bodies import (
+from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, Body, as_tuples
+from truth.bodies.random_bodies import (
     box_corners,
     random_directions,
     random_rotation,
 )
-from bench.evidence.hard_cases.cases import Case
-from bench.evidence.tolerances import EPS
-from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, Body, as_tuples
+from truth.hard_cases.cases import Case
+from truth.tolerances import EPS
 
 SOLIDS = (*BOUNDED, 'Convex')
 PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))

@@ -29,9 +29,9 @@ from oracles.hard_cases.construct import (
 from oracles.hard_cases.interlocked import interlocked
 from oracles.hard_cases.solids import solids
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.hard_cases.cases import CATALOGUE, text_of
 from drake_geom_ros.cross_check.bodies import as_tuples
+from truth.bodies.random_bodies import random_rotation
+from truth.hard_cases.cases import CATALOGUE, text_of
 
 WITH_HALF_SPACE = tuple(('HalfSpace', kind) for kind in SOLIDS)
 QUARTER = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])

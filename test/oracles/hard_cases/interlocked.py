@@ -9,8 +9,8 @@ import itertools
 import numpy as np
 from oracles.hard_cases.construct import body, case, placing
 
-from bench.evidence.bodies.grids import L, flat, surface
 from drake_geom_ros.cross_check.bodies import Body
+from truth.bodies.grids import L, flat, surface
 
 X = np.eye(3)[0]
 CELLS = [np.arange(9.0)] * 3

@@ -16,8 +16,8 @@ from oracles.hard_cases.construct import (
     turned,
 )
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import BOUNDED
+from truth.bodies.random_bodies import random_rotation
 
 
 def _thin(kind, t):

@@ -9,7 +9,8 @@ import itertools
 import numpy as np
 from oracles.hard_cases.construct import body, case, placing
 
-from bench.evidence.bodies.grids import (
+from drake_geom_ros.cross_check.bodies import Body, as_tuples
+from truth.bodies.grids import (
     CORNER,
     CUBE,
     FRAME,
@@ -21,8 +22,7 @@ from bench.evidence.bodies.grids import (
     solid,
     surface,
 )
-from bench.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.cross_check.bodies import Body, as_tuples
+from truth.bodies.random_bodies import random_rotation
 
 X, Y, Z = np.eye(3)
 NOTCH = (1.5, 1.5, 0.5)  # the middle of the notch, the channel and the hole

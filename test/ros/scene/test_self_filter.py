@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from oracles.shape_scenes import SHAPES, ShapeScene
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import HalfSpace, Role
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.ros.scene.self_filter import KnownBodies, SelfFilter
+from truth.bodies.random_bodies import random_rotation
 
 BODIES = [SHAPES[name] for name in SHAPES if name != 'half_space']
 

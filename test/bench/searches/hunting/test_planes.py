@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numba import config
 
-from bench.evidence.tolerances import SEARCH
-from bench.evidence.truth.convex import of_any_size
 from bench.searches.hunting import planes, starts
 from drake_geom_ros.cross_check.bodies import Body, Pair
+from truth.references.convex import of_any_size
+from truth.tolerances import SEARCH
 
 COUNT = 40
 SEEDS = 1 if config.DISABLE_JIT else 3

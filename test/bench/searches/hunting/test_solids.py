@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from bench.evidence.bodies import grids
 from bench.searches.hunting.lattice import Lattice, truth, with_junction
 from bench.searches.hunting.solids import LAWS, SolidHunt
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry.meshes._solids import volume
+from truth.bodies import grids
 
 
 def lattice(cells):

@@ -20,7 +20,6 @@ from oracles.worlds import (
     scaled_parameters,
 )
 
-from bench.evidence.judging.asking import PairScene
 from drake_geom_ros.geometry import ACCURACY_GAPS, ACCURACY_LEVELS
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
@@ -46,6 +45,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
+from truth.judging.asking import PairScene
 
 ORACLE = 1e-12  # what the oracle, a search over directions, may be off by [m]
 DISTANCES = (0.2, 2e-3, 0.0, -2e-3, -0.02, -0.08)

@@ -5,7 +5,6 @@ import pytest
 from oracles.sensed_maps import KINDS, awkward_maps, cells_of, grid
 from oracles.shape_scenes import ShapeScene
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros import batch
 from drake_geom_ros.geometry import (
     Box,
@@ -17,6 +16,7 @@ from drake_geom_ros.geometry import (
     RoleAssign,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
+from truth.bodies.random_bodies import random_rotation
 
 MAPS = awkward_maps(np.random.default_rng(1))
 LEVELS = ('bound', 'fast', 'balanced', 'exact')

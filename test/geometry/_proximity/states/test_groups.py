@@ -7,7 +7,6 @@ import pytest
 from numba import njit
 from oracles.engine_calls import signed_distances
 
-from bench.evidence.bodies.random_bodies import random_rotations
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
@@ -22,6 +21,7 @@ from drake_geom_ros.geometry._proximity.states.groups import (
 )
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
+from truth.bodies.random_bodies import random_rotations
 
 SIZES = {SPHERE: 1, BOX: 3, CAPSULE: 2, CYLINDER: 2, ELLIPSOID: 3}
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from oracles.worlds import geometry_table, random_rotations
 
-from bench.evidence.bodies.random_bodies import box_corners
 from drake_geom_ros.geometry._proximity.kinds import BOX
 from drake_geom_ros.geometry._proximity.tolerances import ROTATION_DEFECT
 from drake_geom_ros.geometry._proximity.world import pose_update as posing
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
+from truth.bodies.random_bodies import box_corners
 
 
 @pytest.mark.parametrize('angle', [0.0, 1e-15, 1e-9, 0.3, math.pi])

@@ -5,8 +5,8 @@ import pytest
 from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
+from truth.bodies.random_bodies import random_directions
 
 
 def chain(rng, depth=4):

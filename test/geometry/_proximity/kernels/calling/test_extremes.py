@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
 from drake_geom_ros.geometry._proximity.kernels.calling import extremes
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
@@ -12,6 +11,7 @@ from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry.meshes.source import MeshData
 from drake_geom_ros.geometry.shapes.primitives import for_queries
 from drake_geom_ros.math import RotationMatrix
+from truth.bodies.random_bodies import random_directions
 
 R = np.array(RotationMatrix.MakeXRotation(0.5).matrix())
 

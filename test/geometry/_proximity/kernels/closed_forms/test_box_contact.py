@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from oracles.forms import signed_distance
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import box_contact
 from drake_geom_ros.geometry._proximity.kinds import BOX
+from truth.bodies.random_bodies import random_rotation
 
 ALONG_X, ALONG_Y = (1.0, 0.0), (0.0, 1.0)
 ALIGNED = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))

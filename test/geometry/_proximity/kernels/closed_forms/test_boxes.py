@@ -18,10 +18,10 @@ from oracles.pairs import (
 )
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.boxes import box_box
 from drake_geom_ros.geometry._proximity.kinds import BOX
+from truth.bodies.random_bodies import random_rotation
+from truth.references.convex import signed_distance
 
 SAMPLES = 2 if config.DISABLE_JIT else 18
 

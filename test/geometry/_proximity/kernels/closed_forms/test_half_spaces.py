@@ -9,8 +9,6 @@ from oracles.forms import ALIGNED, hull_of
 from oracles.kernel_calls import call_for_pair
 from oracles.pairs import check, check_kernel, pair_of, turned
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.tolerances import EPS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -18,6 +16,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import half_spaces
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, ShapeKind
+from truth.bodies.random_bodies import random_rotation
+from truth.tolerances import EPS
 
 SAMPLES = 2 if config.DISABLE_JIT else 12
 SIZES = {2: [0.5, 0.25, 1.0], 3: [0.25, 0.5], 4: [0.25, 0.5], 5: [0.5, 0.25, 1.0]}

@@ -7,7 +7,6 @@ from oracles import closed_forms
 from oracles.forms import PARAMETERS
 from oracles.kernel_calls import call_for_pair
 
-from bench.evidence.tolerances import EPS
 from drake_geom_ros.cross_check.surfaces import height_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -27,6 +26,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
     ShapeKind,
 )
+from truth.tolerances import EPS
 
 SAMPLES = 10 if config.DISABLE_JIT else 120
 S3 = np.sqrt(3.0)

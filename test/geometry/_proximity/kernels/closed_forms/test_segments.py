@@ -6,7 +6,6 @@ from numba import config
 from oracles.forms import ALIGNED
 from oracles.pairs import check, check_kernel, evaluate, feature_pairs, pair_of, turned
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import segments
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.segments import (
     box_capsule,
@@ -14,6 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.segments import (
     nearest_parameter,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE
+from truth.bodies.random_bodies import random_rotation
 
 SAMPLES = 2 if config.DISABLE_JIT else 18
 ALONG_X = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])

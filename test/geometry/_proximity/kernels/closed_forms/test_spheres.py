@@ -6,9 +6,9 @@ from numba import config
 from oracles.forms import ALIGNED
 from oracles.pairs import check, check_kernel, pair_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import spheres
 from drake_geom_ros.geometry._proximity.kinds import ShapeKind
+from truth.bodies.random_bodies import random_rotation
 
 SAMPLES = 2 if config.DISABLE_JIT else 12
 

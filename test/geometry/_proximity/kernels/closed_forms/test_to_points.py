@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from oracles.kernel_calls import call_for_pair
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import pair_table
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     pairs as calling,
@@ -17,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 from drake_geom_ros.geometry._proximity.kernels.pair_table import POINT_KERNELS, load_kernel
 from drake_geom_ros.geometry._proximity.kinds import ITERATIVE, SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
+from truth.bodies.random_bodies import random_rotation
 
 CLOSED_FORMS = {
     pair_table.SPHERE: [0.3],

@@ -9,9 +9,6 @@ from oracles.kernel_calls import call_for_pair
 from oracles.pairs import check_row, off_surfaces, pair_of, random_pairs, turned
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.judging.laws import lacking
-from bench.evidence.truth.convex import signed_distance
 from drake_geom_ros.cross_check.bodies import Pair
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
@@ -23,6 +20,9 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ELLIPSOID,
     ITERATIVE,
 )
+from truth.bodies.random_bodies import random_rotation
+from truth.judging.laws import lacking
+from truth.references.convex import signed_distance
 
 ROWS = {
     'box_cylinder': (BOX, CYLINDER),

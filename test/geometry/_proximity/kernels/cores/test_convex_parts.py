@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from oracles.kernel_calls import call_for_pair
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -23,6 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Depth, Separation
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
+from truth.bodies.random_bodies import random_rotation
 
 CUBE = np.array([1.0, 1.0, 1.0])
 HULL = np.concatenate(([8.0], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).ravel()))  # the same

@@ -5,7 +5,6 @@ from oracles.core_pairs import core_pair
 from oracles.forms import ALIGNED, hull_of, signed_distance
 from scipy.spatial import ConvexHull
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import epa
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import difference_of
 from drake_geom_ros.geometry._proximity.kernels.vectors import perpendicular
@@ -17,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
 )
 from drake_geom_ros.geometry._proximity.tolerances import SLIVER
+from truth.bodies.random_bodies import random_rotation
 
 X = (1.0, 0.0, 0.0)
 

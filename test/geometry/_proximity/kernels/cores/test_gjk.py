@@ -3,11 +3,11 @@ import pytest
 from oracles.core_pairs import core_pair
 from oracles.forms import ALIGNED, hull_of, signed_distance
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import vectors
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk
 from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
+from truth.bodies.random_bodies import random_rotation
 
 
 def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff=np.inf):

@@ -8,7 +8,6 @@ from oracles.forms import hull_of
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -25,6 +24,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CYLINDER,
     ELLIPSOID,
 )
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 COUNT = 4 if config.DISABLE_JIT else 150
 KINDS = [BOX, CAPSULE, CYLINDER, ELLIPSOID]

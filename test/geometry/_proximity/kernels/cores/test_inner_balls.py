@@ -8,7 +8,6 @@ from oracles.core_pairs import core_pair, core_widths
 from oracles.forms import hull_of
 from oracles.shape_scenes import ShapeScene
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
@@ -25,6 +24,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
 )
 from drake_geom_ros.geometry.shapes.primitives import for_queries
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 SHAPES = [Box(0.2, 0.4, 0.6), Cylinder(0.2, 0.5), Ellipsoid(0.3, 0.2, 0.25), Capsule(0.1, 0.4)]
 GRID = np.linspace(-0.8, 0.8, 41)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from oracles.core_pairs import core_pair
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.cores import memory, small_polytope
 from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from truth.bodies.random_bodies import random_directions
 
 OCTAHEDRON = (
     *((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4)),

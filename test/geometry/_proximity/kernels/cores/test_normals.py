@@ -5,12 +5,12 @@ import pytest
 from numba import config
 from oracles.core_pairs import core_pair, core_widths, random_core_pair, turned
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes import supports
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
+from truth.bodies.random_bodies import random_rotation
 
 PAIRS = [(BOX, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, ELLIPSOID), (CYLINDER, CYLINDER)]
 PAIRS += [(CAPSULE, CYLINDER), (CYLINDER, ELLIPSOID), (ELLIPSOID, ELLIPSOID)]

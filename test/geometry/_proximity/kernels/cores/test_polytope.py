@@ -5,9 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.cores import polytope
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
+from truth.bodies.random_bodies import random_directions
 
 MOST = 80
 ROWS = 8 * MOST

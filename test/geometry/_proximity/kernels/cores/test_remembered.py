@@ -11,7 +11,6 @@ from oracles.core_pairs import core_pair, turned
 from oracles.forms import signed_distance
 from oracles.kernel_calls import call_for_pair
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -35,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.starts import separation_a
 from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 COUNT = 3 if config.DISABLE_JIT else 60
 X = (1.0, 0.0, 0.0)

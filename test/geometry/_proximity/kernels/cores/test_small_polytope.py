@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.cores import small_polytope
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import plane_of
+from truth.bodies.random_bodies import random_directions
 
 OCTAHEDRON = (
     *((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4)),

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from oracles.core_pairs import random_core_pair
 
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes import supports
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 KINDS = [supports.BOX, supports.CAPSULE, supports.CYLINDER, supports.ELLIPSOID]
 PAIRS = [(a, b) for a in KINDS for b in KINDS if (a, b) != (supports.BOX, supports.BOX)]

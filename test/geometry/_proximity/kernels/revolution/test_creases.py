@@ -8,12 +8,12 @@ from oracles.core_pairs import core_pair
 from oracles.pairs import random_pairs
 from scipy.spatial.transform import Rotation
 
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.convex import depths
 from drake_geom_ros.geometry._proximity.kernels.cores import normals, sums
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
+from truth.bodies.random_bodies import random_rotation
+from truth.references.convex import signed_distance
 
 COUNT = 6 if config.DISABLE_JIT else 24
 NOISE = 1e-15

@@ -3,9 +3,9 @@ import pytest
 from oracles.core_pairs import core_pair, radius_of
 from oracles.forms import ALIGNED, signed_distance
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.revolution import revolution
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
+from truth.bodies.random_bodies import random_rotation
 
 BODIES = [
     (CAPSULE, [0.05, 0.4]),

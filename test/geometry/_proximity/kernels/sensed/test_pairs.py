@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from oracles.sensed_maps import KINDS, awkward_maps, grid, nearest_of_all
 from oracles.shape_scenes import SHAPES, ShapeScene
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import Box, Cylinder, HalfSpace, OccupiedCells, PointCloud, Sphere
 from drake_geom_ros.geometry._proximity.kinds import OPEN
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies.random_bodies import random_rotation
 
 MAPS = awkward_maps(np.random.default_rng(1))
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from oracles.forms import hull_of, signed_distance
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -26,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
 )
 from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bounding_interval
+from truth.bodies.random_bodies import random_rotation
 
 
 def inner_radius(kind, shape):

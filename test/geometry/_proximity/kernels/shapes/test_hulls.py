@@ -5,7 +5,6 @@ import pytest
 from oracles.worlds import random_rotations
 from scipy.spatial import ConvexHull
 
-from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import CLIMBED, hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     farthest_edge,
@@ -13,6 +12,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     hull_defect,
     hull_radius,
 )
+from truth.bodies.random_bodies import random_directions
 
 
 def directions(count, rng):

@@ -4,10 +4,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.forms import PARAMETERS, hull_of
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import height_of, support_value_of
 from drake_geom_ros.geometry._proximity.kernels.shapes import supports
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
+from truth.bodies.random_bodies import random_rotation
 
 KINDS = [supports.SPHERE, supports.BOX, supports.CAPSULE, supports.CYLINDER, supports.ELLIPSOID]
 seeds = st.integers(0, 2**32 - 1)

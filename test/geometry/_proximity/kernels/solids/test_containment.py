@@ -12,12 +12,12 @@ from oracles.forms import HERE, kernel_form, row_of
 from oracles.solids import parts_gap
 from oracles.voxels import KINDS, filled_cells
 
-from bench.evidence.bodies.grids import surface
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS
+from truth.bodies.grids import surface
+from truth.bodies.random_bodies import random_rotation
 
 SEEDS = 6 if config.DISABLE_JIT else 60
 

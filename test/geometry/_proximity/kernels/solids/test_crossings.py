@@ -5,9 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.solids import crossings
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import APART, CROSSED, TOUCHING
+from truth.bodies.random_bodies import random_rotation
 
 FLAT = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
 NEAR = 1e-9

@@ -7,12 +7,12 @@ import trimesh
 from oracles.forms import row_of
 from oracles.solids import solid
 
-from bench.evidence.bodies import grids
-from bench.evidence.bodies.random_bodies import random_rotation
-from bench.evidence.truth.meshes import signed_distance
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.cross_check.fcl_peer import fcl_shape
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
+from truth.bodies import grids
+from truth.bodies.random_bodies import random_rotation
+from truth.references.meshes import signed_distance
 
 NAMES = ('L', 'U', 'ring')
 

@@ -7,13 +7,13 @@ import pytest
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, CLOSED, OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.solids import contacts, leaves
 from drake_geom_ros.geometry._proximity.kernels.solids.separating_axes import widest_slab
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
+from truth.bodies.random_bodies import random_rotation
 
 L = kernel_form(solid('L'))[1]
 

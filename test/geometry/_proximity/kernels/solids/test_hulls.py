@@ -5,7 +5,6 @@ import pytest
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.solids import hulls
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     SolidPair,
@@ -14,6 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     solid_of,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, SOLID
+from truth.bodies.random_bodies import random_rotation
 
 L = kernel_form(solid('L'))[1]
 

@@ -6,11 +6,11 @@ import trimesh
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from bench.evidence.bodies.grids import surface
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import goes_into
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import INNER_BOX, tree_of
 from drake_geom_ros.geometry._proximity.kinds import SOLID
+from truth.bodies.grids import surface
 
 
 def boxes_of(body):

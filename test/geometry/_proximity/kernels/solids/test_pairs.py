@@ -9,8 +9,6 @@ from oracles.forms import HERE, PARAMETERS, body, row_of
 from oracles.pairs import check_row
 from oracles.solids import parts_gap, solid
 
-from bench.evidence.bodies.random_bodies import box_corners, random_rotation
-from bench.evidence.truth.meshes import parts_of
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
@@ -28,6 +26,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry.meshes.source import hull_vertices
+from truth.bodies.random_bodies import box_corners, random_rotation
+from truth.references.meshes import parts_of
 
 NAMES = ('L', 'U', 'ring')
 SIZE = 8.0  # of the pairs below [m], about

@@ -5,7 +5,6 @@ import pytest
 from oracles.forms import HERE, body, row_of
 from oracles.solids import solid
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -16,6 +15,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solids import pairs
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
+from truth.bodies.random_bodies import random_rotation
 
 
 def test_the_first_direction_is_a_hint_of_any_length_else_towards_the_other():

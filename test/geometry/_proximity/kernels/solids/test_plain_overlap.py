@@ -8,9 +8,6 @@ from numba import config
 from oracles.forms import kernel_form
 from oracles.hard_cases.interlocked import depth_of, of_cells, polycube
 
-from bench.costs.solids import torus
-from bench.evidence.bodies.grids import L, solid
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.solids.pairs import signed_distance_to_solid
@@ -20,6 +17,9 @@ from drake_geom_ros.geometry._proximity.kernels.solids.plain_overlap import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import SolidPair, body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import SOLID
+from truth.bodies.grids import L, solid
+from truth.bodies.random_bodies import random_rotation
+from truth.bodies.tori import torus
 
 CASES = 12 if config.DISABLE_JIT else 160
 LINES = [np.arange(9.0)] * 3

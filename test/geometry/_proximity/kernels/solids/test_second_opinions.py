@@ -11,10 +11,10 @@ from numba import config
 from oracles.forms import HERE, in_order, row_of
 from oracles.hard_cases.interlocked import CELLS, of_cells, polycube
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import OPEN
+from truth.bodies.random_bodies import random_rotation
 
 PAIRS = 4 if config.DISABLE_JIT else 60
 POINTS = 20 if config.DISABLE_JIT else 400

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.solids.separations import (
     directions_of,
     least_parting,
     longest_foot,
     widths_of,
 )
+from truth.bodies.random_bodies import random_rotation
 
 CASES = 40
 NOISE = 1e-13

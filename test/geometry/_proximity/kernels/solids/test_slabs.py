@@ -7,7 +7,6 @@ import pytest
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.solids import slabs
 from drake_geom_ros.geometry._proximity.kernels.solids.leaves import (
     leaf_of_A,
@@ -21,6 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     solid_of,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
+from truth.bodies.random_bodies import random_rotation
 
 L = kernel_form(solid('L', cuts=2))[1]
 X = (1.0, 0.0, 0.0)

@@ -7,11 +7,11 @@ import pytest
 from oracles.forms import hull_of, kernel_form
 from oracles.solids import solid
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.solids import solid as tree
 from drake_geom_ros.geometry._proximity.kernels.trees import boxes, walks
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, CYLINDER, SOLID
+from truth.bodies.random_bodies import random_rotation
 
 L = kernel_form(solid('L', cuts=2))[1]
 

@@ -6,11 +6,11 @@ from numba import config
 from oracles.forms import HERE, kernel_form, row_of
 from oracles.hard_cases.interlocked import depth_of, of_cells, polycube
 
-from bench.evidence.bodies.grids import surface
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import MESH, OPEN, SOLID
+from truth.bodies.grids import surface
+from truth.bodies.random_bodies import random_rotation
 
 CASES = 12 if config.DISABLE_JIT else 160
 LINES = [np.arange(9.0)] * 3

@@ -9,10 +9,10 @@ from mpmath import mp
 from oracles.exact_surfaces import DIGITS, signed_distance
 from oracles.shape_scenes import ShapeScene
 
-from bench.evidence.bodies import grids
-from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import Mesh, MeshData, Sphere
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from truth.bodies import grids
+from truth.bodies.random_bodies import random_directions, random_rotation
 
 
 def _mesh(cells, lines, cuts=1):

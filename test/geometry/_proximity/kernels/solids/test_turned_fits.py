@@ -13,10 +13,10 @@ from numba import config
 from oracles.forms import HERE, row_of
 from oracles.hard_cases.interlocked import CAP_AND_STEM, CELLS, SLOT, of_cells
 
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import OPEN
+from truth.bodies.random_bodies import random_rotation
 
 SEEDS = 3 if config.DISABLE_JIT else 24
 MORE = [0.0, 2.0**-52, -(2.0**-52), 1e-15, -1e-15, 1e-14, -1e-14, 1e-12, -1e-12]

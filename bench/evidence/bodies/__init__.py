@@ -1,1 +1,0 @@
-"""Bodies to ask about: random ones, arms, grids, and near touches."""

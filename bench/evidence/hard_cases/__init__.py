@@ -1,1 +1,0 @@
-"""The hard cases: what they are, who answers them rightly, and how that is told."""

@@ -1,0 +1,138 @@
+"""Every hard case, by every query, in both orders, moved and scaled: all must be right."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from numba import config
+from oracles import body_truth as truth
+from oracles import case_laws
+
+from drake_geom_ros.geometry import ACCURACY_LEVELS
+from truth import peers
+from truth.bodies.random_bodies import random_rotation
+from truth.hard_cases import cases
+from truth.judging.asking import PairScene
+from truth.tolerances import AS_TOUCHING
+
+ALL = cases.load()
+# Uncompiled kernels are slow: some cases of every family will do.
+CASES = ALL[::23] if config.DISABLE_JIT else ALL
+SCALES = (2.0**-20, 2.0**13)
+
+every_case = pytest.mark.parametrize('case', CASES, ids=lambda case: case.id)
+
+
+def motions(case):
+    """Return (R, p) of two motions of World, seeded by the case."""
+    rng = np.random.default_rng(len(case.about) + CASES.index(case))
+    return [
+        (random_rotation(rng), case.extent * rng.uniform(-10.0, 10.0, 3)),
+        (np.eye(3), case.extent * np.array([8.0, -4.0, 2.0])),
+    ]
+
+
+def check(case, scene):
+    """Pose the scene as the case says, and check the answer of the exact level."""
+    scene.place(case.a, case.b)
+    row = scene.distance()
+    assert set(case_laws.of_answer(case, row)) <= {case_laws.COARSE}
+    if case.has_solid:
+        assert case_laws.of_contact(case, row, scene) == []
+    return row
+
+
+def test_the_catalogue_is_large_and_its_names_are_unique():
+    assert len(ALL) >= 300
+    assert len({case.id for case in ALL}) == len(ALL)
+    assert {case.a.kind for case in ALL} | {case.b.kind for case in ALL} == {
+        'Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace', 'Convex', 'Solid',
+    }  # fmt: skip
+
+
+def test_what_peers_return_is_of_cases_that_there_are():
+    today = json.loads(cases.PEERS_TODAY.read_text())
+    assert len(today) >= 100
+    assert set(today) <= {case.id for case in ALL}
+    assert {name for entry in today.values() for name in entry} == set(peers.names())
+
+
+@every_case
+def test_in_both_orders(case):
+    first, second = (check(each, PairScene(each.a, each.b)) for each in (case, case.swapped()))
+    bound = first.error_bound[0] + second.error_bound[0]
+    assert abs(first.distance[0] - second.distance[0]) <= bound
+    if first.is_nhat_BA_W_unique[0] and second.is_nhat_BA_W_unique[0]:
+        cosine = -first.nhat_BA_W[0] @ second.nhat_BA_W[0]
+        assert cosine >= 0.98  # within the 8 degrees that uniqueness means, from both sides
+
+
+@every_case
+def test_at_every_level(case):
+    scene = PairScene(case.a, case.b)
+    for level in ACCURACY_LEVELS:
+        assert case_laws.of_bound(case, scene.distance(level)) == []
+
+
+@every_case
+def test_by_every_query(case):
+    scene = PairScene(case.a, case.b)
+    row = scene.distance()
+    distance, unsure = row.distance[0], case_laws.unsure(case, row)
+    size = case.a.radius + case.b.radius
+    reach = max(distance + 2.0 * row.error_bound[0], 0.0)
+    for found in (scene.pairwise(math.inf), scene.pairwise(reach)):
+        assert len(found) == 1
+        assert abs(found.distance[0] - distance) <= 2.0 * row.error_bound[0]
+    if distance - unsure > 0.0:
+        assert len(scene.pairwise(max(0.0, 0.999 * (distance - unsure)))) == 0
+    penetration = scene.penetration()
+    assert scene.collides() == bool(len(penetration))
+    if case.distance < -unsure - AS_TOUCHING * size:
+        assert len(penetration) == 1
+    if case.distance > unsure:
+        assert len(penetration) == 0
+    if len(penetration):
+        assert len(scene.query.collision_candidates()) == 1
+        assert penetration.depth[0] == pytest.approx(-distance, abs=2.0 * row.error_bound[0])
+        gap = penetration.p_WCb[0] - penetration.p_WCa[0]
+        depth = gap @ penetration.nhat_BA_W[0]
+        rounding = case_laws.rounding(case)
+        assert depth == pytest.approx(penetration.depth[0], abs=rounding)
+
+
+# The centre of a sphere that is in a solid tells how deep it is where the way out is straight.
+SPHERES = [
+    case
+    for case in CASES
+    if 'Sphere' in (case.a.kind, case.b.kind)
+    and not (case.a.kind == 'Solid' and truth.of_ball(case.a, case.b) is None)
+]
+
+
+@pytest.mark.parametrize('case', SPHERES, ids=lambda case: case.id)
+def test_the_centre_of_a_sphere_as_a_point(case):
+    scene = PairScene(case.a, case.b)
+    ball, other = (0, 1) if case.a.kind == 'Sphere' else (1, 0)
+    ball = (case.a, case.b)[ball]
+    found = scene.query.ComputeSignedDistanceToPoint(ball.p)
+    distance = found.distance[other]
+    rounding = case_laws.rounding(case)
+    assert abs(distance - ball.size[0] - case.distance) <= rounding + case.tolerance
+    assert np.linalg.norm(found.grad_W[other]) == pytest.approx(1.0, abs=1e-12)
+
+
+@every_case
+def test_under_rigid_motions(case):
+    scene = PairScene(case.a, case.b)
+    for R, p in motions(case):
+        check(case.moved(R, p), scene)
+
+
+@every_case
+def test_at_other_scales(case):
+    for s in SCALES:
+        scaled = case.scaled(s)
+        if case.family != 'extremes' and np.isfinite(s * case.extent):
+            check(scaled, PairScene(scaled.a, scaled.b))

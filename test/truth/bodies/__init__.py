@@ -1,0 +1,1 @@
+"""Bodies to ask about: random ones, arms, grids, tori, and near touches."""

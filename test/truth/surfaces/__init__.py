@@ -1,0 +1,1 @@
+"""Contact surfaces: forces and areas in closed form, and the surfaces of nearby poses."""
