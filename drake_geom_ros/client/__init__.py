@@ -24,6 +24,7 @@ from drake_geom_ros.client.proximity_monitor import (
     ProximityMonitor,
     RuleStanding,
 )
+from drake_geom_ros.client.requests import RequestError
 from drake_geom_ros.client.results import (
     Penetration,
     Penetrations,
@@ -68,6 +69,7 @@ __all__ = [
     'PairsWithoutSurface',
     'PairWithoutSurface',
     'RefusedError',
+    'RequestError',
     'NoAnswerError',
     'IncompleteError',
     'UnknownNameError',

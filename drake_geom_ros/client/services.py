@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,7 +14,9 @@ from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from drake_geom_ros.client.requests import request_of
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.tolerances import SMALLEST_SENT
 
 Poses = Mapping[str, RigidTransform | ArrayLike]
 JointValues = Mapping[str, float]
@@ -42,8 +43,12 @@ class Services:
         return [name for name in names if not self._client(name).service_is_ready()]
 
     def send(self, name: str, /, **fields: Any) -> Future:
-        """Call a service with the fields of its request; return the future of its response."""
-        return self._client(name).call_async(service_type(name).Request(**fields))
+        """Call a service with the fields of its request; return the future of its response.
+
+        Numbers are converted to the types of their fields; raises RequestError for others.
+        """
+        request = request_of(service_type(name).Request, fields, name)
+        return self._client(name).call_async(request)
 
     async def ask(self, name: str, /, **fields: Any) -> Any:
         """Call a service and return its response; raise RefusedError if the node refuses."""
@@ -92,7 +97,7 @@ def limit(metres: float) -> float:
     """Return a limit as a request has it: there 0 stands for infinity."""
     if math.isinf(metres):
         return 0.0
-    return metres or sys.float_info.min
+    return metres or SMALLEST_SENT
 
 
 def exclude_between(

@@ -45,3 +45,8 @@ WELDED_STAYS = 1e-6
 
 # The span of time [-] that holds a first contact, unless another one is asked for.
 TIME_TOLERANCE = 1e-6
+
+# The smallest magnitude that a floating-point field of a message may hold, apart from 0. rclpy
+# does not convert an integer that is written into such a field: it sends the bits of the integer
+# n, which are read as n * 5e-324. This limit notices each integer up to 2e23.
+SMALLEST_SENT = 1e-300

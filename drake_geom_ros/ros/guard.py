@@ -12,6 +12,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from drake_geom_ros.ros.conversions.misread_numbers import refuse_misread_numbers
+
 _LOG_PERIOD = 5.0  # [s] at most one line about the same thing in this time
 _MOST_REASONS = 5  # of one input in this time
 _SPECIFIC = re.compile(r"'[^']*'|[0-9]+")  # what differs in messages of one kind
@@ -39,7 +41,7 @@ class Guard:
 
     def take(self, name: str, take: Callable[..., object], *message: Any) -> None:
         """Take a message of the input ``name``; an exception is a refusal of it."""
-        error = _failure_of(take, *message)
+        error = _failure_of(_take_checked, take, *message)
         if error is not None:
             # RuntimeError is what those raise who refuse; nobody foresaw the others.
             refusal = isinstance(error, RuntimeError)
@@ -80,7 +82,7 @@ class Guard:
         self, handler: Callable[[Any, Any, Any], None], scene: Any, request: Any, response: Any
     ) -> Any:
         """Have a handler answer a request, and say in the response whether it did."""
-        error = _failure_of(handler, scene, request, response)
+        error = _failure_of(_answer_checked, handler, scene, request, response)
         response.success = error is None
         if isinstance(error, RuntimeError):
             response.message = _shortened(str(error))
@@ -118,6 +120,19 @@ class Guard:
         if may:
             self._silent_until[about] = now + _LOG_PERIOD
         return may
+
+
+def _take_checked(take: Callable[..., object], *message: Any) -> None:
+    if message:
+        refuse_misread_numbers(message[0])
+    take(*message)
+
+
+def _answer_checked(
+    handler: Callable[[Any, Any, Any], None], scene: Any, request: Any, response: Any
+) -> None:
+    refuse_misread_numbers(request)
+    handler(scene, request, response)
 
 
 def _failure_of(task: Callable[..., object], *arguments: Any) -> Exception | None:

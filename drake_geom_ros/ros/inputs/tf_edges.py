@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.math.batched import are_poses, matrices_from_poses
 from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.conversions.misread_numbers import is_misread, why_misread
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Arrival, Since
 
 # [m] longest translation: chains of so many stay within what a scene takes, 2**1004 m.
@@ -68,7 +69,8 @@ def read_edges(
 
 def are_transforms(rows: Floats) -> NDArray[np.bool_]:
     """Return which rows (n, 7), x y z qx qy qz qw, are taken as transforms (n,)."""
-    return np.asarray(are_poses(rows) & (np.abs(rows[:, :3]) <= _FARTHEST).all(axis=1))
+    are_near = (np.abs(rows[:, :3]) <= _FARTHEST).all(axis=1)
+    return np.asarray(are_poses(rows) & are_near & ~is_misread(rows).any(axis=1))
 
 
 def matrices_of(rows: Floats) -> Floats:
@@ -113,6 +115,8 @@ def _fault(parent: str, child: str, row: Floats) -> str:
         matrices_from_poses(row[np.newaxis])
     except RuntimeError as error:
         return f'{child[:80]!r} in {parent[:80]!r}: {str(error).removeprefix("poses[0]: ")}'
+    if (misread := is_misread(row)).any():
+        return f'{child[:80]!r} in {parent[:80]!r}: {why_misread(float(row[misread][0]))}'
     return (
         f'the translation of {child[:80]!r} in {parent[:80]!r} has a coordinate beyond '
         f'{_FARTHEST:.3g} m'
