@@ -32,6 +32,7 @@ from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.map_sources import MapSources
+from drake_geom_ros.ros.scene.robot_following import pose_followers
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import (
     RegisteredCopy,
@@ -107,7 +108,8 @@ class LiveScene:
         """Return the scene of now, with other poses and joint values where these are given.
 
         ``poses`` is a FramePoses, ``joints`` a JointPositions. Frames that are not named, nor
-        moved by a joint that is, keep their live poses; where nothing is named, the view knows how
+        moved by a joint that is, keep their live poses, but for links, which follow the base of
+        their robot as they do live; where nothing is named, the view knows how
         all move, if anybody watches that. Raises RuntimeError for a message that ``take_poses``
         would refuse, for joints that are none, and for a frame that both pose.
         """
@@ -116,15 +118,17 @@ class LiveScene:
             by_joints = joints is not None and (len(joints.names) or len(joints.positions))
             is_now = not (asked or by_joints)
             view = scene.view(moving=poses is not None and is_now)
+            posed = set() if asked is None else set(asked.id_values().tolist())
             if asked:
                 view.context.UpdateFramePoses(asked)
+                pose_followers(scene, view, posed)
             if by_joints:
                 positions = np.asarray(joints.positions, dtype=np.float64)
                 moved = scene.joints.moved(joints.names, positions, view.query)
-                if asked is not None:
-                    both = set(asked.id_values().tolist()) & set(moved.id_values().tolist())
-                    refuse_twice_posed(scene, both)
+                by_values = set(moved.id_values().tolist())
+                refuse_twice_posed(scene, posed & by_values)
                 view.context.UpdateFramePoses(moved)
+                pose_followers(scene, view, posed | by_values)
         return view
 
     def compile_kernels(self) -> list[str]:

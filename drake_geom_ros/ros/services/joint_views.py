@@ -16,6 +16,7 @@ from drake_geom_ros.batch.joints import Arm, Joints
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.driven_robot import or_zero
 from drake_geom_ros.ros.scene.live_scene import LiveScene, refuse_twice_posed
+from drake_geom_ros.ros.scene.robot_following import refuse_carried_robots
 from drake_geom_ros.ros.scene.robot_joints import JointPlace, RobotJoints
 from drake_geom_ros.ros.scene.scene_view import SceneView
 
@@ -59,7 +60,9 @@ def view_of_joints(
         view = live.view(poses, rest)
         posed = {frame.get_value() for frame in scene.read_poses(poses).poses.ids()}
         joints = joints_of(robots, names, view, values)
-        refuse_twice_posed(scene, posed & set(joints.id_values.tolist()))
+        moving = set(joints.id_values.tolist())
+        refuse_twice_posed(scene, posed & moving)
+        refuse_carried_robots(scene, moving)
         heard = {name: robots.robots[name].positions() for name in named}
     now = [values.get(place, heard[place.robot][place.column]) for place in places]
     both = [name for name, place in zip(names, places, strict=True) if place in values]

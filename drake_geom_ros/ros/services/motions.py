@@ -22,6 +22,7 @@ from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.robot_following import ends_with_followers
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.ros.services.joint_views import GivenJoints, view_of_joints
 
@@ -84,6 +85,7 @@ def _to_poses(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, No
     with live.reading() as scene:
         ends = scene.read_poses(request.end).poses
         view = live.view(request.start, request.start_joints)
+        ends = ends_with_followers(scene, view.query, ends, request.interpolation)
     check = view.query.CheckMotion(
         ends,
         time_tolerance=request.time_tolerance or TIME_TOLERANCE,
