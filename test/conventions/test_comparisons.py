@@ -2,8 +2,8 @@
 
 import ast
 
-import pytest
 from conventions.source_tree import ROOT, name_of
+from every import report
 
 TESTS = sorted((ROOT / 'test').rglob('*.py'))
 COMPARISONS = ('assert_allclose', 'allclose', 'isclose')
@@ -21,9 +21,9 @@ def unsaid(source):
     return lines
 
 
-@pytest.mark.parametrize('path', TESTS, ids=name_of)
-def test_a_comparison_by_atol_says_rtol(path):
-    assert unsaid(path.read_text()) == []
+def test_a_comparison_by_atol_says_rtol():
+    assert len(TESTS) > 500
+    report(f'{name_of(path)}:{line}' for path in TESTS for line in unsaid(path.read_text()))
 
 
 def test_one_that_does_not_is_seen():

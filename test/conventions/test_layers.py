@@ -6,6 +6,7 @@ from graphlib import CycleError, TopologicalSorter
 import pytest
 from conventions.layers import EXCEPTIONS, LAYERS, room_of
 from conventions.source_tree import PACKAGE, SOURCES, TRUTH, imports_of, module_of, name_of
+from every import report
 
 ROS_PREFIXES = ('rclpy', 'rosidl', 'ament', 'builtin_interfaces', 'rcl_interfaces', 'std_srvs')
 
@@ -33,17 +34,34 @@ def forbidden(path, source):
     return found
 
 
-@pytest.mark.parametrize('path', SOURCES, ids=name_of)
-def test_a_file_imports_only_what_its_room_may(path):
-    assert forbidden(str(path.relative_to(PACKAGE)), path.read_text()) == []
+def test_a_file_imports_only_what_its_room_may():
+    report(
+        f'{name_of(path)}: {name}'
+        for path in SOURCES
+        for name in forbidden(str(path.relative_to(PACKAGE)), path.read_text())
+    )
 
 
-@pytest.mark.parametrize('path', SOURCES, ids=name_of)
-def test_private_modules_stay_within_their_room(path):
-    room = room_of(str(path.relative_to(PACKAGE))).split('/')[0]
-    names = [name for name in imports_of(path.read_text()) if name.startswith('drake_geom_ros.')]
-    outside = [name for name in names if name.split('.')[1] != room]
-    assert [name for name in outside if '._' in name] == []
+def private_of_other_rooms(path, source):
+    """Return the private modules of other rooms that a file imports."""
+    room = room_of(path).split('/')[0]
+    names = [name for name in imports_of(source) if name.startswith('drake_geom_ros.')]
+    return [name for name in names if name.split('.')[1] != room and '._' in name]
+
+
+def test_private_modules_stay_within_their_room():
+    report(
+        f'{name_of(path)}: {name}'
+        for path in SOURCES
+        for name in private_of_other_rooms(str(path.relative_to(PACKAGE)), path.read_text())
+    )
+
+
+def test_a_private_module_of_another_room_is_seen():
+    name = 'drake_geom_ros.geometry._proximity.kinds.Method'
+    source = 'from drake_geom_ros.geometry._proximity.kinds import Method'
+    assert private_of_other_rooms('ros/cycle.py', source) == [name]
+    assert private_of_other_rooms('geometry/queries/context.py', source) == []
 
 
 @pytest.mark.parametrize(
@@ -96,8 +114,9 @@ def beside_the_truth(source):
 
 
 def test_truth_imports_no_kernel_no_test_and_no_measurement():
-    found = {name_of(path): beside_the_truth(path.read_text()) for path in TRUTH}
-    assert {name: names for name, names in found.items() if names} == {}
+    report(
+        f'{name_of(path)}: {name}' for path in TRUTH for name in beside_the_truth(path.read_text())
+    )
 
 
 def test_truth_by_a_kernel_is_seen():

@@ -5,9 +5,10 @@ import importlib
 import io
 import re
 import tokenize
+from types import SimpleNamespace
 
-import pytest
 from conventions.source_tree import PACKAGE, ROOT, SCRIPTS, SOURCES, TRUTH, module_of, name_of
+from every import report
 
 # Epsilons by name, and worst errors that the accuracy tests keep true.
 NUMBERS_ALLOWED = ('tolerances.py', 'pair_table.py')
@@ -18,38 +19,52 @@ MOST_LINES_OF_A_FUNCTION = 60
 
 
 def small_numbers(source):
-    """Return the number literals with a negative exponent, or written as 0.001 and the like."""
+    """Return (line, literal) of numbers with a negative exponent, or like 0.001."""
     tokens = tokenize.generate_tokens(io.StringIO(source).readline)
-    numbers = [token.string for token in tokens if token.type == tokenize.NUMBER]
-    return [text for text in numbers if re.search(r'e-|^0?\.00+1$', text, re.IGNORECASE)]
+    numbers = [(token.start[0], token.string) for token in tokens if token.type == tokenize.NUMBER]
+    small = re.compile(r'e-|^0?\.00+1$', re.IGNORECASE)
+    return [(line, text) for line, text in numbers if small.search(text)]
 
 
-@pytest.mark.parametrize('path', SOURCES, ids=name_of)
-def test_epsilons_stand_in_tolerances(path):
-    allowed = {NANOSECOND} if path.relative_to(PACKAGE).parts[0] == 'ros' else set()
-    if path.name not in NUMBERS_ALLOWED:
-        assert [text for text in small_numbers(path.read_text()) if text not in allowed] == []
+def is_allowed(path, number):
+    """Return whether a file may hold a small number."""
+    nanosecond = number == NANOSECOND and path.relative_to(PACKAGE).parts[0] == 'ros'
+    return nanosecond or path.name in NUMBERS_ALLOWED
+
+
+def test_epsilons_stand_in_tolerances():
+    report(
+        f'{name_of(path)}:{line}: {text}'
+        for path in SOURCES
+        for line, text in small_numbers(path.read_text())
+        if not is_allowed(path, text)
+    )
 
 
 def test_an_unnamed_epsilon_is_seen():
-    assert small_numbers('x = 1e-6 + 0.001 + 2E-3 + 0.1 + 1e6 + 10.001') == [
-        '1e-6',
-        '0.001',
-        '2E-3',
+    assert small_numbers('x = 1e-6 + 0.001\ny = 2E-3 + 0.1 + 1e6 + 10.001') == [
+        (1, '1e-6'),
+        (1, '0.001'),
+        (2, '2E-3'),
     ]
+    assert not is_allowed(PACKAGE / 'ros/cycle.py', '1e-6')
+    assert not is_allowed(PACKAGE / 'geometry/ids.py', NANOSECOND)
 
 
-@pytest.mark.parametrize('path', [*SOURCES, *SCRIPTS, *TRUTH, ROOT / 'run'], ids=name_of)
-def test_a_file_is_short(path):
-    assert len(path.read_text().splitlines()) <= MOST_LINES
+def test_a_file_is_short():
+    paths = [*SOURCES, *SCRIPTS, *TRUTH, ROOT / 'run']
+    lengths = {name_of(path): len(path.read_text().splitlines()) for path in paths}
+    report(f'{name}: {count} lines' for name, count in lengths.items() if count > MOST_LINES)
 
 
-@pytest.mark.parametrize('path', SOURCES, ids=name_of)
-def test_functions_are_short(path):
-    kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
-    functions = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, kinds)]
-    lengths = {node.name: code_lines(node) for node in functions}
-    assert {name: n for name, n in lengths.items() if n >= MOST_LINES_OF_A_FUNCTION} == {}
+def test_functions_are_short():
+    report(
+        f'{name_of(path)}:{node.lineno}: {node.name}: {code_lines(node)} lines'
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        and code_lines(node) >= MOST_LINES_OF_A_FUNCTION
+    )
 
 
 def code_lines(function):
@@ -58,12 +73,22 @@ def code_lines(function):
     return body[-1].end_lineno - body[0].lineno + 1 if body else 0
 
 
-@pytest.mark.parametrize('path', SOURCES, ids=name_of)
-def test_names_in_all_exist(path):
-    if '__all__' in path.read_text():
-        module = importlib.import_module(module_of(path))
-        assert [name for name in module.__all__ if not hasattr(module, name)] == []
-        assert len(set(module.__all__)) == len(module.__all__)
+def wrong_in_all(module):
+    """Return the entries of ``__all__`` that a module lacks or that stand there twice."""
+    names = module.__all__
+    return [name for name in names if not hasattr(module, name) or names.count(name) > 1]
+
+
+def test_names_in_all_exist():
+    paths = [path for path in SOURCES if '__all__' in path.read_text()]
+    modules = {name_of(path): importlib.import_module(module_of(path)) for path in paths}
+    assert len(modules) >= 10
+    report(f'{file}: {name}' for file, module in modules.items() for name in wrong_in_all(module))
+
+
+def test_a_name_that_is_missing_or_there_twice_is_seen():
+    module = SimpleNamespace(__all__=['a', 'b', 'c', 'c'], a=1, c=2)
+    assert wrong_in_all(module) == ['b', 'c', 'c']
 
 
 def test_every_folder_with_modules_is_a_package():
