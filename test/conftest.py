@@ -12,6 +12,8 @@ settings.load_profile('untimed')
 
 # ROS is imported by the fixtures that need it: most tests run without.
 
+pytest_plugins = ['plugins.seed']
+
 
 def pytest_configure(config):
     """Give each process of pytest-xdist but the first a ROS domain of its own.

@@ -1,13 +1,21 @@
-"""Every hard case, by every query, in both orders, moved and scaled: all must be right."""
+"""Every hard case in both orders, and by a law drawn by chance: all laws with ``--everything``.
+
+A test is a family of the catalogue. The seed of the draw is in pytest's header and in the message
+of a failure; each case has its own draw, so that every run puts each law to some cases.
+"""
 
 import json
 import math
+import random
+from functools import cache
 
 import numpy as np
 import pytest
+from every import check
 from numba import config
 from oracles import body_truth as truth
 from oracles import case_laws
+from plugins.seed import note, seed
 
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from truth import peers
@@ -21,7 +29,44 @@ ALL = cases.load()
 CASES = ALL[::23] if config.DISABLE_JIT else ALL
 SCALES = (2.0**-20, 2.0**13)
 
-every_case = pytest.mark.parametrize('case', CASES, ids=lambda case: case.id)
+every_family = pytest.mark.parametrize('family', sorted({case.family for case in CASES}))
+
+
+def laws_of(case):
+    """Return the judges of the laws that concern a case, beside that of its orders."""
+    laws = [at_every_level, by_every_query, under_rigid_motions, at_other_scales]
+    return [*laws, by_the_centre_of_a_sphere] if has_centre(case) else laws
+
+
+@cache
+def has_centre(case):
+    """Return whether the distance of a sphere follows from its centre (in solids not always)."""
+    in_solid = case.a.kind == 'Solid' and case.b.kind == 'Sphere'
+    if in_solid:
+        return truth.of_ball(case.a, case.b) is not None
+    return 'Sphere' in (case.a.kind, case.b.kind)
+
+
+def drawn(case, seed):
+    """Return the one of the laws of a case that a seed draws."""
+    return random.Random(f'{seed} {case.id}').choice(laws_of(case))
+
+
+@pytest.fixture
+def put_to(request):
+    """Return a function that judges the cases of a family which this run puts to a law."""
+    at_all = request.config.getoption('--everything', default=False)
+
+    def put(law, family):
+        of_family = [case for case in CASES if case.family == family]
+        concerned = [
+            case
+            for case in of_family
+            if law in (laws_of(case) if at_all else [drawn(case, seed())])
+        ]
+        check(law, concerned, lambda case: case.id, note())
+
+    return put
 
 
 def motions(case):
@@ -33,7 +78,7 @@ def motions(case):
     ]
 
 
-def check(case, scene):
+def answer_of(case, scene):
     """Pose the scene as the case says, and check the answer of the exact level."""
     scene.place(case.a, case.b)
     row = scene.distance()
@@ -58,9 +103,8 @@ def test_what_peers_return_is_of_cases_that_there_are():
     assert {name for entry in today.values() for name in entry} == set(peers.names())
 
 
-@every_case
-def test_in_both_orders(case):
-    first, second = (check(each, PairScene(each.a, each.b)) for each in (case, case.swapped()))
+def in_both_orders(case):
+    first, second = (answer_of(each, PairScene(each.a, each.b)) for each in (case, case.swapped()))
     bound = first.error_bound[0] + second.error_bound[0]
     assert abs(first.distance[0] - second.distance[0]) <= bound
     if first.is_nhat_BA_W_unique[0] and second.is_nhat_BA_W_unique[0]:
@@ -68,15 +112,13 @@ def test_in_both_orders(case):
         assert cosine >= 0.98  # within the 8 degrees that uniqueness means, from both sides
 
 
-@every_case
-def test_at_every_level(case):
+def at_every_level(case):
     scene = PairScene(case.a, case.b)
     for level in ACCURACY_LEVELS:
         assert case_laws.of_bound(case, scene.distance(level)) == []
 
 
-@every_case
-def test_by_every_query(case):
+def by_every_query(case):
     scene = PairScene(case.a, case.b)
     row = scene.distance()
     distance, unsure = row.distance[0], case_laws.unsure(case, row)
@@ -102,17 +144,7 @@ def test_by_every_query(case):
         assert depth == pytest.approx(penetration.depth[0], abs=rounding)
 
 
-# The centre of a sphere that is in a solid tells how deep it is where the way out is straight.
-SPHERES = [
-    case
-    for case in CASES
-    if 'Sphere' in (case.a.kind, case.b.kind)
-    and not (case.a.kind == 'Solid' and truth.of_ball(case.a, case.b) is None)
-]
-
-
-@pytest.mark.parametrize('case', SPHERES, ids=lambda case: case.id)
-def test_the_centre_of_a_sphere_as_a_point(case):
+def by_the_centre_of_a_sphere(case):
     scene = PairScene(case.a, case.b)
     ball, other = (0, 1) if case.a.kind == 'Sphere' else (1, 0)
     ball = (case.a, case.b)[ball]
@@ -123,16 +155,52 @@ def test_the_centre_of_a_sphere_as_a_point(case):
     assert np.linalg.norm(found.grad_W[other]) == pytest.approx(1.0, abs=1e-12)
 
 
-@every_case
-def test_under_rigid_motions(case):
+def under_rigid_motions(case):
     scene = PairScene(case.a, case.b)
     for R, p in motions(case):
-        check(case.moved(R, p), scene)
+        answer_of(case.moved(R, p), scene)
 
 
-@every_case
-def test_at_other_scales(case):
+def at_other_scales(case):
     for s in SCALES:
         scaled = case.scaled(s)
         if case.family != 'extremes' and np.isfinite(s * case.extent):
-            check(scaled, PairScene(scaled.a, scaled.b))
+            answer_of(scaled, PairScene(scaled.a, scaled.b))
+
+
+@every_family
+def test_in_both_orders(family):
+    check(in_both_orders, [case for case in CASES if case.family == family], lambda case: case.id)
+
+
+@every_family
+def test_at_every_level(family, put_to):
+    put_to(at_every_level, family)
+
+
+@every_family
+def test_by_every_query(family, put_to):
+    put_to(by_every_query, family)
+
+
+@every_family
+def test_the_centre_of_a_sphere_as_a_point(family, put_to):
+    put_to(by_the_centre_of_a_sphere, family)
+
+
+@every_family
+def test_under_rigid_motions(family, put_to):
+    put_to(under_rigid_motions, family)
+
+
+@every_family
+def test_at_other_scales(family, put_to):
+    put_to(at_other_scales, family)
+
+
+def test_a_seed_draws_one_law_a_case_and_other_seeds_draw_the_others():
+    case = next(case for case in ALL if case.a.kind == 'Sphere')
+    draws = [drawn(case, str(seed)) for seed in range(100)]
+    assert draws == [drawn(case, str(seed)) for seed in range(100)]
+    assert set(draws) == set(laws_of(case))
+    assert {drawn(case, '0') for case in ALL} == set(draws)
