@@ -1,7 +1,5 @@
 """Cases with solids: closed bodies with dents, samples whose truth is known, certificates."""
 
-import pickle
-
 import numpy as np
 import pytest
 
@@ -19,7 +17,7 @@ from bench.accuracy.samples import CONFIGURATIONS
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry.meshes._solids import solid_of, volume
 from drake_geom_ros.geometry.meshes._welding import merged
-from truth.judging.asking import PENETRATION, POINTS, certified
+from truth.judging.asking import PENETRATION, certified
 from truth.references.meshes import point_distance
 
 CASES = [case for case in mesh_cases() if case.resolution == 100]
@@ -79,15 +77,6 @@ def test_surface_points_are_on_the_surface_and_look_out(name):
         assert np.linalg.norm(n) == pytest.approx(1.0)
 
 
-def test_it_is_timed_side_by_side():
-    subject = MeshPair('Point', 'Ball', 100)
-    known = next(subject.batches(0))
-    timed, pairs = subject.timed(POINTS, known)
-    assert pairs == MeshPair.timed_pairs
-    seconds = timed.cycle(POINTS, 'exact', np.random.default_rng(0), pairs)
-    assert 0.0 < seconds.kernels < seconds.whole < 0.1
-
-
 names = pytest.mark.parametrize('name', MAKERS)
 
 
@@ -121,11 +110,3 @@ def test_the_l_is_the_union_of_its_boxes():
     on_surface = np.min([height.max(axis=1) for height in heights], axis=0)
     np.testing.assert_allclose(on_surface, 0.0, rtol=0, atol=1e-16)
     assert mesh_body('Ball', 100).parts == ()
-
-
-@names
-def test_samples_that_are_pickled_together_hold_it_once(name):
-    body = mesh_body(name, 1300)
-    one, three = (pickle.dumps([body.at(np.full(3, k)) for k in range(n)]) for n in (1, 3))
-    assert len(three) < 1.1 * len(one)
-    assert pickle.loads(one)[0].shape == body.shape

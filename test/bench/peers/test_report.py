@@ -1,9 +1,8 @@
-"""Tables, verdicts and charts, on made-up times."""
+"""Verdicts on made-up times: targets that are met, missed, or not set."""
 
 import pytest
 
-from bench.pages import table
-from bench.peers import chart, report
+from bench.peers import report
 from bench.peers.report import Measurement
 from bench.peers.timing import Taken
 
@@ -56,20 +55,6 @@ def test_mujoco_is_compared_in_penetration_alone():
     assert len(measurement(query='near', **both).verdicts()) == 1
 
 
-def test_a_row_has_a_cell_for_every_heading():
-    row = report.cells(measurement(ours=12.34, pydrake=100, coal=1234))
-    told = dict(zip(report.HEADINGS, row, strict=True))
-    assert told['ours [us]'] == '12.3 / 12.3 / 12.3'
-    assert told['pydrake [us]'] == '100 / 100 / 100'
-    assert told['Coal [us]'] == '1234 / 1234 / 1234'
-    assert told['p99/mean'] == '1x'
-    assert told['MuJoCo [us]'] == '-'
-    assert told['pydrake/ours'] == '8.1x'
-    assert told['results: ours'] == '3'
-    assert len(report.text_line(row)) == sum(report.WIDTHS)
-    assert table(report.HEADINGS, [row], left=3).count('\n') == 3
-
-
 def test_a_library_that_was_left_out_has_no_time_and_a_reason():
     libraries = {'ours': taken(1), 'pydrake': Taken(left_out='raised: no')}
     m = Measurement('arms', 'jump', 'all', libraries)
@@ -99,21 +84,3 @@ def test_the_mean_counts_and_the_worst_cycle_is_told():
     assert m.times('ours') == '1 / 3 / 101'
     assert m.ratio('pydrake') == pytest.approx(3.0)
     assert report.summary([m]) == ['1 of 1 targets met']
-
-
-def test_the_chart_is_a_picture(tmp_path):
-    measurements = [
-        measurement(ours=10, pydrake=80, mujoco=20),
-        measurement('arms', 'near', ours=10, pydrake=5),
-        measurement('arms', 'all', ours=10),
-    ]
-    for draw in (chart.draw, chart.draw_summary):
-        draw(measurements, tmp_path / 'chart.png')
-        assert (tmp_path / 'chart.png').read_bytes().startswith(b'\x89PNG')
-        (tmp_path / 'chart.png').unlink()
-
-
-def test_without_pydrake_there_is_no_chart(tmp_path):
-    chart.draw([measurement(ours=10)], tmp_path / 'chart.png')
-    chart.draw_summary([measurement(ours=10)], tmp_path / 'chart.png')
-    assert list(tmp_path.iterdir()) == []
