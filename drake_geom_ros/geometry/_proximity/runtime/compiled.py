@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import functools
 import gc
-import hashlib
 import os
 import shutil
 import tempfile
@@ -25,7 +24,8 @@ import numpy as np
 from numba import cfunc, config, from_dtype, njit, typeof, types, version_info
 from numba.core import event
 
-from drake_geom_ros.geometry._proximity.runtime.progress import Progress
+from drake_geom_ros.geometry._proximity.runtime.progress import Journal, Progress
+from drake_geom_ros.geometry._proximity.runtime.sources import SOURCES, UNCOMPILED, digest_of
 
 if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
     from drake_geom_ros.geometry._proximity.runtime import numba_inside as _inside
@@ -37,19 +37,6 @@ else:
 _FOLDER = 'drake_geom_ros'
 _VERSION = 'kernels-'  # a digest follows
 _KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
-_PACKAGE = Path(__file__).parents[3]
-# All that is compiled in, as folders and files: a test looks at what these import.
-SOURCES = tuple(_PACKAGE / name for name in ('geometry/_proximity', 'math/tolerances.py'))
-
-
-def digest_of(sources: Iterable[Path]) -> str:
-    """Return a name for the content of files, and of all sources in folders."""
-    digest = hashlib.sha256()
-    for source in sources:
-        for path in sorted(source.rglob('*.py')) if source.is_dir() else [source]:
-            digest.update(str(path.relative_to(source.parent)).encode())
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
 
 
 def _candidates() -> list[Path]:
@@ -74,7 +61,7 @@ def _own_folder(path: Path) -> bool:
 
 def _cache_folder() -> str:
     """Return the folder of this version's cache, or an empty text where none can be written."""
-    name = _VERSION + digest_of(SOURCES)
+    name = _VERSION + digest_of(SOURCES, UNCOMPILED)
     for base in _candidates():
         if _own_folder(base) and _own_folder(base / name):
             return str(base / name)
@@ -138,6 +125,7 @@ class _Uncollected(event.Listener):  # type: ignore[misc]
 _progress = Progress(CACHE_FOLDER)
 event.register('numba:compile', _Uncollected())
 event.register('numba:compile', _progress)
+event.register('numba:compile', Journal(CACHE_FOLDER))
 if CACHE_FOLDER:
     event.register('numba:compile', _Compiling())
 

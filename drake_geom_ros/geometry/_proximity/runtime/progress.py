@@ -1,13 +1,17 @@
-"""A line on standard error while something is compiled, for whoever waits without knowing why.
+"""Reports of what is compiled: a line on standard error, and a file of all of it on demand.
 
 A first question takes seconds, and the first of a URDF may take a minute: silence looks like a
 program that hangs. Who is told otherwise, by a ``tell`` (a log, the command ``compile``), is not
 told here. On a terminal the line is written over and goes when it is done; elsewhere a line comes
 every ten seconds.
+
+The environment variable ``DRAKE_GEOM_ROS_COMPILE_LOG`` names a file to which each process appends
+a line for each function: process, cache folder, function, types of its arguments.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Iterator
@@ -70,3 +74,24 @@ class Progress(event.Listener):  # type: ignore[misc]
         else:
             self._next = seconds + _PERIOD
             print(f'{line}; {self._kept}', file=sys.stderr, flush=True)
+
+
+class Journal(event.Listener):  # type: ignore[misc]
+    """Appends a line to a file for each of our functions that is compiled to be kept."""
+
+    def __init__(self, folder: str) -> None:
+        """``folder`` keeps what is compiled."""
+        self._folder = folder
+
+    def on_start(self, event: event.Event) -> None:
+        """Append the line, in one write: several processes may share the file."""
+        file = os.environ.get('DRAKE_GEOM_ROS_COMPILE_LOG')
+        function = event.data['dispatcher'].py_func
+        if file and self._folder and function.__module__.startswith(_PACKAGE):
+            name = f'{function.__module__}.{function.__qualname__}'
+            row = (str(os.getpid()), self._folder, name, str(event.data['args']))
+            with open(file, 'a') as journal:
+                journal.write('\t'.join(row) + '\n')
+
+    def on_end(self, event: event.Event) -> None:
+        """Nothing is left to do."""

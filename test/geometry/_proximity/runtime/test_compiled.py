@@ -1,6 +1,5 @@
 """The cache of compiled code: used again, never stale, and not needed."""
 
-import ast
 import os
 import re
 import shutil
@@ -10,13 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from geometry._proximity.runtime import compiled_sources
 from numba import config
 from numba.core import event
 
 import drake_geom_ros
 from drake_geom_ros.geometry._contact_surfaces import compiled as contact_surfaces
 from drake_geom_ros.geometry._proximity.runtime import compiled
+from drake_geom_ros.geometry._proximity.runtime.sources import SOURCES, UNCOMPILED
 from drake_geom_ros.geometry._rendering import compiled as rendering
+
+pytestmark = pytest.mark.processes
 
 ROOT = Path(drake_geom_ros.__file__).parents[1]
 SCRIPT = """
@@ -92,6 +95,20 @@ def test_an_entry_takes_what_it_is_for_and_compiles_nothing_for_others():
                 entry.call(other, room)
 
 
+def test_a_journal_lists_what_each_process_compiles(tmp_path):
+    journal = tmp_path / 'journal'
+    variables = {
+        'XDG_CACHE_HOME': str(tmp_path),
+        'DRAKE_GEOM_ROS_COMPILE_LOG': str(journal),
+    }
+    folder = run(**variables)[0]
+    run(**variables)  # from the cache
+    (row,) = [line.split('\t') for line in journal.read_text().splitlines()]
+    assert row[1] == folder
+    assert row[2] == 'drake_geom_ros.geometry._proximity.kernels.vectors.dot'
+    assert 'float64' in row[3]
+
+
 READING = """
 import numpy as np
 from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER
@@ -146,30 +163,51 @@ def test_another_source_is_another_cache(copied, of_images):
     assert (before[1] == after[1]) is of_images
 
 
+def test_what_is_not_compiled_leaves_the_cache_as_it_is(copied):
+    package, read = copied
+    before = read()
+    for name in sorted(UNCOMPILED):
+        source = package / name.relative_to(ROOT / 'drake_geom_ros')
+        source.write_text(source.read_text() + '\n')
+    assert read() == before
+
+
+def test_the_files_that_are_not_compiled_are_those_that_no_compiled_function_uses():
+    proximity = ROOT / 'drake_geom_ros/geometry/_proximity'
+    runtime = proximity / 'runtime'  # the compiler itself, and its options
+    used = compiled_sources.used_by_compiled_code(proximity)
+    modules = {path for path in proximity.rglob('*.py') if path.name != '__init__.py'}
+    unused = {path for path in modules - used if not path.is_relative_to(runtime)}
+    assert sorted(map(str, UNCOMPILED ^ unused)) == []
+
+
+def test_a_constant_a_record_and_a_function_of_another_file_are_seen_in_compiled_code():
+    used = compiled_sources.used_by_compiled_code(ROOT / 'drake_geom_ros/geometry/_proximity')
+    relative = {str(path.relative_to(ROOT / 'drake_geom_ros')) for path in used}
+    assert relative >= {
+        'math/tolerances.py',
+        'geometry/_proximity/kernels/vectors.py',
+        'geometry/_proximity/kernels/pair_table.py',
+        'geometry/_proximity/world/arrays.py',
+    }
+
+
 @pytest.mark.parametrize(
     ('folder', 'sources'),
     [
-        ('_proximity', compiled.SOURCES),
-        ('_rendering', (*compiled.SOURCES, *rendering.SOURCES)),
-        ('_contact_surfaces', (*compiled.SOURCES, *contact_surfaces.SOURCES)),
+        ('_proximity', SOURCES),
+        ('_rendering', (*SOURCES, *rendering.SOURCES)),
+        ('_contact_surfaces', (*SOURCES, *contact_surfaces.SOURCES)),
     ],
 )
-def test_all_that_compiled_code_imports_is_looked_at(folder, sources):
-    """Whatever of ours a file of kernels imports may be compiled in."""
-    room = ROOT / 'drake_geom_ros/geometry' / folder
-    unseen = set()
-    for path in room.rglob('*.py'):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and node.module.startswith('drake_geom_ros.'):
-                place = ROOT / node.module.replace('.', '/')
-                names = [place / f'{alias.name}.py' for alias in node.names]
-                files = [place.with_suffix('.py')] if not place.is_dir() else names
-                unseen |= {
-                    str(file.relative_to(ROOT))
-                    for file in files
-                    if not any(file.is_relative_to(source) for source in sources)
-                }
-    assert not unseen
+def test_all_that_compiled_code_uses_is_looked_at(folder, sources):
+    used = compiled_sources.used_by_compiled_code(ROOT / 'drake_geom_ros/geometry' / folder)
+    unseen = [
+        str(path.relative_to(ROOT))
+        for path in used
+        if not any(path.is_relative_to(source) for source in sources)
+    ]
+    assert unseen == []
 
 
 def version(base, k):
