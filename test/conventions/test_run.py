@@ -13,6 +13,8 @@ import time
 import pytest
 from conventions.source_tree import ROOT
 
+pytestmark = [pytest.mark.packaging, pytest.mark.processes]
+
 # The steps without their work: each tells that it ran, and makes what the next one looks for.
 FAKE_STEPS = """
 check_system() { :; }

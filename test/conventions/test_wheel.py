@@ -14,6 +14,8 @@ from conventions.test_packages import LIBRARIES, pins
 from packaging.requirements import Requirement
 from test_readme import blocks
 
+pytestmark = [pytest.mark.packaging, pytest.mark.processes]
+
 # What a build or a set-up leaves in the tree, or is large: no part of what is built from.
 LEFT_OUT = shutil.ignore_patterns('.*', 'build', 'install', 'log', 'out', '__pycache__', 'docs')
 PINS = [part for name in ('core', 'lock') for part in ('-c', ROOT / f'requirements/{name}.txt')]
