@@ -256,12 +256,28 @@ def _padding(inspector: SceneGraphInspector, geometry: GeometryId) -> float:
 def bodies_of(
     query: QueryObject, sources: set[str] | None, leave_out: SourceId | None
 ) -> list[GeometryId]:
-    """Return the geometries with the proximity role of some sources; None: of all but one."""
+    """Return the geometries with the proximity role of some sources; None: of all but one.
+
+    What hangs on a frame of a source, at any depth and of any source itself, counts as its own: a
+    part that a robot carries looks to a camera as the robot does.
+    """
     inspector = query.inspector()
 
     def counts(geometry: GeometryId) -> bool:
         if inspector.GetOwningSourceId(geometry) == leave_out:
             return False
-        return sources is None or inspector.GetOwningSourceName(geometry) in sources
+        if sources is None or inspector.GetOwningSourceName(geometry) in sources:
+            return True
+        return any(
+            inspector.GetOwningSourceName(frame) in sources
+            for frame in _carriers(inspector, inspector.GetFrameId(geometry))
+        )
 
     return [g for g in inspector.GetAllGeometryIds(Role.kProximity) if counts(g)]
+
+
+def _carriers(inspector: SceneGraphInspector, frame: FrameId) -> Iterator[FrameId]:
+    """Yield a frame and all that it hangs on, without the world."""
+    while frame != inspector.world_frame_id():
+        yield frame
+        frame = inspector.GetParentFrame(frame)

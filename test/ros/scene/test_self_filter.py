@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from oracles.shape_scenes import SHAPES, ShapeScene
 
-from drake_geom_ros.geometry import HalfSpace, Role
+from drake_geom_ros.geometry import HalfSpace, Role, SceneGraph
 from drake_geom_ros.math import RigidTransform, RotationMatrix
-from drake_geom_ros.ros.scene.self_filter import KnownBodies, SelfFilter
+from drake_geom_ros.ros.scene.self_filter import KnownBodies, SelfFilter, bodies_of
+from drake_geom_ros.scene_files import load_scene
 from truth.bodies.random_bodies import random_rotation
 
 BODIES = [SHAPES[name] for name in SHAPES if name != 'half_space']
@@ -84,3 +85,39 @@ def test_a_half_space_is_near_wherever_its_side_is():
     p_WQs = np.array([[1e5, 0.0, -1.0], [0.0, 0.0, 0.5], [9.0, 0.0, 0.1], [-1e5, 1e5, 0.01]])
     found = SelfFilter().near(then(KnownBodies(), scene.query, geometries), p_WQs, 0.05)
     assert found.tolist() == [True, False, True, True]
+
+
+ATTACHED = """
+sources: [robot, part, label, other]
+frames:
+- {name: tool, source: robot, pose: {}}
+- {name: held, source: part, pose: {}}
+- {name: shown, source: label, pose: {}}
+- {name: away, source: other, pose: {}}
+geometries:
+- {name: ball, source: robot, frame: tool, shape: {type: sphere, radius: 0.1}}
+- {name: ball, source: part, frame: held, shape: {type: sphere, radius: 0.1}}
+- {name: ball, source: label, frame: shown, shape: {type: sphere, radius: 0.1}}
+- {name: ball, source: other, frame: away, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+def test_what_hangs_on_a_robot_is_left_out_with_it_until_it_is_let_go():
+    graph = SceneGraph()
+    loaded = load_scene(ATTACHED, graph)
+    sources, frames = loaded.sources, loaded.frames
+    tool, held, shown = (
+        frames[at] for at in (('robot', 'tool'), ('part', 'held'), ('label', 'shown'))
+    )
+    query = graph.get_query_output_port().Eval(graph.CreateSharedContext())
+
+    def left_out():
+        ids = set(bodies_of(query, {'robot'}, None))
+        return [source for (source, _, _), geometry in loaded.geometries.items() if geometry in ids]
+
+    assert left_out() == ['robot']
+    graph.AttachFrame(sources['part'], held, tool, RigidTransform())
+    graph.AttachFrame(sources['label'], shown, held, RigidTransform())
+    assert left_out() == ['robot', 'part', 'label']
+    graph.DetachFrame(sources['part'], held, RigidTransform())
+    assert left_out() == ['robot']
