@@ -278,7 +278,7 @@ class SceneGraphClient(PlannersQuestions):
             joints=joint_positions(joints or {}),
         )
         left_out = LeftOut.of_pairs(answer)
-        if left_out.number and not (answer.has_collisions or allow_incomplete):
+        if not (left_out.is_nothing or answer.has_collisions or allow_incomplete):
             left_out.refuse('has_collisions')
         return bool(answer.has_collisions)
 

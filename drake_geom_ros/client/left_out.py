@@ -14,28 +14,55 @@ class IncompleteError(RuntimeError):
 
 
 class LeftOut(NamedTuple):
-    """Frames that never had a pose, by full names, and how many things that leaves out."""
+    """Frames that never had a pose, by full names, and how many things that leaves out.
+
+    Points that sensors saw beside bodies are in no row, either: how many, and how near [m].
+    """
 
     frames: tuple[str, ...]
     number: int
     thing: str  # `pair` or `geometry`
+    shell_points: int
+    least_shell_distance: float
 
     @classmethod
     def of_pairs(cls, answer: Any) -> LeftOut:
         """Return what an answer about pairs leaves out."""
-        return cls(tuple(answer.waiting_frames), int(answer.waiting_pairs), 'pair')
+        return cls._of(answer, int(answer.waiting_pairs), 'pair')
 
     @classmethod
     def of_geometries(cls, answer: Any) -> LeftOut:
         """Return what an answer about geometries leaves out."""
-        return cls(tuple(answer.waiting_frames), int(answer.waiting_geometries), 'geometry')
+        return cls._of(answer, int(answer.waiting_geometries), 'geometry')
+
+    @classmethod
+    def _of(cls, answer: Any, number: int, thing: str) -> LeftOut:
+        beside = int(answer.shell_points), float(answer.least_shell_distance)
+        return cls(tuple(answer.waiting_frames), number, thing, *beside)
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether nothing is left out."""
+        return not (self.number or self.shell_points)
 
     def refuse(self, what: str) -> None:
         """Raise IncompleteError about ``what``, which would look whole."""
-        names = ', '.join(self.frames[:_SHOWN]) + ' ...' * (len(self.frames) > _SHOWN)
+        said = []
+        if self.number:
+            names = ', '.join(self.frames[:_SHOWN]) + ' ...' * (len(self.frames) > _SHOWN)
+            said.append(
+                f'{counted(self.number, self.thing)} {are(self.number)} left out because '
+                f'{counted(len(self.frames), "frame")} never had a pose: {names}. Pose them '
+                '(~/frame_poses, TF, the key `pose` of the scene file, or the poses of the '
+                'question)'
+            )
+        if self.shell_points:
+            points = self.shell_points
+            said.append(
+                f'{counted(points, "point")} of sensors {are(points)} beside bodies, the nearest '
+                f'{self.least_shell_distance:.3g} m from one, and in no distance: see '
+                'obstacle_noise'
+            )
         raise IncompleteError(
-            f'{what}: {counted(self.number, self.thing)} {are(self.number)} left out because '
-            f'{counted(len(self.frames), "frame")} never had a pose: {names}. Pose them '
-            '(~/frame_poses, TF, the key `pose` of the scene file, or the poses of the question), '
-            'or take what is known with allow_incomplete=True'
+            f'{what}: {"; ".join(said)}, or take what is known with allow_incomplete=True'
         )

@@ -99,8 +99,10 @@ class Results(Sequence[Record], Generic[Record]):
     """Rows of a message, with the table of the scene that it refers to.
 
     What hangs on a frame that never had a pose is in no row: ``waiting_frames`` names these
-    frames, and ``is_complete`` says whether the rows are all that there are. Rows that are not
-    must not look like free space: ``bool()`` of none raises IncompleteError.
+    frames. Nor are the ``shell_points`` that sensors saw beside bodies, the nearest of them
+    ``least_shell_distance`` [m] from one. ``is_complete`` says whether the rows are all that there
+    are. Rows that are not must not look like free space: ``bool()`` of none raises
+    IncompleteError.
     """
 
     _PREFIX = ''  # of the message's columns
@@ -117,7 +119,9 @@ class Results(Sequence[Record], Generic[Record]):
         self._message = message
         self._left_out = self._missing_from(message)
         self.waiting_frames = self._left_out.frames
-        self.is_complete = not self._left_out.number if is_complete is None else is_complete
+        self.shell_points = self._left_out.shell_points
+        self.least_shell_distance = self._left_out.least_shell_distance  # inf: there is no point
+        self.is_complete = self._left_out.is_nothing if is_complete is None else is_complete
         count = len(getattr(message, self._PREFIX + self._KEY))
         self._rows = np.arange(count) if rows is None else rows
         self.table = table
@@ -155,7 +159,10 @@ class Results(Sequence[Record], Generic[Record]):
 
     def _subset(self: Rows, mask: NDArray[np.bool_], *names: Ids) -> Rows:
         """Return some rows: all that there are of geometries with these ids."""
-        is_complete = self.is_complete or not self.table.waits(names, self.waiting_frames)
+        is_complete = self.is_complete or not (
+            self.table.waits(names, self.waiting_frames)
+            or (self.shell_points and self.table.have_maps(names))
+        )
         return type(self)(self._message, self.table, self._rows[mask], is_complete)
 
     def __len__(self) -> int:

@@ -22,6 +22,7 @@ from drake_geom_ros.math.batched import matrices_from_poses
 _MOST_KEPT = 64  # patterns of which the ids are kept: whoever watches asks for the same each time
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one, some 10 us each
 _SHOWN = 4  # names of a scene in a message
+_MAPS = 'obstacles'  # the source of sensed maps
 
 
 class UnknownNameError(RuntimeError):
@@ -290,6 +291,11 @@ class SceneTable:
             for geometry in map(self.geometries.__getitem__, ids.tolist())
             if geometry.has_proximity
         )
+
+    def have_maps(self, sets: Iterable[NDArray[np.int64]]) -> bool:
+        """Return whether a geometry of one of the sets of ids is a sensed map."""
+        geometries = (self.geometries[each] for ids in sets for each in ids.tolist())
+        return any(geometry.source == _MAPS for geometry in geometries)
 
     def between(
         self, id_a: NDArray[np.int64], id_b: NDArray[np.int64], sources: tuple[str, str]

@@ -60,6 +60,7 @@ class ObstacleListening:
         if names:
             with live.editing() as scene:
                 scene.stand_maps = partial(stand_fed, sources=live.map_sources)
+                scene.told_apart = lambda name: 0.0 if name == OCTOMAP else now().told_apart
                 scene.stand_maps(scene)
         self._process = self._sensing(names)
         if OCTOMAP in names:
@@ -105,10 +106,12 @@ class ObstacleListening:
             told[f'obstacles {name}'] = (
                 f'{counts.taken} messages taken; of the last one {counts.points} points, '
                 f'{counts.not_finite} not finite, {counts.out_of_reach} out of reach, '
-                f'{counts.on_bodies} on bodies that the scene knows, {counts.out_of_box} beyond '
+                f'{counts.on_bodies} on bodies that the scene knows, {counts.in_shell} beside '
+                f'them, which rules take for near, {counts.out_of_box} beyond '
                 f'obstacle_box, {counts.in_sparse_cells} in cells with fewer points than '
                 'obstacle_least_points that are not held, which are in no answer; '
-                f'{counts.cells} cells, {counts.held_cells} of them held from before, '
+                f'{counts.cells} cells, {counts.held_cells} of them held from before, and '
+                f'{counts.shell_cells} beside bodies, {counts.held_shell_cells} of them held, '
                 f'in {1e3 * counts.seconds:.1f} ms'
             )
         return told
@@ -141,6 +144,7 @@ def obstacle_settings(values: NodeParameters) -> ObstacleSettings:
         resolution=values.obstacle_resolution,
         reach=values.obstacle_reach,
         padding=values.obstacle_padding,
+        noise=values.obstacle_noise,
         self_filter=values.obstacle_self_filter,
         least_points=values.obstacle_least_points,
         keep=values.obstacle_keep,

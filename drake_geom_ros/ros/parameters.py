@@ -63,6 +63,7 @@ class NodeParameters:
     obstacle_box: tuple[float, ...] = ()
     obstacle_self_filter: str = 'robots'
     obstacle_padding: float = 0.05
+    obstacle_noise: float = 0.01
     obstacle_least_points: int = 1
     obstacle_keep: float = 0.0
     obstacle_rays: bool = False
@@ -174,7 +175,8 @@ TEXTS = {
         'Bodies on which points are left out: none, robots, or all that the scene knows (scene).'
         + _LIVE
     ),
-    'obstacle_padding': 'How far from these bodies points still count as on them [m].' + _LIVE,
+    'obstacle_padding': 'How far from these bodies points are in no map, but near [m].' + _LIVE,
+    'obstacle_noise': 'How far from them points count as their own surface [m].' + _LIVE,
     'obstacle_least_points': 'Points that make a cell of a map occupied.' + _LIVE,
     'obstacle_keep': (
         'How long a cell is held since a point was last in it [s]; 0: until the next message.'
@@ -215,6 +217,7 @@ _RANGES = {
     'obstacle_resolution': (0.002, 10.0),
     'obstacle_reach': (0.01, 1000.0),
     'obstacle_padding': (0.0, 10.0),
+    'obstacle_noise': (0.0, 10.0),
     'obstacle_least_points': (1, 10000),
     'obstacle_keep': (0.0, math.inf),
     'obstacle_margin': (0.0, 10.0),

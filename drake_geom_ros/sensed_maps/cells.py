@@ -170,6 +170,11 @@ class Cells:
         return Cells.touching(low, high, resolution)
 
 
+def keys_of(points: Floats, resolution: float) -> Keys:
+    """Return the packed key of the cell of each point (n, 3) [m], all within reach of the grid."""
+    return _packed(np.floor(points / resolution).astype(np.int64))
+
+
 def check_resolution(resolution: float) -> None:
     """Raise MapError for an edge length [m] that is none."""
     is_number = isinstance(resolution, Real)

@@ -33,6 +33,12 @@ class KeptCells:
         """Return no cells."""
         return cls(Cells(resolution, np.zeros(0, dtype=np.int64)), np.zeros(0))
 
+    def without(self, others: Cells) -> KeptCells:
+        """Return the cells that are not among others of the same grid."""
+        left = ~np.isin(self.cells.packed, others.packed, assume_unique=True)
+        cells = Cells(self.cells.resolution, self.cells.packed[left])
+        return KeptCells(cells, self.seen[left])
+
     def as_seen_at(self, now: float) -> KeptCells:
         """Return these cells as if a point was last in each at ``now`` [s]."""
         return KeptCells(self.cells, np.full(len(self.seen), now))

@@ -1,5 +1,7 @@
 """Results with names: arrays, records, parts of them."""
 
+from copy import copy
+from dataclasses import replace
 from types import SimpleNamespace as Some
 
 import numpy as np
@@ -12,7 +14,8 @@ from examples import demo_scenes as scenes
 
 TABLE = scenes.table(version=3)
 HEADER = Some(stamp=Some(sec=12, nanosec=500_000_000))
-WHOLE = {'waiting_frames': [], 'waiting_pairs': 0, 'waiting_geometries': 0}
+WHOLE = {'waiting_frames': [], 'waiting_pairs': 0, 'waiting_geometries': 0,
+         'shell_points': 0, 'least_shell_distance': np.inf}  # fmt: skip
 COMMON = {
     **WHOLE,
     'header': HEADER,
@@ -94,6 +97,21 @@ def test_what_is_left_out_is_no_free_space():
     assert whole.is_complete
     assert whole.closest().id_b == 3
     assert not whole.between('left', 'left')
+
+
+def test_points_beside_bodies_are_no_free_space_where_a_map_may_be_near():
+    table, beside = copy(TABLE), {'shell_points': 7, 'least_shell_distance': 0.02}
+    first = next(iter(table.geometries))
+    table.geometries = dict(TABLE.geometries)
+    message = Some(**vars(DISTANCES._message) | beside)
+    found = SignedDistances(message, table)
+    assert (found.is_complete, found.shell_points, found.least_shell_distance) == (False, 7, 0.02)
+    for less in (found, found[:0], found[1:]):
+        with pytest.raises(IncompleteError, match=r'7 points of sensors are beside .* 0\.02 m'):
+            less.closest()
+    assert found.between('left').is_complete  # no map is among these
+    table.geometries[first] = replace(table.geometries[first], source='obstacles')
+    assert not found.between('*').is_complete
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.ros.scene.self_filter import BodiesThen
 from drake_geom_ros.sensed_maps.keeping import KeptCells
+from drake_geom_ros.sensed_maps.shell import Shell
 
 POINTS, DEPTH, OCTOMAP = 'points', 'depth', 'octomap'
 INPUTS = (POINTS, DEPTH, OCTOMAP)
@@ -22,13 +23,20 @@ class ObstacleSettings(NamedTuple):
 
     resolution: float  # [m]
     reach: float  # [m] from the sensor
-    padding: float  # [m]
+    padding: float  # [m] from bodies, within which points are in no map
+    noise: float  # [m] from bodies, within which they count as on them
     self_filter: str
     least_points: int
     keep: float  # [s]
     rays: bool
     margin: float  # [m]
     box: tuple[float, ...] = ()  # its corners (6,) [m] in the world; none: no limit
+
+    @property
+    def told_apart(self) -> float:
+        """The distance [m] from a body from which on the map alone says what is there."""
+        is_filtered = self.self_filter != 'none'
+        return max(self.resolution, self.padding if is_filtered else 0.0)
 
     def corners(self) -> tuple[Floats, Floats]:
         """Return the corners (3,), (3,) [m] of what is taken, in the world."""
@@ -46,10 +54,13 @@ class MapCounts:
     not_finite: int = 0
     out_of_reach: int = 0
     on_bodies: int = 0
+    in_shell: int = 0  # beside bodies, within their padding
     out_of_box: int = 0
     in_sparse_cells: int = 0  # in cells with too few points to make one, where none is held
     cells: int = 0
     held_cells: int = 0  # of these, that are there by those before the last one alone
+    shell_cells: int = 0  # beside bodies, in no map
+    held_shell_cells: int = 0  # of these, that are there by those before the last one alone
 
 
 class Held(NamedTuple):
@@ -58,6 +69,7 @@ class Held(NamedTuple):
     kept: KeptCells
     epoch: float  # of the node's time, by which they were seen
     generation: int  # of the map
+    shell: Shell
 
 
 class Place(NamedTuple):
@@ -78,3 +90,5 @@ class Found(NamedTuple):
 
     kept: KeptCells
     counts: MapCounts
+    shell: Shell
+    nearest: float  # [m] least distance of a point in the shell from a body; inf: there is none

@@ -26,6 +26,7 @@ from drake_geom_ros.ros.inputs.obstacle_records import (
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.moments import Hanging, Model, Moment, moment_of
 from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
+from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.ros.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.sensed_maps.cells import Cells
 
@@ -101,8 +102,12 @@ class ObstacleInput:
         begun, self._begun = self._begun, None
         if begun is None:
             raise ArgumentError('no message was begun of which these cells could be')
-        self._put(begun, found.kept.cells, found.counts, RigidTransform())
-        self._held = Held(found.kept, begun.moment.since.epoch, begun.generation)
+        shell, margin = found.shell, self._settings().margin
+        seen = SeenShell(
+            shell.cells.centres(), shell.reach + margin, found.counts.in_shell, found.nearest
+        )
+        self._put(begun, found.kept.cells, found.counts, RigidTransform(), seen)
+        self._held = Held(found.kept, begun.moment.since.epoch, begun.generation, shell)
 
     def take_octomap(self, octomap: Any, waited: float = 0.0) -> None:
         """Take an Octomap in place of the map of before, as it is; raises RuntimeError."""
@@ -125,11 +130,18 @@ class ObstacleInput:
             sources = scene.robot_names() if which == 'robots' else None
             return bodies_of(query, sources, scene.maps_source)
 
-    def _put(self, begun: _Begun, cells: Cells, counts: MapCounts, X_WM: RigidTransform) -> None:
+    def _put(
+        self,
+        begun: _Begun,
+        cells: Cells,
+        counts: MapCounts,
+        X_WM: RigidTransform,
+        beside: SeenShell = NO_SHELL,
+    ) -> None:
         """Have the scene hold what was seen; what is counted changes with it."""
         margin, moment = self._settings().margin, begun.moment
         shape = shape_of(cells, margin)
-        sighting = Sighting(cells, shape, X_WM, moment.since, moment.stamp)
+        sighting = Sighting(cells, shape, X_WM, moment.since, moment.stamp, beside)
         with self._live.editing() as scene:
             if begun.generation != self._generation:
                 raise ArgumentError('the map was cleared while the message was taken')

@@ -205,6 +205,7 @@ class Cycle:
         message.maps = list(maps)
         message.map_ages = floats(np.array(list(maps.values())))
         message.map_cells = unsigned(cells)
+        message.map_shell_points = [scene.maps[name].shell.points for name in maps]
         message.time_budget = time_budget
         message.unrefined_pairs = computed.unrefined_pairs
         self._publishers['cycle_report'].publish(message)

@@ -84,7 +84,13 @@ class RuleEvents:
         blind = scene.blind_frames(settings.stale_after)
         self._decided, twists = scene.clocks.steady(), scene.twists()
         computed = rules.decide(
-            self._decided, scene.query, blind, seen, twists, settings.time_budget
+            self._decided,
+            scene.query,
+            blind,
+            seen,
+            twists,
+            settings.time_budget,
+            scene.shells(),
         )
         self._tell(scene, rules.take_events())
         self._did(computed, time.perf_counter() - start)

@@ -36,6 +36,7 @@ from drake_geom_ros.ros.scene.pose_history import PoseHistory
 from drake_geom_ros.ros.scene.robot_joints import RobotJoints
 from drake_geom_ros.ros.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
+from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, BesideBodies, SeenShell, beside_bodies
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
@@ -59,6 +60,7 @@ class SeenMap(NamedTuple):
     frame: FrameId
     geometry: GeometryId
     cells: Cells | None
+    shell: SeenShell = NO_SHELL
 
 
 class HeldScene:
@@ -92,6 +94,8 @@ class HeldScene:
         self.replaced = 0  # how often another scene, or other sources, took the place of these
         # Called where the sensed maps that topics feed have gone, to have them there again.
         self.stand_maps: Callable[[Any], object] | None = None
+        # The distance [m] to bodies from which on a map that a topic feeds has what is there.
+        self.told_apart: Callable[[str], float] = lambda name: 0.0
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
@@ -307,7 +311,24 @@ class HeldScene:
 
     def waiting(self) -> Waiting:
         """Return what waits for its first pose."""
-        return waiting(self.query, self.names)
+        return waiting(self.query, self.names, self.beside_bodies())
+
+    def shells(self) -> list[tuple[GeometryId, SeenShell]]:
+        """Return what sensors saw beside bodies, by the map that lacks it."""
+        maps = self.maps.values()
+        return [(each.geometry, each.shell) for each in maps if len(each.shell.centres)]
+
+    def finer_than_maps(self, rule: str = '') -> list[str]:
+        """Return which rules, or whether this one, ask for what maps cannot tell, in words."""
+        limits = {
+            each.geometry: max(self.told_apart(name), each.cells.resolution if each.cells else 0.0)
+            for name, each in self.maps.items()
+        }
+        return self.rules.finer_than(limits, rule)
+
+    def beside_bodies(self) -> BesideBodies:
+        """Return how many points were seen beside bodies, and how near."""
+        return beside_bodies(each.shell for each in self.maps.values())
 
     def troubles(self) -> list[str]:
         """Return what is wrong with the poses and twists that come, and with lists, in words."""
@@ -315,6 +336,7 @@ class HeldScene:
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
         told = [] if self._twists is None else self._twists.troubles(self.names)
         rules = self.rules.troubles(watches_motion=self.watches_motion)
+        rules += self.finer_than_maps()
         told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *rules]
         told += filter(None, [overlapping_half_spaces(self.query, self.names)])
         if not names:
@@ -345,7 +367,8 @@ class HeldScene:
         owners = self.filter_owners()
         twists = self.twists() if moving else None
         told = self.moment(), owners, self.unknown_ages(), self.joints.entries, twists
-        return SceneView(context, filters, self.names, *told)
+        beside = self.beside_bodies()
+        return SceneView(context, filters, self.names, *told, beside)
 
     def copy(self) -> SceneGraphContext:
         """Return a copy that may be kept and changed."""

@@ -33,6 +33,7 @@ from drake_geom_ros.proximity_rules import (
     ScenePairs,
 )
 from drake_geom_ros.ros.conversions.names import some_of
+from drake_geom_ros.ros.scene.seen_shells import SeenShell, with_shells
 
 Flags = NDArray[np.bool_]
 Twists = Mapping[FrameId, NDArray[np.float64]]
@@ -140,12 +141,14 @@ class SceneRules:
         seen: tuple[SignedDistanceResults, float] | None = None,
         twists: Twists | None = None,
         time_budget: float = 0.0,
+        shells: Sequence[tuple[GeometryId, SeenShell]] = (),
     ) -> int:
         """Decide by the poses of now [s]; return how many pairs were computed for it.
 
         ``seen`` are the distances of all pairs within so many metres, where a cycle
         has them: what rules need beyond is computed, of their pairs alone, within a
-        ``time_budget`` [s] (0: without one).
+        ``time_budget`` [s] (0: without one). ``shells`` are what sensors saw beside bodies, which
+        counts as near for the rules about their maps.
         """
         farthest = self._monitor.farthest(self._fastest(query.inspector(), twists))
         computed = 0
@@ -158,6 +161,8 @@ class SceneRules:
             computed = len(results)
         speeds = None if twists is None else closing_speeds(results, twists).speed
         measured = _with_half_spaces(_measured(results, speeds), query)
+        if shells:
+            measured = with_shells(measured, query, shells, self._pairs, farthest)
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
             measured = measured._replace(unpredicted=lost)
@@ -226,6 +231,26 @@ class SceneRules:
                 f'proximity rules {some_of(blind)}; set the parameter closing_speeds'
             )
         return told
+
+    def finer_than(self, limits: Mapping[GeometryId, float], rule: str = '') -> list[str]:
+        """Return in words which rules, or whether this one, are entered nearer than maps can tell.
+
+        ``limits`` [m] are by map.
+        """
+        ids, needed = self._monitor.watched.ids, self._monitor.watched.needed
+        rows = {row: limits[g] for g in limits for row in np.flatnonzero(ids == g.get_value())}
+        finer: dict[float, list[str]] = {}
+        for number, each in enumerate(self.rules):
+            limit = max((rows[row] for row in rows if needed[number, row]), default=0.0)
+            if each.enter < limit and rule in ('', each.name):
+                finer.setdefault(limit, []).append(each.name)
+        return [
+            f'proximity rules {some_of(names)} are entered by less than the {limit:g} m that '
+            'sensed maps can tell (the larger of obstacle_padding and the edge of a cell): nearer '
+            'things are in no map, and count by cells beside bodies, early; '
+            f'enter must be at least {limit:g}'
+            for limit, names in finer.items()
+        ]
 
     def in_words(self) -> str:
         """Return how many rules there are, and which are entered."""

@@ -23,6 +23,7 @@ from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.driven_robot import JointEntry
 from drake_geom_ros.ros.scene.half_spaces import overlapping_half_spaces
 from drake_geom_ros.ros.scene.pose_ages import Oldest, UnknownAges
+from drake_geom_ros.ros.scene.seen_shells import NOTHING_BESIDE, BesideBodies
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
 
@@ -76,6 +77,7 @@ class SceneView:
     unknown_ages: UnknownAges
     joints: tuple[JointEntry, ...] = ()  # of the robots
     twists: Mapping[FrameId, NDArray[np.float64]] | None = None  # V_WF (6,); None: nobody watches
+    beside: BesideBodies = NOTHING_BESIDE
 
     @property
     def query(self) -> QueryObject:
@@ -90,11 +92,11 @@ class SceneView:
 
     def waiting(self) -> Waiting:
         """Return what an answer leaves out for want of poses."""
-        return waiting(self.query, self.names)
+        return waiting(self.query, self.names, self.beside)
 
     def reservations(self) -> str:
         """Return in words what an answer leaves out, and which poses it should not be built on."""
-        said = self.waiting().in_words(), self.unknown_ages.in_words()
+        said = self.waiting().in_words(), self.beside.in_words(), self.unknown_ages.in_words()
         return '; '.join(filter(None, said))
 
     def reservations_of_list(self) -> str:

@@ -28,6 +28,7 @@ from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import OBSTACLES
 from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene, SeenMap
 from drake_geom_ros.ros.scene.map_sources import MapSources
+from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.sensed_maps import Cells
 
 GEOMETRY = 'map'
@@ -43,6 +44,7 @@ class Sighting:
     X_WM: RigidTransform
     since: Since
     stamp: Any  # builtin_interfaces/Time; None: of no message
+    shell: SeenShell = NO_SHELL
 
 
 def shape_of(cells: Cells, margin: float) -> OccupiedCells:
@@ -114,7 +116,7 @@ def put(scene: EditableScene, name: str, sighting: Sighting, margin: float = 0.0
     # What stands in the world and what was seen of it are both at rest, wherever that is.
     if frame not in graph.collision_filter_manager().welded_frames():
         graph.collision_filter_manager().WeldToWorld([frame])
-    scene.maps[name] = SeenMap(frame, known.geometry, sighting.cells)
+    scene.maps[name] = SeenMap(frame, known.geometry, sighting.cells, sighting.shell)
 
 
 def forget(scene: EditableScene, names: list[str], again: list[str], margin: float = 0.0) -> int:

@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 _CUBE, _MOST_CUBES = 0.1, 100  # [m] edge of a cube, and how many there are along an axis at most
-_SMALL, _SMALLEST = 0.3, 0.005  # edge of a small cube: of the padding, and [m]
+_SMALL, _SMALLEST = 0.3, 0.005  # edge of a small cube: of the noise, and [m]
 _MOST_SMALL = 2.0**62  # small cubes, numbered by whole numbers
 _ROWS = 100_000  # of a point and a body, that are asked for at once: 10 MB
 _ROOM = 1.01  # balls are looked at before bodies are: rounding must lose none
@@ -42,10 +42,10 @@ class Body(NamedTuple):
     """A geometry on which points are left out, in the frame of that number of ``Bodies``."""
 
     shape: Shape
-    properties: ProximityProperties
+    properties: ProximityProperties  # but for its padding: a sensor sees the body without it
     X_FG: RigidTransform
     frame: int
-    centre: Floats  # (3,) [m] in F, of a ball around it with its padding
+    centre: Floats  # (3,) [m] in F, of a ball around it
     radius: float  # [m]
 
 
@@ -63,6 +63,14 @@ class BodiesThen(NamedTuple):
     bodies: Bodies | None  # None: whoever is told has had them
     R_WFs: Floats  # (f, 3, 3) of their frames
     p_WFs: Floats  # (f, 3) [m]
+
+
+class Zones(NamedTuple):
+    """Which points are on bodies, and which are beside them, in the shell."""
+
+    on_bodies: Flags  # (n,) no farther from a body than the noise, or inside
+    in_shell: Indices  # (m,) numbers of points that are farther, and within the padding
+    distances: Floats  # (m,) [m] lower bounds of their least distances from a body
 
 
 class KnownBodies:
@@ -92,9 +100,8 @@ class KnownBodies:
         shapes = [inspector.GetShape(geometry) for geometry in geometries]
         poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
         frames = [inspector.GetFrameId(geometry) for geometry in geometries]
-        larger = [_padding(inspector, geometry) for geometry in geometries]
         arrays = (X.GetAsMatrix34().tobytes() for X in poses)
-        key = (*geometries, *map(id, shapes), *frames, *larger, *arrays)
+        key = (*geometries, *map(id, shapes), *frames, *arrays)
         if key == self._key:
             return
         rows: dict[FrameId, int] = {}
@@ -104,7 +111,7 @@ class KnownBodies:
             assert properties is not None, 'only bodies that queries see are asked for'
             row = rows.setdefault(frame, len(rows))
             ball = _ball(query, geometry)
-            bodies.append(Body(shape, properties, X_FG, row, *ball))
+            bodies.append(Body(shape, _without_padding(properties), X_FG, row, *ball))
         values = np.array([frame.get_value() for frame in rows], dtype=np.int64)
         self._bodies, self._key, self._number = Bodies(bodies, values), key, self._number + 1
         self._frames = list(rows)
@@ -123,36 +130,51 @@ class SelfFilter:
         self._graph = SceneGraph()
         self._bodies: list[Body] = []
 
-    def near(self, there: BodiesThen, p_WQs: Floats, padding: float) -> Flags:
-        """Return which points (n, 3) [m] are no farther than ``padding`` [m] from bodies.
+    def zones(self, there: BodiesThen, p_WQs: Floats, noise: float, padding: float) -> Zones:
+        """Return which points (n, 3) [m] are on bodies, and which beside them.
 
-        These are where they were when the points were measured. Points in them are near.
+        On bodies is what is certainly no farther than ``noise`` [m], or ``padding`` [m] where that
+        is less, and the shell reaches from there to the padding. Bodies are where they were when
+        the points were measured.
         """
-        is_near = np.zeros(len(p_WQs), dtype=np.bool_)
+        on_bodies = np.zeros(len(p_WQs), dtype=np.bool_)
+        nothing = Zones(on_bodies, np.zeros(0, dtype=np.int64), np.zeros(0))
         if there.number != self.number:
             self._take_in(there)
         if not self._bodies or not len(p_WQs):
-            return is_near
+            return nothing
         numbers = self._may_be_near(there, p_WQs, padding)
         if not len(numbers):
-            return is_near
+            return nothing
+        noise = min(noise, padding)
         bodies = self._query(there)
-        certain, open_ones = self._decided_by_cubes(bodies, p_WQs[numbers], padding)
-        is_near[numbers[certain]] = True
+        certain, open_ones = self._decided_by_cubes(bodies, p_WQs[numbers], noise, padding)
+        on_bodies[numbers[certain]] = True
         rest = numbers[open_ones]
-        for found, _, _ in self._distances(bodies, p_WQs[rest], padding):
-            is_near[rest[found]] = True
-        return is_near
+        lower, upper = np.full((2, len(rest)), np.inf)
+        for found, distances, bounds in self._distances(bodies, p_WQs[rest], padding):
+            np.minimum.at(lower, found, distances - bounds)
+            np.minimum.at(upper, found, distances + bounds)
+        is_on = upper <= noise
+        on_bodies[rest[is_on]] = True
+        is_beside = ~is_on & (lower < np.inf)
+        return Zones(on_bodies, rest[is_beside], lower[is_beside])
+
+    def within(self, there: BodiesThen, p_WQs: Floats, limit: float) -> Flags:
+        """Return which points (n, 3) [m] are no farther than ``limit`` [m] from bodies."""
+        zones = self.zones(there, p_WQs, limit, limit)
+        zones.on_bodies[zones.in_shell] = True
+        return zones.on_bodies
 
     def _decided_by_cubes(
-        self, bodies: QueryObject, points: Floats, padding: float
+        self, bodies: QueryObject, points: Floats, noise: float, padding: float
     ) -> tuple[Flags, Flags]:
-        """Return which points (n, 3) [m] are near for sure, and of which that is open.
+        """Return which points (n, 3) [m] are on bodies for sure, and of which more is open.
 
-        A distance changes by no more than the way does: that of the centre of a small cube tells
-        of all points in it, but for those about as far away as the padding.
+        A distance changes by no more than the way does: that of the centre of a small cube decides
+        about all points in it, but for those about as far away as the noise, and in the shell.
         """
-        edge = _SMALL * padding + _SMALLEST
+        edge = _SMALL * noise + _SMALLEST
         steps = np.floor(points / edge)
         first = steps.min(axis=0)
         counts = steps.max(axis=0) - first + 1.0
@@ -170,7 +192,7 @@ class SelfFilter:
         centres = (cubes + 0.5) * edge
         for found, distances, bounds in self._distances(bodies, centres, padding + reach):
             is_open[found] = True
-            certain[found[distances + bounds + reach <= padding]] = True
+            certain[found[distances + bounds + reach <= noise]] = True
         return certain[cube_of], (is_open & ~certain)[cube_of]
 
     def _distances(
@@ -234,23 +256,21 @@ def _cubes(p_WPs: Floats, low: Floats, edge: float) -> NDArray[np.int64]:
 
 
 def _ball(query: QueryObject, geometry: GeometryId) -> tuple[Floats, float]:
-    """Return the ball of a geometry with its padding, in its frame: centre and radius [m]."""
+    """Return a ball around a geometry, in its frame: centre and radius [m]."""
     inspector = query.inspector()
-    shape = inspector.GetShape(geometry)
-    if isinstance(shape, HalfSpace):
-        return np.zeros(3), np.inf
-    obb = inspector.GetObbInGeometryFrame(geometry)
+    obb = None
+    if not isinstance(inspector.GetShape(geometry), HalfSpace):
+        obb = inspector.GetObbInGeometryFrame(geometry)
     if obb is None:
         return np.zeros(3), np.inf
     X_FB = inspector.GetPoseInFrame(geometry) @ obb.pose()
-    radius = float(np.linalg.norm(obb.half_width())) + _padding(inspector, geometry)
-    return np.array(X_FB.translation()), _ROOM * radius
+    return np.array(X_FB.translation()), _ROOM * float(np.linalg.norm(obb.half_width()))
 
 
-def _padding(inspector: SceneGraphInspector, geometry: GeometryId) -> float:
-    properties = inspector.GetProximityProperties(geometry)
-    padding = properties.GetPropertyOrDefault('proximity', 'padding', 0.0) if properties else 0.0
-    return float(padding)
+def _without_padding(properties: ProximityProperties) -> ProximityProperties:
+    plain = ProximityProperties(properties)
+    plain.RemoveProperty('proximity', 'padding')
+    return plain
 
 
 def bodies_of(

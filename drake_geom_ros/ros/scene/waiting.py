@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
+from drake_geom_ros.ros.scene.seen_shells import NOTHING_BESIDE, BesideBodies
 
 
 class Waiting(NamedTuple):
@@ -15,6 +16,7 @@ class Waiting(NamedTuple):
     frames: list[str]
     pairs: int  # unfiltered ones
     geometries: int  # with the proximity role
+    beside: BesideBodies = NOTHING_BESIDE  # points that are in no distance
 
     def in_words(self) -> str:
         """Return a sentence about it; empty where nothing waits."""
@@ -28,18 +30,20 @@ class Waiting(NamedTuple):
     def tell_pairs(self, message: Any) -> None:
         """Say it in an answer about pairs, or in the report of a cycle."""
         message.waiting_frames, message.waiting_pairs = self.frames, self.pairs
+        self.beside.fill(message)
 
     def tell_geometries(self, message: Any) -> None:
         """Say it in an answer about geometries."""
         message.waiting_frames, message.waiting_geometries = self.frames, self.geometries
+        self.beside.fill(message)
 
 
-_NONE = Waiting([], 0, 0)
-
-
-def waiting(query: QueryObject, names: NameTable) -> Waiting:
-    """Return what waits in the scene of a query object."""
+def waiting(
+    query: QueryObject, names: NameTable, beside: BesideBodies = NOTHING_BESIDE
+) -> Waiting:
+    """Return what waits in the scene of a query object, and what was seen beside bodies."""
     frames = [names.frame_names[frame] for frame in query.waiting_frames()]
     if not frames:
-        return _NONE
-    return Waiting(frames, query.num_waiting_pairs(), query.num_waiting_geometries())
+        return Waiting([], 0, 0, beside)
+    pairs, geometries = query.num_waiting_pairs(), query.num_waiting_geometries()
+    return Waiting(frames, pairs, geometries, beside)

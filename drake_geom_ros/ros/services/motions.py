@@ -65,6 +65,7 @@ def check_motion(live: LiveScene, request: Any, response: Any) -> None:
     _fill(response, check, view, path)
     response.scene_version = view.moment.version
     response.oldest_pose_age = view.moment.oldest_pose_age
+    view.beside.fill(response)
     response.message = view.reservations()
 
 

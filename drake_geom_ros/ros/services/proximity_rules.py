@@ -22,6 +22,7 @@ def add_proximity_rule(scene: EditableScene, request: Any, response: Any) -> Non
     scene.bind_rules()
     state = scene.rules.add([rule])
     response.pairs, response.left_out_pairs = state.pairs, state.left_out
+    response.message = '; '.join(scene.finer_than_maps(rule.name))
     scene.told.append(f'proximity rule {rule.name!r} watches {state.pairs} pairs')
 
 

@@ -29,6 +29,8 @@ def _result(distance):
         oldest_frame=0,
         waiting_frames=[],
         waiting_pairs=0,
+        shell_points=0,
+        least_shell_distance=float('inf'),
         max_distance=1.0,
         distance=distance,
         error_bound=[0.0] * 3,

@@ -29,8 +29,8 @@ geometries:
 - {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}, pose: {position: [3, 0, 0]}}
 """
 USUAL = ObstacleSettings(
-    resolution=0.1, reach=5.0, padding=0.05, self_filter='scene', least_points=1, keep=0.0,
-    rays=False, margin=0.0,
+    resolution=0.1, reach=5.0, padding=0.05, noise=0.01, self_filter='scene', least_points=1,
+    keep=0.0, rays=False, margin=0.0,
 )  # fmt: skip
 
 

@@ -150,13 +150,13 @@ def test_a_rule_about_a_map_goes_on_in_the_scene_that_takes_its_place():
 
 def in_between(node, change):
     """Have something happen while the next cloud is taken."""
-    near = node.taker.filter.near
+    zones = node.taker.filter.zones
 
     def changed(*asked):
         change()
-        return near(*asked)
+        return zones(*asked)
 
-    node.taker.filter.near = changed
+    node.taker.filter.zones = changed
 
 
 def test_a_cloud_of_the_old_scene_is_not_put_into_the_new_one():
@@ -184,7 +184,7 @@ def test_what_was_cleared_while_a_cloud_was_taken_stays_cleared():
     with pytest.raises(RuntimeError, match='cleared'):
         node.taker.take_cloud(cloud([[0, 2, 0]]))
     assert node.centres() is None
-    del node.taker.filter.near
+    del node.taker.filter.zones
     node.taker.take_cloud(cloud([[0, 2, 0]]))
     assert len(node.centres()) == 1
 

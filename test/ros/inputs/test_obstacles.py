@@ -62,27 +62,31 @@ def test_points_are_left_out_on_bodies_as_they_are_by_now():
 
     def take():
         node.taker.take_cloud(cloud(points, 'world', 100.0))
-        counts.append(node.input.counts.on_bodies)
+        counts.append((node.input.counts.on_bodies, node.input.counts.in_shell))
+
+    def become(radius):
+        with node.live.editing() as scene:
+            scene.scene_graph.ChangeShape(source, hand, Sphere(radius))
+        take()
 
     take()
     take()
     with node.live.editing() as scene:
         hand = scene.names.geometry('arm/hand')
         source = scene.inspector.GetOwningSourceId(hand)
-        scene.scene_graph.ChangeShape(source, hand, Sphere(0.22))
-    take()
+    become(0.22)
+    become(0.245)
     with node.live.editing() as scene:
         padded = ProximityProperties()
         padded.AddProperty('proximity', 'padding', 0.75)
         scene.scene_graph.AssignRole(source, hand, padded, RoleAssign.kReplace)
-    with pytest.raises(ArgumentError, match='all of its points lie on bodies'):
-        take()
+    take()  # a sensor sees a body without its padding
     with node.live.editing() as scene:
         scene.scene_graph.RemoveGeometry(source, hand)
     take()
     node.settings = node.settings._replace(self_filter='none')
     take()
-    assert counts == [0, 0, 1, 0, 0]
+    assert counts == [(0, 0), (0, 0), (0, 1), (1, 0), (1, 0), (0, 0), (0, 0)]
 
 
 def test_bodies_are_told_once_and_known_though_the_message_was_refused():
@@ -97,7 +101,7 @@ def test_bodies_are_told_once_and_known_though_the_message_was_refused():
 
     node.input.begin = listening
     nothing = cloud([[np.nan] * 3] * 5, 'world')
-    good = cloud([[0.12, 0.0, 0.0], [1.0, 0.0, 0.0]], 'world')  # one on the hand
+    good = cloud([[0.105, 0.0, 0.0], [1.0, 0.0, 0.0]], 'world')  # one on the hand
     for _ in range(2):
         with pytest.raises(ArgumentError, match='none of its 5 points is finite'):
             node.taker.take_cloud(nothing)
@@ -162,14 +166,16 @@ def test_what_cannot_be_is_refused_whole_and_the_map_of_before_stays(monkeypatch
 def test_points_are_counted_by_what_became_of_them():
     node = Node()
     node.move(100.0, [0.0, 0.0, 1.0])
-    on_hand = [[0.12, 0.0, -1.0], [0.0, 0.0, -0.851], [0.0, 0.0, -1.0]]
+    on_hand = [[0.105, 0.0, -1.0], [0.0, 0.0, -0.891], [0.0, 0.0, -1.0]]
+    in_shell = [[0.12, 0.0, -1.0], [0.0, 0.0, -0.851]]
     beside = [[0.16, 0.0, -1.0], [0.0, 0.0, -0.849]]
     far = [[9.0, 0.0, 0.0]]
     lost = [[np.nan, 0.0, 0.0], [np.inf, 1.0, 0.0]]
-    node.taker.take_cloud(cloud(on_hand + beside + far + lost))
+    node.taker.take_cloud(cloud(on_hand + in_shell + beside + far + lost))
     counts = node.input.counts
     told = counts.points, counts.not_finite, counts.out_of_reach, counts.on_bodies, counts.cells
-    assert told == (8, 2, 1, 3, 2)
+    assert told == (10, 2, 1, 3, 2)
+    assert counts.in_shell == 2
     assert near(node.centres(), [[0.15, 0.05, 1.05], [0.05, 0.05, 1.15]])
 
 

@@ -49,7 +49,7 @@ def test_the_points_that_are_near_are_those_of_all_one_by_one(reach, offset, pad
             [c + rng.uniform(-0.4, 0.4, (200, 3)) for c in centres]
             + [offset + rng.uniform(-2.0 * reach, 2.0 * reach, (200, 3)), [[1e9, 0.0, 0.0]]]
         )
-        found = tested.near(then(known, scene.query, geometries), p_WQs, padding)
+        found = tested.within(then(known, scene.query, geometries), p_WQs, padding)
         assert found.tolist() == one_by_one(scene, p_WQs, padding).tolist()
         for is_near in found.tolist():
             told[is_near] += 1
@@ -73,7 +73,7 @@ def test_points_that_lie_close_together_are_near_or_not_as_each_by_itself(offset
         return real(bodies, points, threshold)
 
     tested._distances = counting
-    found = tested.near(then(KnownBodies(), scene.query, geometries), p_WQs, padding)
+    found = tested.within(then(KnownBodies(), scene.query, geometries), p_WQs, padding)
     assert found.tolist() == one_by_one(scene, p_WQs, padding).tolist()
     assert 0.1 < found.mean() < 0.9
     assert sum(asked) < 0.7 * len(p_WQs)  # cubes told of most of them
@@ -83,7 +83,7 @@ def test_a_half_space_is_near_wherever_its_side_is():
     scene = ShapeScene(HalfSpace(), BODIES[0]).posed(RigidTransform(), RigidTransform([9, 0, 0]))
     geometries = scene.query.inspector().GetAllGeometryIds(Role.kProximity)
     p_WQs = np.array([[1e5, 0.0, -1.0], [0.0, 0.0, 0.5], [9.0, 0.0, 0.1], [-1e5, 1e5, 0.01]])
-    found = SelfFilter().near(then(KnownBodies(), scene.query, geometries), p_WQs, 0.05)
+    found = SelfFilter().within(then(KnownBodies(), scene.query, geometries), p_WQs, 0.05)
     assert found.tolist() == [True, False, True, True]
 
 
@@ -113,7 +113,9 @@ def test_what_hangs_on_a_robot_is_left_out_with_it_until_it_is_let_go():
 
     def left_out():
         ids = set(bodies_of(query, {'robot'}, None))
-        return [source for (source, _, _), geometry in loaded.geometries.items() if geometry in ids]
+        return [
+            source for (source, _, _), geometry in loaded.geometries.items() if geometry in ids
+        ]
 
     assert left_out() == ['robot']
     graph.AttachFrame(sources['part'], held, tool, RigidTransform())
