@@ -10,7 +10,7 @@ from typing import Any
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from drake_geom_ros.ros.callback_groups import CallbackGroups
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.obstacle_records import DEPTH, OCTOMAP, POINTS, ObstacleSettings
 from drake_geom_ros.ros.inputs.obstacles import ObstacleInput
@@ -117,16 +117,18 @@ class ObstacleListening:
         return told
 
     def _troubles(self) -> list[str]:
-        """Return which maps never came, in words."""
-        return [
+        """Return which maps never came, and which several sensors feed, in words."""
+        never = [
             f'no message of ~/obstacles/{name} was taken yet: what it would show is in no answer'
             for name, each in self.inputs.items()
             if not each.counts.taken
         ]
+        return never + [told for each in self.inputs.values() for told in each.troubles()]
 
-    def _listen(self, kind: Any, topic: str, take: Callable[[Any, float], object]) -> None:
+    def _listen(self, kind: Any, topic: str, take: Callable[[Any, float, str], object]) -> None:
         def hear(message: Any, info: MessageInfo) -> None:
-            self._guard.take(topic.removeprefix('~/'), take, message, waited(info))
+            who = publisher_of(info)
+            self._guard.take(topic.removeprefix('~/'), take, message, waited(info), who)
 
         self._surface.subscription(kind, topic, hear, _newest(), self._group)
 

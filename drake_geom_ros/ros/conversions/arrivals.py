@@ -11,6 +11,12 @@ _LONGEST_WAITING = 60.0  # [s] no message waits that long to be taken
 MessageInfo: TypeAlias = Mapping[str, Any]  # of rclpy, which in Jazzy has no name for it
 
 
+def publisher_of(info: MessageInfo) -> str:
+    """Return what the middleware calls the publisher of a message; empty: it tells nothing."""
+    gid = info.get('publisher_gid') or {}
+    return bytes(gid.get('data', b'')).hex()
+
+
 def waited(info: MessageInfo) -> float:
     """Return how long [s] ago a message came, by the time of day that the middleware notes."""
     came = info['received_timestamp']

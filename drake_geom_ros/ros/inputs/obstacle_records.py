@@ -82,7 +82,8 @@ class Place(NamedTuple):
     generation: int  # of the map: cells of another one are not kept
     bodies: BodiesThen  # on which points are left out, where they were
     settings: ObstacleSettings
-    before: Held | None  # of the message before, which another process may have taken
+    before: Held | None  # of the sensor's message before, which another process may have taken
+    feed: tuple[str, str]  # the sensor: its frame and its publisher
 
 
 class Found(NamedTuple):

@@ -16,6 +16,7 @@ import numpy as np
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
+from drake_geom_ros.ros.inputs.map_feeds import Feed, MapFeeds, Shown
 from drake_geom_ros.ros.inputs.obstacle_records import (
     Found,
     Held,
@@ -39,6 +40,7 @@ class _Begun(NamedTuple):
     moment: Moment
     start: float  # [s] when its taking began
     generation: int  # of the map, then
+    feed: Feed
 
 
 class ObstacleInput:
@@ -63,15 +65,30 @@ class ObstacleInput:
         self._known_of: tuple[Model, str] | None = None
         self._generation = 0  # how often it was cleared
         self._begun: _Begun | None = None
-        self._held: Held | None = None
+        self._feeds = MapFeeds(live.clocks)
+        self._held: dict[Feed, Held] = {}  # by sensor
 
     def forget(self) -> None:
         """Hold nothing of before, nor what is being made; the scene is held."""
         self._generation += 1
-        self._held = None
+        self._feeds, self._held = MapFeeds(self._live.clocks), {}
         self.counts = MapCounts()
 
-    def begin(self, header: Any, waited: float = 0.0, known: int = 0) -> Place:
+    def troubles(self) -> list[str]:
+        """Return which sensors feed the map, in words, where several do."""
+        ages = list(self._feeds.ages())
+        if len(ages) < 2:
+            return []
+        each = '; '.join(f'{feed.in_words()}: {age:.3g} s old' for feed, age in ages)
+        return [
+            f'{len(ages)} sensors feed ~/obstacles/{self.name}: {each}. The map shows what all of '
+            'them see, and is as old as the oldest: send one of them to another input, or to a '
+            'node that joins them; clear_obstacles forgets one that is gone'
+        ]
+
+    def begin(
+        self, header: Any, waited: float = 0.0, known: int = 0, publisher: str = ''
+    ) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
         Bodies of the number ``known`` are not told again. Cells that are made of its points are
@@ -88,11 +105,13 @@ class ObstacleInput:
             return self._known.frames
 
         moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies)
-        self._begun = _Begun(moment, start, generation)
+        feed = Feed(header.frame_id, publisher)
+        self._begun = _Begun(moment, start, generation, feed)
         R_WF = np.array(moment.X_WF.rotation().matrix())
         p_WF = np.array(moment.X_WF.translation())
         there, since = self._known.then(moment.query, known), moment.since
-        return Place(R_WF, p_WF, since.held, since.epoch, generation, there, settings, self._held)
+        when = since.held, since.epoch, generation
+        return Place(R_WF, p_WF, *when, there, settings, self._held.get(feed), feed)
 
     def finish(self, found: Found) -> None:
         """Put cells in the world into the scene, of the message that was begun last.
@@ -106,11 +125,14 @@ class ObstacleInput:
         seen = SeenShell(
             shell.cells.centres(), shell.reach + margin, found.counts.in_shell, found.nearest
         )
-        self._put(begun, found.kept.cells, found.counts, RigidTransform(), seen)
-        self._held = Held(found.kept, begun.moment.since.epoch, begun.generation, shell)
+        shown = Shown(found.kept.cells, RigidTransform(), seen, begun.moment.since)
+        self._put(begun, shown, found.counts)
+        self._held = {feed: held for feed, held in self._held.items() if self._feeds.since(feed)}
+        epoch = begun.moment.since.epoch
+        self._held[begun.feed] = Held(found.kept, epoch, begun.generation, shell)
 
-    def take_octomap(self, octomap: Any, waited: float = 0.0) -> None:
-        """Take an Octomap in place of the map of before, as it is; raises RuntimeError."""
+    def take_octomap(self, octomap: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Take an Octomap in place of the one of before, as it is; raises RuntimeError."""
         start = time.perf_counter()
         refuse_too_many_nodes(octomap, MOST_NODES)
         generation, cells = self._generation, cells_from_octomap(octomap)
@@ -120,7 +142,9 @@ class ObstacleInput:
         taken = _cells_in_box(cells, moment.X_WF, self._settings())
         beyond = len(cells) - len(taken)
         counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))
-        self._put(_Begun(moment, start, generation), taken, counts, moment.X_WF)
+        feed = Feed(octomap.header.frame_id, publisher)
+        shown = Shown(taken, moment.X_WF, NO_SHELL, moment.since)
+        self._put(_Begun(moment, start, generation, feed), shown, counts)
 
     def _bodies(self, query: QueryObject, which: str) -> list[GeometryId]:
         """Return the geometries on which points are left out."""
@@ -130,25 +154,27 @@ class ObstacleInput:
             sources = scene.robot_names() if which == 'robots' else None
             return bodies_of(query, sources, scene.maps_source)
 
-    def _put(
-        self,
-        begun: _Begun,
-        cells: Cells,
-        counts: MapCounts,
-        X_WM: RigidTransform,
-        beside: SeenShell = NO_SHELL,
-    ) -> None:
+    def _put(self, begun: _Begun, shown: Shown, counts: MapCounts) -> None:
         """Have the scene hold what was seen; what is counted changes with it."""
-        margin, moment = self._settings().margin, begun.moment
-        shape = shape_of(cells, margin)
-        sighting = Sighting(cells, shape, X_WM, moment.since, moment.stamp, beside)
+        margin, moment, feed = self._settings().margin, begun.moment, begun.feed
+        feeds = self._feeds.with_one(feed, shown)
+        all_shown = feeds.union()
+        cells = all_shown.cells
+        sighting = Sighting(
+            cells,
+            shape_of(cells, margin),
+            all_shown.X_WM,
+            all_shown.since,
+            moment.stamp,
+            all_shown.shell,
+            tuple((each.in_words(), since) for each, since in feeds.sinces()),
+        )
         with self._live.editing() as scene:
             if begun.generation != self._generation:
                 raise ArgumentError('the map was cleared while the message was taken')
             if moment.replaced != scene.replaced:
                 raise ArgumentError('the scene was replaced while the message was taken')
-            known = scene.maps.get(self.name)
-            since = None if known is None else scene.posed_since(known.frame)
+            since = self._feeds.since(feed)
             if since is not None and since.epoch == moment.since.epoch:
                 behind = since.held - moment.since.held
                 if behind > 0.0:
@@ -156,6 +182,7 @@ class ObstacleInput:
                         f'its stamp is {behind:.3f} s before that of the map that is there'
                     )
             put(scene, self.name, sighting, margin)
+            self._feeds = feeds
             taken, seconds = self.counts.taken + 1, time.perf_counter() - begun.start
             self.counts = replace(counts, taken=taken, seconds=seconds)
         self._changed()

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.conversions.depth_image import points_from_depth
 from drake_geom_ros.ros.conversions.point_cloud import Columns, columns_of_cloud
+from drake_geom_ros.ros.inputs.map_feeds import MOST_FEEDS
 from drake_geom_ros.ros.inputs.obstacle_records import (
     Found,
     Held,
@@ -31,15 +32,16 @@ from drake_geom_ros.sensed_maps.shell import Shell
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 MOST_POINTS = 5_000_000  # of a message
+_MOST_CAMERAS = MOST_FEEDS  # whose camera_info is kept
 
 
 class Map(Protocol):
     """Who has the scene that a map is in; both raise RuntimeError to refuse a message."""
 
-    def begin(self, header: Any, waited: float, known: int) -> Place:
+    def begin(self, header: Any, waited: float, known: int, publisher: str) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
-        Bodies of the number ``known`` are not told again.
+        Bodies of the number ``known`` are not told again. Each ``publisher`` has a map of its own.
         """
 
     def finish(self, found: Found) -> None:
@@ -52,44 +54,48 @@ class PointTaker:
     def __init__(self, its_map: Map) -> None:
         self._map = its_map
         self.filter = SelfFilter()
-        self._held: Held | None = None
-        self._camera: Any = None
+        self._held: dict[tuple[str, str], Held] = {}  # by sensor
+        self._cameras: dict[str, Any] = {}  # by frame
         # For points in the world: as large as the largest message was, for to map memory anew for
         # each takes as long as what is done with it.
         self._room = np.empty((0, 3))
 
-    def take_cloud(self, cloud: Any, waited: float = 0.0) -> None:
+    def take_cloud(self, cloud: Any, waited: float = 0.0, publisher: str = '') -> None:
         """Take a PointCloud2 that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         if cloud.width * cloud.height > MOST_POINTS:
             raise ArgumentError(
                 f'the cloud has {cloud.height} rows of {cloud.width} points; at most '
                 f'{MOST_POINTS} are taken'
             )
-        self._take_points(columns_of_cloud(cloud), cloud.header, waited)
+        self._take_points(columns_of_cloud(cloud), cloud.header, waited, publisher)
 
-    def take_camera(self, info: Any, waited: float = 0.0) -> None:
-        """Keep a CameraInfo for the images that follow."""
-        self._camera = info
+    def take_camera(self, info: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Keep a CameraInfo for the images of its frame that follow."""
+        self._cameras.pop(info.header.frame_id, None)
+        self._cameras[info.header.frame_id] = info
+        if len(self._cameras) > _MOST_CAMERAS:
+            del self._cameras[next(iter(self._cameras))]
 
-    def take_depth(self, image: Any, waited: float = 0.0) -> None:
+    def take_depth(self, image: Any, waited: float = 0.0, publisher: str = '') -> None:
         """Take an Image of depths, as ``take_cloud`` does."""
         if image.width * image.height > MOST_POINTS:
             raise ArgumentError(
                 f'the image has {image.height} rows of {image.width} pixels; at most '
                 f'{MOST_POINTS} are taken'
             )
-        if self._camera is None:
+        if not self._cameras:
             raise ArgumentError('no camera_info came before the image, so its rays are unknown')
-        if self._camera.header.frame_id != image.header.frame_id:
+        camera = self._cameras.get(image.header.frame_id)
+        if camera is None:
             raise ArgumentError(
                 f'the image is in frame {image.header.frame_id[:80]!r}, and camera_info in '
-                f'{self._camera.header.frame_id[:80]!r}'
+                f'{next(reversed(self._cameras))[:80]!r}'
             )
-        x, y, z = points_from_depth(image, self._camera).T[:, np.newaxis]
-        self._take_points((x, y, z), image.header, waited)
+        x, y, z = points_from_depth(image, camera).T[:, np.newaxis]
+        self._take_points((x, y, z), image.header, waited, publisher)
 
-    def _take_points(self, columns: Columns, header: Any, waited: float) -> None:
-        place = self._map.begin(header, waited, self.filter.number)
+    def _take_points(self, columns: Columns, header: Any, waited: float, publisher: str) -> None:
+        place = self._map.begin(header, waited, self.filter.number, publisher)
         count, settings = columns[0].size, place.settings
         if len(self._room) < count:
             self._room = np.empty((count, 3))
@@ -132,11 +138,14 @@ class PointTaker:
         )
         nearest = float(beside.distances.min(initial=np.inf))
         self._map.finish(Found(kept, counts, shell, nearest))
-        self._held = Held(kept, place.epoch, place.generation, shell)
+        self._held.pop(place.feed, None)  # the last one heard of is the last to be forgotten
+        self._held[place.feed] = Held(kept, place.epoch, place.generation, shell)
+        if len(self._held) > 2 * MOST_FEEDS:
+            del self._held[next(iter(self._held))]
 
     def _before(self, place: Place, resolution: float) -> Held | None:
         """Return what the message before left, as far as it still holds."""
-        held = place.before or self._held
+        held = place.before or self._held.get(place.feed)
         if held is None or held.generation != place.generation:
             return None
         if held.kept.cells.resolution != resolution:

@@ -22,7 +22,7 @@ from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.outputs.rule_events import RuleEvents
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import SceneStamp
-from drake_geom_ros.ros.scene.seen_maps import map_ages
+from drake_geom_ros.ros.scene.seen_maps import map_ages, sensor_ages
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
     from drake_geom_ros.ros.outputs.cross_check import CrossCheck
@@ -205,6 +205,9 @@ class Cycle:
         message.maps = list(maps)
         message.map_ages = floats(np.array(list(maps.values())))
         message.map_cells = unsigned(cells)
+        sensors = sensor_ages(scene)
+        message.map_sensors = list(sensors)
+        message.map_sensor_ages = floats(np.array(list(sensors.values())))
         message.map_shell_points = [scene.maps[name].shell.points for name in maps]
         message.time_budget = time_budget
         message.unrefined_pairs = computed.unrefined_pairs

@@ -61,6 +61,7 @@ class SeenMap(NamedTuple):
     geometry: GeometryId
     cells: Cells | None
     shell: SeenShell = NO_SHELL
+    feeds: tuple[tuple[str, Since], ...] = ()  # sensors, and since when what each showed holds
 
 
 class HeldScene:

@@ -45,6 +45,7 @@ class Sighting:
     since: Since
     stamp: Any  # builtin_interfaces/Time; None: of no message
     shell: SeenShell = NO_SHELL
+    feeds: tuple[tuple[str, Since], ...] = ()  # sensors, and since when what each showed holds
 
 
 def shape_of(cells: Cells, margin: float) -> OccupiedCells:
@@ -116,7 +117,9 @@ def put(scene: EditableScene, name: str, sighting: Sighting, margin: float = 0.0
     # What stands in the world and what was seen of it are both at rest, wherever that is.
     if frame not in graph.collision_filter_manager().welded_frames():
         graph.collision_filter_manager().WeldToWorld([frame])
-    scene.maps[name] = SeenMap(frame, known.geometry, sighting.cells, sighting.shell)
+    scene.maps[name] = SeenMap(
+        frame, known.geometry, sighting.cells, sighting.shell, sighting.feeds
+    )
 
 
 def forget(scene: EditableScene, names: list[str], again: list[str], margin: float = 0.0) -> int:
@@ -129,6 +132,17 @@ def forget(scene: EditableScene, names: list[str], again: list[str], margin: flo
     for name in again:
         stand(scene, name, margin)
     return gone
+
+
+def sensor_ages(scene: HeldScene) -> dict[str, float]:
+    """Return the age [s] of what each sensor showed, of the maps that several feed, by words."""
+    age = scene.clocks.ages()
+    return {
+        f'{name}: {feed}': age(since)
+        for name, known in scene.maps.items()
+        if len(known.feeds) > 1
+        for feed, since in known.feeds
+    }
 
 
 def map_ages(scene: HeldScene) -> dict[str, float]:

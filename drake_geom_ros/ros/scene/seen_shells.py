@@ -56,6 +56,16 @@ NO_SHELL = SeenShell(np.zeros((0, 3)), 0.0, 0, math.inf)
 NOTHING_BESIDE = BesideBodies(0, math.inf, 0)
 
 
+def joined(shells: Sequence[SeenShell]) -> SeenShell:
+    """Return what several sensors of a map saw beside bodies."""
+    return SeenShell(
+        np.concatenate([shell.centres for shell in shells]),
+        max(shell.reach for shell in shells),
+        sum(shell.points for shell in shells),
+        min(shell.nearest for shell in shells),
+    )
+
+
 def beside_bodies(shells: Iterable[SeenShell]) -> BesideBodies:
     """Return what several shells hold together."""
     points, nearest, cells = NOTHING_BESIDE

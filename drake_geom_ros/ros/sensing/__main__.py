@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.ros.conversions.serialized_cloud import (
     Header,
     Stamp,
@@ -40,6 +40,7 @@ from drake_geom_ros.ros.sensing.protocol import (
     Task,
     Topic,
 )
+from drake_geom_ros.sensed_maps.looking_past import compile_looking_past
 from drake_geom_ros.sensed_maps.passes import compile_passes
 
 _NICER = 5  # steps of nice, as threads of the node that give way have
@@ -53,9 +54,10 @@ class _MapOfNode:
     def __init__(self, pipe: Connection, name: str) -> None:
         self._pipe, self._name = pipe, name
 
-    def begin(self, header: Any, waited: float, known: int) -> Place:
+    def begin(self, header: Any, waited: float, known: int, publisher: str) -> Place:
         stamp = Stamp(header.stamp.sec, header.stamp.nanosec)
-        place = self._ask(Begin(self._name, Header(stamp, header.frame_id), waited, known))
+        its_header = Header(stamp, header.frame_id)
+        place = self._ask(Begin(self._name, its_header, waited, known, publisher))
         assert isinstance(place, Place)
         return place
 
@@ -76,16 +78,16 @@ def _cloud_of(raw: bytes) -> Any:
 
 
 def _listen(node: Node, topic: Topic, taker: PointTaker, pipe: Connection) -> None:
-    takes: dict[str, Callable[[Any, float], None]] = {
-        CLOUD: lambda raw, ago: taker.take_cloud(_cloud_of(raw), ago),
-        IMAGE: lambda raw, ago: taker.take_depth(deserialize_message(raw, Image), ago),
-        CAMERA: lambda raw, ago: taker.take_camera(deserialize_message(raw, CameraInfo), ago),
+    takes: dict[str, Callable[[Any, float, str], None]] = {
+        CLOUD: lambda raw, *how: taker.take_cloud(_cloud_of(raw), *how),
+        IMAGE: lambda raw, *how: taker.take_depth(deserialize_message(raw, Image), *how),
+        CAMERA: lambda raw, *how: taker.take_camera(deserialize_message(raw, CameraInfo), *how),
     }
     take = takes[topic.kind]
 
     def hear(raw: bytes, info: MessageInfo) -> None:
         try:
-            take(raw, waited(info))
+            take(raw, waited(info), publisher_of(info))
         except (EOFError, ConnectionError):  # the node is gone
             raise
         except Exception as error:  # RuntimeError refuses; nobody foresaw others
@@ -110,6 +112,7 @@ def _end_with_node() -> None:
 def _work(pipe: Connection) -> None:
     task: Task = pipe.recv()
     compile_passes()
+    compile_looking_past()
     secured = ['--ros-args', '--enclave', task.enclave]
     rclpy.init(args=secured, signal_handler_options=SignalHandlerOptions.NO)
     # What the node's arguments say of names is in the task already.

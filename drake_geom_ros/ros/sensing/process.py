@@ -56,7 +56,9 @@ class SensingProcess:
         self._heard = time.monotonic()
         self._limit = _COMPILING  # [s] for how long it may be silent
         self._hung = False
-        self._holding: set[str] = set()  # inputs of which it has what is held from before
+        # Sensors by input, frame and publisher, of which it has what is held from before.
+        self._holding: set[tuple[str, ...]] = set()
+        self._begun: tuple[str, ...] = ()  # the sensor of the message that was begun last
         self._thread = threading.Thread(target=self._serve, name='sensing', daemon=True)
         self._thread.start()
 
@@ -142,18 +144,19 @@ class SensingProcess:
         self.trouble = ''
         self._limit, limit = math.inf, _SILENCE  # it waits for this thread meanwhile
         if isinstance(said, Begin):
-            asked = said.header, said.waited, said.known
+            asked = said.header, said.waited, said.known, said.publisher
+            self._begun = said.input, said.header.frame_id, said.publisher
             answer = self._done(lambda: self._maps[said.input].begin(*asked))
             if isinstance(answer, Place):
                 if answer.bodies.bodies is not None:
                     limit = _COMPILING
-                if said.input in self._holding:
+                if self._begun in self._holding:
                     answer = answer._replace(before=None)
             ours.send(answer)
         elif isinstance(said, Finish):
             refusal = self._done(lambda: self._maps[said.input].finish(said.found))
             if refusal is None:
-                self._holding.add(said.input)
+                self._holding.add(self._begun)
             ours.send(refusal)
         elif isinstance(said, Refused):
             self._listener.refused(said.told_as, said.reason)

@@ -45,6 +45,7 @@ class Begin(NamedTuple):
     header: Header
     waited: float  # [s] since it came
     known: int  # number of the bodies that the process has: these are not told again
+    publisher: str  # by what the middleware calls it
 
 
 class Finish(NamedTuple):

@@ -341,6 +341,7 @@ def test_a_frame_that_only_tf_knows_hangs_on_one_of_the_scene(monkeypatch):
     hear(transform('/mast', 'optical', 1.0, 0.0), static=True)
     node.taker.take_cloud(cloud([[0, 1, 0]], 'optical'))
     assert near(node.centres(), [[1.05, 1.05, 2.05]])
+    node.input.forget()
     # One that moves is kept from when it is asked about.
     hear(transform('optical', 'head', 1.0, 99.9))
     with pytest.raises(RuntimeError, match='head'):
