@@ -18,6 +18,7 @@ import numpy as np
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.scene.clocks import Clocks, Since
+from drake_geom_ros.ros.scene.out_of_sight import Sight
 from drake_geom_ros.ros.scene.seen_shells import SeenShell, joined
 from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells
 
@@ -43,6 +44,7 @@ class Shown(NamedTuple):
     X_WM: RigidTransform
     shell: SeenShell
     since: Since
+    sight: Sight
 
     def in_world(self) -> Cells:
         """Return cells of the world's grid that cover these."""
@@ -117,12 +119,17 @@ class MapFeeds:
                 f'the map would have {len(packed)} cells; it may have {MOST_CELLS}'
             )
         shell = joined([one.shell for one in each])
-        return Shown(Cells(resolution, packed), RigidTransform(), shell, oldest)
+        union = Cells(resolution, packed)
+        return Shown(union, RigidTransform(), shell, oldest, each[0].sight)
 
     def sinces(self) -> Iterator[tuple[Feed, Since]]:
         """Yield each sensor, and since when what it showed last holds."""
         for feed, known in self._known.items():
             yield feed, known.shown.since
+
+    def sights(self) -> tuple[Sight, ...]:
+        """Return where each sensor can see."""
+        return tuple(known.shown.sight for known in self._known.values())
 
     def ages(self) -> Iterator[tuple[Feed, float]]:
         """Yield each sensor and the age [s] of what it showed last."""

@@ -26,6 +26,7 @@ from drake_geom_ros.ros.inputs.obstacle_records import (
 )
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.moments import Hanging, Model, Moment, moment_of
+from drake_geom_ros.ros.scene.out_of_sight import Sight
 from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
 from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.ros.scene.self_filter import KnownBodies, bodies_of
@@ -125,7 +126,9 @@ class ObstacleInput:
         seen = SeenShell(
             shell.cells.centres(), shell.reach + margin, found.counts.in_shell, found.nearest
         )
-        shown = Shown(found.kept.cells, RigidTransform(), seen, begun.moment.since)
+        moment, settings = begun.moment, self._settings()
+        sight = Sight(moment.X_WF.translation(), settings.reach, *settings.corners())
+        shown = Shown(found.kept.cells, RigidTransform(), seen, moment.since, sight)
         self._put(begun, shown, found.counts)
         self._held = {feed: held for feed, held in self._held.items() if self._feeds.since(feed)}
         epoch = begun.moment.since.epoch
@@ -143,7 +146,8 @@ class ObstacleInput:
         beyond = len(cells) - len(taken)
         counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))
         feed = Feed(octomap.header.frame_id, publisher)
-        shown = Shown(taken, moment.X_WF, NO_SHELL, moment.since)
+        sight = Sight(np.zeros(3), np.inf, *self._settings().corners())
+        shown = Shown(taken, moment.X_WF, NO_SHELL, moment.since, sight)
         self._put(_Begun(moment, start, generation, feed), shown, counts)
 
     def _bodies(self, query: QueryObject, which: str) -> list[GeometryId]:
@@ -168,6 +172,7 @@ class ObstacleInput:
             moment.stamp,
             all_shown.shell,
             tuple((each.in_words(), since) for each, since in feeds.sinces()),
+            feeds.sights(),
         )
         with self._live.editing() as scene:
             if begun.generation != self._generation:

@@ -91,6 +91,7 @@ class RuleEvents:
             twists,
             settings.time_budget,
             scene.shells(),
+            scene.map_sights(),
         )
         self._tell(scene, rules.take_events())
         self._did(computed, time.perf_counter() - start)

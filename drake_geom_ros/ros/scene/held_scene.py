@@ -31,6 +31,7 @@ from drake_geom_ros.ros.scene.clocks import Clocks, Since
 from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.half_spaces import overlapping_half_spaces
 from drake_geom_ros.ros.scene.leases import Leases
+from drake_geom_ros.ros.scene.out_of_sight import MapSights, Sight
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
 from drake_geom_ros.ros.scene.pose_history import PoseHistory
 from drake_geom_ros.ros.scene.robot_joints import RobotJoints
@@ -62,6 +63,7 @@ class SeenMap(NamedTuple):
     cells: Cells | None
     shell: SeenShell = NO_SHELL
     feeds: tuple[tuple[str, Since], ...] = ()  # sensors, and since when what each showed holds
+    sights: tuple[Sight, ...] = ()  # of each of them
 
 
 class HeldScene:
@@ -327,6 +329,17 @@ class HeldScene:
         }
         return self.rules.finer_than(limits, rule)
 
+    def map_sights(self) -> list[MapSights]:
+        """Return where sensors can see, of the maps that these feed."""
+        return [(each.geometry, each.sights) for each in self.maps.values() if each.sights]
+
+    def _unseen(self) -> str:
+        sights = self.map_sights()
+        if sights and self.rules.rules:
+            self.bind_rules()  # its bodies must be those of the query
+            return self.rules.unseen(self.query, sights)
+        return ''
+
     def beside_bodies(self) -> BesideBodies:
         """Return how many points were seen beside bodies, and how near."""
         return beside_bodies(each.shell for each in self.maps.values())
@@ -337,7 +350,7 @@ class HeldScene:
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
         told = [] if self._twists is None else self._twists.troubles(self.names)
         rules = self.rules.troubles(watches_motion=self.watches_motion)
-        rules += self.finer_than_maps()
+        rules += [*self.finer_than_maps(), *filter(None, [self._unseen()])]
         told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *rules]
         told += filter(None, [overlapping_half_spaces(self.query, self.names)])
         if not names:

@@ -33,6 +33,7 @@ from drake_geom_ros.proximity_rules import (
     ScenePairs,
 )
 from drake_geom_ros.ros.conversions.names import some_of
+from drake_geom_ros.ros.scene.out_of_sight import Balls, MapSights, unseen, with_unseen
 from drake_geom_ros.ros.scene.seen_shells import SeenShell, with_shells
 
 Flags = NDArray[np.bool_]
@@ -57,6 +58,7 @@ class SceneRules:
         self._frames: list[FrameId] = []  # of each geometry
         # [m] how far geometries reach from the origin of each frame; None: to be found
         self._extents: dict[FrameId, float] | None = None
+        self._balls: Balls | None = None  # around geometries that sensed maps are reported with
         self._pairs = _NO_PAIRS
         self._narrowed: QueryObject | None = None
         self._happened: list[Event] = []  # that nobody was told of yet
@@ -117,7 +119,7 @@ class SceneRules:
             return
         have_same_names = frames_version == self._frames_version
         self._version, self._frames_version = version, frames_version
-        self._extents = None
+        self._extents = self._balls = None
         ids, reported = inspector.candidate_matrix()
         if have_same_names and self._pairs.are(ids, reported):
             # Shapes changed, as those of sensed maps do many times a second: rules are about the
@@ -142,13 +144,15 @@ class SceneRules:
         twists: Twists | None = None,
         time_budget: float = 0.0,
         shells: Sequence[tuple[GeometryId, SeenShell]] = (),
+        sights: Sequence[MapSights] = (),
     ) -> int:
         """Decide by the poses of now [s]; return how many pairs were computed for it.
 
         ``seen`` are the distances of all pairs within so many metres, where a cycle
         has them: what rules need beyond is computed, of their pairs alone, within a
         ``time_budget`` [s] (0: without one). ``shells`` are what sensors saw beside bodies, which
-        counts as near for the rules about their maps.
+        counts as near for the rules about their maps; of bodies out of their ``sights`` nothing is
+        known.
         """
         farthest = self._monitor.farthest(self._fastest(query.inspector(), twists))
         computed = 0
@@ -163,11 +167,35 @@ class SceneRules:
         measured = _with_half_spaces(_measured(results, speeds), query)
         if shells:
             measured = with_shells(measured, query, shells, self._pairs, farthest)
+        if sights:
+            balls = self._balls_of(query, sights)
+            measured = with_unseen(measured, query, balls, sights, self._pairs)
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
             measured = measured._replace(unpredicted=lost)
         self._decide(now, blind, measured, farthest)
         return computed
+
+    def unseen(self, query: QueryObject, sights: Sequence[MapSights]) -> str:
+        """Return which bodies that rules watch no sensor of a map can see, in words."""
+        everywhere = [sight for _, each in sights for sight in each]
+        flags = unseen(query, self._balls_of(query, sights), everywhere)
+        watched = self._monitor.watched.watched()
+        of_maps = np.isin(self._pairs.ids, [its_map.get_value() for its_map, _ in sights])
+        rows = np.flatnonzero(flags & watched[of_maps].any(axis=0)).tolist()
+        if not rows:
+            return ''
+        names = [self._pairs.names[row].full_name for row in rows]
+        return (
+            f'no sensor sees {some_of(names)}: beyond obstacle_reach of all of them, or '
+            'beyond obstacle_box; what is near is not seen, and rules about that are entered'
+        )
+
+    def _balls_of(self, query: QueryObject, sights: Sequence[MapSights]) -> Balls:
+        if self._balls is None:
+            maps = [its_map for its_map, _ in sights]
+            self._balls = Balls.around(query.inspector(), self._pairs, self._frames, maps)
+        return self._balls
 
     def wait(self, now: float, blind: Blind) -> None:
         """Decide [s] where nothing moved since, and only time went on."""

@@ -28,6 +28,7 @@ from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import OBSTACLES
 from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene, SeenMap
 from drake_geom_ros.ros.scene.map_sources import MapSources
+from drake_geom_ros.ros.scene.out_of_sight import Sight
 from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.sensed_maps import Cells
 
@@ -46,6 +47,7 @@ class Sighting:
     stamp: Any  # builtin_interfaces/Time; None: of no message
     shell: SeenShell = NO_SHELL
     feeds: tuple[tuple[str, Since], ...] = ()  # sensors, and since when what each showed holds
+    sights: tuple[Sight, ...] = ()  # of each of them
 
 
 def shape_of(cells: Cells, margin: float) -> OccupiedCells:
@@ -118,7 +120,7 @@ def put(scene: EditableScene, name: str, sighting: Sighting, margin: float = 0.0
     if frame not in graph.collision_filter_manager().welded_frames():
         graph.collision_filter_manager().WeldToWorld([frame])
     scene.maps[name] = SeenMap(
-        frame, known.geometry, sighting.cells, sighting.shell, sighting.feeds
+        frame, known.geometry, *(sighting.cells, sighting.shell, sighting.feeds, sighting.sights)
     )
 
 

@@ -62,7 +62,9 @@ class Watched:
             scene.bind_rules()
             rules = scene.rules
             blind = scene.blind_frames(1.0)
-            rules.decide(self.stamp, scene.query, blind, shells=scene.shells())
+            rules.decide(
+                self.stamp, scene.query, blind, shells=scene.shells(), sights=scene.map_sights()
+            )
             (state,) = rules.states()
             return state, rules.speed_scale()
 
