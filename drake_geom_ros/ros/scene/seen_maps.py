@@ -138,12 +138,12 @@ def forget(scene: EditableScene, names: list[str], again: list[str], margin: flo
 
 def sensor_ages(scene: HeldScene) -> dict[str, float]:
     """Return the age [s] of what each sensor showed, of the maps that several feed, by words."""
+    several = {name: known.feeds for name, known in scene.maps.items() if len(known.feeds) > 1}
+    if not several:  # as of most scenes
+        return {}
     age = scene.clocks.ages()
     return {
-        f'{name}: {feed}': age(since)
-        for name, known in scene.maps.items()
-        if len(known.feeds) > 1
-        for feed, since in known.feeds
+        f'{name}: {feed}': age(since) for name, feeds in several.items() for feed, since in feeds
     }
 
 
