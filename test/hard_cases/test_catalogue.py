@@ -7,6 +7,7 @@ of a failure; each case has its own draw, so that every run puts each law to som
 import json
 import math
 import random
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -27,6 +28,7 @@ from truth.tolerances import AS_TOUCHING
 ALL = cases.load()
 # Uncompiled kernels are slow: some cases of every family will do.
 CASES = ALL[::23] if config.DISABLE_JIT else ALL
+NUMBERS = {case.id: number for number, case in enumerate(CASES)}
 SCALES = (2.0**-20, 2.0**13)
 
 every_family = pytest.mark.parametrize('family', sorted({case.family for case in CASES}))
@@ -71,7 +73,7 @@ def put_to(request):
 
 def motions(case):
     """Return (R, p) of two motions of World, seeded by the case."""
-    rng = np.random.default_rng(len(case.about) + CASES.index(case))
+    rng = np.random.default_rng(len(case.about) + NUMBERS[case.id])
     return [
         (random_rotation(rng), case.extent * rng.uniform(-10.0, 10.0, 3)),
         (np.eye(3), case.extent * np.array([8.0, -4.0, 2.0])),
@@ -204,3 +206,26 @@ def test_a_seed_draws_one_law_a_case_and_other_seeds_draw_the_others():
     assert draws == [drawn(case, str(seed)) for seed in range(100)]
     assert set(draws) == set(laws_of(case))
     assert {drawn(case, '0') for case in ALL} == set(draws)
+
+
+LAWS = [
+    in_both_orders,
+    at_every_level,
+    by_every_query,
+    by_the_centre_of_a_sphere,
+    under_rigid_motions,
+    at_other_scales,
+]
+
+
+def is_plain(case):
+    """Return whether a case has a sphere beside another body, neither touching it nor far."""
+    return has_centre(case) and 0.1 < case.distance < 10.0 and case.family != 'extremes'
+
+
+@pytest.mark.parametrize('law', LAWS, ids=lambda law: law.__name__)
+def test_a_law_passes_a_true_case_and_fails_it_with_another_distance(law):
+    case = next(case for case in CASES if is_plain(case))
+    law(case)
+    with pytest.raises(AssertionError):
+        law(replace(case, distance=-case.distance))
