@@ -10,11 +10,15 @@ from hypothesis import HealthCheck, settings
 settings.register_profile('untimed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile('untimed')
 
-pytest_plugins = ['plugins.marks', 'plugins.tiers', 'plugins.costs', 'plugins.reruns']
+pytest_plugins = [
+    'plugins.marks',
+    'plugins.tiers',
+    'plugins.costs',
+    'plugins.reruns',
+    'plugins.seed',
+]
 
 # ROS is imported by the fixtures that need it: most tests run without.
-
-pytest_plugins = ['plugins.seed']
 
 
 def pytest_configure(config):
