@@ -128,6 +128,7 @@ def test_what_is_fixed_to_the_root_stands_with_it(tmp_path):
     np.testing.assert_allclose(poses['c'].translation(), [0, 0, 5], rtol=0, atol=1e-15)
 
 
+@pytest.mark.everything  # 70 s of a processor
 @pytest.mark.parametrize('kind', ['fixed', 'revolute'])
 @pytest.mark.parametrize('upwards', [False, True])
 def test_a_long_chain_takes_seconds(tmp_path, kind, upwards):
