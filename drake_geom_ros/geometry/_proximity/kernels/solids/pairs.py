@@ -146,15 +146,18 @@ def separation(pair: SolidPair, found: Nearest, more: float) -> Answer:
 def contact(pair: SolidPair, found: Nearest, ways: Floats, count: int) -> Answer:
     """Return the answer about a pair that touches and, for all rounding tells, may overlap.
 
-    It is told as touching where some roundings more part it: else as open, with the way out.
+    Where some roundings more part it, the answer is a touch, else a way out that is open. No gap
+    of a level makes a touch of an overlap, for ``plain_overlap`` would see it all the same. The
+    upper end is no less than how far apart the nearest points are.
     """
     depth, t, b = sure_way_out(pair, found, ways, count)
     noise = noise_of(pair)
-    if depth <= pair.tolerance + MOST_ASIDE * noise:
+    if depth <= MOST_ASIDE * noise:
         return separation(pair, contact_of(pair, found, ways, count), depth)
     m, depth = unit(t), depth - BACK_OFF * noise
     a = add_scaled(b, -depth, m)
-    return Answer(m, a, b, -depth, depth + (1.0 + BACK_OFF) * noise, False, OPEN)
+    error = depth + max(found.upper - pair.radius, 0.0) + (1.0 + BACK_OFF) * noise
+    return Answer(m, a, b, -depth, error, False, OPEN)
 
 
 @compiled
@@ -177,6 +180,11 @@ def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
     found = nearest_within(pair, n, max(cutoff, 0.0) + radius + noise, touch_of(pair))
     ways = np.empty((MOST_WAYS, WAY_WIDTH))
     stand, count = stand_of(pair, found, ways)
+    if stand == MAY_OVERLAP and found.upper - found.lower > noise:
+        # The gap of the level hides whether they overlap: only rounding may.
+        pair = SolidPair(pair.A, pair.B, pair.p, pair.size, noise, radius)
+        found = nearest(pair, n, math.inf, touch_of(pair))
+        stand, count = stand_of(pair, found, ways)
     if stand == OVERLAPS and found.end == BEYOND_CUTOFF:
         found = nearest(pair, n, math.inf, NEVER)
     if pair.A.kind == SPHERE and radius == 0.0 and found.end != BEYOND_CUTOFF:
