@@ -36,6 +36,14 @@ def balls(tmp_path):
     file.write_text(BALLS)
     return file
 
+CART = """<robot name="cart"><link name="base"/>
+<link name="cart"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="slide" type="planar"><parent link="base"/><child link="cart"/></joint></robot>"""
+CART_SCENE = """
+robots: [{name: cart, urdf: cart.urdf, pose: {position: [0, 0, 0]}}]
+geometries: [{name: post, shape: {type: box, size: [0.1, 0.2, 0.3]}}]
+"""
+
 
 def random_rows(count, frames, seed=0):
     rng = np.random.default_rng(seed)
@@ -92,6 +100,24 @@ def test_joint_values_are_answered_as_evaluate_answers_them(tmp_path):
         for k, row in enumerate(q)
     ]
     found = clearance(recorder.record(tmp_path / 'run', messages), CELL)
+    same(found['all'], evaluate(scene_graph, states=q, joints=joints))
+    assert not found.reservations()
+
+
+def test_joints_of_several_values_are_followed(tmp_path):
+    """A planar joint has three values, and links between its parts that are no frames."""
+    (tmp_path / 'cart.urdf').write_text(CART)
+    (tmp_path / 'cart.yaml').write_text(CART_SCENE)
+    scene_graph = SceneGraph()
+    joints = Joints.of(load_scene(tmp_path / 'cart.yaml', scene_graph))
+    q = np.random.default_rng(1).uniform(-1.0, 1.0, (20, joints.count))
+    names = [name.rpartition('::')[2] for name in joints.names]
+    messages = [
+        (0.1 * k, '/joint_states', recorder.joint_state(0.1 * k, names, row))
+        for k, row in enumerate(q)
+    ]
+    run = recorder.record(tmp_path / 'run', messages)
+    found = clearance(run, tmp_path / 'cart.yaml')
     same(found['all'], evaluate(scene_graph, states=q, joints=joints))
     assert not found.reservations()
 

@@ -97,7 +97,8 @@ class DrivenRobot:
         self._frames = {name: frames.get((robot.name, name)) for name in names}
         self.base_is_world = names[0] == WORLD
         self.root = None if self.base_is_world else frames.get((robot.name, names[0]))
-        self._needs = np.zeros((len(names), len(self.joint_names)), dtype=np.bool_)
+        # Rows of all links of the tree: those between the parts of a planar joint have no name.
+        self._needs = np.zeros((len(self.tree.parents) + 1, len(self.joint_names)), dtype=np.bool_)
         found = self.tree.needs()
         self._needs[:, : found.shape[1]] = found
         ids = [frames.get((robot.name, name)) for name in names]
