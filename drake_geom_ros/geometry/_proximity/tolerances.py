@@ -242,3 +242,6 @@ HALF_TURN = 32.0 * EPS
 # A motion that is not proved within a span that is a sixteenth of this or of the tolerance [-] is
 # told as unknown from there on; where a plane parts the bodies at its begin, within the other one.
 LEAST_SPAN, LEAST_PARTED_SPAN = 2.0**-20, 2.0**-44
+# A time tolerance below this [-] counts as this. A sixteenth of it is LEAST_PARTED_SPAN: shorter
+# spans come to times that are not halved any more, and to depths that rounding hides.
+LEAST_TIME_TOLERANCE = 2.0**-40

@@ -126,11 +126,13 @@ class MotionChecks:
         rotation about one axis by the shorter way; by 'screw' both follow one screw. Clear is what
         stays farther apart than ``min_distance`` [m], of all pairs that no filter leaves out, with
         their paddings. ``time_tolerance`` is the longest span that may hold the first contact: 1
-        asks only whether there is one. ``max_evaluations`` ends the search after so many pairs
-        were answered (0: no limit). ``ignore_start_contacts`` leaves out pairs that are not clear
-        at the start, and tells how many. ``lower_bound`` is only as large as the proof needs; with
-        a ``bound_tolerance`` [m] more is proved of a clear motion, until the bound is no farther
-        than that below the least distance that was seen, or rounding or the budget ends it.
+        asks only whether there is one. Less than 2^-40 counts as that.
+        ``max_evaluations`` ends the search after so many pairs were answered (0: no limit).
+        ``ignore_start_contacts`` leaves out pairs that are not clear at the start, of every part
+        of the answer, and counts them in ``ignored``. ``lower_bound`` is only as large as the
+        proof needs; with a ``bound_tolerance`` [m] more is proved of a clear motion, until the
+        bound is no farther than that below the least distance that was seen, or rounding or the
+        budget ends it.
 
         Proved is what keeps two bodies apart between two times: that their points cannot come as
         far as they are apart (Schwarzer, Saha, Latombe, Exact collision checking of robot paths,

@@ -292,3 +292,46 @@ def test_a_frame_without_a_pose_is_told():
     query = graph.get_query_output_port().Eval(graph.CreateDefaultContext())
     with pytest.raises(PoseError, match='never had a pose'):
         query.CheckMotion(FramePoseVector({hand: RigidTransform()}))
+
+
+@pytest.mark.parametrize('tolerance', [1e-15, 5.9e-16, 1e-16, 1e-300])
+@pytest.mark.parametrize('gap', [0.3, 0.6, 0.9, 1.0 / 3.0])
+def test_a_tolerance_finer_than_times_counts_as_the_finest_one(tolerance, gap):
+    """Spans of 2^-53 have no middle: they were halved until no memory was left."""
+    bodies = Moving([Sphere(0.1), Sphere(0.1)])
+    check = bodies.check(
+        [pose(), pose(x=0.2 + gap)], [pose(x=1.0), pose(x=0.2 + gap)], time_tolerance=tolerance
+    )
+    holds(check, gap, tolerance=2.0**-40)
+    assert check.evaluations < 500
+
+
+@pytest.mark.parametrize('bound_tolerance', [math.inf, 1e-3])
+def test_a_pair_left_out_is_in_no_answer(bound_tolerance):
+    """Two balls overlap at the start and part; the nearest that counts is a third one."""
+    bodies = Moving([Sphere(0.1), Sphere(0.1), Sphere(0.1)])
+    starts = [pose(), pose(x=0.15), pose(x=-0.9)]
+    ends = [pose(y=0.4), pose(x=0.15), pose(x=-0.9)]
+    check = bodies.check(
+        starts, ends, ignore_start_contacts=True, bound_tolerance=bound_tolerance
+    )
+    assert check.outcome == 'clear'
+    assert check.ignored == 1
+    left_out = bodies.query(starts).ComputePointPairPenetration()[0]
+    assert {check.id_A, check.id_B} != {left_out.id_A, left_out.id_B}
+    if bound_tolerance < math.inf:
+        assert check.distance == pytest.approx(0.7, abs=1e-12)
+        assert 0.7 - bound_tolerance <= check.lower_bound <= 0.7
+    else:
+        assert 0.0 < check.lower_bound <= 0.7
+
+
+def test_a_pair_left_out_hides_nothing_of_what_rests():
+    """Pairs that do not move against one another are left out likewise."""
+    bodies = Moving([Sphere(0.1), Sphere(0.1), Sphere(0.1)])
+    starts = [pose(), pose(x=0.15), pose(x=0.6)]
+    ends = [pose(), pose(x=0.15), pose(x=0.6, y=0.3)]
+    check = bodies.check(starts, ends, ignore_start_contacts=True, bound_tolerance=1e-3)
+    assert (check.outcome, check.ignored) == ('clear', 1)
+    assert check.distance == pytest.approx(0.25, abs=1e-12)
+    assert 0.249 <= check.lower_bound <= 0.25

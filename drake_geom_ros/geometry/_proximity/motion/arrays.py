@@ -54,9 +54,10 @@ ASKED_WIDTH = 4
 KIND, MOST, IGNORES = 0, 1, 2
 
 # Columns of ``records``: what is known of a pair at one time, the normal out of A towards B in the
-# axes of the node that both hang on, and the gap that a plane with this normal leaves then.
-PLANE, GAP, LOWER, UPPER = 0, 3, 4, 5
-RECORD_WIDTH = 6
+# axes of the node that both hang on, the gap that a plane with this normal leaves then, and the
+# bounds and the answer of the distance.
+PLANE, GAP, LOWER, UPPER, ANSWER = 0, 3, 4, 5, 6
+RECORD_WIDTH = 7
 
 # Columns of ``entries``: a pair, and its records at the begin and at the end of its span.
 OF_PAIR, AT_BEGIN, AT_END = 0, 1, 2

@@ -42,6 +42,7 @@ from drake_geom_ros.geometry._proximity.motion.rates import (
 from drake_geom_ros.geometry._proximity.motion.records import (
     by_plane,
     by_way,
+    count_seen,
     gap_now,
     is_proved,
     is_spent,
@@ -155,9 +156,10 @@ def _keep(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: in
         if is_spent(motion):
             motion.counts[PAIR] = k
             return -UNKNOWN
-        put_answer(handle, k, node, 0.0, 2 * count)
+        put_answer(handle, k, node, 2 * count)
         verdict = _at_start(motion, k, 2 * count)
         if verdict == CLEAR and not motion.skipped[k]:
+            count_seen(motion, k, 0.0, 2 * count)
             is_proved(motion, k, motion.records[2 * count, LOWER])
         return 0 if verdict == CLEAR else -verdict
     motion.entries[count, OF_PAIR], motion.entries[count, AT_BEGIN] = k, 2 * count
@@ -222,7 +224,7 @@ def _left_at_end(handle: Handle, count: int) -> int:
         if is_spent(motion):
             motion.counts[PAIR] = k
             return -UNKNOWN
-        put_answer(handle, k, node, 1.0, start + 1)
+        put_answer(handle, k, node, start + 1)
         motion.entries[left, OF_PAIR], motion.entries[left, AT_BEGIN] = k, start
         left += 1
     return left
@@ -241,14 +243,19 @@ def _left_between(handle: Handle, count: int) -> int:
         node = motion.common_of_pair[k]
         gap = gap_now(motion, world, k, node, start + 1)
         if is_proved(motion, k, by_plane(motion, k, start + 1, gap, 1.0)):
+            count_seen(motion, k, 1.0, start + 1)
             continue
         if is_spent(motion):
             motion.counts[PAIR] = k
             return -UNKNOWN
-        put_answer(handle, k, node, 0.0, start)
+        put_answer(handle, k, node, start)
         if _at_start(motion, k, start) == CONTACT:
             return -CONTACT
-        if motion.skipped[k] or is_proved(motion, k, by_way(motion, k, start, start + 1, 1.0)):
+        if motion.skipped[k]:
+            continue
+        count_seen(motion, k, 1.0, start + 1)
+        count_seen(motion, k, 0.0, start)
+        if is_proved(motion, k, by_way(motion, k, start, start + 1, 1.0)):
             continue
         motion.entries[left, OF_PAIR], motion.entries[left, AT_BEGIN] = k, start
         motion.entries[left, AT_END] = start + 1

@@ -39,6 +39,7 @@ from drake_geom_ros.geometry._proximity.motion.interpolants import put_state
 from drake_geom_ros.geometry._proximity.motion.records import (
     by_plane,
     by_way,
+    count_seen,
     gap_now,
     is_proved,
     is_spent,
@@ -100,7 +101,8 @@ def _touches_soon(handle: Handle, k: int, begin: float, r: int) -> bool:
             continue
         if is_spent(motion) or not put_state(handle, t):
             return False
-        put_answer(handle, k, motion.common_of_pair[k], t, r)
+        put_answer(handle, k, motion.common_of_pair[k], r)
+        count_seen(motion, k, t, r)
         if motion.records[r, UPPER] <= motion.bounds[k, LEAST]:
             motion.told[T1] = t
             return True
@@ -156,7 +158,8 @@ def _halve(handle: Handle, mid: float, half: float, first: int, last: int, top: 
             if is_spent(motion):
                 motion.counts[PAIR] = k
                 return -1
-            put_answer(handle, k, node, mid, top)
+            put_answer(handle, k, node, top)
+            count_seen(motion, k, mid, top)
             before = max(before, by_way(motion, k, start, top, half))
             after = max(after, by_way(motion, k, top, end, half))
         if not is_proved(motion, k, before):

@@ -50,6 +50,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, Pa
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, moved_together
+from drake_geom_ros.geometry._proximity.tolerances import LEAST_TIME_TOLERANCE
 from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
@@ -127,7 +128,8 @@ class MotionLoops:
         ignores: bool,
     ) -> None:
         """Set what is asked of the motions that follow."""
-        self._arrays.asked[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, time_tolerance
+        longest = max(time_tolerance, LEAST_TIME_TOLERANCE)
+        self._arrays.asked[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, longest
         self._arrays.flags[[MOST, IGNORES]] = max_evaluations, int(ignores)
 
     @property

@@ -11,6 +11,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import unit, vector_in
 from drake_geom_ros.geometry._proximity.motion.arrays import (
+    ANSWER,
     EDGE,
     EVALUATIONS,
     GAP,
@@ -79,12 +80,13 @@ def put_plane(
     for c in range(3):
         record[PLANE + c] = n_N[c]
     record[GAP], record[LOWER], record[UPPER] = gap, gap, math.inf
+    record[ANSWER] = math.inf
     return gap
 
 
 @inlined
-def put_answer(handle: Handle, k: int, node: int, t: float, r: int) -> None:
-    """Answer for pair k, as the world is posed at a time; write its record."""
+def put_answer(handle: Handle, k: int, node: int, r: int) -> None:
+    """Answer for pair k, as the world is posed now; write its record."""
     motion = motions_of(handle)
     answer_pair(handle, k)
     motion.counts[EVALUATIONS] += 1
@@ -94,7 +96,16 @@ def put_answer(handle: Handle, k: int, node: int, t: float, r: int) -> None:
     )
     motion.records[r, LOWER] = max(gap, out[DISTANCE] - out[ERROR_BOUND] - slack)
     motion.records[r, UPPER] = out[DISTANCE] + out[ERROR_BOUND] + slack
-    seen = out[DISTANCE] - motion.paddings[k]
+    motion.records[r, ANSWER] = out[DISTANCE] - motion.paddings[k]
+
+
+@inlined
+def count_seen(motion: MotionArrays, k: int, t: float, r: int) -> None:
+    """Count the record of pair k at a time among those of which the least distance is reported.
+
+    Pairs that are left out are never counted.
+    """
+    seen = motion.records[r, ANSWER]
     if seen < motion.told[SEEN]:
         motion.told[SEEN], motion.told[SEEN_TIME] = seen, t
         motion.counts[SEEN_PAIR], motion.counts[SEEN_EDGE] = k, motion.counts[EDGE]
