@@ -66,12 +66,14 @@ def evaluate(
 
     - ``'collision'``: whether any pair overlaps, as HasCollisions tells: a bool array (N,). A
       finite ``max_distance`` >= 0 [m] is a margin: False only where every pair is certified to be
-      farther apart. Pairs of half spaces count here, and are in no list of distances;
+      farther apart;
     - ``'least'``: the pair of the least lower bound, which is distance minus error bound. Its
       interval holds the least distance of all pairs: ``LeastDistances``;
     - ``'nearest'``: the ``count`` pairs of the least lower bounds, in their order. What is left
       out is certified to be no nearer than the last one's: ``PairsOfStates``;
-    - ``'within'``: all pairs up to ``max_distance`` [m]: ``PairsOfStates``;
+    - ``'within'``: all pairs up to ``max_distance`` [m]: ``PairsOfStates``. Pairs of half spaces
+      are not listed; all the others above count them, as far apart as the gap of opposed ones,
+      else minus infinity;
     - ``'points'``: the distances of all geometries to ``points`` (m, 3) [m] in World, which are
       closed forms at every level: ``PointsOfStates``;
     - ``'contacts'``: area, force and centre of pressure of all contact surfaces, and the pairs

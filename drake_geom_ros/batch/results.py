@@ -34,7 +34,8 @@ class LeastDistances(PairNames, _LeastDistances):
     """The pair of the least lower bound in each of N states, as QueryObject tells of it.
 
     ``distance`` is within ``error_bound`` of the least distance of all pairs. Where every pair of
-    a state is certified to be out of reach it is infinity, ids and all else are 0.
+    a state is certified to be out of reach it is infinity, ids and all else are 0. It is minus
+    infinity for two half spaces that cross, with their ids, and all else 0.
     """
 
 
@@ -56,7 +57,8 @@ class _PairsOfStates(NamedTuple):
 class PairsOfStates(PairNames, _PairsOfStates):
     """Pairs of N states: those of state s are rows ``offsets[s]`` to ``offsets[s + 1]``.
 
-    Of ``within`` by (id_A, id_B), of ``nearest`` by their lower bounds, the least first.
+    Of ``within`` by (id_A, id_B), of ``nearest`` by their lower bounds, the least first: minus
+    infinity for two half spaces that cross, which have no normal, witness points or gradient.
     """
 
 

@@ -49,7 +49,7 @@ def tell_of_comparison(compared: Sequence[SetComparison], other: str, by: str) -
 
 
 def _or_never(least: float) -> str:
-    return 'never the nearest' if math.isinf(least) else f'{least:.6g} m'
+    return 'never the nearest' if least == math.inf else f'{least:.6g} m'
 
 
 def tell_of_audit(audited: Audit) -> None:

@@ -45,7 +45,7 @@ class CloseMoments:
     def take(self, block: Block, pairs: SetClearance) -> None:
         """Take the states of a block. Of those that do not tell all what is known counts, too."""
         lower = pairs.known_lower_bound
-        states = np.flatnonzero(np.isfinite(lower))
+        states = np.flatnonzero(lower < np.inf)
         spans = (pairs.times[states] / self._apart).astype(np.int64)
         order = np.lexsort((lower[states], spans))
         firsts = order[np.flatnonzero(np.diff(spans[order], prepend=-1))]  # the least of each

@@ -53,8 +53,8 @@ class SetComparison:
         """By how much [m] the run's distance is larger (m,); nan where not both are known."""
         with np.errstate(invalid='ignore'):
             found: Floats = self.run - self.other
-        both_far = np.isinf(self.run) & np.isinf(self.other)
-        return np.where(both_far, 0.0, found)
+        alike = self.run == self.other  # both far, or both of half spaces that cross
+        return np.where(alike, 0.0, found)
 
     def nearer(self, *, allow_incomplete: bool = False) -> tuple[float, float]:
         """Return by how much [m] the run comes nearer at most, and where; 0 where it does not.
@@ -70,7 +70,7 @@ class SetComparison:
             raise IncompleteRecordingError(
                 f'{self.name}: {"; ".join(told)}. allow_incomplete=True takes what is known'
             )
-        found = np.nan_to_num(-self.difference, nan=-np.inf)
+        found = np.nan_to_num(-self.difference, nan=-np.inf, posinf=np.inf)
         k = int(np.argmax(found))
         return max(0.0, float(found[k])), float(self.ends[k])
 
@@ -187,7 +187,7 @@ def _by_pair(
 
 
 def _least_of_pairs(pairs: SetClearance) -> dict[frozenset[str], float]:
-    known = np.flatnonzero((pairs.geometry_A >= 0) & np.isfinite(pairs.known_distance))
+    known = np.flatnonzero((pairs.geometry_A >= 0) & (pairs.known_distance < np.inf))
     both = np.column_stack((pairs.geometry_A, pairs.geometry_B))[known]
     each, inverse = np.unique(both, axis=0, return_inverse=True)
     least = np.full(len(each), np.inf)

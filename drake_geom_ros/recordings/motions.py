@@ -17,7 +17,6 @@ from drake_geom_ros.batch import LeastDistances
 from drake_geom_ros.batch.running import cores
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
-from drake_geom_ros.geometry.queries.state_queries import may_have_half_space_pairs
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.states import Block
@@ -65,9 +64,7 @@ class Motions:
         moves = (poses[:-1] != poses[1:]).any(axis=(1, 2))
         here, there = codes[first:], bounds[first:]
         lower = (found.distance - found.error_bound)[first:]
-        # A pair of half spaces has no distance by which what rests could be told to be clear.
-        by_distances = not may_have_half_space_pairs(block.context)
-        rests = known & ~moves & by_distances
+        rests = known & ~moves
         here[rests] = np.where(lower[rests] > 0.0, CLEAR, CONTACT)
         there[rests] = np.where(lower[rests] > 0.0, lower[rests], np.nan)
         asked = np.flatnonzero(known & ~rests)

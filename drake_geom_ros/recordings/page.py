@@ -224,7 +224,7 @@ def _compared(compared: Sequence[SetComparison], beside: bytes) -> list[str]:
 def _pair(pair: PairDifference) -> tuple[str, ...]:
     """Return a pair in two runs; what never was the nearest in one has no distance there."""
     both = tuple(
-        'never the nearest' if np.isinf(least) else f'{least:.9g}'
+        'never the nearest' if least == np.inf else f'{least:.9g}'
         for least in (pair.run, pair.other)
     )
     is_known = np.isfinite([pair.run, pair.other]).all()

@@ -60,7 +60,7 @@ def _draw_set(axes: Any, found: Told, told: Highlights, thresholds: Sequence[flo
     _shade_thresholds(axes, thresholds)
     _shade_what_is_not_known(axes, [*found.gaps, *told.lost])
     whole, times, distances = pairs.is_whole, pairs.times, pairs.known_distance
-    far = np.isinf(distances)
+    far = distances == np.inf
     top = _limits(axes, distances, thresholds, found.max_distance)
     line = np.where(whole & ~far, distances, np.nan)
     # No line leads over a gap.

@@ -93,6 +93,60 @@ def test_checkers_batches_and_contexts_agree(press, margin):
             assert 'are half spaces that overlap' in checker.reason(q)
 
 
+def nearest_by_hand(query):
+    """Return the lower ends [m] of all pairs, those of half spaces among them, in order."""
+    others = query.ComputeSignedDistancePairwiseClosestPoints()
+    lower = [query.half_space_gaps().lower, others.distance - others.error_bound]
+    return np.sort(np.concatenate(lower))
+
+
+@pytest.mark.parametrize('max_distance', [np.inf, 0.1])
+def test_least_and_nearest_count_pairs_of_half_spaces_as_checkers_do(press, max_distance):
+    """Those that cross are minus infinity apart, whatever else is near."""
+    rows = states(press)
+    checker = Checker(press.scene, press.joints)
+    asked = {'states': rows, 'joints': press.joints, 'max_distance': max_distance}
+    least = evaluate(press.scene, want='least', **asked)
+    nearest = evaluate(press.scene, want='nearest', count=2, **asked)
+    crossing = 0
+    for k, q in enumerate(rows):
+        lower = nearest_by_hand(press.query(q))
+        lower = lower[lower <= max_distance][:2]
+        of_state = slice(nearest.offsets[k], nearest.offsets[k + 1])
+        found = nearest.distance[of_state] - nearest.error_bound[of_state]
+        assert found == pytest.approx(lower, abs=1e-12)
+        if not len(lower):
+            assert least.distance[k] == np.inf
+            continue
+        assert least.distance[k] - least.error_bound[k] == pytest.approx(lower[0], abs=1e-12)
+        assert checker.clearance(q) == pytest.approx(lower[0], abs=1e-12)
+        near = checker.nearest(q)
+        assert (least.id_A[k], least.id_B[k]) == (near.id_A.get_value(), near.id_B.get_value())
+        crossing += lower[0] == -np.inf
+    assert 5 <= crossing < len(rows)
+
+
+def test_opposed_planes_have_witness_points_on_both_and_crossing_ones_nothing(press):
+    q = np.zeros((2, press.joints.count))
+    q[0, list(press.joints.names).index('arm::up')] = 0.5
+    q[1, list(press.joints.names).index('arm::tilt')] = -1.0
+    found = evaluate(
+        press.scene, want='nearest', count=9, states=q, joints=press.joints, by_joints=True
+    )
+    value = press.press.get_value()
+    opposed, crossing = np.flatnonzero((found.id_A == value) | (found.id_B == value))[[0, -1]]
+    assert opposed < found.offsets[1] <= crossing
+    assert found.distance[opposed] == pytest.approx(0.56)
+    assert abs(found.nhat_BA_W[opposed, 2]) == 1.0
+    span = found.p_WCa[opposed] - found.p_WCb[opposed]
+    assert span == pytest.approx(found.distance[opposed] * found.nhat_BA_W[opposed])
+    assert sorted([found.p_WCa[opposed, 2], found.p_WCb[opposed, 2]]) == pytest.approx([0, 0.56])
+    assert found.distance[crossing] == -np.inf
+    assert not found.nhat_BA_W[crossing].any()
+    assert not found.gradient[crossing].any()
+    assert np.isfinite(found.joint_gradient).all()
+
+
 def test_a_pair_of_half_spaces_alone_is_something_that_could_collide(tmp_path):
     press = Press(tmp_path)
     inspector = press.scene.model_inspector()

@@ -36,6 +36,7 @@ def balls(tmp_path):
     file.write_text(BALLS)
     return file
 
+
 CART = """<robot name="cart"><link name="base"/>
 <link name="cart"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
 <joint name="slide" type="planar"><parent link="base"/><child link="cart"/></joint></robot>"""

@@ -8,11 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import PairBatch
 from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain, pose_links
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_poses
 from drake_geom_ros.geometry._proximity.world.world import Named
 from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps, gaps_of
+from drake_geom_ros.geometry.queries.half_space_rows import rows_of_gaps
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import Paddings
 
@@ -58,6 +60,10 @@ class HalfSpaceStates:
         if read_poses(poses, X_PFs) < len(poses):
             raise PoseError('a state of half spaces has a pose that is none')
         return self.at_rows(X_PFs)
+
+    def answers_at(self, poses: Floats) -> PairBatch:
+        """Return the answers about the pairs in a state (n, 7); raises as ``at``."""
+        return rows_of_gaps(self.at(poses), self._world, self._paddings)
 
     def at_joints(self, values: Floats) -> HalfSpaceGaps:
         """Return the gaps at joint values (c,); raises PoseError as ``at``."""

@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.errors import GeometryError, PoseError
 from drake_geom_ros.geometry.queries.contact_queries import Contacts
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
+from drake_geom_ros.geometry.queries.half_space_rows import nearest_of
 from drake_geom_ros.geometry.queries.half_space_states import HalfSpaceStates
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import (
@@ -42,16 +43,6 @@ Found = tuple[Indices, SignedDistanceResults | PointDistanceResults]
 def default_accuracy(context: SceneGraphContext) -> str:
     """Return the accuracy of queries of a context that name none."""
     return state_of(context).accuracy
-
-
-def may_have_half_space_pairs(context: SceneGraphContext) -> bool:
-    """Return whether states of a context may have pairs of which no distance tells an overlap.
-
-    A state may move a frame from where it is welded to the world, where pairs of it are filtered.
-    """
-    state = state_of(context)
-    is_welded = state.filters.welded and state.up_to_date_world().has_plane_pairs
-    return bool(is_welded) or len(state.pairs_of_half_spaces()) > 0
 
 
 class StateQueries:
@@ -109,14 +100,20 @@ class StateQueries:
         """Return the pairs of the least lower bounds of each state (N, n, 7), at most so many.
 
         In their order, a lower bound being distance minus error bound. Left out is what has a
-        higher one than the last of so many, or one above ``max_distance`` [m].
+        higher one than the last of so many, or one above ``max_distance`` [m]. Two half spaces
+        are as far apart as their gap where they are opposed, else minus infinity.
         """
         if self._paddings is not None:
-            return self._padded_nearest(poses, accuracy, max_distance, most, stop)
-        done, counts, batch = self._loops.nearest(
-            poses, GAPS_OF_LEVELS[accuracy], max_distance, most, stop
-        )
-        _check_done(done, poses, stop)
+            counts, batch = self._padded_nearest(poses, accuracy, max_distance, most, stop)
+        else:
+            done, counts, batch = self._loops.nearest(
+                poses, GAPS_OF_LEVELS[accuracy], max_distance, most, stop
+            )
+            _check_done(done, poses, stop)
+        if self._half_spaces is not None:
+            counts, batch = _with_half_spaces(
+                self._half_spaces, (counts, batch), poses, max_distance, most, stop
+            )
         return counts, SignedDistanceResults(batch)
 
     def within(self, poses: Floats, accuracy: str, max_distance: float, stop: Indices) -> Found:
@@ -211,7 +208,7 @@ class StateQueries:
 
     def _padded_nearest(
         self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
-    ) -> Found:
+    ) -> tuple[Indices, PairBatch]:
         counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
         lower = lower_ends(rows)
         state = np.repeat(np.arange(len(counts)), counts)
@@ -219,7 +216,29 @@ class StateQueries:
         ranks = np.arange(len(order)) - np.repeat(np.cumsum(counts) - counts, counts)
         order = order[(ranks < most) & (lower[order] <= max_distance)]
         kept = np.bincount(state[order], minlength=len(counts))
-        return kept, SignedDistanceResults(PairBatch(ids[order], rows[order]))
+        return kept, PairBatch(ids[order], rows[order])
+
+
+def _with_half_spaces(
+    half_spaces: HalfSpaceStates,
+    others: tuple[Indices, PairBatch],
+    poses: Floats,
+    max_distance: float,
+    most: int,
+    stop: Indices,
+) -> tuple[Indices, PairBatch]:
+    """Return the nearest pairs of states (N, n, 7), those of half spaces among the others."""
+    counts, (ids, rows) = others
+    found, last = [], np.cumsum(counts)
+    for k in range(len(poses)):
+        _check_done(k if stop[0] else len(poses), poses, stop)
+        own = slice(last[k] - counts[k], last[k])
+        answers = half_spaces.answers_at(poses[k])
+        found.append(nearest_of(PairBatch(ids[own], rows[own]), answers, max_distance, most))
+    if not found:
+        return others
+    batch = PairBatch(*(np.vstack(columns) for columns in zip(*found, strict=True)))
+    return np.array([len(some.ids) for some in found]), batch
 
 
 def _count_of_each(counts: Indices, keep: NDArray[np.bool_]) -> Indices:

@@ -18,7 +18,6 @@ from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.results import LeastDistances, PairsOfStates
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, SceneGraphContext
-from drake_geom_ros.geometry.queries.state_queries import may_have_half_space_pairs
 from drake_geom_ros.ros.conversions.fields import floats, uint8s, uint32s, unsigned
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.joint_views import view_of_joints
@@ -154,7 +153,7 @@ def _answers(
         max_distance=request.max_distance or math.inf,
         accuracy=request.accuracy,
     )
-    if isinstance(found, LeastDistances) and not may_have_half_space_pairs(context):
+    if isinstance(found, LeastDistances):
         return _Evaluated(found.distance - found.error_bound > request.clearance, found)
     assert isinstance(found, (LeastDistances, PairsOfStates))
     return _Evaluated(_are_free(context, request, joints, states), found)

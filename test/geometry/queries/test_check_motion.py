@@ -312,9 +312,7 @@ def test_a_pair_left_out_is_in_no_answer(bound_tolerance):
     bodies = Moving([Sphere(0.1), Sphere(0.1), Sphere(0.1)])
     starts = [pose(), pose(x=0.15), pose(x=-0.9)]
     ends = [pose(y=0.4), pose(x=0.15), pose(x=-0.9)]
-    check = bodies.check(
-        starts, ends, ignore_start_contacts=True, bound_tolerance=bound_tolerance
-    )
+    check = bodies.check(starts, ends, ignore_start_contacts=True, bound_tolerance=bound_tolerance)
     assert check.outcome == 'clear'
     assert check.ignored == 1
     left_out = bodies.query(starts).ComputePointPairPenetration()[0]

@@ -213,7 +213,9 @@ def test_batches_tell_what_contexts_do(threads, margin, balls):
         threads=threads,
         block_size=7,
     )
-    for state, collides in zip(states, found, strict=True):
+    least = evaluate(scene.graph, scene.ids, states, 'least', threads=threads, block_size=7)
+    ends = least.distance - least.error_bound
+    for state, collides, end in zip(states, found, ends, strict=True):
         context = scene.graph.CreateDefaultContext()
         context.UpdateFramePoses(FramePoseVector.FromArrays(scene.ids, state))
         query = scene.graph.get_query_output_port().Eval(context)
@@ -222,6 +224,9 @@ def test_batches_tell_what_contexts_do(threads, margin, balls):
             assert collides == query.HasCollisions()
         near = query.ComputeSignedDistancePairwiseClosestPoints(margin or 0.0)
         assert collides == (len(near) > 0 or (gaps.lower <= (margin or 0.0)).any())
+        others = query.ComputeSignedDistancePairwiseClosestPoints()
+        lower = np.concatenate((gaps.lower, others.distance - others.error_bound))
+        assert end == pytest.approx(lower.min(), abs=1e-12)
     assert 0 < np.count_nonzero(found) < len(found)
-    least = evaluate(scene.graph, scene.ids, states, 'least')
-    assert np.isfinite(least.distance).all() == (balls > 0)
+    assert (ends == -np.inf).any()
+    assert np.isfinite(ends).any()

@@ -21,9 +21,17 @@ ROBOT += """
   <origin xyz="0 0 -0.5"/><axis xyz="1 0 0"/></joint>
 </robot>"""
 VALUES = {
-    **{'slide/x': 0.5, 'slide/y': -0.25, 'slide/theta': 0.3, 'up': 0.4},
-    **{'fly/x': 1.0, 'fly/y': 2.0, 'fly/z': 3.0, 'fly/yaw': 0.1, 'fly/pitch': 0.2},
-    **{'fly/roll': 0.3, 'swing': -0.7},
+    'slide/x': 0.5,
+    'slide/y': -0.25,
+    'slide/theta': 0.3,
+    'up': 0.4,
+    'fly/x': 1.0,
+    'fly/y': 2.0,
+    'fly/z': 3.0,
+    'fly/yaw': 0.1,
+    'fly/pitch': 0.2,
+    'fly/roll': 0.3,
+    'swing': -0.7,
 }
 CART = ('slide/x', 'slide/y', 'slide/theta', 'up')
 
