@@ -10,7 +10,7 @@ Read are links, joints and collision elements, and no more: a geometry service h
 masses and visuals.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -30,6 +30,7 @@ from drake_geom_ros.scene_files.jointed_links import JointedLinks
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.urdf_filters import moved_links
+from drake_geom_ros.scene_files.urdf_joint_checks import warnings_about
 from drake_geom_ros.scene_files.urdf_poses import pose_of
 from drake_geom_ros.scene_files.urdf_proximity import proximity_properties_of
 from drake_geom_ros.scene_files.urdf_tree import (
@@ -39,7 +40,12 @@ from drake_geom_ros.scene_files.urdf_tree import (
     root_links,
 )
 from drake_geom_ros.scene_files.urdf_vocabulary import check_vocabulary
-from drake_geom_ros.scene_files.xml_tree import attribute, place_of, read_robot_xml
+from drake_geom_ros.scene_files.xml_tree import (
+    attribute,
+    encoding_warning,
+    place_of,
+    read_robot_xml,
+)
 
 _NO_SHAPES = 'the robot {!r} has no <collision> elements: no query sees anything of it'
 
@@ -108,10 +114,10 @@ def read_urdf(
     """
     root = read_robot_xml(data, file)
     robot = attribute(root, 'name', file)
-    warnings = check_vocabulary(root, file)
+    warnings = encoding_warning(data, root, file) + check_vocabulary(root, file)
     links = read_links(root, file)
     joints = read_joints(root, links, file)
-    warnings += tuple(_unknown_leaders(joints))
+    warnings += tuple(warnings_about(root, joints))
     held = [*joints, *urdf_filters.drakes_joints(root, links, file)]
     groups, of_groups = urdf_filters.read_groups(root, file, source)
     warnings += of_groups
@@ -140,14 +146,6 @@ def read_urdf(
         warnings += (str(place_of(root, file).error(_NO_SHAPES.format(source))),)
     tree = LinkTree(robot, tuple(links), tuple(joints))
     return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings)
-
-
-def _unknown_leaders(joints: Sequence[UrdfJoint]) -> Iterator[str]:
-    """Yield, in words, which joints mimic one that is not there: whoever moves them is told."""
-    names = {joint.name for joint in joints}
-    for joint in joints:
-        if joint.mimic is not None and joint.mimic.joint not in names:
-            yield str(joint.where.error(f'it mimics {joint.mimic.joint!r}, which is not a joint'))
 
 
 def _check_world(element: Any, file: str) -> None:

@@ -14,6 +14,7 @@ from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.link_tree import Joint, LinkTree, Mimic, UrdfJoint
 from drake_geom_ros.scene_files.robot_files import read_robot_file
+from drake_geom_ros.scene_files.urdf_joint_checks import refuse_what_cannot_be_meant
 from drake_geom_ros.scene_files.urdf_poses import pose_of
 from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
 
@@ -55,7 +56,8 @@ def read_joints(root: Any, links: Mapping[str, Any], file: str) -> list[UrdfJoin
     """Return the joints of a URDF in its order; ``links`` are its link elements by name.
 
     Raises SceneFileError, with the line, for a joint without a name or a type, two of one name,
-    one to a link that is not there, numbers that are none, a link with two parents, and a ring.
+    one to a link that is not there, numbers that are none, a link with two parents, a ring, and
+    what ``urdf_joint_checks`` says cannot be meant.
     """
     joints: dict[str, UrdfJoint] = {}
     for element in root.findall('joint'):
@@ -118,16 +120,19 @@ def _joint(element: Any, links: Mapping[str, Any], file: str) -> UrdfJoint:
         X_PJ, mimic = pose_of(element), _mimic(element.find('mimic'))
     except (ValueError, RuntimeError) as error:
         raise where.error(str(error)) from error
-    return UrdfJoint(kind, ends[0], ends[1], name, X_PJ, (x, y, z), *limits, mimic, where)
+    joint = UrdfJoint(kind, ends[0], ends[1], name, X_PJ, (x, y, z), *limits, mimic, where)
+    refuse_what_cannot_be_meant(joint, element)
+    return joint
 
 
 def _limits(limit: Any, kind: str) -> tuple[float, float, float]:
     """Return lower, upper and speed limit; a bound that ``<limit>`` does not give counts as 0."""
     (speed,) = _finite(limit, 'velocity', 1, '0')
+    speed = speed if speed > 0.0 else math.inf
     if limit is None or kind == 'continuous':
-        return -math.inf, math.inf, speed or math.inf
+        return -math.inf, math.inf, speed
     (lower,), (upper,) = (_finite(limit, name, 1, '0') for name in ('lower', 'upper'))
-    return lower, upper, speed or math.inf
+    return lower, upper, speed
 
 
 def _mimic(element: Any) -> Mimic | None:

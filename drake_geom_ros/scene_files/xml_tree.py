@@ -1,6 +1,7 @@
 """XML of URDF and SRDF files -> an element tree with line numbers, safely."""
 
 import codecs
+import re
 from typing import Any
 
 from lxml import etree
@@ -14,6 +15,8 @@ XACRO_FIRST = (
     'run xacro first (`xacro arm.urdf.xacro > arm.urdf`); a file is expanded by itself where '
     "PyPI's `xacro` is installed, one that comes through a service or topic never"
 )
+_DECLARED = re.compile(rb'<\?xml[^>]*?encoding\s*=\s*["\']([A-Za-z0-9._-]+)')
+_MOST_DECLARED = 200  # bytes of a declaration
 _BLANKS = b' \t\r\n'
 _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _URDF_OR_YAML = 'load its URDF, or list its frames and geometries in a scene file (YAML)'
@@ -33,6 +36,31 @@ def is_xml(data: bytes) -> bool:
     return data.removeprefix(codecs.BOM_UTF8).lstrip(_BLANKS).startswith(b'<')
 
 
+def is_utf8(data: bytes) -> bool:
+    """Return whether bytes are UTF-8 beyond ASCII, whatever encoding they declare.
+
+    No text in another encoding is that by chance. urdfdom and Drake read all as UTF-8, and text
+    that came by a topic was turned into it behind its declaration.
+    """
+    if data.isascii() or data.startswith(_WIDE):
+        return False
+    try:
+        data.decode('utf-8')
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def encoding_warning(data: bytes, root: Any, file: str) -> tuple[str, ...]:
+    """Return that the encoding which a file declares is not its own, or nothing."""
+    declared = _DECLARED.search(data.lstrip(_BLANKS)[:_MOST_DECLARED])
+    name = declared[1].decode('ascii', 'replace') if declared else 'utf-8'
+    if not is_utf8(data) or name.lower() in ('utf-8', 'utf8'):
+        return ()
+    told = f'encoding {name!r} is declared, and the bytes are UTF-8: they are read as that'
+    return (str(place_of(root, file).error(told)),)
+
+
 def read_robot_xml(data: bytes, file: str) -> Any:
     """Return the ``<robot>`` element of a URDF or SRDF file, comments left out.
 
@@ -45,7 +73,11 @@ def read_robot_xml(data: bytes, file: str) -> Any:
     if len(data) > MAX_BYTES:
         raise SceneFileError(f'{len(data)} bytes; at most {MAX_BYTES} are read', file)
     parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, remove_comments=True, remove_pis=True
+        encoding='utf-8' if is_utf8(data) else None,
+        resolve_entities=False,
+        no_network=True,
+        remove_comments=True,
+        remove_pis=True,
     )
     text = data.lstrip(_BLANKS)
     above = data[: len(data) - len(text)].count(b'\n')

@@ -139,8 +139,9 @@ def test_a_name_needs_an_srdf_and_values_a_tree_of_joints(folder):
     path.write_text('robots: [{name: arm, urdf: arm.urdf, configuration: ready}]')
     with pytest.raises(SceneFileError, match='the robot has no key `srdf`'):
         read_scene(path)
-    (folder / 'arm.urdf').write_text(ARM.replace('"continuous"', '"screw"'))
-    with pytest.raises(SceneFileError, match="joint wrist has type 'screw'"):
+    mimic = '<mimic joint="none"/></joint>'
+    (folder / 'arm.urdf').write_text(ARM.replace('</joint>', mimic, 1))
+    with pytest.raises(SceneFileError, match="mimics 'none', which is not a joint"):
         scene(folder, '{shoulder: 0}')
 
 

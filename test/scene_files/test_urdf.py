@@ -114,7 +114,8 @@ def test_a_robot_without_shapes_and_a_leader_that_is_not_there_are_told(folder):
 </robot>"""
     assert not read(ARM, folder).warnings
     assert read(bare, folder).warnings == (
-        "r.urdf:2: joint[j]: it mimics 'k', which is not a joint",
+        "r.urdf:2: joint[j]: it mimics 'k', which is not a joint: joint values pose no link of "
+        'this robot. Drake refuses it',
         "r.urdf:1: the robot 'left' has no <collision> elements: no query sees anything of it",
     )
 
