@@ -33,6 +33,26 @@ EXTRAS = {
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
     'examples': ['ompl>=2.0'],  # plan_an_arm.py and plan_with_proof.py
 }
+# The tests of the core; those whose library is missing, such as pydrake, are skipped.
+EXTRAS['test'] = [
+    *(
+        name
+        for extra in ('cross_check', 'pictures', 'volume_meshes', 'xacro')
+        for name in EXTRAS[extra]
+    ),
+    'example-robot-data>=4.3',  # the robots of scenes
+    'hypothesis>=6.100',  # laws
+    'manifold3d>=2.3',  # a second opinion on volumes
+    'markdown-it-py>=3.0',  # the code blocks of the documentation
+    'mkdocs>=1.5',  # the documentation as a site
+    'mpmath>=1.3',  # references in high precision
+    'networkx>=3.0',  # scenes of several meshes, read by trimesh
+    'packaging>=23.0',  # the ranges of this file
+    'pytest>=8.2',
+    'pytest-timeout>=2.3',
+    'pytest-xdist>=3.5',
+    'yourdfpy>=0.0.53',  # a second opinion on forward kinematics
+]
 
 
 def shared(folder):

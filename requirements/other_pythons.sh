@@ -1,6 +1,7 @@
-# The core's quick tests under the oldest and the newest supported Python: `./run test` has a small
-# environment for each, with what the core imports and no ROS. It is made once, as the steps of
-# set_up.sh, and where there is no such interpreter the closing line says so.
+# The core's quick tests as users of pip get it: `./run test --everything` has a small environment with the oldest
+# versions that setup.py allows, under the oldest supported Python, and one with the newest that
+# there are, under the newest Python. Neither has ROS. They are made once, as the steps of set_up.sh,
+# and where there is no such interpreter the closing line says so.
 
 ends_of_range=(3.10 3.13)
 
@@ -17,35 +18,49 @@ find_version() {
   timeout 300 uv python install "$1" >&2 && uv python find "$1" || true
 }
 
-# prepare_ends: sets up those that are neither missing nor the main one; sets `ends` and `missing`.
+# prepare_ends: sets up those that are not missing; sets `ends` and `missing`.
 prepare_ends() {
   local version key
   ends=() missing=()
   for version in "${ends_of_range[@]}"; do
-    [[ $(describe_python "$venv/bin/python") != "$version".* ]] || continue # has the whole suite
     other_python=$(find_version "$version")
     if [[ -z $other_python ]]; then missing+=("$version"); continue; fi
     other_venv=$venv/core-$version
+    other_versions=$(versions_under "$version")
     key=$({
       describe_python "$other_python"
-      cat "$root"/requirements/{core,test,lock}.txt
+      cat "$root/setup.py"
+      [[ $other_versions == lowest-direct ]] || date +%G-%V # what is newest changes: looked up weekly
     } | hash)
     (flock 9; step "core-$version" "$other_venv/.stamp" "$key" make_other_venv) 9<"$root/run"
     ends+=("$version")
   done
 }
 
-make_other_venv() {
-  rm -rf "$other_venv"
-  "$other_python" -m venv "$other_venv"
-  add_to "$other_venv/bin/python" -c "$root/requirements/lock.txt" -c "$root/requirements/test.txt" \
-    -r "$root/requirements/core.txt" pytest pytest-timeout hypothesis mpmath
+# versions_under VERSION: which of the versions that setup.py allows are tested, in uv's words.
+versions_under() {
+  if [[ $1 == "${ends_of_range[0]}" ]]; then echo lowest-direct; else echo highest; fi
 }
 
-# test_core VERSION: the quick tests, with nothing of the main environment but its settings.
+# `pip install -e '.[test]'`, by uv, for pip has no way to ask for the oldest versions.
+make_other_venv() {
+  local uv=$venv/bin/uv
+  [[ -x $uv ]] || "$venv/bin/python" -m pip install -c "$root/requirements/lock.txt" uv
+  rm -rf "$other_venv"
+  "$other_python" -m venv "$other_venv"
+  "$uv" pip install --python "$other_venv/bin/python" $(index_of_pip) \
+    --resolution "$other_versions" -e "$root[test]"
+}
+
+# test_core VERSION [FILES OF THE TREE]: the quick tests, or these, from an empty folder and
+# with nothing of the main environment but its settings.
 test_core() {
-  local files
-  mapfile -t files < <(grep -v '^#' "$root/test/quick_core.txt")
-  env -u PYTHONPATH -u VIRTUAL_ENV -u AMENT_PREFIX_PATH NUMBA_CACHE_DIR="$venv/core-$1/numba" \
-    "$venv/core-$1/bin/python" -m pytest -q -p no:cacheprovider "${files[@]}"
+  local python=$venv/core-$1/bin/python folder status=0
+  local cache=$venv/core-$1/numba files=("${@:2}")
+  (($# > 1)) || mapfile -t files < <(grep -v '^#' "$root/test/quick_core.txt")
+  folder=$(mktemp -d)
+  (cd "$folder" && env -u PYTHONPATH -u VIRTUAL_ENV -u AMENT_PREFIX_PATH NUMBA_CACHE_DIR="$cache" \
+    "$python" -m pytest -q -p no:cacheprovider "${files[@]/#/$root/}") || status=$?
+  rm -rf "$folder"
+  return $status
 }

@@ -218,7 +218,7 @@ make_venv() {
 }
 
 install_packages() {
-  local sets=(core demo test build) arguments=() name
+  local sets=(core demo test lint build) arguments=() name
   if [[ -n $underlay ]]; then
     # What the distribution has stays as it is, in any version; only the rest is installed.
     # Its messages are compiled against its NumPy, so a newer one beside it would break them.

@@ -16,6 +16,7 @@ pytest_plugins = [
     'plugins.costs',
     'plugins.reruns',
     'plugins.seed',
+    'plugins.without_ros',
 ]
 
 # ROS is imported by the fixtures that need it: most tests run without.

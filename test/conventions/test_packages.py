@@ -1,14 +1,15 @@
 """The packages are what colcon, rosdep and pip can read, and name everything that is imported."""
 
 import ast
-import contextlib
 import re
 import subprocess
 import sys
 
 import pytest
-from catkin_pkg.package import parse_package
+from conventions.setup_file import setup_keywords
 from conventions.source_tree import PACKAGE, ROOT, SOURCES, imports_of, module_of, name_of
+
+parse_package = pytest.importorskip('catkin_pkg.package', reason='reads package.xml').parse_package
 
 FOLDERS = {'drake_geom_ros': ROOT, 'drake_geom_msgs': ROOT / 'msg_defs'}
 
@@ -158,28 +159,27 @@ def test_a_pin_stands_in_one_file_only(distribution):
     assert {name: where for name, where in files.items() if len(where) > 1} == {}
 
 
-def setup_call():
-    """Return the keywords of the call of setup() in setup.py whose values are literals."""
-    calls = [
-        n for n in ast.walk(ast.parse((ROOT / 'setup.py').read_text())) if isinstance(n, ast.Call)
-    ]
-    (setup,) = [call for call in calls if getattr(call.func, 'id', '') == 'setup']
-    values = {}
-    for keyword in setup.keywords:
-        with contextlib.suppress(ValueError):
-            values[keyword.arg] = ast.literal_eval(keyword.value)
-    return values
+def names(requirements):
+    """Return the names of requirements such as numpy>=1.26."""
+    return {re.match(r'[\w-]+', text).group() for text in requirements}
+
+
+def test_the_extra_test_names_what_the_tests_of_the_core_are_pinned_to():
+    keywords, pinned = setup_keywords(), requirements()
+    asked_for = names([*keywords['install_requires'], *keywords['extras_require']['test']])
+    files = ('core.txt', 'demo.txt', 'test.txt')
+    assert asked_for == names(line for file in files for line in pinned[file])
 
 
 def test_setup_py_and_package_xml_agree():
-    package, keywords = parse_package(str(ROOT / 'package.xml')), setup_call()
+    package, keywords = parse_package(str(ROOT / 'package.xml')), setup_keywords()
     assert keywords['version'] == package.version
     assert keywords['license'] == package.licenses[0]
     assert keywords['maintainer_email'] == package.maintainers[0].email
 
 
 def test_entry_points_exist():
-    for entry in setup_call()['entry_points']['console_scripts']:
+    for entry in setup_keywords()['entry_points']['console_scripts']:
         module, function = re.fullmatch(r'\w+ = ([\w.]+):(\w+)', entry).groups()
         path = ROOT / (module.replace('.', '/') + '.py')
         functions = [

@@ -30,7 +30,8 @@ compile_all() { echo others >>"$root/others"; }
 @pytest.fixture
 def folder(tmp_path):
     """Return a folder with what the keys of the steps are computed from, and what is sourced."""
-    shutil.copy(ROOT / 'run', tmp_path)
+    for name in ('run', 'setup.py'):
+        shutil.copy(ROOT / name, tmp_path)
     for given in ('requirements', 'config'):
         shutil.copytree(ROOT / given, tmp_path / given)
     for definitions in ('msg_defs', 'test/msg_defs'):
@@ -281,7 +282,7 @@ SETS = {'cluster', 'examples', 'mutants', 'peers', 'recordings', 'view', 'vtk'}
 
 def test_every_set_of_packages_but_that_of_mutants_is_there_for_the_tests(folder):
     """What nobody installs is skipped wherever the tests run: those of recordings once were."""
-    always = {'core', 'demo', 'test', 'build', 'lock'}
+    always = {'core', 'demo', 'test', 'lint', 'build', 'lock'}
     files = {path.stem for path in (folder / 'requirements').glob('*.txt')}
     assert files - always == SETS
     code, said, errors = shell(folder, 'echo "${test_sets[@]}"; declare -F')
@@ -478,6 +479,26 @@ def test_the_core_is_tested_under_the_ends_of_the_supported_range(folder):
     code, _, errors = shell(folder, 'breaks=3.13\n' + FAKE_ENDS, PATH=path)
     assert code == 1
     assert 'core on Python 3.10 ok, core on Python 3.13 FAILED, pytest ok' in errors
+
+
+def test_the_oldest_python_has_the_oldest_packages_and_the_newest_the_newest(folder):
+    for version in ('3.10', '3.13'):
+        python_of(folder, version)
+    (folder / '.venv/bin').mkdir(parents=True)
+    uv = folder / '.venv/bin/uv'
+    uv.write_text('#!/bin/sh\necho "$@" >>"$root/asked"\n')
+    uv.chmod(0o755)
+    path = f'{folder}/bin-3.10:{folder}/bin-3.13:/usr/bin:/bin'
+    script = FAKE_ENDS.replace('step() {', 'index_of_pip() { :; }; export root; step() { "$4";')
+    code, _, errors = shell(folder, script, PATH=path)
+    assert code == 0, errors
+    asked = (folder / 'asked').read_text().splitlines()
+    oldest, newest = (line for line in asked if line.startswith('pip install'))
+    assert 'core-3.10/' in oldest
+    assert '--resolution lowest-direct' in oldest
+    assert 'core-3.13/' in newest
+    assert '--resolution highest' in newest
+    assert all(line.endswith(f'-e {folder.resolve()}[test]') for line in (oldest, newest))
 
 
 def test_an_interpreter_that_is_missing_is_named_in_the_closing_line(folder):

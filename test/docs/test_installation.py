@@ -1,11 +1,11 @@
 """docs/installation.md lists what setup.py has, and what can be started."""
 
-import ast
 import re
 import shutil
 import subprocess
 
 import pytest
+from conventions.setup_file import setup_keywords
 from conventions.source_tree import ROOT
 
 from drake_geom_ros import programs as module
@@ -13,19 +13,11 @@ from drake_geom_ros import programs as module
 PAGE = (ROOT / 'docs/installation.md').read_text()
 
 
-def assigned(name):
-    """Return a literal that setup.py assigns to a name."""
-    tree = ast.parse((ROOT / 'setup.py').read_text())
-    return next(
-        ast.literal_eval(node.value)
-        for node in tree.body
-        if isinstance(node, ast.Assign) and node.targets[0].id == name
-    )
-
-
 def test_every_extra_is_listed_once():
     table = PAGE.split('| extra | for |')[1].split('\n\n')[0]
-    assert sorted(re.findall(r'^\| `(\w+)` \|', table, re.MULTILINE)) == sorted(assigned('EXTRAS'))
+    assert sorted(re.findall(r'^\| `(\w+)` \|', table, re.MULTILINE)) == sorted(
+        setup_keywords()['extras_require']
+    )
 
 
 def test_every_program_is_there_and_starts_something_of_ours():

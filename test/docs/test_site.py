@@ -7,9 +7,7 @@ import sys
 import pytest
 from conventions.source_tree import ROOT
 
-pytest.importorskip(
-    'mkdocs', reason='mkdocs is not installed: pip install -r requirements/test.txt'
-)
+pytest.importorskip('mkdocs', reason="mkdocs is not installed: pip install -e '.[test]'")
 
 
 @pytest.fixture(scope='module')
