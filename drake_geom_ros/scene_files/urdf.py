@@ -26,6 +26,7 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     RobotOptions,
 )
+from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.jointed_links import JointedLinks
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.resources import ResourceResolver
@@ -47,6 +48,11 @@ from drake_geom_ros.scene_files.xml_tree import (
     read_robot_xml,
 )
 
+_LOOKED_THROUGH = (
+    '{} of {} links have a <visual> and no <collision>, so no query sees them: {}. Give them '
+    'collision elements, or cover them by geometries of the scene file'
+)
+_MOST_NAMED = 40  # links in a warning
 _NO_SHAPES = 'the robot {!r} has no <collision> elements: no query sees anything of it'
 
 
@@ -107,7 +113,8 @@ def read_urdf(
     """Return the parts of a robot as those of ``source``; mesh paths count from ``folder``.
 
     The n-th geometry of a link is named as its collision element, or ``collision_n`` (from 0)
-    where that has no name or one that an earlier element of the link has.
+    where that has no name or one that an earlier element of the link has. Links that are drawn and
+    have no collision element are named in a warning.
     Raises SceneFileError, with the line, for what is not a URDF, one without links, links and
     joints that are there twice or not at all or form no tree, shapes that are not known or have
     bad dimensions, missing mesh files, and for what cannot be meant as it is read.
@@ -144,8 +151,24 @@ def read_urdf(
     )
     if not geometries:
         warnings += (str(place_of(root, file).error(_NO_SHAPES.format(source))),)
+    else:
+        warnings += _looked_through(links, place_of(root, file))
     tree = LinkTree(robot, tuple(links), tuple(joints))
     return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings)
+
+
+def _looked_through(links: Mapping[str, Any], place: Location) -> tuple[str, ...]:
+    """Return, in one warning, which links are drawn and have no shape for queries."""
+    names = [
+        name
+        for name, link in links.items()
+        if name != WORLD and link.find('visual') is not None and link.find('collision') is None
+    ]
+    if not names:
+        return ()
+    more = f' and {len(names) - _MOST_NAMED} more' if len(names) > _MOST_NAMED else ''
+    told = _LOOKED_THROUGH.format(len(names), len(links), ', '.join(names[:_MOST_NAMED]) + more)
+    return (str(place.error(told)),)
 
 
 def _check_world(element: Any, file: str) -> None:

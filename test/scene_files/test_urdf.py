@@ -120,6 +120,24 @@ def test_a_robot_without_shapes_and_a_leader_that_is_not_there_are_told(folder):
     )
 
 
+def test_links_that_are_drawn_and_have_no_shape_are_named_in_one_warning(folder):
+    visual = '<visual><geometry><sphere radius="0.1"/></geometry></visual>'
+    ball = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+    bare = f'<link name="world">{visual}</link><link name="bare">{visual}</link>'
+    text = f'<robot name="r">\n<link name="a">{visual}{ball}</link><link name="frame"/>{bare}'
+    assert read(f'{text}</robot>'.encode(), folder).warnings == (
+        'r.urdf:1: 1 of 4 links have a <visual> and no <collision>, so no query sees them: bare. '
+        'Give them collision elements, or cover them by geometries of the scene file',
+    )
+    many = ''.join(f'<link name="l{k}">{visual}</link>' for k in range(60))
+    (warning,) = read(f'{text}{many}</robot>'.encode(), folder).warnings
+    assert '61 of 64 links have' in warning
+    assert 'l38 and 21 more. Give' in warning
+    # Where nothing has a shape that is said instead.
+    (warning,) = read(f'<robot name="r">{bare}</robot>'.encode(), folder).warnings
+    assert 'no <collision> elements' in warning
+
+
 def test_what_is_fixed_to_a_placed_root_has_a_pose_and_no_other_link(folder):
     fixed = ARM.replace(b'type="prismatic"', b'type="fixed"')
     parts = read(fixed, folder).placed(RigidTransform([0, 0, 1]))
