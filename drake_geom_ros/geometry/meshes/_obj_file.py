@@ -7,10 +7,11 @@ are metres, as in RViz and Drake.
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,10 @@ from drake_geom_ros.geometry.errors import MeshFileError
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Point = tuple[float, ...]
+_Flat = tuple[float, float]
 
+# Corners of a polygon that are cut off though none is an ear; what is left then becomes a fan.
+_MOST_LOST = 100
 
 # Surfaces that are no polygons, and the statements of another file.
 _NOT_READ = ('surf', 'bzp', 'bsp', 'call', 'csh')
@@ -98,12 +102,20 @@ def triangulate(names: list[int], corners: list[Point]) -> list[tuple[int, int, 
         return [(names[0], names[1], names[2])]
     flat = _projected(corners)
     loop = list(range(len(names)))
-    triangles = []
-    while len(loop) > 3:
-        ear = next((k for k in range(1, len(loop)) if _is_ear(loop, k, flat)), 1)
-        triangles.append((loop[ear - 1], loop[ear], loop[(ear + 1) % len(loop)]))
-        del loop[ear]
-    triangles.append((loop[0], loop[1], loop[2]))
+    notches = np.array([_turn(*_around(loop, k, flat)) <= 0.0 for k in loop])
+    points, lost, triangles = np.array(flat), 0, []
+    while len(loop) > 3 and lost <= _MOST_LOST and notches[loop].any():
+        inward = points[notches]
+        ears = (k for k in range(1, len(loop)) if _is_ear(_around(loop, k, flat), inward))
+        ear = next(ears, 0)
+        lost += ear == 0  # the polygon crosses itself, or has no area
+        k = ear or 1
+        triangles.append((loop[k - 1], loop[k], loop[(k + 1) % len(loop)]))
+        notches[loop[k]] = False
+        del loop[k]
+        for beside in (k - 1, k % len(loop)):
+            notches[loop[beside]] = _turn(*_around(loop, beside, flat)) <= 0.0
+    triangles += [(loop[0], b, c) for b, c in itertools.pairwise(loop[1:])]
     return [(names[a], names[b], names[c]) for a, b, c in triangles]
 
 
@@ -153,7 +165,7 @@ def _corners(words: list[str], count: int, where: str) -> list[int]:
     return corners
 
 
-def _projected(corners: list[Point]) -> list[tuple[float, float]]:
+def _projected(corners: list[Point]) -> list[_Flat]:
     """Return the corners in the coordinate plane the polygon faces most, counter-clockwise."""
     points = np.array(corners)
     points -= points[0]
@@ -163,17 +175,24 @@ def _projected(corners: list[Point]) -> list[tuple[float, float]]:
     return [(point[i], point[j]) for point in points.tolist()]
 
 
-def _is_ear(loop: list[int], k: int, flat: list[tuple[float, float]]) -> bool:
-    """Return whether corner k of the loop can be cut off: it is convex, and no corner is in it."""
-    a, b, c = flat[loop[k - 1]], flat[loop[k]], flat[loop[(k + 1) % len(loop)]]
+def _around(loop: list[int], k: int, flat: list[_Flat]) -> tuple[_Flat, _Flat, _Flat]:
+    """Return corner k of a loop between its neighbours."""
+    return flat[loop[k - 1]], flat[loop[k]], flat[loop[(k + 1) % len(loop)]]
+
+
+def _is_ear(corner: tuple[_Flat, _Flat, _Flat], inward: Floats) -> bool:
+    """Return whether a corner can be cut off: it is convex, and no other corner is in it.
+
+    If any is, so is one of those that point inwards (k, 2).
+    """
+    a, b, c = corner
     if _turn(a, b, c) <= 0.0:
         return False
-    others = (flat[i] for i in loop if flat[i] not in (a, b, c))
-    return not any(
-        _turn(a, b, p) >= 0.0 and _turn(b, c, p) >= 0.0 and _turn(c, a, p) >= 0.0 for p in others
-    )
+    p = inward.T
+    inside = (_turn(a, b, p) >= 0.0) & (_turn(b, c, p) >= 0.0) & (_turn(c, a, p) >= 0.0)
+    return all(tuple(q) in corner for q in inward[inside].tolist())
 
 
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    """Return twice the area of the triangle a b c, positive when it turns left."""
+def _turn(a: _Flat, b: _Flat, c: Any) -> Any:
+    """Return twice the area of the triangle a b c, positive when it turns left; of many c each."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -148,6 +148,23 @@ def test_an_arrow_head_is_not_cut_across_its_notch():
         assert all({0, 2} <= set(triangle) for triangle in triangles)
 
 
+@pytest.mark.parametrize('inner', [1.0, 0.5])
+def test_a_face_of_8000_corners_is_cut_as_any_other(inner):
+    """Each corner was held against all the others, for each triangle: 17 s, or without end."""
+    radii = np.tile([1.0, inner], 4000)
+    corners, normal = star(radii, 0.5)
+    triangles = triangulate(list(range(len(radii))), [tuple(c) for c in corners.tolist()])
+    areas = areas_along(normal, corners, triangles)
+    assert len(triangles) == len(radii) - 2
+    assert areas.min() > -1e-12
+    assert areas.sum() == pytest.approx(4000 * math.sin(2 * math.pi / 8000) * inner)
+
+
+def test_large_degenerate_polygons_end_too():
+    line = [(float(k), 0.0, 0.0) for k in range(8000)]
+    assert len(triangulate(list(range(8000)), line)) == 7998
+
+
 def test_degenerate_polygons_still_end():
     line = [(float(k), 0.0, 0.0) for k in range(6)]
     assert len(triangulate(list(range(6)), line)) == 4
