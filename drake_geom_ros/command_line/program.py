@@ -18,6 +18,7 @@ from drake_geom_ros.command_line import (
     suggest_filters,
     view,
 )
+from drake_geom_ros.command_line.unforeseen import UNFORESEEN, tell_unforeseen
 from drake_geom_ros.geometry import GeometryError
 
 BAD_INPUT = 2  # the exit code of what was asked wrongly, as argparse has it
@@ -32,7 +33,8 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
     0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
     still broken or the disagreement still there, ``report`` that not all is known; 2: what was
     asked cannot be, said in one line on standard error; 3: ``report --audit`` refutes what a node
-    said; 4: ``report --compare`` finds a run nearer than the other one; 130: interrupted.
+    said; 4: ``report --compare`` finds a run nearer than the other one; 70: an error that nobody
+    foresaw, with its traceback on standard error; 130: interrupted.
     """
     try:
         options = _parser(prog).parse_args(arguments)
@@ -50,6 +52,9 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         reason = ' '.join(str(error).split())
         print(f'drake_geom_ros: {reason}', file=sys.stderr)
         return BAD_INPUT
+    except Exception:
+        tell_unforeseen()
+        return UNFORESEEN
 
 
 def _parser(prog: str) -> argparse.ArgumentParser:

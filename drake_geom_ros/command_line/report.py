@@ -9,6 +9,7 @@ from typing import Any
 from drake_geom_ros.command_line.recording_input import add_topics_to
 from drake_geom_ros.command_line.report_making import THRESHOLDS, UNREADABLE, make_report
 from drake_geom_ros.command_line.scene_input import read_and_tell
+from drake_geom_ros.command_line.unforeseen import UNFORESEEN, tell_unforeseen
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.recordings.comparing import WAYS
 from drake_geom_ros.recordings.files import runs_in
@@ -16,7 +17,7 @@ from drake_geom_ros.recordings.report import PAGE
 from drake_geom_ros.recordings.run import STALE_AFTER
 from drake_geom_ros.recordings.tolerances import CERTIFIED, NEARER_BY
 
-_BY_GRAVITY = 3, 4, 2, 1, 0  # exit codes
+_BY_GRAVITY = 3, 4, UNFORESEEN, 2, 1, 0  # exit codes
 
 
 def add_to(commands: Any) -> None:
@@ -29,7 +30,8 @@ def add_to(commands: Any) -> None:
         'report.html. Exit code 0: every state tells of all pairs; 1: something is stale, left '
         'out, damaged, missing or not reproducible, which is said on standard output; 2: what was '
         'asked cannot be; 3: --audit refutes what a node said; 4: --compare finds the run nearer. '
-        'Of a folder of runs it is the gravest one: 3, then 4, 2, 1.',
+        '70: an error that nobody foresaw. Of a folder of runs it is the gravest one: 3, then 4, '
+        '70, 2, 1.',
     )
     parser.add_argument(
         'recording', nargs='+', metavar='RUN', help='files or folders of one recording'
@@ -165,6 +167,9 @@ def run(options: argparse.Namespace) -> int:
             )
             print(f'{place.name}: {error}{older}', file=sys.stderr)
             codes.append(UNREADABLE)
+        except Exception:  # a fault of ours in one run hides none of the others
+            tell_unforeseen(place.name)
+            codes.append(UNFORESEEN)
     return min(codes, key=_BY_GRAVITY.index)
 
 

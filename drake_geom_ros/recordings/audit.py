@@ -59,11 +59,13 @@ class Audit:
     begin: int = 0  # [ns] of the recording
     damage: tuple[Damage, ...] = ()  # what could not be read
     refused: tuple[Refused, ...] = ()  # messages of which no pose was taken
+    differences: tuple[str, ...] = ()  # between the recorded ``~/scene`` and the scene played here
 
     def reservations(self) -> list[str]:
         """Return in words what was not audited; empty where all that was recorded is judged."""
         told = [each.in_words(self.begin) for each in self.damage]
         told += [each.in_words() for each in self.refused]
+        told += self.differences
         told += [f'no message of {topic} was recorded' for topic in self.silent]
         if not self.entries:
             told.append('nothing: no result and no event was recorded')
@@ -135,6 +137,7 @@ def audit(
     found.begin = opened.recording.begin
     found.damage = tuple(opened.recording.damage)
     found.refused = tuple(opened.playback.refused)
+    found.differences = opened.playback.differences()
     return found
 
 
@@ -176,6 +179,8 @@ class _Auditor:
                 if message.message is not None:
                     known = self._node_of(message), int(message.message.names_version)
                     self._names[known] = names_in(message.message)
+                if message.topic.name in self._roles:
+                    self._playback.take(message, 'scene')
             elif self._playback.take(message, self._roles[message.topic.name]):
                 self._keep(message.time, message.topic.name)
         while self._waiting:

@@ -53,11 +53,23 @@ def _places(path: Path) -> list[Path]:
         raise RecordingError(f'{path} is compressed as a whole: give the folder that it is in')
     if path.suffix not in SUFFIXES:
         raise RecordingError(f'{path}: a recording is one of {", ".join(SUFFIXES)}, or a folder')
+    _check_file(path)
     return [path]
+
+
+def _check_file(path: Path) -> None:
+    """Raise RecordingError for a pipe, a device or a socket, which may have no end."""
+    if path.exists() and not path.is_file():
+        raise RecordingError(f'{path} is no regular file: a recording is one, or a folder of some')
 
 
 def _of_folder(folder: Path) -> list[Path]:
     inside = sorted(folder.iterdir(), key=_by_numbers)
+    _check_file(folder / METADATA)
+    for path in [each for each in inside if _holds([each]) and not each.is_dir()]:
+        _check_file(path)
+    for name in _paths_named(folder):
+        _check_file(folder / name)
     if any(each.suffix == _COMPRESSED for each in inside) or _compresses_messages(folder):
         return [folder]
     if files := [each for each in inside if each.suffix in SUFFIXES and each.is_file()]:
@@ -99,11 +111,18 @@ def _compresses_messages(folder: Path) -> bool:
 
 def _named_files(folder: Path) -> list[str]:
     """Return the names of the files that the metadata name, without folders."""
+    return [Path(name).name for name in _paths_named(folder)]
+
+
+def _paths_named(folder: Path) -> list[str]:
+    """Return the paths of the files that the metadata name."""
     told = _metadata(folder).get('relative_file_paths')
-    return [Path(str(each)).name for each in told] if isinstance(told, list) else []
+    return list(map(str, told)) if isinstance(told, list) else []
 
 
 def _metadata(folder: Path) -> dict[str, Any]:
+    if not (folder / METADATA).is_file():
+        return {}
     try:
         text = (folder / METADATA).read_text(encoding='utf-8')
         told = yaml.safe_load(text)['rosbag2_bagfile_information']

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
+from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.raw_messages import Topic
 
 TF = 'tf2_msgs/msg/TFMessage'
@@ -20,6 +21,7 @@ CLOUD = 'sensor_msgs/msg/PointCloud2'
 IMAGE = 'sensor_msgs/msg/Image'
 OCTOMAP = 'octomap_msgs/msg/Octomap'
 
+_ENCODINGS = 'ros2msg', 'ros2idl', 'omgidl', 'unknown', ''  # of the last two ROS has the text
 _BETWEEN = f'{"=" * 80}\n'  # definitions in the text of one
 
 # As msg_defs has it, which no wheel holds: recordings before ROS 2 Iron bear no definitions.
@@ -37,11 +39,16 @@ def store_of(topic: Topic) -> Any:
     """Return the rosbags store of types that knows the type of a topic."""
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
-    if topic.encoding == 'ros2msg':
+    if topic.encoding not in _ENCODINGS:
+        raise RecordingError(
+            f'its definition is of the encoding {topic.encoding!r}, and those of ROS 2 are '
+            f'{", ".join(_ENCODINGS[:2])}'
+        )
+    if topic.encoding == 'ros2msg' and topic.definition:
         store = get_typestore(Stores.EMPTY)
         store.register(get_types_from_msg(topic.definition, topic.type))
         return store
-    if topic.encoding == 'ros2idl':
+    if topic.encoding in ('ros2idl', 'omgidl') and topic.definition:
         store = get_typestore(Stores.EMPTY)
         for text in topic.definition.split(_BETWEEN):
             # Of several each stands below a line with its name.

@@ -40,13 +40,13 @@ def opened_recording(
     Arguments are those of ``clearance``. Raises RecordingError, SceneFileError.
     """
     recording, asked = Recording(path), topics or Topics()
-    if not recording.end:
+    if recording.is_empty:
         names = ', '.join(map(str, recording.files))
         raise RecordingError(f'{names}: no message was recorded')
     if isinstance(scene, (str, Path)):
         scene = read_scene(str(scene), package_roots=[str(root) for root in package_roots])
     alone = scene is None
-    roles = roles_of(recording.topics, asked, with_robots=alone)
+    roles = roles_of(recording.topics, asked)
     silent = _silent_clocks(recording, roles)
     playback = Playback(
         scene,
@@ -60,12 +60,12 @@ def opened_recording(
         raise RecordingError(told_no_robot(recording.topics))
     for topic in silent:
         playback.note(f'{topic} has no message: the time of recording counts', recording.begin)
-    _take_robots(recording, playback, roles)
+    _take_robots(recording, playback, roles, alone=alone)
     robots = playback.robots_topics()
     there = {topic.name for topic in recording.topics}
     for missing in sorted({*map(asked.full, robots)} - there):
         playback.note(f'{missing}, which moves a robot, was not recorded', recording.begin)
-    roles = roles_of(recording.topics, asked, robots, with_robots=alone)
+    roles = roles_of(recording.topics, asked, robots)
     roles = {topic: role for topic, role in roles.items() if topic not in silent}
     return Opened(recording, playback, roles, maps_in(recording.topics, asked))
 
@@ -80,8 +80,14 @@ def _silent_clocks(recording: Recording, roles: dict[str, str]) -> list[str]:
     ]
 
 
-def _take_robots(recording: Recording, playback: Playback, roles: dict[str, str]) -> None:
-    """Take the first descriptions at once: they are latched, so a node has them at first."""
+def _take_robots(
+    recording: Recording, playback: Playback, roles: dict[str, str], *, alone: bool
+) -> None:
+    """Take the first descriptions at once: they are latched, so a node has them at first.
+
+    ``alone``: there is no scene beside the robot, so one that is refused ends the recording. Else
+    it is refused, and counted, when its turn comes.
+    """
     missing = {topic for topic, role in roles.items() if role.startswith(_ROBOT)}
     if not missing:
         return
@@ -92,6 +98,7 @@ def _take_robots(recording: Recording, playback: Playback, roles: dict[str, str]
             try:
                 playback.take_robot(recorded.message.data, is_semantic=is_semantic)
             except RuntimeError as error:
-                raise RecordingError(f'{recorded.topic.name}: {error}') from None
+                if alone:
+                    raise RecordingError(f'{recorded.topic.name}: {error}') from None
         if not missing:
             return

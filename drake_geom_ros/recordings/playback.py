@@ -13,8 +13,10 @@ from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
+from drake_geom_ros.recordings.recorded_robots import GivenRobots
 from drake_geom_ros.recordings.recording import Recorded
 from drake_geom_ros.recordings.report_record import digest
+from drake_geom_ros.recordings.scene_differences import SceneDifferences
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.inputs.joint_input import JointInput, NothingOfOursError
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
@@ -107,10 +109,12 @@ class Playback:
         self.robot_files: dict[Path, str] = {}
         self._told: dict[str, Trouble] = {}
         self._refused: dict[str, Refused] = {}
+        self._differences = SceneDifferences()
         self._looked = -math.inf
         if description is not None:
             with self.live.editing() as scene:
                 scene.add(description)
+        self._given = GivenRobots(self.live)
 
     def robots_topics(self) -> set[str]:
         """Return the topics of joint values that robots of the scene name."""
@@ -119,7 +123,12 @@ class Playback:
             return self.inputs.joints.topics(scene)
 
     def take_robot(self, text: str, *, is_semantic: bool = False) -> None:
-        """Take a robot's description; raises RuntimeError for none."""
+        """Take a robot's description; raises RuntimeError for none.
+
+        One of a robot that the scene has is left out, as the node refuses it.
+        """
+        if not is_semantic and self._given.has(text):
+            return
         (self._robot.take_semantics if is_semantic else self._robot.take)(text)
         with self.live.editing() as scene:
             named = [*files_of(scene.scene_graph, ())]
@@ -148,6 +157,11 @@ class Playback:
     def refused(self) -> list[Refused]:
         """What was refused of messages that may have said something of the scene, by topic."""
         return list(self._refused.values())
+
+    def differences(self) -> tuple[str, ...]:
+        """Return in words how recorded ``~/scene`` and the scene of now differ."""
+        with self.live.reading() as scene:
+            return tuple(self._differences.in_words(scene.inspector))
 
     @property
     def next_look(self) -> float:
@@ -194,6 +208,10 @@ class Playback:
         if role.startswith('robot'):
             self.take_robot(message.data, is_semantic=role.endswith('semantic'))
             role = ''
+        if role == 'scene':
+            with self.live.reading() as held:
+                self._differences.take(recorded.topic.name, message, held.inspector)
+            return False
         with self.live.editing() as scene:
             if role == 'frame_poses':
                 if len(message.frame_ids):

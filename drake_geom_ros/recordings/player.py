@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.layouts import Layouts
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.opened import Opened
@@ -25,6 +26,7 @@ from drake_geom_ros.ros.scene import feeders
 
 _SHORTEST = 8  # messages of a run: to tell one takes as long as some messages
 _MOST_POSES = 2**19  # of a run: 30 MB, and some times that while it is told
+_MOST_STATES = 10**9  # of a rate: hours of computing
 _FEEDERS = {JOINTS: feeders.JOINTS, POSES: feeders.MESSAGES, TF: feeders.TF}
 
 
@@ -32,7 +34,10 @@ class Player:
     """Plays batches of messages, and yields the states in blocks."""
 
     def __init__(self, opened: Opened, states: StateBlocks, rate: float) -> None:
-        """``rate`` [Hz] of states; 0: one with each message that poses something."""
+        """``rate`` [Hz] of states; 0: one with each message that poses something.
+
+        Raises RecordingError where there would be more states than anybody waits for.
+        """
         self._recording, self._playback = opened.recording, opened.playback
         self._roles = opened.roles
         self._states, self._rate = states, rate
@@ -44,6 +49,13 @@ class Player:
         self.count = 0  # of states
         # [ns] of the whole recording: a sender that fell silent before its end is to be seen.
         self.begin, self.end = opened.recording.begin, opened.recording.end
+        duration = (self.end - self.begin) / NANOSECONDS
+        if duration * rate > _MOST_STATES:
+            raise RecordingError(
+                f'rate={rate:g} [Hz] makes {duration * rate:.3g} states of a recording that goes '
+                f'over {duration:.6g} s, and at most {_MOST_STATES:.0e} can be asked for: is the '
+                'time of a message wrong? rate=0 takes a state with each message'
+            )
 
     def blocks(self) -> Iterator[Block]:
         """Yield the states of all messages."""

@@ -65,6 +65,7 @@ def recorded_poses(
     if tell is not None:
         told = [each.in_words(player.begin) for each in opened.recording.damage]
         told += [each.words for each in opened.playback.troubles]
+        told += opened.playback.differences()
         for words in [*told, *filter(None, [told_maps(opened.maps)])]:
             tell(words)
     return found

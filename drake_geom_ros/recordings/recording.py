@@ -45,6 +45,11 @@ class Recording:
         self.topics: list[Topic] = list(dict.fromkeys(found))
 
     @property
+    def is_empty(self) -> bool:
+        """Whether there is no message of any topic; one may be of the time 0."""
+        return all(storage.span is None for storage in self._storages)
+
+    @property
     def files(self) -> list[Path]:
         """The files and folders that are read."""
         return [storage.path for storage in self._storages]

@@ -57,6 +57,7 @@ class Facts:
     damage: tuple[Damage, ...]
     refused: tuple[Refused, ...]  # messages that say nothing of use, by topic
     maps: tuple[str, ...]  # topics of what sensors see, which is in no distance
+    differences: tuple[str, ...]  # between the recorded ``~/scene`` and the scene played here
     troubles: tuple[Trouble, ...]
     stale_after: float  # [s]
     max_distance: float  # [m]
@@ -117,6 +118,7 @@ class Told(Facts):
         told += [each.in_words() for each in self.refused]
         if maps := told_maps(self.maps):
             told.append(maps)
+        told += self.differences
         for name, each in self._sums.items():
             told += [f'{name}: {words}' for words in each.reservations()]
         return told

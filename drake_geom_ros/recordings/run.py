@@ -134,6 +134,7 @@ class Run:
             damage=tuple(self._opened.recording.damage),
             refused=tuple(self._opened.playback.refused),
             maps=self._opened.maps,
+            differences=self._opened.playback.differences(),
             troubles=tuple(self._opened.playback.troubles),
             stale_after=self._asked.stale_after,
             max_distance=self._asked.max_distance,

@@ -12,6 +12,7 @@ from typing import Any
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.raw_messages import Lost, Raw, Topic
+from drake_geom_ros.recordings.schemas import DEFINED
 
 _RECORD = struct.Struct('<BQ')  # how each record of an MCAP begins: kind, length
 _CHUNK = struct.Struct('<QQQII')  # times, size and checksum, length of the compression's name
@@ -77,12 +78,18 @@ class _Records:
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
-                schema = self._schemas[record.schema_id]
-                text = schema.data.decode()
-                self._topics[record.id] = Topic(record.topic, schema.name, schema.encoding, text)
+                self._topics[record.id] = self._topic(record)
             elif isinstance(record, Message):
                 found.append(Raw(record.log_time, self._topics[record.channel_id], record.data))
         return sorted(found, key=lambda raw: raw.time)
+
+    def _topic(self, channel: Any) -> Topic:
+        """Return the topic of a channel; 0 is the number of no schema."""
+        if not channel.schema_id:
+            return Topic(channel.topic, '')
+        schema = self._schemas[channel.schema_id]
+        text = schema.data.decode() if schema.encoding in DEFINED else ''
+        return Topic(channel.topic, schema.name, schema.encoding, text)
 
     def messages_known(self, records: Iterable[Any]) -> list[Raw]:
         """Return those whose topics are known: what tells of these may be damaged."""
@@ -141,6 +148,8 @@ def _of_sqlite(path: Path, lost: list[Lost]) -> Iterator[Raw]:
         with closing(sqlite3.connect(_place(path), uri=True)) as database:
             # Else a file that is shorter than its header says is refused as a whole.
             database.execute('PRAGMA writable_schema=ON')
+            if strange := strange_part_of(database):
+                raise sqlite3.DatabaseError(strange)
             topics = _topics(database)
             asked = 'SELECT topic_id, timestamp, data FROM messages ORDER BY id'
             for number, time, data in database.execute(asked):
@@ -152,6 +161,33 @@ def _of_sqlite(path: Path, lost: list[Lost]) -> Iterator[Raw]:
         lost.append(Lost(f'it breaks off: {words_of(error)}'))
     if unnamed:
         lost.append(Lost(f'{unnamed} of its messages have no topic, time or data'))
+
+
+def strange_part_of(database: sqlite3.Connection) -> str:
+    """Return what a database holds that no recorder writes; empty for nothing.
+
+    A view may go on for ever, and a virtual table or a computed column do anything.
+    """
+    asked = (
+        "SELECT type, name, sql FROM sqlite_master WHERE name NOT LIKE 'sqlite\\_%' ESCAPE '\\'"
+    )
+    for kind, name, text in database.execute(asked):
+        words = str(text).upper().split()[:2]
+        if kind not in ('table', 'index') or words == ['CREATE', 'VIRTUAL']:
+            return f'it holds the {kind} {name!r}, which no recorder writes'
+        if kind == 'table':
+            quoted = str(name).replace('"', '""')
+            for _, column, *_, hidden in database.execute(f'PRAGMA table_xinfo("{quoted}")'):
+                if hidden:
+                    return f'its column {column!r} of {name!r} is computed, as no recorder has it'
+    return ''
+
+
+def check_database(path: Path) -> None:
+    """Raise sqlite3.Error for a database that is none, or is not as recorders write it."""
+    with closing(sqlite3.connect(_place(path), uri=True)) as database:
+        if strange := strange_part_of(database):
+            raise sqlite3.DatabaseError(strange)
 
 
 def hidden_fault_of(path: Path) -> str:

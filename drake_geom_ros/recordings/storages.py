@@ -14,12 +14,16 @@ from typing import Any
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, Topic
-from drake_geom_ros.recordings.salvage import hidden_fault_of, rest_of, words_of
+from drake_geom_ros.recordings.salvage import check_database, hidden_fault_of, rest_of, words_of
+from drake_geom_ros.recordings.schemas import open_reader
 
 _LIBRARIES = (
     'recordings are read by rosbags and mcap: pip install rosbags mcap, or this package with its '
     "extra 'recordings'"
 )
+
+
+_LAST = 2**63 - 1  # [ns] the last time that any clock of ROS tells, in the year 2262
 
 
 class Storage:
@@ -64,18 +68,21 @@ class Storage:
 
     def _look(self) -> None:
         try:
-            from rosbags.rosbag2 import Reader
+            import rosbags.rosbag2  # noqa: F401
         except ImportError as error:
             raise RecordingError(f'{_LIBRARIES} ({error})') from None
         try:
-            with Reader(self.path) as reader:
+            if self.path.suffix == '.db3':
+                check_database(self.path)
+            with open_reader(self.path) as reader:
                 self.topics = [_topic(each) for each in reader.connections]
                 if reader.message_count:
                     self.span = reader.start_time, reader.end_time - 1
+                    _check_time(self.span[1])
         except Exception as error:
             if self.path.is_dir():
                 raise RecordingError(f'{self.path}: {words_of(error)}') from None
-            self._is_whole = False
+            self._is_whole, self.span = False, None
             self._reason = words_of(error)
             self._look_at_the_rest()
             if not self.topics:
@@ -86,15 +93,15 @@ class Storage:
     def _look_at_the_rest(self) -> None:
         found: dict[Topic, None] = {}
         for raw in rest_of(self.path, []):
+            if raw.time > _LAST:
+                continue
             found[raw.topic] = None
             first, last = self.span or (raw.time, raw.time)
             self.span = min(first, raw.time), max(last, raw.time)
         self.topics = list(found)
 
     def _whole(self, names: Collection[str]) -> Iterator[Raw]:
-        from rosbags.rosbag2 import Reader
-
-        with Reader(self.path) as reader:
+        with open_reader(self.path) as reader:
             asked = [each for each in reader.connections if each.topic in names]
             topics = {(each.topic, each.id): _topic(each) for each in asked}
             if not asked:
@@ -116,11 +123,16 @@ class Storage:
     def _rest(self, names: Collection[str]) -> Iterator[Raw]:
         """Yield what can be read of a damaged file of some topics, and note what cannot."""
         lost: list[Lost] = []
-        until = 0
+        until = beyond = 0
         for raw in rest_of(self.path, lost):
+            if raw.time > _LAST:
+                beyond += 1
+                continue
             until = max(until, raw.time)
             if raw.topic.name in names:
                 yield raw
+        if beyond:
+            lost.append(Lost(f'{counted(beyond, "message")} of times behind the year 2262'))
         for each in lost or [Lost(self._reason)]:
             self._note(each, until)
 
@@ -131,10 +143,18 @@ class Storage:
         self.damage.append(Damage(str(self.path), lost, max(until, 0)))
 
 
+def _check_time(last: int) -> None:
+    """Raise RecordingError for the time [ns] of a last message that no clock tells."""
+    if last > _LAST:
+        raise RecordingError(f'a message was recorded at {last} ns, behind the year 2262')
+
+
 def _topic(connection: Any) -> Topic:
     """Return a topic of rosbags."""
     from rosbags.interfaces import MessageDefinitionFormat
 
     kind = {MessageDefinitionFormat.MSG: 'ros2msg', MessageDefinitionFormat.IDL: 'ros2idl'}
-    encoding = kind.get(connection.msgdef.format, '')
-    return Topic(connection.topic, connection.msgtype, encoding, connection.msgdef.data)
+    encoding, text = kind.get(connection.msgdef.format, ''), connection.msgdef.data
+    if not encoding:  # the text is the name of another one
+        encoding, text = text, ''
+    return Topic(connection.topic, connection.msgtype, encoding, text)

@@ -11,6 +11,7 @@ from drake_geom_ros.recordings.message_types import (
     CLOCK,
     JOINTS,
     POSES,
+    SCENE,
     TEXT,
     TF,
 )
@@ -24,10 +25,12 @@ class Topics:
     """The topic of each kind of input; empty: none, None: the usual one if it was recorded.
 
     The usual ones are ``/tf``, ``/joint_states`` and so on, of poses the only topic of
-    ``drake_geom_msgs/msg/FramePoses``. Descriptions of robots are taken where there is no scene,
-    or where their topic is named. In a ``namespace``, such as ``cell_1``, are all of these but
-    ``/clock``, and ``/tf`` and ``/tf_static`` where they were recorded there; so are names that do
-    not begin with a slash, also those that robots of the scene have, and what the node said.
+    ``drake_geom_msgs/msg/FramePoses``. Descriptions of robots are taken beside a scene, too, as a
+    node takes them. ``scene`` is the ``~/scene`` of the node, which the scene is compared with:
+    None: that beside the poses, or all of them. In a ``namespace``, such as ``cell_1``, are all of
+    these but ``/clock``, and ``/tf`` and ``/tf_static`` where they were recorded there; so are
+    names that do not begin with a slash, also those that robots of the scene have, and what the
+    node said.
 
     ``obstacles`` are the topics of which a node made maps, with commas between; None: all clouds
     and OctoMaps, and images with ``depth`` in their topic's name, for any of these may be.
@@ -40,6 +43,7 @@ class Topics:
     robot_description: str | None = None
     robot_description_semantic: str | None = None
     clock: str | None = None
+    scene: str | None = None
     obstacles: str | None = None
     namespace: str = ''
 
@@ -81,6 +85,7 @@ KINDS = {  # of messages, by what they are used as
     'robot_description': TEXT,
     'robot_description_semantic': TEXT,
     'clock': CLOCK,
+    'scene': SCENE,
 }
 
 NAMES = (*KINDS, 'obstacles')  # of what Topics knows
@@ -90,24 +95,22 @@ def roles_of(
     recorded: Sequence[Topic],
     asked: Topics,
     robots_topics: Collection[str] = (),
-    *,
-    with_robots: bool = True,
 ) -> dict[str, str]:
     """Return {topic: what it is used as} of those that were recorded.
 
     Topics of joint values that robots of the scene name have the role ``joint_states:TOPIC``.
-    ``with_robots``: descriptions of robots count although their topics are not named. Raises
-    RecordingError for one that is named and was not recorded, that is of another type, or where
-    several could be meant.
+    Raises RecordingError for one that is named and was not recorded, that is of another type, or
+    where several could be meant.
     """
     _check_namespace(asked, recorded)
     found: dict[str, str] = {}
     for role, kind in KINDS.items():
-        named = getattr(asked, role)
-        if named is None and role.startswith('robot') and not with_robots:
+        if role == 'scene' and asked.scene is None:
             continue
         if topic := _topic_of(role, kind, asked, recorded):
             found[topic] = role
+    if asked.scene is None:
+        found |= dict.fromkeys(_topics_of_scenes(asked, recorded, found), 'scene')
     for name in robots_topics:
         topic = asked.full(name)
         _check(topic, 'the topic of joint values of a robot in the scene', JOINTS, recorded)
@@ -156,6 +159,17 @@ def _topic_of_poses(asked: Topics, recorded: Sequence[Topic]) -> str:
             'leaves those in it'
         )
     return of_type[0] if of_type else ''
+
+
+def _topics_of_scenes(
+    asked: Topics, recorded: Sequence[Topic], roles: dict[str, str]
+) -> list[str]:
+    """Return the scene of the node whose poses are used, or of all nodes of the namespace."""
+    names = [topic.name for topic in recorded if topic.type == SCENE]
+    names = [name for name in names if name.startswith(asked.prefix)]
+    nodes = [name.rpartition('/')[0] for name, role in roles.items() if role == 'frame_poses']
+    beside = [name for name in names if name.rpartition('/')[0] in nodes]
+    return beside or names
 
 
 def _usual(role: str, asked: Topics, names: Sequence[str]) -> str:

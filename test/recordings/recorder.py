@@ -10,8 +10,13 @@ import pytest
 pytest.importorskip('rosbags')
 pytest.importorskip('mcap')
 
+from rosbags.interfaces import Nodetype
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.ros.conversions.scene import fill_scene
+from drake_geom_ros.scene_files import load_scene
 
 MSGS = Path(__file__).parents[2] / 'msg_defs' / 'msg'
 BEGIN = 1_700_000_000 * 10**9  # [ns]
@@ -20,9 +25,8 @@ BEGIN = 1_700_000_000 * 10**9  # [ns]
 @cache
 def store():
     found = get_typestore(Stores.ROS2_JAZZY)
-    for name in ('FramePoses', 'SignedDistancePairs', 'ProximityEvents'):
-        text = (MSGS / f'{name}.msg').read_text()
-        found.register(get_types_from_msg(text, f'drake_geom_msgs/msg/{name}'))
+    for file in sorted(MSGS.glob('*.msg')):
+        found.register(get_types_from_msg(file.read_text(), f'drake_geom_msgs/msg/{file.stem}'))
     return found
 
 
@@ -68,6 +72,46 @@ def transforms(seconds, *edges):
 
 def text(data):
     return _type('std_msgs/msg/String')(data)
+
+
+def empty(kind):
+    """Return a message of a type, such as ``drake_geom_msgs/msg/Scene``, with nothing in it."""
+    _, fields = store().fielddefs[kind]
+    return _type(kind)(*(_nothing(*field) for _, field in fields))
+
+
+def _nothing(form, what):
+    if form == Nodetype.NAME:
+        return empty(what)
+    if form == Nodetype.SEQUENCE:
+        element, inside = what[0]
+        is_number = element == Nodetype.BASE and inside[0] != 'string'
+        return np.zeros(0, dtype=inside[0]) if is_number else []
+    return {'string': '', 'bool': False}.get(what[0], 0)
+
+
+class _Kinds:
+    """Makes messages of our package by their names, as the classes of ROS do."""
+
+    def __getattr__(self, name):
+        def make(**values):
+            message = empty(f'drake_geom_msgs/msg/{name}')
+            for field, value in values.items():
+                setattr(message, field, value)
+            return message
+
+        return make
+
+
+def scene(file):
+    """Return the ``~/scene`` of a node that has loaded a scene file."""
+    message = _Kinds().Scene()
+    load_scene(file, graph := SceneGraph())
+    fill_scene(message, graph.model_inspector(), _Kinds())
+    for geometry in message.geometries:
+        for name in ('dimensions', 'vertices'):
+            setattr(geometry.shape, name, np.array(getattr(geometry.shape, name)))
+    return message
 
 
 def clock(seconds):

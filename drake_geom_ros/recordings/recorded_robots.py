@@ -1,0 +1,58 @@
+"""A recorded ``robot_description`` beside a scene that may have the same robot."""
+
+from __future__ import annotations
+
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.recordings.scene_differences import SceneTable, table_of
+from drake_geom_ros.recordings.topics import few_of
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files import read_scene, register, robot_name
+
+_HINT = 'the node takes that of the scene; --topic robot_description= says that they are the same'
+
+
+class GivenRobots:
+    """The robots of the scene that was given."""
+
+    def __init__(self, live: LiveScene) -> None:
+        """``live`` holds what was given, and nothing that was recorded."""
+        self._live = live
+        self._same: set[str] = set()  # texts of robots that the scene has
+        with live.reading() as scene:
+            inspector = scene.inspector
+            self._sources = {*map(inspector.GetName, inspector.GetAllSourceIds())}
+
+    def has(self, text: str) -> bool:
+        """Return whether the scene that was given has the robot of a URDF.
+
+        Raises RuntimeError where it has another one of the name, and for what is no URDF.
+        """
+        if text in self._same:
+            return True
+        name = robot_name(text.encode(errors='surrogatepass'), '<text>')
+        if name not in self._sources:
+            return False
+        files = self._live.files
+        described = read_scene(
+            *(f'{text}\n', 'urdf', '', files.package_roots, files.folders),
+            self._live.robot_options,
+        )
+        register(alone := SceneGraph(), described)
+        with self._live.reading() as scene:
+            given = _robot(table_of(scene.inspector), name)
+        recorded = _robot(table_of(alone.model_inspector()), name)
+        others = recorded.without(given) | given.without(recorded)
+        others |= {each for each, _ in recorded.otherwise(given)}
+        if others:
+            raise RuntimeError(
+                f'the robot {name!r} of the scene that was given is another than the recorded one '
+                f'({few_of(sorted(others))}); {_HINT}'
+            )
+        self._same.add(text)
+        return True
+
+
+def _robot(table: SceneTable, name: str) -> SceneTable:
+    """Return the geometries of a robot; where its frames hang a scene file says."""
+    own = {n: each for n, each in table.geometries.items() if n.startswith(f'{name}::')}
+    return SceneTable({}, own)

@@ -1,0 +1,162 @@
+"""Differences between the scene that a node published and the one that is played here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry import Role, SceneGraphInspector
+from drake_geom_ros.recordings.tolerances import SAME
+from drake_geom_ros.recordings.topics import few_of
+from drake_geom_ros.ros.conversions.shapes import fill_shape
+
+_WORLD = 'world'
+_PROXIMITY = 1  # the constant PROXIMITY of Role messages
+_SUBJECT = 'the scene that is played here'
+
+
+class _Placed(NamedTuple):
+    """A geometry that distances are computed of."""
+
+    frame: str
+    pose: tuple[float, ...]  # X_FG: x y z qx qy qz qw
+    type: int
+    dimensions: tuple[float, ...]
+    vertices: int
+
+
+class SceneTable(NamedTuple):
+    """Frames by full name with their parents, and the geometries with the proximity role."""
+
+    frames: Mapping[str, str]
+    geometries: Mapping[str, _Placed]
+
+    @property
+    def names(self) -> set[str]:
+        """The names of all frames and geometries."""
+        return {*self.frames, *self.geometries}
+
+    def without(self, other: SceneTable) -> set[str]:
+        """Return the names that ``other`` lacks; of a frame that it lacks, the frame alone."""
+        frames = self.frames.keys() - other.frames.keys()
+        geometries = self.geometries.keys() - other.geometries.keys()
+        return frames | {n for n in geometries if self.geometries[n].frame not in frames}
+
+    def otherwise(self, other: SceneTable) -> Iterator[tuple[str, str]]:
+        """Yield the names that both have, and what is not the same of them."""
+        for name in self.frames.keys() & other.frames.keys():
+            if self.frames[name] != other.frames[name]:
+                yield name, 'parent'
+        for name in self.geometries.keys() & other.geometries.keys():
+            mine, their = self.geometries[name], other.geometries[name]
+            if not _is_pose(mine.pose, their.pose):
+                yield name, 'pose in its frame'
+            sizes = mine.type, mine.vertices, len(mine.dimensions)
+            is_like = sizes == (their.type, their.vertices, len(their.dimensions))
+            if not (is_like and np.allclose(mine.dimensions, their.dimensions, atol=0)):
+                yield name, 'shape'
+
+
+def table_of_message(message: Any) -> SceneTable:
+    """Return the table of a Scene message."""
+    sources = {source.id: source.name for source in message.sources}
+    world = next((f.id for f in message.frames if f.id == f.parent_id), None)
+    frames = {f.id: f'{sources[f.source_id]}::{f.name}' for f in message.frames if f.id != world}
+    full = {**frames, world: _WORLD}
+    short = {frame.id: frame.name for frame in message.frames}
+    geometries = {}
+    for each in message.geometries:
+        if any(role.role == _PROXIMITY for role in each.roles):
+            p, q = each.pose.position, each.pose.orientation
+            geometries[f'{sources[each.source_id]}::{short[each.frame_id]}/{each.name}'] = _placed(
+                full[each.frame_id], (p.x, p.y, p.z, q.x, q.y, q.z, q.w), each.shape
+            )
+    parents = {f.id: full[f.parent_id] for f in message.frames if f.id != world}
+    return SceneTable({name: parents[i] for i, name in frames.items()}, geometries)
+
+
+class _Shape:
+    """A Shape message without ROS."""
+
+    type = 0
+    mesh_uri = ''
+
+    def __init__(self) -> None:
+        self.dimensions: Any = ()
+        self.vertices: Any = ()
+        self.triangles: Any = ()
+
+
+def table_of(inspector: SceneGraphInspector) -> SceneTable:
+    """Return the table of a scene."""
+    world = inspector.world_frame_id()
+    ids = [frame for frame in inspector.GetAllFrameIds() if frame != world]
+    full = {world: _WORLD, **{frame: inspector.full_name(frame) for frame in ids}}
+    geometries = {}
+    for each in inspector.GetAllGeometryIds(Role.kProximity):
+        frame, shape = inspector.GetFrameId(each), _Shape()
+        fill_shape(shape, inspector.GetShape(each))
+        pose = tuple(inspector.GetPoseInFrame(each).ToArray().tolist())
+        source, name = inspector.GetOwningSourceName(each), inspector.GetName(each)
+        geometries[f'{source}::{inspector.GetName(frame)}/{name}'] = _placed(
+            full[frame], pose, shape
+        )
+    return SceneTable({full[f]: full[inspector.GetParentFrame(f)] for f in ids}, geometries)
+
+
+class SceneDifferences:
+    """Takes the recorded ``~/scene`` of nodes and collects in what the played scene differs.
+
+    What a table shows and the played scene lacks, or has otherwise, counts at once. What the
+    played scene has beyond it counts where an earlier table had it or the last one lacks it: a
+    node that starts does not yet have all that it reads.
+    """
+
+    def __init__(self) -> None:
+        self._last: dict[str, SceneTable] = {}  # by topic
+        self._seen: dict[str, set[str]] = {}
+        self._found: dict[tuple[str, str], dict[str, None]] = {}  # names by topic and kind
+
+    def take(self, topic: str, message: Any, inspector: SceneGraphInspector) -> None:
+        """Compare a recorded Scene message with the scene that is played now."""
+        recorded, played = table_of_message(message), table_of(inspector)
+        self._last[topic] = recorded
+        self._note(topic, f'shows what {_SUBJECT} lacks', recorded.without(played))
+        for name, what in sorted(recorded.otherwise(played)):
+            self._note(topic, f'shows another {what} than {_SUBJECT}', [name])
+        seen = self._seen.setdefault(topic, set())
+        self._note(topic, _LACKS, played.without(recorded) & seen)
+        seen |= recorded.names
+
+    def in_words(self, inspector: SceneGraphInspector) -> list[str]:
+        """Return the differences at the end of the recording; empty for none."""
+        played = table_of(inspector)
+        for topic, recorded in self._last.items():
+            self._note(topic, _LACKS, played.without(recorded))
+        return [
+            f'{topic} {kind}: {few_of(list(names))}'
+            for (topic, kind), names in self._found.items()
+        ]
+
+    def _note(self, topic: str, kind: str, names: Any) -> None:
+        if names:
+            self._found.setdefault((topic, kind), {}).update(dict.fromkeys(sorted(names)))
+
+
+_LACKS = f'lacks what {_SUBJECT} has'
+
+
+def _placed(frame: str, pose: tuple[float, ...], shape: Any) -> _Placed:
+    """Return a geometry of a Shape message, or of what has its fields."""
+    sizes = tuple(map(float, shape.dimensions))
+    return _Placed(frame, pose, int(shape.type), sizes, len(shape.vertices))
+
+
+def _is_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
+    """Return whether two poses are the same; a quaternion and its negative turn alike."""
+    a, b = np.array(first), np.array(second)
+    turns = min(np.abs(a[3:] - b[3:]).max(), np.abs(a[3:] + b[3:]).max())
+    scale = max(1.0, np.abs(a[:3]).max())
+    return bool(np.abs(a[:3] - b[:3]).max() <= SAME * scale and turns <= SAME)
