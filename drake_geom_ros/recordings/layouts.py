@@ -39,6 +39,7 @@ _FIELDS: dict[str, dict[str, str]] = {
 _HEAD = 4  # bytes that say how what follows is written: they count, but for the last two
 _MOST_LAYOUTS = 64  # of a topic: its messages come one by one where they never repeat
 _MOST_BYTES = 1 << 16
+_MOST_TRIED = 1 << 25  # bytes of messages of a topic that are read again to find padding
 
 
 class Field(NamedTuple):
@@ -51,10 +52,11 @@ class Field(NamedTuple):
 class Layout:
     """Messages of one topic that differ in some numbers alone."""
 
-    def __init__(self, topic: Topic, data: bytes) -> None:
+    def __init__(self, topic: Topic, data: bytes, most_tried: int = _MOST_TRIED) -> None:
         """Learn it from the bytes of one message; raises ValueError where they are no model.
 
-        What bytes that are no message raise is raised here.
+        At most ``most_tried`` bytes are read again to find padding; what is left counts. What
+        bytes that are no message raise is raised here.
         """
         store = store_of(topic)
 
@@ -77,7 +79,9 @@ class Layout:
         self._counts[2:_HEAD] = False
         for field in self.fields.values():
             self._counts[field.places] = False
-        for place in self._may_be_padding():
+        places = self._may_be_padding()[: max(most_tried, 0) // len(own)]
+        self.tried = len(places) * len(own)
+        for place in places:
             if _is_padding(own, place, read, written):
                 self._counts[place] = False
 
@@ -109,6 +113,7 @@ class Layouts:
         # By the whole topic: with another definition the same bytes are other numbers.
         self._known: dict[tuple[Topic, int], list[Layout]] = {}
         self._counts: dict[Topic, int] = {}
+        self._tried: dict[Topic, int] = {}
 
     def may_know(self, topic: Topic, size: int, count: int) -> bool:
         """Return whether messages of a size [bytes] are such as may share a layout."""
@@ -128,7 +133,9 @@ class Layouts:
         while len(left) > 1 and self._counts.get(topic, 0) < _MOST_LAYOUTS:
             self._counts[topic] = self._counts.get(topic, 0) + 1
             try:
-                layout = Layout(topic, rows[left[0]].tobytes())
+                tried = self._tried.get(topic, 0)
+                layout = Layout(topic, rows[left[0]].tobytes(), _MOST_TRIED - tried)
+                self._tried[topic] = tried + layout.tried
                 same = layout.of(rows[left])
             except Exception:  # they are no messages: who takes them one by one says so
                 left = left[1:]

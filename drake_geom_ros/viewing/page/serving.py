@@ -19,6 +19,7 @@ PORT = 8080
 _SELF = {'': LOCALHOST, '0.0.0.0': LOCALHOST, '::': '::1'}  # how to reach oneself there
 _STRANGER = 'stranger.invalid'  # a name that nobody can have
 _PATIENCE = 10.0  # [s] for an answer of our own server
+_MOST_PORT = 65535
 _patching = threading.Lock()
 
 
@@ -46,7 +47,7 @@ def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
         ) from None
     gate = Gate(host)
     try:
-        _check_address(host)
+        _check_address(host, port)
         with _every_server_behind(gate, sockets):
             server = viser.ViserServer(host=host, port=port, label='drake_geom_ros', verbose=False)
     except (OSError, RuntimeError) as error:
@@ -100,13 +101,24 @@ def _every_server_behind(gate: Gate, sockets: Any) -> Iterator[None]:
             sockets.serve = serve
 
 
-def _check_address(host: str) -> None:
-    """Raise OSError for an address that is none of this machine: viser would wait for ever."""
+def _check_address(host: str, port: int) -> None:
+    """Raise OSError for an address that is none of this machine, and where no port is free.
+
+    viser would wait for ever for either.
+    """
+    if not 1 <= port <= _MOST_PORT:
+        raise OSError(f'a port is a number from 1 to {_MOST_PORT}')
     (family, kind, protocol, _, address), *_ = socket.getaddrinfo(
         host or None, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
     )
     with socket.socket(family, kind, protocol) as trial:
         trial.bind(address)
+    for each in range(port, _MOST_PORT + 1):
+        with socket.socket(family, kind, protocol) as trial, contextlib.suppress(OSError):
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            trial.bind((address[0], each, *address[2:]))
+            return
+    raise OSError(f'no port from {port} to {_MOST_PORT} is free')
 
 
 def _refuses_strangers(host: str, port: int) -> bool:

@@ -187,5 +187,19 @@ def test_an_address_of_another_machine_is_refused_at_once():
             open_server(host)
 
 
+@pytest.mark.parametrize('port', [-1, 0, 65536, 99999])
+def test_a_port_that_is_none_is_refused_at_once(port):
+    with pytest.raises(GeometryError, match='a port is a number from 1 to 65535'):
+        open_server(port=port)
+
+
+def test_where_the_last_port_is_taken_no_page_is_opened():
+    with socket.socket() as taken:
+        taken.bind(('127.0.0.1', 65535))
+        taken.listen()
+        with pytest.raises(GeometryError, match='no port from 65535 to 65535 is free'):
+            open_server(port=65535)
+
+
 def test_no_relay_is_asked_to_share_the_page(here):
     assert here._server.request_share_url() is None
