@@ -36,6 +36,8 @@ class Shell(NamedTuple):
     @classmethod
     def of_points(cls, points: Floats, distances: Floats, resolution: float, now: float) -> Shell:
         """Return the cells of points (n, 3) [m]: of each that of the least distance (n,) [m]."""
+        if not len(points):  # as of most clouds
+            return cls.none(resolution)
         cells = Cells.of_points(points, resolution)  # refuses what is too far away for keys
         order = np.argsort(distances, kind='stable')
         _, firsts = np.unique(keys_of(points[order], resolution), return_index=True)

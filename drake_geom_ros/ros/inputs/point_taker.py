@@ -230,6 +230,9 @@ class _Beside(NamedTuple):
         Points of a cell count together, wherever the shell ends in it.
         """
         least = settings.least_points
+        if not len(self.points):  # as of most clouds
+            enough = points_in >= settings.least_points
+            return enough | (not enough.any()), np.zeros(0, dtype=np.bool_)
         cells, count = Cells.counted(self.points, shown.resolution)
         both = np.intersect1d(shown.packed, cells.packed, assume_unique=True, return_indices=True)
         together, together_beside = points_in.copy(), count.copy()
