@@ -147,6 +147,32 @@ def test_what_never_came_waits_then_counts_then_grows_old(cell):
     assert cell.distance() == pytest.approx(0.4, abs=1e-6)  # and it still stands there
 
 
+def test_two_publishers_of_one_topic_have_a_map_each_and_the_older_one_counts(cell):
+    near, far = cell.clouds, cell.client.publisher(PointCloud2, 'obstacles/points')
+
+    def send(clouds, x):
+        cell.clouds = clouds
+        cell.cloud([[x, 0.05, -0.95]])
+        cell.client.spin_until(time.monotonic() + 0.05)
+
+    def both_feed():
+        send(near, 0.55)
+        send(far, 0.75)
+        return '2 sensors feed ~/obstacles/points' in cell.told()
+
+    def one_is_old():
+        send(far, 0.75)
+        return cell.map_ages()['points'] > 1.2
+
+    cell.until(both_feed, 'a trouble about two sensors')
+    cell.until(one_is_old, 'a map as old as what the first one showed')
+    assert cell.distance() == pytest.approx(0.4, abs=1e-6)  # of what the first one showed
+    sensors, ages = cell.reports[-1].map_sensors, cell.reports[-1].map_sensor_ages
+    assert len(sensors) == len(ages) == 2
+    assert all(name.startswith("points: frame 's::mast', publisher ") for name in sensors)
+    assert min(ages) < max(ages) == cell.map_ages()['points']
+
+
 def test_a_stop_rule_is_entered_by_what_is_seen_and_by_a_map_that_is_old(cell):
     events = cell.client.listen(msg.ProximityEvents, 'proximity_events')
     rule = msg.ProximityRule(

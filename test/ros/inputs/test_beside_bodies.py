@@ -4,7 +4,8 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-from ros.inputs.sensing_node import Node, cloud
+from ros.conversions.test_depth_image import camera, image
+from ros.inputs.sensing_node import Node, cloud, header
 
 from drake_geom_ros.geometry import ProximityProperties, RoleAssign
 from drake_geom_ros.proximity_rules import ProximityRule
@@ -195,6 +196,17 @@ def test_few_points_of_a_cell_count_together_where_the_shell_ends_in_it():
     watched.see(np.array(sides + beyond), np.repeat(WALL, 4, axis=0))
     counts = watched.node.input.counts
     assert (counts.in_shell, counts.shell_cells, counts.in_sparse_cells) == (2, 1, 0)
+
+
+def test_a_depth_image_shows_what_is_beside_bodies_as_a_cloud_does():
+    watched = Watched()
+    watched.node.move(watched.stamp, [0.0, 0.0, 0.0])
+    info, depths = camera(2, 1), image([[0.32, 4.0]])  # 2 cm above the end of the forearm
+    info.header = depths.header = header('world', watched.stamp)
+    watched.node.taker.take_camera(info)
+    watched.node.taker.take_depth(depths)
+    assert watched.node.input.counts.in_shell == 1
+    assert watched.decide()[0].is_entered
 
 
 def test_answers_say_how_many_points_are_beside_bodies_and_how_near():
