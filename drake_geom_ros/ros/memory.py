@@ -33,9 +33,3 @@ def settle() -> None:
     gc.unfreeze()
     gc.collect()
     gc.freeze()
-
-
-def unsettle() -> None:
-    """Search all that there is for garbage again, and now."""
-    gc.unfreeze()
-    gc.collect()

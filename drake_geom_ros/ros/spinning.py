@@ -36,7 +36,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from drake_geom_ros.ros.memory import unsettle
+from drake_geom_ros.ros.memory import settle
 from drake_geom_ros.ros.outputs.answers import Calls
 from drake_geom_ros.ros.watchdog import Watchdog
 
@@ -286,9 +286,6 @@ def run_node(
             )
             node.destroy_node()
             del node
-            # What rclpy keeps of a life-cycle node ends with its garbage. While it is there so are
-            # the threads of Fast DDS, and at the end of a process they run into what is gone.
-            unsettle()
         except StuckError as error:
             print(f'{Path(sys.argv[0]).stem}: {error}; ended without it', file=sys.stderr)
             sys.stderr.flush()
@@ -297,6 +294,10 @@ def run_node(
             print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)
             return 2
         finally:
+            # What rclpy keeps of a life-cycle node ends with the garbage, as does a node that was
+            # refused. Until then the threads of Fast DDS run, into what is gone at the end of the
+            # process. The interpreter then searches only what came after this.
+            settle()
             rclpy.try_shutdown()
     return 0
 

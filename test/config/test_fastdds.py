@@ -18,7 +18,7 @@ def shared_memory(pid):
 @pytest.fixture
 def node(tmp_path, monkeypatch):
     without_shared_memory(monkeypatch)
-    process = start_node(tmp_path / 'log', scene_file=ROOT / 'scenes/minimal.yaml')
+    process = start_node(tmp_path / 'log', anew=True, scene_file=ROOT / 'scenes/minimal.yaml')
     # The client of the test is as other processes are.
     monkeypatch.undo()
     yield process

@@ -13,6 +13,7 @@ import rclpy
 from drake_geom_msgs import srv
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from ros.forked_program import ForkedProgram
 
 from drake_geom_ros.common.children import end
 
@@ -61,32 +62,42 @@ def run_python(*arguments, timeout=120):
 class Process:
     """A Python module, or one of our programs by the path of its script, run as a process.
 
-    Its output is in a file, and it is ended by its own pid.
+    Its output is in a file, and it is ended by its own pid. A program is forked from a process
+    that has imported everything, unless it is to start ``anew``.
     """
 
-    def __init__(self, log: Path, started: str | Path, *arguments: str) -> None:
+    def __init__(
+        self, log: Path, started: str | Path, *arguments: str, anew: bool = False
+    ) -> None:
         self.log = log
-        self._output = log.open('w')
+        self._forgotten = 0  # characters of the log
+        self.popen: subprocess.Popen[bytes] | ForkedProgram
+        if isinstance(started, Path) and not anew:
+            self.popen = ForkedProgram(started.name, arguments, environment(), log)
+            return
         how = [started] if isinstance(started, Path) else ['-m', started]
-        self.popen = subprocess.Popen(
-            [sys.executable, *how, *arguments],
-            env=environment(),
-            cwd=ROOT,
-            stdout=self._output,
-            stderr=subprocess.STDOUT,
-        )
+        with log.open('w') as output:
+            self.popen = subprocess.Popen(
+                [sys.executable, *how, *arguments],
+                env=environment(),
+                cwd=ROOT,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+            )
 
     def output(self) -> str:
-        return self.log.read_text()
+        return self.log.read_text()[self._forgotten :]
+
+    def forget_output(self) -> None:
+        """Leave what is in the log out of the output."""
+        self._forgotten = len(self.log.read_text())
 
     def end(self, signal_number=signal.SIGINT) -> int:
         """Ask the process to end, wait, and return its exit code.
 
         One that compiles ends once it has: on a busy machine more than 20 s later.
         """
-        code = end(self.popen, 60.0, signal_number)
-        self._output.close()
-        return code
+        return end(self.popen, 60.0, signal_number)
 
 
 def start_node(
@@ -96,6 +107,7 @@ def start_node(
     name: str = '',
     remap: tuple[str, ...] = (),
     enclave: str = '/',
+    anew: bool = False,
     **parameters,
 ) -> Process:
     """Start scene_graph_node with parameters, and remappings as ``from:=to``."""
@@ -106,7 +118,7 @@ def start_node(
     for parameter, value in parameters.items():
         text = str(value).lower() if isinstance(value, bool) else str(value)
         arguments += ['-p', f'{parameter}:={text}']
-    return Process(log, ROOT / 'scripts/scene_graph_node', *arguments)
+    return Process(log, ROOT / 'scripts/scene_graph_node', *arguments, anew=anew)
 
 
 def wait_until_ready(client) -> None:

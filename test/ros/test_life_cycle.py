@@ -10,6 +10,8 @@ from ros.harness import LATCHED, ROOT, start_node
 from ros.scene_calls import accepted, poses
 from sensor_msgs.msg import PointCloud2, PointField
 
+pytestmark = pytest.mark.topics
+
 SCENE = ROOT / 'scenes' / 'minimal.yaml'
 LATE = 17  # [s] the stamp of what is asked where nothing is published
 
@@ -17,7 +19,12 @@ LATE = 17  # [s] the stamp of what is asked where nothing is published
 @pytest.fixture
 def node(tmp_path):
     process = start_node(
-        tmp_path / 'log', scene_file=SCENE, max_distance=1.0, autostart=False, rate=50.0
+        *(tmp_path / 'log',),
+        anew=True,
+        scene_file=SCENE,
+        max_distance=1.0,
+        autostart=False,
+        rate=50.0,
     )
     yield process
     process.end()

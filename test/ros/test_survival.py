@@ -9,6 +9,8 @@ from drake_geom_msgs import msg, srv
 from ros.harness import ROOT, Process, environment, start_node
 from ros.scene_calls import accepted
 
+pytestmark = pytest.mark.topics
+
 SCENE = ROOT / 'scenes' / 'minimal.yaml'
 LISTENER = """
 import rclpy
@@ -24,12 +26,12 @@ rclpy.spin(node)
 
 def start_player(log):
     arguments = ['--ros-args', '-p', f'scene_file:={SCENE}', '-p', 'rate:=50.0']
-    return Process(log, ROOT / 'scripts/pose_player', *arguments)
+    return Process(log, ROOT / 'scripts/pose_player', *arguments, anew=True)
 
 
 @pytest.fixture
 def node(tmp_path):
-    process = start_node(tmp_path / 'node', scene_file=SCENE, max_distance=1.0)
+    process = start_node(tmp_path / 'node', anew=True, scene_file=SCENE, max_distance=1.0)
     yield process
     process.end()
 
@@ -79,7 +81,7 @@ def test_the_node_dies_and_comes_back(tmp_path, node, player, lone_client):
     results = lone_client.listen(msg.SignedDistancePairs, 'signed_distances')
     wait_for_more(lone_client, results)
     assert node.end(signal.SIGKILL) == -signal.SIGKILL
-    again = start_node(tmp_path / 'again', scene_file=SCENE, max_distance=1.0)
+    again = start_node(tmp_path / 'again', anew=True, scene_file=SCENE, max_distance=1.0)
     try:
         wait_for_more(lone_client, results)
         state = accepted(lone_client.call(srv.GetFilters, 'get_filters'))

@@ -5,9 +5,12 @@ No number of the dead node means anything in the one that comes after it.
 
 import signal
 
+import pytest
 from drake_geom_msgs import msg, srv
 from ros.harness import LATCHED, Client, start_node
 from ros.scene_calls import accepted, add_pair, exclude, poses, refused
+
+pytestmark = pytest.mark.topics
 
 PAIR = {'geometry_a': 's::a/ball', 'geometry_b': 's::b/ball'}
 OTHER = {'geometry_a': 's::a/ball', 'geometry_b': 'other::a/ball'}
@@ -19,7 +22,7 @@ def reasons(client, pair):
 
 def test_a_saved_scene_comes_back_after_a_kill(tmp_path, lone_client):
     client, saved = lone_client, tmp_path / 'saved.yaml'
-    node = start_node(tmp_path / 'log', mesh_roots=f'["{tmp_path}"]')
+    node = start_node(tmp_path / 'log', anew=True, mesh_roots=f'["{tmp_path}"]')
     add_pair(client, 's')
     add_pair(client, 'other')
     accepted(client.call(srv.ApplyFilter, 'apply_filter', declaration=exclude(*PAIR.values())))
@@ -28,7 +31,7 @@ def test_a_saved_scene_comes_back_after_a_kill(tmp_path, lone_client):
     assert len(reasons(client, OTHER)) == 1
     text = accepted(client.call(srv.SaveScene, 'save_scene', path=str(saved))).text
     assert node.end(signal.SIGKILL) == -signal.SIGKILL
-    again = start_node(tmp_path / 'again', scene_file=saved)
+    again = start_node(tmp_path / 'again', anew=True, scene_file=saved)
     client = Client()  # one that has never heard of the dead node
     try:
         assert reasons(client, PAIR) == ['persistent declaration 0']
