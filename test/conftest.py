@@ -37,15 +37,48 @@ def pytest_configure(config):
         os.environ['ROS_DOMAIN_ID'] = str(domain)
 
 
-@pytest.fixture(scope='module')
-def node(tmp_path_factory, request):
-    """Return a node with an empty scene, in a process of its own, for one test file."""
-    from ros.harness import start_node
+@pytest.fixture(scope='session')
+def shared_nodes(tmp_path_factory):
+    """Return a list of the node that the tests of a worker share; empty: nobody needed it yet."""
+    nodes = []
+    yield nodes
+    for node in nodes:
+        node.close()
 
-    log = tmp_path_factory.mktemp('node') / 'log'
-    process = start_node(log, max_distance=0.5)
-    yield process
-    process.end()
+
+@pytest.fixture(scope='module')
+def settings():
+    """Return the parameters that the shared node has for a file, which may override this."""
+    return {'max_distance': 0.5}
+
+
+@pytest.fixture(scope='module')
+def shared_node(shared_nodes, settings, tmp_path_factory):
+    """Return the node of the worker, with an empty scene; fail if a file leaves something on it.
+
+    What is started and opened for the file is in its domain.
+    """
+    from ros.shared_node import SharedNode, domain_of_the_shared_node
+
+    with domain_of_the_shared_node():
+        if not shared_nodes:
+            shared_nodes.append(SharedNode(tmp_path_factory.mktemp('node') / 'log'))
+        (node,) = shared_nodes
+        node.process.forget_output()
+        node.set(**settings)
+        yield node
+        try:
+            node.reset()
+        except BaseException:
+            shared_nodes.remove(node)  # the next file has a new one
+            node.close()
+            raise
+
+
+@pytest.fixture(scope='module')
+def node(shared_node):
+    """Return the process of the shared node, unless a file has a node of its own."""
+    return shared_node.process
 
 
 @pytest.fixture

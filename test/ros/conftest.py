@@ -27,10 +27,13 @@ def server():
 
 
 @pytest.fixture(scope='module')
-def module_client(server):
+def module_client(request, server):
     """Return a client for all tests of a file: to find a node may take longer than a test."""
     from ros.harness import Client
 
+    if 'shared_node' in request.fixturenames:
+        yield request.getfixturevalue('shared_node').client
+        return
     client = Client(server)
     yield client
     client.close()

@@ -7,11 +7,9 @@ import pytest
 from drake_geom_msgs import msg, srv
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters
-from ros.harness import start_node
 from ros.scene_calls import accepted, poses
 
-from drake_geom_ros.geometry import SceneGraph
-from drake_geom_ros.scene_files import load_scene
+pytestmark = pytest.mark.topics
 
 LEVELS = ['bound', 'fast', 'balanced', 'exact']
 BOUND_ONLY = msg.SignedDistancePairs.METHOD_BOUND_ONLY
@@ -23,22 +21,19 @@ KINDS = {float: (3, 'double_value'), str: (4, 'string_value')}
 
 
 @pytest.fixture(scope='module')
-def node(tmp_path_factory):
-    """Return a node with twenty cylinders, all near one another."""
-    folder = tmp_path_factory.mktemp('accuracy')
+def settings():
+    return {'max_distance': 10.0}
+
+
+@pytest.fixture(scope='module')
+def node(shared_node):
+    """Return the node with twenty cylinders, all near one another."""
     lines = ['sources: [s]', 'frames:', *(f'- {{name: f{k}, source: s}}' for k in range(COUNT))]
     shape = '{type: cylinder, radius: 0.05, length: 0.1}'
     lines += ['geometries:']
     lines += [f'- {{name: g, source: s, frame: f{k}, shape: {shape}}}' for k in range(COUNT)]
-    scene = folder / 'scene.yaml'
-    scene.write_text('\n'.join(lines))
-    # Compiled before the node starts: where it is the first that needs the kernel, for a minute.
-    scene_graph = SceneGraph()
-    load_scene(scene, scene_graph)
-    scene_graph.CreateDefaultContext().compile_kernels()
-    process = start_node(folder / 'log', scene_file=scene, max_distance=10.0)
-    yield process
-    process.end()
+    shared_node.load('\n'.join(lines))
+    return shared_node.process
 
 
 def tilted(step):

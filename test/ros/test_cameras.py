@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from drake_geom_msgs import msg, srv
 from geometry_msgs.msg import Point, Pose, Quaternion
-from ros.harness import LATCHED, start_node
+from ros.harness import LATCHED
 from ros.scene_calls import poses
 from sensor_msgs.msg import CameraInfo, Image
 
 from drake_geom_ros.scene_files import read_scene
+
+pytestmark = pytest.mark.topics
 
 SCENE = """
 sources: [s]
@@ -27,12 +29,9 @@ EYE = 'cameras/eye'
 
 
 @pytest.fixture(scope='module')
-def node(tmp_path_factory):
-    folder = tmp_path_factory.mktemp('cameras')
-    (folder / 'scene.yaml').write_text(SCENE)
-    process = start_node(folder / 'log', scene_file=folder / 'scene.yaml')
-    yield process
-    assert process.end() == 0, process.output()
+def node(shared_node):
+    shared_node.load(SCENE)
+    return shared_node.process
 
 
 def pixels(image, dtype):

@@ -4,6 +4,8 @@ import pytest
 from conventions.interface import SERVICES
 from rcl_interfaces.srv import DescribeParameters, GetParameters
 
+pytestmark = pytest.mark.topics
+
 PREFIX = '/scene_graph'
 TOPICS_OUT = {
     f'{PREFIX}/penetrations': 'drake_geom_msgs/msg/PenetrationPairs',
@@ -56,13 +58,9 @@ FIELDS = {
 
 
 @pytest.fixture(scope='module')
-def node(tmp_path_factory):
-    """Return a node with nothing set."""
-    from ros.harness import start_node
-
-    process = start_node(tmp_path_factory.mktemp('contract') / 'log')
-    yield process
-    process.end()
+def settings():
+    """Have a node with nothing set."""
+    return {}
 
 
 def offered(client, kind):

@@ -2,8 +2,10 @@
 
 import pytest
 from drake_geom_msgs import msg, srv
-from ros.harness import start_node
+from ros.harness import LATCHED
 from ros.scene_calls import accepted, exclude, poses
+
+pytestmark = pytest.mark.topics
 
 SCENE = """
 sources: [s]
@@ -24,14 +26,14 @@ COUNTS = (
 
 
 @pytest.fixture(scope='module')
-def node(tmp_path_factory):
-    folder = tmp_path_factory.mktemp('effects')
-    (folder / 'scene.yaml').write_text(SCENE)
-    process = start_node(
-        folder / 'log', scene_file=folder / 'scene.yaml', max_distance=0.5, rate=0.0
+def node(shared_node):
+    scenes = shared_node.client.listen(msg.Scene, 'scene', LATCHED)
+    shared_node.load(SCENE)
+    shared_node.client.wait_for(
+        lambda: scenes and len(scenes[-1].geometries) == 3, 'the scene on its topic'
     )
-    yield process
-    assert process.end() == 0, process.output()
+    shared_node.client.forget_topics()
+    return shared_node.process
 
 
 @pytest.fixture
@@ -53,6 +55,7 @@ def cycle(client):
         return reports
 
     client.wait_for(found, 'a first report')
+    run(0.0, 0.0, 0.0)  # a report since the last one of before
     return run
 
 

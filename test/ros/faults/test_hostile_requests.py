@@ -9,10 +9,13 @@ from oracles.small_scene import TETRAHEDRON
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from ros.harness import Client, start_node
 from ros.scene_calls import accepted, add_pair, poses, refused
 
 from bench.ros.hostile import LONG_NAME, requests
+
+pytestmark = pytest.mark.topics
+
+SOURCE = 'meshes'
 
 
 def test_impossible_requests(client):
@@ -47,30 +50,20 @@ def test_a_scene_can_be_saved_whatever_its_properties_are(client):
 
 
 @pytest.fixture(scope='module')
-def meshes(tmp_path_factory):
-    """Return a folder of meshes that a node of its own may open."""
+def meshes(shared_node, tmp_path_factory):
+    """Return a folder of meshes that the node may open."""
     folder = tmp_path_factory.mktemp('meshes')
-    log = tmp_path_factory.mktemp('meshes_log') / 'log'
-    node = start_node(log, namespace='/meshes', mesh_roots=f'["{folder}"]')
-    yield folder
-    assert node.end() == 0, node.output()
-
-
-@pytest.fixture(scope='module')
-def opener(meshes):
-    """Return a client of that node."""
-    client = Client('/meshes/scene_graph')
-    accepted(client.call(srv.RegisterSource, 'register_source', name='s'))
-    yield client
-    client.close()
+    shared_node.set(mesh_roots=[str(folder)])
+    return folder
 
 
 def register(client, uri):
+    client.call(srv.RegisterSource, 'register_source', name=SOURCE)  # unless it is there
     shape = msg.Shape(type=msg.Shape.CONVEX, dimensions=[1.0], mesh_uri=str(uri))
     return client.call(
         srv.RegisterGeometry,
         'register_geometry',
-        source='s',
+        source=SOURCE,
         frame='world',
         name=str(uri),
         shape=shape,
@@ -78,7 +71,7 @@ def register(client, uri):
     )
 
 
-def test_meshes_that_cannot_be_used(meshes, opener):
+def test_meshes_that_cannot_be_used(meshes, client):
     (meshes.parent / 'outside.obj').write_text(TETRAHEDRON)
     (meshes / 'text.obj').write_text('no mesh\n')
     (meshes / 'folder.obj').mkdir()
@@ -93,27 +86,27 @@ def test_meshes_that_cannot_be_used(meshes, opener):
         ('huge.obj', 'bytes'),
         ('../outside.obj', 'mesh_roots'),
     ):
-        assert name in refused(register(opener, meshes / name), word)
-    refused(register(opener, 'http://example.com/mesh.obj'), 'scheme')
+        assert name in refused(register(client, meshes / name), word)
+    refused(register(client, 'http://example.com/mesh.obj'), 'scheme')
     (meshes / 'good.obj').write_text(TETRAHEDRON)
-    accepted(register(opener, meshes / 'good.obj'))
+    accepted(register(client, meshes / 'good.obj'))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason='root may read everything')
-def test_a_mesh_that_may_not_be_read(meshes, opener):
+def test_a_mesh_that_may_not_be_read(meshes, client):
     (meshes / 'secret.obj').write_text(TETRAHEDRON)
     (meshes / 'secret.obj').chmod(0)
-    refused(register(opener, meshes / 'secret.obj'), 'secret.obj')
+    refused(register(client, meshes / 'secret.obj'), 'secret.obj')
 
 
-def test_a_mesh_that_cannot_be_read(meshes, opener):
+def test_a_mesh_that_cannot_be_read(meshes, client):
     """Not even by root: the first page of a process is not mapped, so reading it fails."""
     roots = Parameter('mesh_roots', value=[str(meshes), f'/proc/{os.getpid()}'])
     request = {'parameters': [roots.to_parameter_msg()]}
-    (result,) = opener.call(SetParameters, 'set_parameters', **request).results
+    (result,) = client.call(SetParameters, 'set_parameters', **request).results
     assert result.successful, result.reason
     (meshes / 'broken.obj').symlink_to(f'/proc/{os.getpid()}/mem')
-    refused(register(opener, meshes / 'broken.obj'), 'broken.obj', 'cannot be read')
+    refused(register(client, meshes / 'broken.obj'), 'broken.obj', 'cannot be read')
 
 
 def test_a_name_of_a_megabyte(client, node):

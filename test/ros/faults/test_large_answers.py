@@ -5,10 +5,11 @@ from drake_geom_msgs import srv
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.serialization import serialize_message
-from ros.harness import start_node
 from ros.scene_calls import accepted, refused
 
 from drake_geom_ros.ros.conversions import results
+
+pytestmark = pytest.mark.topics
 
 COUNT = 60
 PAIRS = COUNT * (COUNT - 1) // 2
@@ -16,9 +17,8 @@ HEADERS = 200  # [bytes] of a message beside its rows
 
 
 @pytest.fixture(scope='module')
-def node(tmp_path_factory):
-    """Return a node with spheres in a heap: each overlaps each."""
-    folder = tmp_path_factory.mktemp('heap')
+def node(shared_node):
+    """Return the node with spheres in a heap: each overlaps each."""
     lines = ['sources: [s]', 'frames:']
     lines += [
         f'- {{name: f{k}, source: s, pose: {{position: [0.001, {k}e-3, 0]}}}}'
@@ -27,11 +27,8 @@ def node(tmp_path_factory):
     lines += ['geometries:']
     sphere = '{type: sphere, radius: 0.1}'
     lines += [f'- {{name: g, source: s, frame: f{k}, shape: {sphere}}}' for k in range(COUNT)]
-    scene = folder / 'scene.yaml'
-    scene.write_text('\n'.join(lines))
-    process = start_node(folder / 'log', scene_file=scene)
-    yield process
-    process.end()
+    shared_node.load('\n'.join(lines))
+    return shared_node.process
 
 
 def allow(client, megabytes):
