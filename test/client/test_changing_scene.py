@@ -11,6 +11,8 @@ from ros.harness import LATCHED, PATIENCE, start_node
 
 from drake_geom_ros.client import NoAnswerError, SceneGraphClient, UnknownNameError
 
+pytestmark = pytest.mark.topics
+
 COUNT = 800  # geometries
 PERIOD = 0.2  # [s] between two changes
 

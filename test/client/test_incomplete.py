@@ -7,6 +7,8 @@ from ros.harness import PATIENCE
 from drake_geom_ros.client import IncompleteError, SceneGraphClient
 from drake_geom_ros.client import SignedDistances as Distances
 
+pytestmark = pytest.mark.topics
+
 # The lost robot's geometry would be inside the box if it stood at the origin.
 SCENE = """
 sources: [cell, lost]

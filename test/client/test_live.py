@@ -17,6 +17,8 @@ from drake_geom_ros.client import (
 )
 from drake_geom_ros.math import RigidTransform
 
+pytestmark = pytest.mark.topics
+
 LEASE = 2.0  # [s] much longer than a busy machine needs to renew it
 SCENE = """
 sources: [left, right]

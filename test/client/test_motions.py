@@ -18,6 +18,8 @@ from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import load_scene
 
+pytestmark = pytest.mark.topics
+
 NAMES = [f'arm::{name}' for name in JOINTS_OF_ARM]
 BEFORE, BEHIND = RigidTransform([0, 2, 5.2]), RigidTransform([4, 2, 5.2])
 

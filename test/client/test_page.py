@@ -2,10 +2,13 @@
 
 import re
 
+import pytest
 from conventions.source_tree import ROOT
 from ros.harness import run_python, start_node, wait_until_ready
 
 from drake_geom_ros import client
+
+pytestmark = pytest.mark.topics
 
 TEXT = (ROOT / 'docs/client.md').read_text()
 

@@ -12,6 +12,8 @@ from drake_geom_ros.client import RefusedError, SceneGraphClient, states
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import load_scene
 
+pytestmark = pytest.mark.topics
+
 NAMES = [f'arm::{name}' for name in JOINTS_OF_ARM]
 
 

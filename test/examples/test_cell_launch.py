@@ -98,6 +98,7 @@ def installed():
     return any(os.path.exists(f'{p}/lib/drake_geom_ros/scene_graph_node') for p in prefixes)
 
 
+@pytest.mark.topics
 @pytest.mark.skipif(
     not (shutil.which('ros2') and installed()),
     reason='ros2 launch comes with a ROS distribution, and finds installed packages only',

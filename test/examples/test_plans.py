@@ -22,6 +22,7 @@ def test_ways_that_are_proved_touch_nothing():
     assert counts[1][2] == counts[1][4] == '0'
 
 
+@pytest.mark.topics
 def test_a_node_proves_a_way_past_wires(tmp_path, monkeypatch, lone_client):
     for name, value in environment().items():  # of the node's domain, and its messages
         monkeypatch.setenv(name, value)

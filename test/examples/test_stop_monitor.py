@@ -12,6 +12,8 @@ from ros.harness import LATCHED, environment, start_node
 from ros.scene_calls import accepted, poses
 from std_msgs.msg import Bool
 
+pytestmark = pytest.mark.topics
+
 SCENE = """
 sources: [cell, {robot}]
 frames:

@@ -15,6 +15,8 @@ from std_srvs.srv import Trigger
 from drake_geom_ros.client import SceneGraphClient
 from drake_geom_ros.math import RigidTransform
 
+pytestmark = pytest.mark.topics
+
 CELL = ROOT / 'examples/ur5_cell'
 
 

@@ -115,6 +115,7 @@ def installed():
     return any((Path(p) / 'lib/drake_geom_ros/scene_graph_node').exists() for p in prefixes)
 
 
+@pytest.mark.topics
 @pytest.mark.skipif(
     not (shutil.which('ros2') and installed()),
     reason='ros2 launch comes with a ROS distribution, and finds installed packages only',

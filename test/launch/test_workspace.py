@@ -21,7 +21,10 @@ PAGE = (ROOT / 'docs/installation.md').read_text()
 (BUILD,) = re.findall(r'^    (colcon build --base-paths .*)$', PAGE, re.MULTILINE)
 LEFT_OUT = shutil.ignore_patterns('.*', 'build', 'install', 'log', 'out', '__pycache__')
 
-pytestmark = pytest.mark.skipif(not shutil.which('colcon'), reason='colcon is not installed')
+pytestmark = [
+    pytest.mark.topics,
+    pytest.mark.skipif(not shutil.which('colcon'), reason='colcon is not installed'),
+]
 
 
 def beside_the_tree():

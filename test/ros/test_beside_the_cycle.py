@@ -17,6 +17,8 @@ from ros.scene_calls import accepted, add_sphere, exclude
 from bench.ros.scenes import scene_text
 from drake_geom_ros.common.children import end
 
+pytestmark = pytest.mark.topics
+
 COUNT = 1000
 FRAMES = [f's::f{k}' for k in range(COUNT)]
 SHAPES = ('{type: sphere, radius: 0.1}', '{type: box, size: [0.2, 0.2, 0.2]}')

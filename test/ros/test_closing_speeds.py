@@ -8,6 +8,8 @@ from drake_geom_msgs import msg, srv
 from ros.harness import Client, start_node
 from ros.scene_calls import add_pair, poses
 
+pytestmark = pytest.mark.topics
+
 START = 1_000_000_000  # [s]
 
 

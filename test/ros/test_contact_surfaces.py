@@ -14,6 +14,8 @@ from drake_geom_ros.geometry import FramePoseVector, SceneGraph
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene, register
 
+pytestmark = pytest.mark.topics
+
 SCENE = """
 sources: [s]
 frames:

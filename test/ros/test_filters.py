@@ -1,5 +1,6 @@
 """Collision filters of a node in its own process, through real services."""
 
+import pytest
 from drake_geom_msgs import msg, srv
 from ros.scene_calls import (
     accepted,
@@ -10,6 +11,8 @@ from ros.scene_calls import (
     refused,
 )
 from std_srvs.srv import Trigger
+
+pytestmark = pytest.mark.topics
 
 PAIR = ['a', 'b']
 

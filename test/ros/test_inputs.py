@@ -3,6 +3,7 @@
 import itertools
 import math
 
+import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
@@ -10,6 +11,8 @@ from ros.harness import LATCHED, run_python, start_node
 from ros.scene_calls import accepted, add_pair, exclude, poses
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
+
+pytestmark = pytest.mark.topics
 
 
 def values(diagnostics):

@@ -23,6 +23,7 @@ def node(tmp_path_factory):
     assert process.end() == 0, process.output()
 
 
+@pytest.mark.topics
 def test_the_script_prints_what_is_shown(node, client):
     """First: the ball still stands where the scene file puts it."""
     wait_until_ready(client)
@@ -31,6 +32,7 @@ def test_the_script_prints_what_is_shown(node, client):
     assert f'```\n{done.stdout}```' in TEXT
 
 
+@pytest.mark.topics
 def test_the_message_poses_the_ball(client):
     request = re.search(r"frame_poses \S+ '(\{.*\})'$", TEXT, re.M).group(1)
     message = filled(msg.FramePoses(), yaml.safe_load(request))
@@ -44,6 +46,7 @@ def test_the_message_poses_the_ball(client):
     client.wait_for(posed, 'the pose')
 
 
+@pytest.mark.topics
 def test_inputs_have_the_quality_of_service_that_the_table_says(client):
     rows = re.findall(
         r'^\| `([\w~/]+)` \| `\S+` \| (best effort|reliable), (latched, )?', TEXT, re.M

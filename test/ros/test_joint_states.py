@@ -13,6 +13,8 @@ from std_msgs.msg import String
 
 from drake_geom_ros.math import RigidTransform
 
+pytestmark = pytest.mark.topics
+
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SCENE = """
 robots:

@@ -14,6 +14,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros.harness import environment, start_node
 from ros.scene_calls import accepted, place_of, poses
 
+pytestmark = pytest.mark.topics
+
 tf2_msgs = pytest.importorskip('tf2_msgs.msg', reason='`./run test` builds it where it is missing')
 
 STATIC = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)

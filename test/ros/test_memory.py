@@ -41,6 +41,7 @@ def kept(wanted):
     return int(output.stdout)
 
 
+@pytest.mark.processes
 def test_freed_blocks_go_back_to_the_system():
     assert kept(False) > 100e6
     assert kept(True) < 20e6

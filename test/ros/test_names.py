@@ -1,7 +1,10 @@
 """Names with `::`, `/` and `#` through a real node: found whole, or refused with both meanings."""
 
+import pytest
 from drake_geom_msgs import msg, srv
 from ros.scene_calls import accepted, add_sphere, place_of, poses, refused
+
+pytestmark = pytest.mark.topics
 
 
 def distance(client, a, b):

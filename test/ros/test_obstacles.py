@@ -20,6 +20,8 @@ from std_msgs.msg import Header
 
 from drake_geom_ros.sensed_maps import read_map
 
+pytestmark = pytest.mark.topics
+
 SCENE = """
 sources: [s]
 frames:

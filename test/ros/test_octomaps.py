@@ -12,6 +12,8 @@ from std_msgs.msg import Header
 from drake_geom_ros.sensed_maps.cells import Cells
 from drake_geom_ros.sensed_maps.octree import binary_of_cells
 
+pytestmark = pytest.mark.topics
+
 SCENE = """
 sources: [s]
 frames:

@@ -17,6 +17,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from drake_geom_ros.ros.services import saved_file
 
+pytestmark = pytest.mark.topics
+
 SCENE = ROOT / 'scenes' / 'minimal.yaml'
 URDF = """<robot name="arm">
   <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>

@@ -9,6 +9,8 @@ from ros.harness import environment
 
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
 
+pytestmark = pytest.mark.topics
+
 
 @pytest.fixture
 def start(monkeypatch):

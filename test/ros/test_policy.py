@@ -11,6 +11,8 @@ from ros.harness import ROOT, environment, start_node
 
 from drake_geom_ros.ros.policy import policy
 
+pytestmark = pytest.mark.topics
+
 NAMESPACE, NAME = '/cell', 'geometry'
 NODE = f'{NAMESPACE}/{NAME}'
 SENSING = f'{NAME}_sensors'

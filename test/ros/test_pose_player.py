@@ -14,6 +14,8 @@ from std_srvs.srv import Trigger
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
 
+pytestmark = pytest.mark.topics
+
 SCENE = ROOT / 'scenes' / 'two_pandas.yaml'
 MOTION = """\
 robots:

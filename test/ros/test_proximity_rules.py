@@ -21,6 +21,8 @@ from drake_geom_ros.client import ProximityMonitor
 from drake_geom_ros.replay import Finding, Judge, read_events
 from drake_geom_ros.ros.rule_topics import DEADLINE, LEASE
 
+pytestmark = pytest.mark.topics
+
 SCENE = """
 name: cell
 sources: [arm]

@@ -10,6 +10,8 @@ from ros.scene_calls import accepted
 
 from drake_geom_ros.ros.services.table import SERVICES
 
+pytestmark = pytest.mark.topics
+
 README = (ROOT / 'README.md').read_text()
 SERVICES_PAGE = (ROOT / 'docs/services.md').read_text()
 

@@ -29,7 +29,10 @@ proximity_rules:
 DEEP = QoSProfile(depth=200)
 NODE = '/recorded_node'
 LONG = 600.0  # [s] a busy machine compiles and computes so long
-pytestmark = pytest.mark.timeout(2 * LONG)  # of a test with what it drives first
+pytestmark = [
+    pytest.mark.topics,
+    pytest.mark.timeout(2 * LONG),  # of a test with what it drives first
+]
 STALE_AFTER = 60.0  # [s] so poses are fresh however long a busy machine takes
 APART = 0.03  # [s] poses of two topics within 20 ms are of an order that an audit does not know
 INPUTS = '/joint_states', '/frame_poses'

@@ -11,6 +11,8 @@ from ros.harness import Client, start_node
 from ros.scene_calls import accepted, place_of, poses, refused
 from std_msgs.msg import String
 
+pytestmark = pytest.mark.topics
+
 tf2_msgs = pytest.importorskip('tf2_msgs.msg', reason='`./run test` builds it where it is missing')
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -19,6 +19,8 @@ from ros.scene_calls import (
     refused,
 )
 
+pytestmark = pytest.mark.topics
+
 PAIR = ['a', 'b']
 
 

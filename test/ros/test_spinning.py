@@ -17,6 +17,8 @@ from std_msgs.msg import Empty
 
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
+pytestmark = pytest.mark.topics
+
 
 @pytest.fixture
 def node(monkeypatch):

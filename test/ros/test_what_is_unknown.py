@@ -11,6 +11,8 @@ from ros.harness import LATCHED, start_node
 from ros.scene_calls import accepted, poses
 from std_msgs.msg import String
 
+pytestmark = pytest.mark.topics
+
 SCENE = """
 sources: [cell]
 frames:

@@ -10,6 +10,8 @@ import sys
 import pytest
 from ros.harness import ROOT, environment, run_python
 
+pytestmark = pytest.mark.processes
+
 DEMO = 'examples.demo'
 PANDA = 'package://example-robot-data/robots/panda_description/urdf/panda_collision.urdf'
 SCENE = f"""\

@@ -12,6 +12,8 @@ from conventions.source_tree import ROOT
 from examples.demo import processes as module
 from examples.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
 
+pytestmark = pytest.mark.processes
+
 
 @pytest.fixture
 def modules(tmp_path):

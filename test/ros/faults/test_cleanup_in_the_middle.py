@@ -10,6 +10,8 @@ from lifecycle_msgs.srv import ChangeState
 from ros.harness import ROOT, Process
 from ros.scene_calls import accepted, refused
 
+pytestmark = pytest.mark.topics
+
 TEXT = 'sources: [late]\nframes: [{name: hand, source: late}]\n'
 
 

@@ -9,6 +9,8 @@ from ros.scene_calls import accepted
 
 from bench.ros.mix import MixedClient, Tally, open_services
 
+pytestmark = pytest.mark.topics
+
 SCENE = ROOT / 'scenes/minimal.yaml'
 SECONDS = 8.0
 CYCLES = 400

@@ -3,10 +3,13 @@
 import subprocess
 import sys
 
+import pytest
 from drake_geom_msgs import msg
 from ros.harness import ROOT, Process, environment, start_node
 
 from bench.ros.processes import memory
+
+pytestmark = pytest.mark.topics
 
 SCENE = ROOT / 'scenes/minimal.yaml'
 DEAF = """

@@ -5,6 +5,7 @@ import re
 from collections import Counter
 from random import Random
 
+import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
 from rclpy.serialization import serialize_message
@@ -13,6 +14,8 @@ from ros.scene_calls import accepted, add_pair, place_of, poses, refused
 from std_msgs.msg import String
 
 from bench.ros.hostile import MANY, pose_messages, ten_million
+
+pytestmark = pytest.mark.topics
 
 FRAMES = ['a', 'b']
 # Every message arrives: a stream of poses is best effort otherwise, and 1 MB is many packets.

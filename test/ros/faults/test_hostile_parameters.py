@@ -16,6 +16,8 @@ from rcl_interfaces.srv import (
 )
 from ros.scene_calls import accepted, add_pair, poses
 
+pytestmark = pytest.mark.topics
+
 NO_TYPE = 200
 BAD = Parameter(name='rate', value=ParameterValue(type=NO_TYPE))
 

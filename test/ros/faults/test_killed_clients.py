@@ -12,6 +12,8 @@ from ros.scene_calls import accepted
 
 from bench.ros.killed_clients import scene_file
 
+pytestmark = pytest.mark.topics
+
 BODIES = 300
 PAIRS = BODIES * (BODIES - 1) // 2  # an answer of 4.8 MB
 ROUNDS = 3  # in which most of the clients found the node

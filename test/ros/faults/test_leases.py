@@ -9,6 +9,8 @@ from drake_geom_msgs import srv
 from ros.harness import environment, start_node
 from ros.scene_calls import accepted, add_pair, exclude, refused
 
+pytestmark = pytest.mark.topics
+
 LEASE = 3.0  # [s] much longer than a busy machine needs for a call
 MANY = 50  # transient filters that an owner may have
 PAIR = {'geometry_a': 's::a/ball', 'geometry_b': 's::b/ball'}

@@ -11,6 +11,8 @@ from ros.harness import PATIENCE, Client, start_node
 
 from drake_geom_ros.client import Services
 
+pytestmark = pytest.mark.topics
+
 CLIENTS, CALLS = 20, 200
 NOT_ANSWERED = re.compile(r'(\d+) service calls? w(?:as|ere) not answered since the last report')
 

@@ -6,6 +6,8 @@ from drake_geom_msgs import srv
 from ros.harness import start_node
 from ros.scene_calls import accepted
 
+pytestmark = pytest.mark.topics
+
 NAME = '/cell/scene_graph'
 TOLD = f'this node is not the only one called {NAME}: 1 more in the graph'
 

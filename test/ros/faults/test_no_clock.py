@@ -7,6 +7,8 @@ from drake_geom_msgs import msg
 from ros.harness import start_node
 from rosgraph_msgs.msg import Clock
 
+pytestmark = pytest.mark.topics
+
 NAME = '/timeless/scene_graph'
 
 

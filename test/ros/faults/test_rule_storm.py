@@ -5,7 +5,10 @@ That a referee notices what is wrong is tested in ``test/bench/ros/test_rule_sto
 
 import re
 
+import pytest
 from ros.harness import Process
+
+pytestmark = pytest.mark.processes
 
 SECONDS, PATIENCE = 24.0, 900.0  # the node may compile its kernels first
 

@@ -9,6 +9,8 @@ from drake_geom_msgs import msg
 from geometry_msgs.msg import TransformStamped
 from ros.harness import start_node
 
+pytestmark = pytest.mark.topics
+
 tf2_msgs = pytest.importorskip('tf2_msgs.msg', reason='`./run test` builds it where it is missing')
 
 MANY = 80  # messages, less than the queue holds

@@ -1,7 +1,10 @@
 """Two sources claim a frame: each has its own, and neither poses the other's."""
 
+import pytest
 from drake_geom_msgs import msg, srv
 from ros.scene_calls import add_pair, place_of, poses, refused
+
+pytestmark = pytest.mark.topics
 
 
 def where(client, frame):

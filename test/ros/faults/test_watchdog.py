@@ -11,6 +11,8 @@ from drake_geom_msgs import srv
 from ros.harness import PATIENCE, Process
 from ros.scene_calls import accepted
 
+pytestmark = pytest.mark.topics
+
 # Longer than a busy machine keeps a thread from running that is not stuck.
 LIMIT = 5.0  # [s]
 SAID = 'Timeout (0:00:05)!'

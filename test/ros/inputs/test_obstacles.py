@@ -114,6 +114,7 @@ def test_bodies_are_told_once_and_known_though_the_message_was_refused():
     assert node.input.counts.on_bodies == 1
 
 
+@pytest.mark.clock
 def test_the_pose_of_a_stamp_is_waited_for_a_little():
     node = Node(self_filter='none')
     node.move(99.9, [0, 0, 0])

@@ -12,6 +12,8 @@ from drake_geom_ros.ros.outputs.answers import Answers, CallCounts, Calls, Reque
 from drake_geom_ros.ros.outputs.unlocked import CMessage
 from drake_geom_ros.ros.spinning import GroupExecutor
 
+pytestmark = pytest.mark.topics
+
 
 @pytest.fixture
 def served(lone_client):

@@ -11,6 +11,8 @@ from drake_geom_ros.replay import Opinion, read
 from drake_geom_ros.ros.outputs import cross_check as module
 from drake_geom_ros.ros.outputs.cross_check import PAIRS, Counts, CrossCheck
 
+pytestmark = pytest.mark.clock
+
 PATIENCE = 20.0  # [s]
 
 

@@ -134,6 +134,7 @@ def test_a_limit_and_a_folder_that_cannot_be_are_told(scene, broken, tmp_path):
     assert all('no replay file could be written' in text for text in elsewhere.write())
 
 
+@pytest.mark.topics
 def test_the_node_writes_files_that_reproduce(tmp_path, lone_client, monkeypatch, capsys):
     from drake_geom_msgs import msg
     from ros.harness import ROOT, Process

@@ -9,6 +9,8 @@ from sensor_msgs.msg import Image
 
 from drake_geom_ros.ros.outputs import unlocked
 
+pytestmark = pytest.mark.topics
+
 
 @pytest.fixture
 def publisher(lone_client):

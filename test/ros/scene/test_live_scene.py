@@ -95,6 +95,7 @@ def test_a_refused_message_leaves_everything(scene, clock):
     assert scene.moment().newest_stamp.sec == 1
 
 
+@pytest.mark.clock
 @pytest.mark.parametrize('door', [LiveScene.reading, LiveScene.editing, LiveScene.view])
 def test_no_other_thread_has_the_scene_meanwhile(live, door):
     entered = threading.Event()

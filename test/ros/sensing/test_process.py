@@ -13,6 +13,8 @@ from drake_geom_ros.ros.sensing import process as tested
 from drake_geom_ros.ros.sensing.process import SensingProcess
 from drake_geom_ros.ros.sensing.protocol import Task
 
+pytestmark = pytest.mark.processes
+
 PATIENCE = 60.0  # [s]
 IDLE = Task('sensors', '/', '/', [])
 # Each is run in place of the process, with the number of its pipe.

@@ -171,6 +171,7 @@ def version(live):
         return scene.version
 
 
+@pytest.mark.clock
 @pytest.mark.parametrize('case', CASES)
 def test_what_takes_long_is_done_while_the_lock_is_free(live, watched, mesh, case):
     handler, request, wanted = requests(mesh)[case]
@@ -185,6 +186,7 @@ def test_what_takes_long_is_done_while_the_lock_is_free(live, watched, mesh, cas
     assert effects.kernels_compiled == watched == []
 
 
+@pytest.mark.clock
 def test_a_robot_is_made_ready_while_the_lock_is_free(live, watched):
     robot = RobotInput(live)
     for text in (ROBOT, ROBOT.replace('box size="1 1 1"', 'cylinder radius="1" length="1"')):
@@ -194,6 +196,7 @@ def test_a_robot_is_made_ready_while_the_lock_is_free(live, watched):
     assert {'sphere_box', 'sphere_cylinder'} <= {name for name, _ in watched}
 
 
+@pytest.mark.clock
 @pytest.mark.parametrize('roles', [(), (2,)])
 def test_what_no_query_sees_calls_for_nothing(live, watched, mesh, roles):
     request = registration(shape(CONVEX, mesh_uri=mesh), roles=roles)
@@ -208,6 +211,7 @@ def test_another_of_a_kind_that_is_there_is_not_made_ready(live, monkeypatch):
     assert query(live).kernels_compiled == []
 
 
+@pytest.mark.clock
 def test_cycles_run_while_a_mesh_is_read(live, watched, mesh, monkeypatch):
     """The reading waits until a number of cycles has run, and would wait for ever."""
     reading, enough = threading.Event(), threading.Event()

@@ -4,10 +4,13 @@ import json
 import re
 import signal
 
+import pytest
 from drake_geom_msgs import msg, srv
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros.harness import ROOT, Process, run_python, start_node
 from ros.scene_calls import accepted, exclude
+
+pytestmark = pytest.mark.topics
 
 SCENE = """
 sources: [arm, table]

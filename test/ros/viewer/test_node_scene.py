@@ -14,6 +14,8 @@ from drake_geom_ros.ros.viewer.node_scene import NodeScene
 from drake_geom_ros.viewing.looks import PALETTE
 from drake_geom_ros.viewing.rules import rows_of_level
 
+pytestmark = pytest.mark.topics
+
 SCENE = """
 sources: [s]
 frames: [{name: a, source: s, pose: {position: [1, 0, 0], rpy: [0.1, 0.2, 0.3]}}]
