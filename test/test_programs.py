@@ -8,6 +8,8 @@ import pytest
 from conventions.source_tree import ROOT
 from ros.harness import environment
 
+pytestmark = pytest.mark.processes
+
 # Starts a program; the first import of a library, which each of them needs, is interrupted.
 INTERRUPTED = """
 import signal, sys

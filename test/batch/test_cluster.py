@@ -95,6 +95,7 @@ def asked(cell):
     return {**given, 'block_size': 100}, evaluate(cell.scene_graph, **given)
 
 
+@pytest.mark.processes
 def test_workers_give_the_same_bits(cell, cluster, asked):
     given, expected = asked
     with cluster_executor(cluster.address) as executor:
@@ -106,6 +107,7 @@ def test_workers_give_the_same_bits(cell, cluster, asked):
 IN_THE_MIDDLE = 2 * 64 + 10
 
 
+@pytest.mark.processes
 def test_a_worker_that_is_killed_costs_no_result(cell, cluster, asked):
     given, expected = asked
     victim = cluster.worker()
@@ -128,6 +130,7 @@ def test_nobody_at_the_address_is_named():
         pass
 
 
+@pytest.mark.processes
 def test_a_worker_of_other_sources_is_refused_by_name(cell, tmp_path, asked):
     other = tmp_path / 'other'
     there = Cluster(tmp_path)
@@ -147,6 +150,7 @@ def test_a_worker_of_other_sources_is_refused_by_name(cell, tmp_path, asked):
         there.close()
 
 
+@pytest.mark.processes
 def test_a_scheduler_that_goes_away_costs_no_result_and_is_named(
     cell, tmp_path, asked, monkeypatch
 ):

@@ -44,6 +44,7 @@ def asked(cell):
     return given, evaluate(cell.scene_graph, **given)
 
 
+@pytest.mark.processes
 def test_processes_give_the_same_bits(cell, asked):
     given, expected = asked
     with ProcessPoolExecutor(2, mp_context=get_context('spawn')) as executor:
@@ -89,6 +90,7 @@ def test_blocks_that_are_lost_are_computed_here(cell, asked, error):
     assert same(found, expected)
 
 
+@pytest.mark.processes
 def test_an_executor_that_takes_no_tasks_costs_no_result(cell, asked):
     given, expected = asked
     executor = ProcessPoolExecutor(1)
@@ -97,6 +99,7 @@ def test_an_executor_that_takes_no_tasks_costs_no_result(cell, asked):
         assert same(evaluate(cell.scene_graph, executor=executor, **given), expected)
 
 
+@pytest.mark.processes
 def test_a_pool_whose_worker_is_killed_costs_no_result(cell, asked):
     given, expected = asked
     with ProcessPoolExecutor(1, mp_context=get_context('spawn')) as executor:

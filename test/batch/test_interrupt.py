@@ -17,6 +17,7 @@ from drake_geom_ros.batch.parts import Parts
 PROGRAM = 'from drake_geom_ros.command_line.program import main; raise SystemExit(main())'
 
 
+@pytest.mark.processes
 def test_an_interrupted_command_keeps_what_is_done(tmp_path, cell):
     np.save(tmp_path / 'states.npy', cell.states(3_000_000))
     command = [sys.executable, '-c', PROGRAM, 'batch', str(Cell.path)]

@@ -63,6 +63,7 @@ def test_it_is_what_the_lower_bounds_of_all_pairs_say(accuracy, seed, bodies, sp
         before = found
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize('margin', MARGINS)
 def test_threads_processes_and_order_change_no_answer(margin):
     rng = np.random.default_rng(2)

@@ -18,6 +18,7 @@ def compiled(*arguments, **variables):
     )
 
 
+@pytest.mark.processes
 @pytest.mark.timeout(1200)
 def test_the_parts_of_a_scene_are_all_that_it_needs():
     kernels = compiled(SCENE, '--part', 'kernels')
@@ -30,6 +31,7 @@ def test_the_parts_of_a_scene_are_all_that_it_needs():
     assert 'compiling' not in whole.stdout
 
 
+@pytest.mark.processes
 def test_a_part_needs_a_scene():
     refused = compiled('--part', 'cycle')
     assert refused.returncode == 2
@@ -48,6 +50,7 @@ def scene_context():
     return SceneGraph().CreateDefaultContext()
 
 
+@pytest.mark.processes
 def test_ros2_run_finds_the_programs_that_are_no_console_scripts(tmp_path):
     command = [sys.executable, 'setup.py', '-q', 'egg_info', '-e', str(tmp_path)]
     command += ['install_data', '-d', str(tmp_path)]

@@ -22,6 +22,7 @@ def start(*arguments):
     )
 
 
+@pytest.mark.processes
 def test_it_runs_as_a_module():
     done = start('query', 'scenes/minimal.yaml', '--max-distance', '0.5')
     assert done.returncode == 0, done.stderr
@@ -30,6 +31,7 @@ def test_it_runs_as_a_module():
     assert row.startswith('scene::world/post,scene::ball/ball,0.35,')
 
 
+@pytest.mark.processes
 def test_what_a_scene_needs_is_compiled_beforehand():
     done = start('compile', 'scenes/minimal.yaml')
     assert done.returncode == 0, done.stderr
@@ -38,6 +40,7 @@ def test_what_a_scene_needs_is_compiled_beforehand():
     assert len(again.stdout.splitlines()) == 1
 
 
+@pytest.mark.processes
 def test_a_reader_that_leaves_early_is_no_error():
     script = f'{sys.executable} -m drake_geom_ros check {SCENE} | true; echo "${{PIPESTATUS[0]}}"'
     done = subprocess.run(

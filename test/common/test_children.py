@@ -8,6 +8,8 @@ import pytest
 
 from drake_geom_ros.common.children import end
 
+pytestmark = pytest.mark.processes
+
 OBEDIENT = 'signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))'
 OBSTINATE = 'signal.signal(signal.SIGTERM, signal.SIG_IGN)'
 

@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.processes
+
 TAKES = """
 import resource, sys
 from drake_geom_ros.common.free_memory import free_memory

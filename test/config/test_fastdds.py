@@ -8,6 +8,8 @@ from drake_geom_msgs import srv
 from ros.harness import start_node, without_shared_memory
 from ros.scene_calls import accepted
 
+pytestmark = pytest.mark.topics
+
 
 def shared_memory(pid):
     """Return what of Fast DDS's shared memory a process has mapped."""

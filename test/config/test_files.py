@@ -20,6 +20,7 @@ def test_the_parameter_file_names_every_parameter_with_its_default():
     assert {n: tuple(v) if isinstance(v, list) else v for n, v in shown.items()} == defaults
 
 
+@pytest.mark.topics
 @pytest.mark.parametrize('namespace', ['/', '/left/arm'])
 def test_a_node_in_any_namespace_reads_it(tmp_path, lone_client, namespace):
     changed = tmp_path / 'my.yaml'

@@ -188,6 +188,7 @@ def test_entry_points_exist():
         assert function in functions
 
 
+@pytest.mark.processes
 def test_an_installed_package_holds_every_file(tmp_path):
     """What setup.py builds is what the source tree has: modules, data, scenes, launch files."""
     command = [sys.executable, 'setup.py', '-q', 'egg_info', '-e', str(tmp_path), 'build', '-b']

@@ -5,8 +5,11 @@ import sys
 import textwrap
 from importlib.util import find_spec
 
+import pytest
 from conventions.source_tree import PACKAGE, ROOT, SOURCES, module_of
 from conventions.test_layers import LAYERS, room_of
+
+pytestmark = pytest.mark.processes
 
 # All whose room may not import ROS, rooms of the node among them.
 CORE = [

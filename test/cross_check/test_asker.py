@@ -108,6 +108,7 @@ def test_what_is_missing_is_named(monkeypatch):
     assert missing() == ['python-fcl']
 
 
+@pytest.mark.processes
 def test_the_side_of_the_node_loads_nothing_that_judges():
     script = (
         'import sys, drake_geom_ros.ros.outputs.cross_check\n'
@@ -118,6 +119,7 @@ def test_the_side_of_the_node_loads_nothing_that_judges():
     assert done.stdout == 'False False False\n', done.stderr
 
 
+@pytest.mark.processes
 def test_a_node_without_a_second_opinion_loads_nothing_of_it():
     script = (
         'import sys, drake_geom_ros.ros.scene_graph_node\n'

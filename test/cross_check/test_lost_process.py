@@ -7,7 +7,11 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 from drake_geom_ros.cross_check.lost_process import outcomes
+
+pytestmark = pytest.mark.processes
 
 
 def ask(question):

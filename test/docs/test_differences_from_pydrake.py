@@ -74,6 +74,7 @@ def test_all_that_is_missing_is_listed_and_nothing_else():
     assert len(set(listed())) == len(listed())
 
 
+@pytest.mark.processes
 def test_the_port_that_is_shown_runs():
     paths = os.pathsep.join([str(ROOT), os.environ.get('PYTHONPATH', '')])
     done = subprocess.run(

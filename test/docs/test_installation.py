@@ -33,6 +33,7 @@ def test_every_program_is_there_and_starts_something_of_ours():
         assert callable(getattr(module, started)), name
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize('program', ['drake_geom_ros', 'compile'])
 def test_a_program_explains_itself(program):
     told = subprocess.run(
@@ -45,6 +46,7 @@ def test_a_program_explains_itself(program):
     assert told.stdout.startswith('usage: ')
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize('program', ['scheduler', 'worker'])
 def test_the_programs_of_a_cluster_have_what_the_page_gives_them(program):
     if not shutil.which('dask'):

@@ -26,11 +26,13 @@ def built(tmp_path_factory):
     return folder, done.stdout
 
 
+@pytest.mark.processes
 def test_it_builds_without_warnings(built):
     assert 'WARNING' not in built[1]
     assert 'ERROR' not in built[1]
 
 
+@pytest.mark.processes
 def test_every_page_is_there(built):
     pages = [path.relative_to(ROOT / 'docs') for path in (ROOT / 'docs').rglob('*.md')]
     assert len(pages) > 20
@@ -39,12 +41,14 @@ def test_every_page_is_there(built):
         assert (built[0] / page.parent / name).exists(), page
 
 
+@pytest.mark.processes
 def test_what_pages_link_to_outside_is_copied(built):
     assert (built[0] / 'source/scenes/two_pandas.yaml.txt').read_text() == (
         ROOT / 'scenes/two_pandas.yaml'
     ).read_text()
 
 
+@pytest.mark.processes
 def test_lists_and_tables_are_told_from_paragraphs(built):
     """A list or a table without an empty line before it is a paragraph to Python-Markdown."""
     for page in built[0].rglob('*.html'):

@@ -9,6 +9,8 @@ import pytest
 from conventions.source_tree import ROOT
 from numba import config
 
+pytestmark = pytest.mark.processes
+
 CODE = """
 import json
 from numba.core import event

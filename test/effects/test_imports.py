@@ -7,6 +7,8 @@ import sys
 import pytest
 from conventions.source_tree import ROOT
 
+pytestmark = pytest.mark.processes
+
 # Uncompiled: what is imported does not hang on it.
 ASK = """
 import sys

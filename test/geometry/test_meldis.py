@@ -21,10 +21,13 @@ from drake_geom_ros.math import RigidTransform
 
 PATIENCE = 60.0  # [s]
 
-pytestmark = pytest.mark.skipif(
-    any(importlib.util.find_spec(name) is None for name in ('pydrake', 'lcm')),
-    reason='pydrake, whose meldis shows it, or the library lcm is not installed',
-)
+pytestmark = [
+    pytest.mark.processes,
+    pytest.mark.skipif(
+        any(importlib.util.find_spec(name) is None for name in ('pydrake', 'lcm')),
+        reason='pydrake, whose meldis shows it, or the library lcm is not installed',
+    ),
+]
 
 
 def free_port():

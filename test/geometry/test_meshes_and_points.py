@@ -54,6 +54,7 @@ def test_a_plain_mesh_is_its_hull_in_pairs_and_its_surface_to_points():
     assert ShapeScene(mesh, Sphere(0.1)).pair([0, 0, 0], NOTCH).distance < -0.25
 
 
+@pytest.mark.processes
 @pytest.mark.skipif(find_spec('pydrake') is None, reason='no pydrake')
 @pytest.mark.parametrize('kind', [Mesh, Convex])
 def test_pydrake_says_the_same(kind):

@@ -87,6 +87,7 @@ def test_a_copy_of_a_context_shares_no_moment(pair):
     np.testing.assert_array_equal(told(held)[0], expected[0])
 
 
+@pytest.mark.clock
 def test_one_thread_asks_while_another_moves(pair):
     """What was read is of one moment, whole, however the poses change beside it."""
     expected = [X.rotation().matrix() for X in pair.poses]

@@ -183,6 +183,7 @@ main(sys.argv[1:])
 """
 
 
+@pytest.mark.processes
 def test_a_report_that_was_killed_goes_on(tmp_path, recorded, balls, monkeypatch):  # noqa: F811
     asked = ['report', recorded, '--scene', balls, '--between', 'a:b', '--pictures', 1, '--out']
     arguments = [*map(str, asked), str(tmp_path / 'out')]

@@ -8,6 +8,8 @@ import sys
 import pytest
 from conventions.source_tree import ROOT
 
+pytestmark = pytest.mark.processes
+
 
 @pytest.mark.skipif(importlib.util.find_spec('pydrake') is None, reason='no pydrake')
 def test_images_are_those_of_pydrake_but_at_silhouettes(tmp_path):

@@ -7,6 +7,8 @@ from rclpy.task import Future
 
 from bench.ros import mix
 
+pytestmark = pytest.mark.topics
+
 
 class Service:
     """Stands for the client of a service: the test answers."""

@@ -83,6 +83,7 @@ def test_another_scene_is_told(changed, said):
     assert said in BEFORE.difference(BEFORE._replace(**changed))
 
 
+@pytest.mark.processes
 @pytest.mark.skipif(not hasattr(resource, 'prlimit'), reason='limits of others are of Linux')
 def test_a_limit_of_a_process_is_put_back():
     process = subprocess.Popen([sys.executable, '-c', 'input()'], stdin=subprocess.PIPE)

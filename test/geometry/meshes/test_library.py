@@ -92,6 +92,7 @@ print(sorted({path for path in opened if 'treasure' in path}))
 """
 
 
+@pytest.mark.processes
 def test_nothing_but_the_mesh_is_opened(tmp_path):
     for name in ('treasure.mtl', 'treasure.png', 'treasure.bin'):
         (tmp_path / name).write_text('newmtl a\nmap_Kd treasure.png\n')

@@ -98,6 +98,7 @@ def test_parameters_that_are_none_are_refused(wrong):
         RenderEngineExactParams(**wrong)
 
 
+@pytest.mark.processes
 def test_a_program_without_images_imports_none_of_the_renderer():
     code = (
         'import sys\n'

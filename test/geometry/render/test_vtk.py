@@ -274,6 +274,7 @@ def test_a_primitive_has_a_texture_and_one_that_is_none_is_refused(engine, folde
         images(scene, camera())
 
 
+@pytest.mark.clock
 @drawing
 def test_a_context_is_asked_from_any_thread(engine):
     """OpenGL answers other threads than its own with stale or empty images, without a word."""
@@ -296,6 +297,7 @@ def test_a_context_is_asked_from_any_thread(engine):
     assert differing == [False] * 45
 
 
+@pytest.mark.processes
 @drawing
 def test_engines_come_and_go_and_the_process_ends_well():
     code = (
@@ -322,6 +324,7 @@ def test_an_image_beyond_opengl_is_refused(engine):
         images(scene, ColorRenderCamera(core), want='color')
 
 
+@pytest.mark.processes
 def test_what_is_missing_is_named(monkeypatch):
     """The wheel; or the system's libraries, without which VTK ends a process by a fault."""
     monkeypatch.setattr(probing.importlib.util, 'find_spec', lambda name: None)

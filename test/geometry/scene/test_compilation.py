@@ -3,7 +3,10 @@
 import subprocess
 import sys
 
+import pytest
 from conventions.source_tree import ROOT
+
+pytestmark = pytest.mark.processes
 
 CODE = """
 import numpy as np

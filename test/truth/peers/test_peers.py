@@ -136,6 +136,7 @@ def test_a_peer_that_is_not_installed_is_named(monkeypatch):
         peers.load('MuJoCo')
 
 
+@pytest.mark.processes
 def test_no_peer_is_imported_before_it_is_loaded():
     script = (
         'import sys; from truth import peers; peers.installed();'

@@ -16,6 +16,7 @@ from drake_geom_ros.command_line import view
 from drake_geom_ros.command_line.program import main
 
 pytestmark = [
+    pytest.mark.processes,
     pytest.mark.timeout(600),
     pytest.mark.skipif(
         importlib.util.find_spec('viser') is None,

@@ -278,6 +278,7 @@ def test_browsers_look_at_what_is_there_once_there_is_something():
             _, before = aim(page)
 
 
+@pytest.mark.clock
 def test_many_hands_at_once_leave_a_page_that_answers(opened):
     page, _ = opened
 

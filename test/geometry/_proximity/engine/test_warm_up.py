@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 from drake_geom_ros.geometry._proximity.engine.warm_up import warm_up
 
 CODE = """
@@ -36,6 +38,7 @@ print(len(recorder.buffer), left > 0)
 """
 
 
+@pytest.mark.processes
 def test_cycles_compile_nothing_after_it():
     done = subprocess.run(
         [sys.executable, '-c', CODE],

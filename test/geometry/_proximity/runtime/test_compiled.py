@@ -42,6 +42,7 @@ def run(**environment):
     return ' '.join(folder), int(hits), int(misses)
 
 
+@pytest.mark.processes
 def test_a_second_process_finds_what_the_first_compiled(tmp_path):
     folder, hits, misses = run(XDG_CACHE_HOME=str(tmp_path))
     assert folder.startswith(str(tmp_path / 'drake_geom_ros'))
@@ -50,6 +51,7 @@ def test_a_second_process_finds_what_the_first_compiled(tmp_path):
     assert run(NUMBA_CACHE_DIR=str(tmp_path / 'mine'))[0].startswith(str(tmp_path / 'mine'))
 
 
+@pytest.mark.processes
 def test_no_place_for_a_cache_is_no_obstacle(tmp_path):
     blocked = tmp_path / 'a file'
     blocked.write_text('')
@@ -136,6 +138,7 @@ def copied(tmp_path):
     return package, read
 
 
+@pytest.mark.processes
 def test_what_was_compiled_with_another_tolerance_is_not_used(copied):
     """A tolerance outside the folder of the kernels is compiled in like those beside them."""
     package, read = copied
@@ -151,6 +154,7 @@ def test_what_was_compiled_with_another_tolerance_is_not_used(copied):
         assert not after[2].startswith(before[1])
 
 
+@pytest.mark.processes
 @pytest.mark.parametrize('of_images', [False, True])
 def test_another_source_is_another_cache(copied, of_images):
     package, read = copied
@@ -218,6 +222,7 @@ def version(base, k):
     return folder
 
 
+@pytest.mark.processes
 @pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
 def test_old_versions_are_removed_when_something_is_compiled(tmp_path):
     base = tmp_path / 'drake_geom_ros'
@@ -237,6 +242,7 @@ def test_a_version_that_another_process_removes_meanwhile_is_no_obstacle(tmp_pat
     assert {path for path in tmp_path.iterdir() if path.exists()} == set(old[2:])
 
 
+@pytest.mark.processes
 def test_what_others_keep_in_the_folder_stays(tmp_path):
     theirs = [tmp_path / f'{k:016x}' for k in range(8)]
     theirs += [tmp_path / 'drake_geom_ros' / f'{k:016x}' for k in range(8)]

@@ -15,6 +15,8 @@ from oracles.worlds import filters_of, random_world
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.runtime import compiled
 
+pytestmark = pytest.mark.processes
+
 CODE = """
 import json
 import numba

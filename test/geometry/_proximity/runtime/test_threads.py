@@ -38,6 +38,7 @@ def test_each_part_is_done_once_and_in_order(threads, number, count):
     assert [k for part in parts for k in part] == list(range(count))
 
 
+@pytest.mark.clock
 def test_what_goes_wrong_is_told_when_all_are_done(threads):
     threads(3)
     done = threading.Event()
@@ -54,6 +55,7 @@ def test_what_goes_wrong_is_told_when_all_are_done(threads):
     assert done.is_set()
 
 
+@pytest.mark.clock
 @pytest.mark.skipif(sys.platform != 'linux', reason='there niceness is of a whole process')
 def test_no_thread_works_for_who_is_more_urgent(threads):
     """Threads that a nice one started are as nice, and do nothing for others."""
@@ -110,6 +112,7 @@ def test_answers_may_become_few_or_none(threads):
         np.testing.assert_array_equal(found.rows, alone.rows)
 
 
+@pytest.mark.clock
 @pytest.mark.skipif(not hasattr(os, 'fork'), reason='no process is forked here')
 def test_a_forked_process_has_threads_of_its_own(threads):
     threads(2)
