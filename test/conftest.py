@@ -47,13 +47,13 @@ def shared_nodes(tmp_path_factory):
 
 
 @pytest.fixture(scope='module')
-def settings():
+def node_settings():
     """Return the parameters that the shared node has for a file, which may override this."""
     return {'max_distance': 0.5}
 
 
 @pytest.fixture(scope='module')
-def shared_node(shared_nodes, settings, tmp_path_factory):
+def shared_node(shared_nodes, node_settings, tmp_path_factory):
     """Return the node of the worker, with an empty scene; fail if a file leaves something on it.
 
     What is started and opened for the file is in its domain.
@@ -65,7 +65,7 @@ def shared_node(shared_nodes, settings, tmp_path_factory):
             shared_nodes.append(SharedNode(tmp_path_factory.mktemp('node') / 'log'))
         (node,) = shared_nodes
         node.process.forget_output()
-        node.set(**settings)
+        node.set(**node_settings)
         yield node
         try:
             node.reset()

@@ -21,7 +21,7 @@ KINDS = {float: (3, 'double_value'), str: (4, 'string_value')}
 
 
 @pytest.fixture(scope='module')
-def settings():
+def node_settings():
     return {'max_distance': 10.0}
 
 

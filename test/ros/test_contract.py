@@ -58,7 +58,7 @@ FIELDS = {
 
 
 @pytest.fixture(scope='module')
-def settings():
+def node_settings():
     """Have a node with nothing set."""
     return {}
 
