@@ -137,6 +137,14 @@ def test_what_is_not_understood_is_told_with_the_robot(scene, robot):
     )
 
 
+def test_links_without_a_collision_shape_are_named_in_the_log(scene, robot):
+    drawn = '<link name="cover"><visual><geometry><sphere radius="1"/></geometry></visual></link>'
+    text = urdf('arm', 'base', 'hand').replace('</robot>', f'{drawn}</robot>')
+    assert '1 warning' in robot.take(text)
+    (warning,) = scene.warned
+    assert 'have a <visual> and no <collision>, so no query sees them: cover.' in warning
+
+
 def test_meshes_come_from_the_roots_only(scene, robot, tmp_path):
     mesh = tmp_path / 'ball.obj'
     mesh.write_text(TETRAHEDRON)
