@@ -6,7 +6,7 @@ from collections import Counter, deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import GeometryError, GeometryId, QueryObject
 from drake_geom_ros.recordings.errors import RecordingError
@@ -36,7 +36,7 @@ _KINDS = *_RESULTS, EVENTS
 _WAITS = NANOSECONDS // 2  # [ns] a pose that is recorded so much later may be one of a result
 _KEPT = 3 * NANOSECONDS  # [ns] a state stays known: a result is not recorded later than that
 _MOST_KEPT = 4096
-_RACE = NANOSECONDS // 50  # [ns] a node may take messages of two topics in another order
+_RACE = NANOSECONDS // 50  # [ns] a node may take messages of two senders in another order
 _MOST_TRIED = 64  # states that bear the stamp of a result
 
 
@@ -146,6 +146,7 @@ class _State(NamedTuple):
 
     time: int  # [ns]
     topic: str  # of the message that made it
+    posed: frozenset[str]  # what that message names: joints or frames
     stamp: tuple[int, int]  # the newest one of its poses
     view: SceneView
 
@@ -168,7 +169,7 @@ class _Auditor:
 
     def run(self) -> Audit:
         """Return what is true of all."""
-        self._keep(0, '')
+        self._keep(0, '', frozenset())
         for message in self._messages:
             self._first = self._first or message.time
             while self._waiting and message.time - self._waiting[0].time > _WAITS:
@@ -182,7 +183,7 @@ class _Auditor:
                 if message.topic.name in self._roles:
                     self._playback.take(message, 'scene')
             elif self._playback.take(message, self._roles[message.topic.name]):
-                self._keep(message.time, message.topic.name)
+                self._keep(message.time, message.topic.name, _posed(message.message))
         while self._waiting:
             self._judge(self._waiting.popleft())
         return self.audit
@@ -190,12 +191,12 @@ class _Auditor:
     def _node_of(self, said: Recorded) -> str:
         return '' if self._one_scene else said.topic.name.rpartition('/')[0]
 
-    def _keep(self, time: int, topic: str) -> None:
+    def _keep(self, time: int, topic: str, posed: frozenset[str]) -> None:
         with self._playback.live.reading() as scene:
             view = scene.view()
         newest = view.moment.newest_stamp
         stamp = (0, 0) if newest is None else time_of(newest)
-        self._states.append(_State(time, topic, stamp, view))
+        self._states.append(_State(time, topic, posed, stamp, view))
         while len(self._states) > 1 and time - self._states[1].time > _KEPT:
             self._states.popleft()
 
@@ -236,7 +237,12 @@ class _Auditor:
             found.append(compare(pairs, now, query, here))
             if found[-1].outcome == Outcome.SAME:
                 break
-        return self._unless_unknown(said, states, min(found, key=_rank), message.oldest_pose_age)
+        best = min(found, key=_rank)
+        lacking = sorted(set(_ids(states[0]).values()) - set(names.values()))
+        if lacking and best.outcome == Outcome.REFUTED:
+            why = f'the recorded ~/scene has no {lacking[0]!r}, which the scene given has'
+            return Compared(Outcome.NOT_REPRODUCIBLE, why)
+        return self._unless_unknown(said, states, best, message.oldest_pose_age)
 
     def _unless_unknown(
         self, said: Recorded, states: Sequence[_State], found: Compared, age: float
@@ -249,7 +255,7 @@ class _Auditor:
             return Compared(Outcome.NOT_REPRODUCIBLE, why)
         for state in states:
             for other in self._states:
-                if other.topic != state.topic and abs(other.time - state.time) < _RACE:
+                if abs(other.time - state.time) < _RACE and _may_be_of_two(state, other):
                     both = ' and '.join(sorted({state.topic, other.topic}))
                     why = f'poses of {both} came within 20 ms, in an order that nobody knows'
                     return Compared(Outcome.NOT_REPRODUCIBLE, why)
@@ -310,6 +316,19 @@ def _rank(found: Compared) -> int:
     """Return how little a state explains what was said."""
     order = (Outcome.SAME, Outcome.WITHIN, Outcome.NOT_REPRODUCIBLE, Outcome.REFUTED)
     return order.index(found.outcome)
+
+
+def _posed(message: Any) -> frozenset[str]:
+    """Return the names of what a message poses."""
+    if hasattr(message, 'transforms'):
+        return frozenset(each.child_frame_id for each in message.transforms)
+    names = message.frame_names if hasattr(message, 'frame_names') else message.name
+    return frozenset(names)
+
+
+def _may_be_of_two(one: _State, other: _State) -> bool:
+    """Return whether two senders may have made two states: a sender names the same each time."""
+    return one.topic != other.topic or one.posed != other.posed
 
 
 def _ids(state: _State) -> dict[int, str]:

@@ -105,8 +105,13 @@ class _Kinds:
 
 def scene(file):
     """Return the ``~/scene`` of a node that has loaded a scene file."""
-    message = _Kinds().Scene()
     load_scene(file, graph := SceneGraph())
+    return scene_of(graph)
+
+
+def scene_of(graph):
+    """Return the ``~/scene`` of a node that holds a scene."""
+    message = _Kinds().Scene()
     fill_scene(message, graph.model_inspector(), _Kinds())
     for geometry in message.geometries:
         for name in ('dimensions', 'vertices'):
