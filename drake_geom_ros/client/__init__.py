@@ -16,7 +16,7 @@ from drake_geom_ros.client.contact_surfaces import (
     PairWithoutSurface,
 )
 from drake_geom_ros.client.held_filter import HeldFilter, sleep
-from drake_geom_ros.client.left_out import IncompleteError
+from drake_geom_ros.client.left_out import IncompleteError, StaleError
 from drake_geom_ros.client.listening import SceneListener
 from drake_geom_ros.client.motions import Motion
 from drake_geom_ros.client.proximity_monitor import (
@@ -72,6 +72,7 @@ __all__ = [
     'RequestError',
     'NoAnswerError',
     'IncompleteError',
+    'StaleError',
     'UnknownNameError',
     'States',
     'Motion',

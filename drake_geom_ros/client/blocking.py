@@ -288,10 +288,19 @@ class SceneGraphClient(PlannersQuestions):
         return list(answer.reasons)
 
     def attach(
-        self, frame: str, parent: str, X_PF: RigidTransform | ArrayLike | None = None
+        self,
+        frame: str,
+        parent: str,
+        X_PF: RigidTransform | ArrayLike | None = None,
+        part_of_robot: bool = True,
     ) -> RigidTransform:
-        """Let a frame follow one of any source, where it is now or at X_PF; return X_PF."""
-        fields = {} if X_PF is None else {'pose_given': True, 'pose': _pose_message(X_PF)}
+        """Let a frame follow one of any source, where it is now or at X_PF; return X_PF.
+
+        ``part_of_robot``: sets by name that stand for the robot include it, in rules and results.
+        """
+        fields: dict[str, Any] = {'part_of_robot': part_of_robot}
+        if X_PF is not None:
+            fields |= {'pose_given': True, 'pose': _pose_message(X_PF)}
         return _pose_of(self.call('attach', frame=frame, parent=parent, **fields).pose)
 
     def detach(self, frame: str, X_PF: RigidTransform | ArrayLike | None = None) -> RigidTransform:

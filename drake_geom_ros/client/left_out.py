@@ -1,7 +1,8 @@
-"""What an answer leaves out, because nobody knows where it is."""
+"""What an answer leaves out, or is not sure of, because nobody knows where it is."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import are, counted
@@ -11,6 +12,23 @@ _SHOWN = 5  # names in a sentence
 
 class IncompleteError(RuntimeError):
     """An answer that leaves something out was about to be taken for the whole one."""
+
+
+class StaleError(RuntimeError):
+    """An answer that rests on stale poses was about to be taken for one of now."""
+
+
+def refuse_stale(what: str, frames: Sequence[str]) -> None:
+    """Raise StaleError about ``what`` where the poses of frames of now in it are stale."""
+    if frames:
+        names = ', '.join(frames[:_SHOWN]) + ' ...' * (len(frames) > _SHOWN)
+        raise StaleError(
+            f'{what}: the answer rests on stale poses of {counted(len(frames), "frame")}: '
+            f'{names}. '
+            'They are older than the parameter stale_after of the node, or of unknown age: see '
+            '/diagnostics for their senders, pose them in the question, or take the answer with '
+            'allow_stale=True'
+        )
 
 
 class LeftOut(NamedTuple):

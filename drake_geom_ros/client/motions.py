@@ -38,6 +38,7 @@ class Motion(NamedTuple):
     ignored: int  # pairs left out because they were not clear at the start
     scene_version: int
     oldest_pose_age: float  # [s] of the oldest frame pose used; inf: unknown
+    stale_frames: tuple[str, ...]  # whose stale poses of now are used; at most 20
 
     def __bool__(self) -> bool:
         """Refuse to stand for yes or no: an unknown outcome is neither."""
@@ -63,6 +64,7 @@ class Motion(NamedTuple):
             ignored=answer.ignored,
             scene_version=answer.scene_version,
             oldest_pose_age=answer.oldest_pose_age,
+            stale_frames=tuple(answer.stale_frames),
         )
 
 

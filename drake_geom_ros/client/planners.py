@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from trajectory_msgs.msg import JointTrajectory
 
+from drake_geom_ros.client.left_out import refuse_stale
 from drake_geom_ros.client.motions import Motion, joint_trajectory
 from drake_geom_ros.client.scene_table import SceneTable
 from drake_geom_ros.client.services import (
@@ -49,6 +50,7 @@ class PlannersQuestions(ABC):
         ignore_limits: bool = False,
         accuracy: str = '',
         progress: Progress | None = None,
+        allow_stale: bool = False,
     ) -> States:
         """Return what is wanted of each of n states of joints, ``positions`` (n, q) [rad] or [m].
 
@@ -56,7 +58,8 @@ class PlannersQuestions(ABC):
         joints that are not named keep the values of now. ``want`` is ``collision``, ``least`` or
         ``near`` (all pairs up to ``max_distance`` [m]). More states than an answer holds are asked
         about in parts, after each of which ``progress`` is called with the states done and all.
-        Raises RuntimeError where the scene changed meanwhile, for its answers would be of two.
+        Raises RuntimeError where the scene changed meanwhile, for its answers would be of two, and
+        StaleError where poses of now that the answer rests on are stale, unless ``allow_stale``.
         """
         asked = StatesRequest(
             list(joint_names),
@@ -72,7 +75,10 @@ class PlannersQuestions(ABC):
             },
         )
         answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
-        return States.of(answers, self._table(answers[0].scene_version))
+        states = States.of(answers, self._table(answers[0].scene_version))
+        if not allow_stale:
+            refuse_stale('evaluate_states', states.stale_frames)
+        return states
 
     def check_motion(
         self,
@@ -90,6 +96,7 @@ class PlannersQuestions(ABC):
         accuracy: str = '',
         ignore_start_contacts: bool = False,
         ignore_limits: bool = False,
+        allow_stale: bool = False,
     ) -> Motion:
         """Return whether a whole motion is clear of ``min_distance`` [m], for all times.
 
@@ -99,6 +106,8 @@ class PlannersQuestions(ABC):
         first row; a single row is the end. ``start`` poses frames and ``start_joints`` joints at
         the beginning, all others being where they are now; a path whose first time is later than 0
         begins there too. ``time_tolerance`` [s] is the longest span that may hold a contact.
+        Raises StaleError where poses of now that the answer rests on are stale, unless
+        ``allow_stale``.
         """
         rows = np.asarray(path, dtype=np.float64)
         trajectory = joint_trajectory(joint_names, rows, times) if rows.size else JointTrajectory()
@@ -116,4 +125,7 @@ class PlannersQuestions(ABC):
             ignore_start_contacts=ignore_start_contacts,
             ignore_limits=ignore_limits,
         )
-        return Motion.of(answer)
+        motion = Motion.of(answer)
+        if not allow_stale:
+            refuse_stale('check_motion', motion.stale_frames)
+        return motion

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.frame_names import Frame, full_name, told_apart
-from drake_geom_ros.common.geometry_names import WORLD, GeometryNames, matches
+from drake_geom_ros.common.geometry_names import WORLD, GeometryNames, carrier_names, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
 
@@ -35,7 +35,8 @@ class Geometry:
 
     ``frame_name`` is its frame's own name, ``world`` where it is anchored. ``line`` holds its
     frame and all that this hangs on, upwards, each as ``source::frame``; it is empty where the
-    geometry is anchored. Queries report what ``has_proximity`` role.
+    geometry is anchored. Queries report what ``has_proximity`` role. ``carriers`` are the names of
+    what carries it as its part.
     """
 
     id: int
@@ -47,6 +48,7 @@ class Geometry:
     X_FG: NDArray[np.float64]
     line: tuple[str, ...] = ()
     has_proximity: bool = True
+    carriers: tuple[str, ...] = ()
 
     @property
     def anchored(self) -> bool:
@@ -56,7 +58,8 @@ class Geometry:
     @property
     def called(self) -> GeometryNames:
         """Its names."""
-        return GeometryNames(self.source, self.frame_name, self.name, self.anchored)
+        names = self.source, self.frame_name, self.name
+        return GeometryNames(*names, self.anchored, self.carriers)
 
     @property
     def frame(self) -> str:
@@ -92,7 +95,7 @@ class Geometry:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What it is found by: its source, frame and thing, and its own names."""
+        """The names that it is found by: of its source, frame and carriers, and its own."""
         return self.called.found_by
 
     def matches(self, pattern: str) -> bool:
@@ -189,6 +192,7 @@ class SceneTable:
                 X_FG,
                 tuple(map(full_name, lines[entry.frame_id])),
                 any(role.role == Role.PROXIMITY for role in entry.roles),
+                carriers_of(entry.frame_id, entries, sources),
             )
             for entry, X_FG in zip(message.geometries, X_FGs, strict=True)
         ]
@@ -322,3 +326,14 @@ class SceneTable:
     def pair_name(self, id_a: int, id_b: int) -> str:
         """Return the names of the two bodies that the geometries of a pair belong to."""
         return f'{self[id_a].body} - {self[id_b].body}'
+
+
+def carriers_of(
+    frame_id: int, frames: Mapping[int, Any], sources: Mapping[int, str]
+) -> tuple[str, ...]:
+    """Return the names of what carries a frame as its part, by SceneFrame messages by id."""
+    line, frame = [], frames[frame_id]
+    while frame.parent_id != frame.id:
+        line.append((sources[frame.source_id], frame.name, frame.part_of_robot))
+        frame = frames[frame.parent_id]
+    return carrier_names(line)

@@ -73,6 +73,7 @@ class States(NamedTuple):
     ids: NDArray[np.int64]  # (p, 2) of the geometries; 0: there is no pair
     offsets: NDArray[np.int64]  # (n + 1,) of `near`, else empty
     oldest_pose_age: float  # [s] of the oldest frame pose at that time; inf: unknown
+    stale_frames: tuple[str, ...]  # whose stale poses of now are used; at most 20 a part
     scene: SceneTable
 
     @classmethod
@@ -96,6 +97,7 @@ class States(NamedTuple):
             np.stack((joined('id_a', np.int64), joined('id_b', np.int64)), axis=1),
             offsets,
             max(answer.oldest_pose_age for answer in answers),
+            tuple(dict.fromkeys(name for each in answers for name in each.stale_frames)),
             scene,
         )
 

@@ -18,6 +18,8 @@ class GeometryNames(NamedTuple):
     frame_name: str
     name: str
     is_anchored: bool  # then its frame is the world, or fixed to it
+    # Names of the frames that carry it as their part, and of their sources.
+    carriers: tuple[str, ...] = ()
 
     @property
     def short_name(self) -> str:
@@ -41,9 +43,27 @@ class GeometryNames(NamedTuple):
 
     @property
     def found_by(self) -> tuple[str, ...]:
-        """What it is found by: its source, frame and thing, and its own names."""
+        """The names that it is found by: of its source, frame and carriers, and its own."""
         of_others = self.source, self.frame, self.frame_name, self.body
-        return (*of_others, self.name, self.short_name, self.full_name)
+        return (*of_others, self.name, self.short_name, self.full_name, *self.carriers)
+
+
+def carrier_names(frames: Iterable[tuple[str, str, bool]]) -> tuple[str, ...]:
+    """Return the names of what carries the first frame as its part.
+
+    ``frames`` are that frame and those that it hangs on, upwards: source, own name, and whether it
+    is attached to the next one as a part of it.
+
+    >>> carrier_names([('s', 'part', True), ('arm', 'tool', False), ('arm', 'base', False)])
+    ('arm', 'tool', 'arm::tool')
+    """
+    found: list[str] = []
+    is_part = False
+    for source, name, is_part_of_next in frames:
+        if is_part:
+            found += [source, name, full_name((source, name))]
+        is_part = is_part_of_next
+    return tuple(dict.fromkeys(found))
 
 
 def is_plain(pattern: str) -> bool:

@@ -22,14 +22,30 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Ids = NDArray[np.int64]
 Whys = NDArray[np.uint8]
-_NEAR, _SOON, _STALE, _NO_POSE = map(int, (Why.NEAR, Why.SOON, Why.STALE, Why.NO_POSE))
+_NEAR, _SOON = int(Why.NEAR), int(Why.SOON)
+_NONE = np.zeros(0, dtype=np.bool_)
 
 
 class Poses(NamedTuple):
-    """Which geometries (n,), in the order of ``WatchedPairs.ids``, stand where they stood."""
+    """The geometries (n,) whose poses are not known, in the order of ``WatchedPairs.ids``.
 
-    stale: Flags  # posed too long ago, or hang on what is
-    absent: Flags  # never posed, or hang on what is not
+    Each hangs on a frame that lacks a good pose, for one of four reasons. An empty array flags
+    none.
+    """
+
+    stale: Flags  # posed too long ago
+    absent: Flags  # never posed
+    contested: Flags = _NONE  # posed by two senders in turn
+    foreign: Flags = _NONE  # posed with stamps of another clock
+
+    def without(self) -> tuple[tuple[Why, Flags], ...]:
+        """Return the geometries without a good pose by reason; a later reason counts more."""
+        return (
+            (Why.STALE, self.stale),
+            (Why.OTHER_CLOCK, self.foreign),
+            (Why.TWO_SENDERS, self.contested),
+            (Why.NO_POSE, self.absent),
+        )
 
 
 class Reasons(NamedTuple):
@@ -37,15 +53,15 @@ class Reasons(NamedTuple):
 
     lowest: Floats  # [m] the least lower bound of its pairs; inf: none was near enough to see
     soonest: Floats  # [s] the least time to contact; inf: nothing that closes
-    stale: Flags  # it needs a pose that is stale
-    absent: Flags  # or that never came
+    blind: Whys  # a Why: it needs a pose that is not known; 0: all are
     unpredicted: Flags  # times count for it, and nobody knows how all that it needs moves
 
     @classmethod
     def of_nothing(cls, count: int) -> Reasons:
         """Return those of rules of which nothing was measured."""
         lowest, soonest = np.full((2, count), math.inf)
-        return cls(lowest, soonest, *np.zeros((3, count), dtype=np.bool_))
+        blind, unpredicted = np.zeros(count, dtype=np.uint8), np.zeros(count, dtype=np.bool_)
+        return cls(lowest, soonest, blind, unpredicted)
 
 
 class Limits(NamedTuple):
@@ -134,17 +150,14 @@ def step(
 
     Their numbers are the first of ``changed`` (r,), ascending. What a rule is entered for follows
     the reasons; of one that is left it stays. Before anything was measured none is left.
+    A pose that is not known enters a rule at once: to wait were to trust it.
     """
     count = 0
     for r in range(len(limits.group)):
-        # What holds a rule entered whatever ``when_stale`` says: a pose that is stale or absent,
-        # and a motion that is not known where times to contact count.
-        is_unsure = reasons.stale[r] or reasons.absent[r] or reasons.unpredicted[r]
-        blind = 0  # why it would be entered at once: to wait were to trust the unknown
-        if limits.enters_when_stale[r] and reasons.absent[r]:
-            blind = _NO_POSE
-        elif limits.enters_when_stale[r] and reasons.stale[r]:
-            blind = _STALE
+        # What holds a rule entered whatever ``when_stale`` says: a pose that is not known, and a
+        # motion that is not known where times to contact count.
+        is_unsure = reasons.blind[r] > 0 or reasons.unpredicted[r]
+        blind = reasons.blind[r] if limits.enters_when_stale[r] else np.uint8(0)
         near = 0  # why it would be entered after ``enter_after``
         if reasons.lowest[r] < limits.enter[r]:
             near = _NEAR
@@ -152,11 +165,12 @@ def step(
             near = _SOON
         entered.near_since[r] = min(entered.near_since[r], now) if near else math.inf
         is_due = near > 0 and now - entered.near_since[r] >= limits.enter_after[r]
-        why = near if is_due else blind
+        why = near if is_due else int(blind)
         changes = why > 0
+        is_far, is_soon = False, False
         if entered.is_entered[r]:
-            is_far = reasons.lowest[r] >= limits.leave[r]
-            is_far &= reasons.soonest[r] >= limits.least_time[r]
+            is_soon = reasons.soonest[r] < limits.least_time[r]
+            is_far = reasons.lowest[r] >= limits.leave[r] and not is_soon
             has_held = now - entered.since[r] >= limits.hold[r]
             changes = is_measured and is_far and has_held and not is_unsure
         if changes:
@@ -164,8 +178,12 @@ def step(
             entered.since[r] = now
             changed[count] = r
             count += 1
-        if entered.is_entered[r] and why > 0:
+        if not entered.is_entered[r]:
+            continue
+        if why > 0:
             entered.why[r] = why
+        elif is_measured and not is_unsure and not is_far:  # what holds it is the distance alone
+            entered.why[r] = _SOON if is_soon and reasons.lowest[r] >= limits.leave[r] else _NEAR
     return count
 
 

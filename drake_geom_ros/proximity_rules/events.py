@@ -24,8 +24,9 @@ class Event(NamedTuple):
     """One change of one rule.
 
     The pair is the nearest of the rule's, for SOON the one that would touch first; ids of 0, a
-    distance of inf and points of NaN: none was near enough to be looked at. For STALE and NO_POSE
-    ``id_A`` is a geometry whose pose is missing, and nothing is known of a distance (NaN).
+    distance of inf and points of NaN: none was near enough to be looked at. For STALE, NO_POSE,
+    TWO_SENDERS and OTHER_CLOCK ``id_A`` is a geometry without a good pose, and nothing is known of
+    a distance (NaN).
 
     What the lower bound was held against is ``limit_distance``: ``enter`` of the rule, and
     ``leave`` where it is left.
@@ -79,12 +80,12 @@ def events_of(
     # Of what is left, the pair that it is nearest to be entered for again.
     pairs = _pairs(seen, watched.groups[changed], is_entered & (whys == Why.SOON))
     told = zip(changed.tolist(), is_entered.tolist(), map(Why, whys.tolist()), pairs, strict=True)
-    events = []
+    events, without = [], dict(poses.without())
     for sequence, (number, enters, why, pair) in enumerate(told, first):
         rule = rules[number]
-        if enters and why in (Why.STALE, Why.NO_POSE):
-            without = poses.stale if why == Why.STALE else poses.absent
-            ids = watched.ids[watched.needed[number] & without]
+        if enters and why in without and len(without[why]):
+            flags = without[why]
+            ids = watched.ids[watched.needed(number) & flags]
             pair = (int(ids[0]) if len(ids) else 0, 0, math.nan, *_NO_PAIR[3:])
         limit = rule.enter if enters else rule.leave
         limits = limit, rule.min_time_to_contact

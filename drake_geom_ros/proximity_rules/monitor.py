@@ -82,6 +82,7 @@ class RuleMonitor:
         self._scene = scene
         self._sequence = first_sequence
         self._met: frozenset[str] = frozenset()  # the rules that found all that they name
+        self.changes_of_why = 0  # cycles in which the reason of any rule changed
         self._set((), Entered.of_new(0))
 
     # Rules come and go.
@@ -108,18 +109,19 @@ class RuleMonitor:
         self._set((*self.rules, *added), states)
         return told
 
-    def remove(self, name: str) -> list[Event]:
-        """Remove a rule; return the event that it is gone.
+    def remove(self, *names: str) -> list[Event]:
+        """Remove rules, all or none; return the events that they are gone.
 
-        Raises RuleError where there is none of that name.
+        Raises RuleError where there is none of a name.
         """
-        names = [rule.name for rule in self.rules]
-        if name not in names:
-            raise RuleError(
-                f'there is no proximity rule {name[:80]!r}{nearest(name, names)}; '
-                'see list_proximity_rules'
-            )
-        return self._end([names.index(name)])
+        numbers = {rule.name: number for number, rule in enumerate(self.rules)}
+        for name in names:
+            if name not in numbers:
+                raise RuleError(
+                    f'there is no proximity rule {name[:80]!r}{nearest(name, numbers)}; '
+                    'see list_proximity_rules'
+                )
+        return self._end([numbers[name] for name in names])
 
     def bind(self, scene: ScenePairs) -> list[Event]:
         """Be about another version of the scene; return the events of the rules that it ends.
@@ -137,7 +139,8 @@ class RuleMonitor:
         gone = events_of_gone(self._sequence, [self.rules[n] for n in numbers])
         self._sequence += len(gone)
         if numbers:
-            kept = [n for n in range(len(self.rules)) if n not in numbers]
+            ended = set(numbers)
+            kept = [n for n in range(len(self.rules)) if n not in ended]
             self._set(tuple(self.rules[n] for n in kept), self._entered.of(kept))
         return gone
 
@@ -193,9 +196,13 @@ class RuleMonitor:
             take_nearest(nearest, limits, reasons)
             reasons.unpredicted[:] = self._unpredicted(measured)
             self._seen, self.is_measured = Seen(measured, nearest), True
-        reasons.stale[:] = watched.needs(poses.stale)
-        reasons.absent[:] = watched.needs(poses.absent) | watched.is_unknown
+        reasons.blind[:] = 0
+        for why, flags in poses.without():
+            reasons.blind[watched.needs(flags)] = why
+        reasons.blind[watched.is_unknown] = Why.NO_POSE
+        before = entered.why.copy()
         count = step(now, limits, reasons, self.is_measured, entered, self._changed)
+        self.changes_of_why += int(not np.array_equal(before, entered.why))
         if not count:
             return []
         first, changed = self._sequence, self._changed[:count]

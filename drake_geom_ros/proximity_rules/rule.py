@@ -46,9 +46,10 @@ class ProximityRule:
     for ``enter_after`` [s] without a break, and left when all are ``leave`` [m] or more, after
     ``hold`` [s] at the earliest. Where twists are known it is entered, too, while a pair would
     touch within ``min_time_to_contact`` [s] at the closing speed of now (0: distances alone
-    count). ``when_stale`` says what follows where a pose that it needs is too old or never came:
-    'enter', at once, or 'keep', which keeps the rule entered, and else goes by the poses that
-    there are; empty: 'enter' for a stop, 'keep' for others. ``scale`` is pairs (distance [m],
+    count). ``when_stale`` says what follows where a pose that it needs is not known, because it is
+    too old, never came, has two senders or stamps of another clock: 'enter', at once, or 'keep',
+    which keeps the rule entered, and else goes by the poses that there are; empty: 'enter' for a
+    stop and a slow rule, 'keep' for a warning. ``scale`` is pairs (distance [m],
     scale of speed 0 to 1), for slow rules only: see ``speed_scale``.
 
     Raises RuleError, which names the field, for what cannot be.
@@ -115,8 +116,8 @@ class ProximityRule:
 
     @property
     def enters_when_stale(self) -> bool:
-        """Whether a pose that is too old, or never came, enters the rule."""
-        return self.when_stale == ENTER or (not self.when_stale and self.level == Level.STOP)
+        """Whether a pose that is stale, absent or not to be trusted enters the rule."""
+        return self.when_stale == ENTER or (not self.when_stale and self.level != Level.WARN)
 
     @property
     def farthest(self) -> float:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.proximity_rules.decisions import Limits, Reasons
-from drake_geom_ros.proximity_rules.rule import Level, ProximityRule
+from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
 from drake_geom_ros.proximity_rules.watched_pairs import WatchedPairs
 
 Flags = NDArray[np.bool_]
@@ -17,7 +18,7 @@ Flags = NDArray[np.bool_]
 class SpeedScale:
     """The scale of speed of some rules; the least of all rules counts.
 
-    0 while a stop rule is entered, or a pose that it needs is stale or absent. Of a slow rule the
+    0 while a stop rule is entered, or a pose that it needs is not known. Of a slow rule the
     scale ascends in a straight line from 0 at the greatest ``enter`` of the stop rules that share
     a pair with it (0 m where none does) to 1 at its ``leave``, or as its own ``scale`` says; and
     while a pair would touch sooner than ``min_time_to_contact``, it is at most the part of that
@@ -28,10 +29,12 @@ class SpeedScale:
     def __init__(self, rules: Sequence[ProximityRule], watched: WatchedPairs) -> None:
         levels = np.array([rule.level for rule in rules])
         self._stops = levels == Level.STOP
+        slow = [n for n, rule in enumerate(rules) if rule.level == Level.SLOW]
+        stops = np.flatnonzero(self._stops).tolist()
+        begins = watched.greatest_shared(slow, stops, np.array([rules[n].enter for n in stops]))
         self._curves = {
-            number: np.array(rule.scale or _line(number, rules, watched)).T
-            for number, rule in enumerate(rules)
-            if rule.level == Level.SLOW
+            number: np.array(rules[number].scale or _line(begin, rules[number].leave)).T
+            for number, begin in zip(slow, begins.tolist(), strict=True)
         }
         self._slow = np.array(list(self._curves), dtype=np.int64)
         self._ends = np.array([curve[0, -1] for curve in self._curves.values()])
@@ -40,11 +43,11 @@ class SpeedScale:
 
     def value(self, entered: Flags, reasons: Reasons, limits: Limits) -> float:
         """Return the scale for the rules (r,) that are entered, and what is known of each."""
-        blind = reasons.stale | reasons.absent
+        blind, absent = reasons.blind > 0, reasons.blind == Why.NO_POSE
         if (self._stops & (entered | blind)).any():
             return 0.0
         scale = 1.0
-        unseen = (entered & (blind | reasons.unpredicted)) | reasons.absent
+        unseen = (entered & (blind | reasons.unpredicted)) | absent
         lacking = unseen[self._slow]
         near = reasons.lowest[self._slow] < self._ends
         soon = (reasons.soonest < limits.least_time)[self._slow]
@@ -57,16 +60,7 @@ class SpeedScale:
         return scale
 
 
-def _line(
-    number: int, rules: Sequence[ProximityRule], watched: WatchedPairs
-) -> tuple[tuple[float, float], ...]:
-    """Return the scale of a slow rule that names none."""
-    stops = [
-        other.enter
-        for k, other in enumerate(rules)
-        if other.level == Level.STOP and watched.shares_a_pair(number, k)
-    ]
-    rule = rules[number]
+def _line(begin: float, leave: float) -> tuple[tuple[float, float], ...]:
+    """Return the scale of a slow rule that names none, from a stop that shares a pair with it."""
     # A stop farther out leaves no room for a line: then it is a step.
-    begin = min(max(stops, default=0.0), np.nextafter(rule.leave, -np.inf))
-    return (begin, 0.0), (rule.leave, 1.0)
+    return (min(begin, math.nextafter(leave, -math.inf)), 0.0), (leave, 1.0)

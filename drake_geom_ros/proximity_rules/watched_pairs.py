@@ -28,6 +28,7 @@ from drake_geom_ros.proximity_rules.nearest_pairs import (
 from drake_geom_ros.proximity_rules.rule import ProximityRule
 
 Ids = NDArray[np.int64]
+Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
 
@@ -57,32 +58,34 @@ class WatchedPairs:
         rule in ``met`` the names that it goes on without.
         """
         self.ids: Ids = np.array(scene.ids, dtype=np.int64)
+        # Of rules that found all once, some may lack a name now that others wait for.
+        keys = [(rule.set_a, rule.set_b, rule.name in met) for rule in rules]
+        numbers: dict[tuple[object, ...], int] = {}
+        self.groups: Ids = np.array(
+            [numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64
+        )
+        firsts = np.unique(self.groups, return_index=True)[1].tolist()
         finder = _Finder(scene)
-        sets = [finder.sets_of(rule, may_lack=rule.name in met) for rule in rules]
-        shape = len(rules), len(scene.ids)
+        sets = [finder.sets_of(rules[n], may_lack=keys[n][2]) for n in firsts]
+        shape = len(firsts), len(scene.ids)
         self._in_a = np.array([each.in_a for each in sets], dtype=np.bool_).reshape(shape)
         self._in_b = np.array([each.in_b for each in sets], dtype=np.bool_).reshape(shape)
         self._count(scene.reported)
-        self.unknown = [each.refusal for each in sets]
-        self.lacking = [each.lacking for each in sets]
+        of_rules = [sets[group] for group in self.groups.tolist()]
+        self.unknown = [
+            finder.unknown(rule, each.unknown) if each.unknown else ''
+            for rule, each in zip(rules, of_rules, strict=True)
+        ]
+        self.lacking = [each.lacking for each in of_rules]
         self.is_unknown: Flags = np.array([bool(each) for each in self.unknown], dtype=np.bool_)
         unwatched = [
-            '' if each.refusal else _why_never(rule, int(pairs), int(left_out))
-            for rule, each, pairs, left_out in zip(
-                rules, sets, self.pairs, self.left_out, strict=True
+            '' if refusal else _why_never(rule, int(pairs), int(left_out))
+            for rule, refusal, pairs, left_out in zip(
+                rules, self.unknown, self.pairs, self.left_out, strict=True
             )
         ]
         self.trouble = [a or b for a, b in zip(self.unknown, unwatched, strict=True)]
-        # Of rules that found all once, some may lack a name now that others wait for.
-        sets_of = [(rule.set_a, rule.set_b, rule.name in met) for rule in rules]
-        firsts: dict[tuple[object, ...], int] = {}
-        for number, each in enumerate(sets_of):
-            firsts.setdefault(each, number)
-        groups = {each: number for number, each in enumerate(firsts)}
-        self.groups: Ids = np.array([groups[each] for each in sets_of], dtype=np.int64)
-        of_groups = list(firsts.values())
-        sets_of_groups = self._in_a[of_groups], self._in_b[of_groups]
-        self._count_of_groups, self._bits = len(groups), _bits(self.ids, *sets_of_groups)
+        self._bits = _bits(self.ids, self._in_a, self._in_b)
         if rules:
             self.nearest(NOTHING)  # compiled now, and not in a cycle
 
@@ -94,18 +97,24 @@ class WatchedPairs:
         near_a, near_b, near_both = in_a @ partners, in_b @ partners, both @ partners
         ordered = (near_a * in_b).sum(axis=1, dtype=np.float64)
         twice = (near_both * both).sum(axis=1, dtype=np.float64) / 2.0
-        self.pairs: Ids = (ordered - twice).astype(np.int64)  # (r,) that may be reported
+        pairs = (ordered - twice).astype(np.int64)
         a, b, c = (self._in_a.sum(axis=1), self._in_b.sum(axis=1), both.sum(axis=1))
         every = a * b - c - c * (c - 1) / 2  # without a geometry and itself
-        self.left_out: Ids = every.astype(np.int64) - self.pairs  # (r,) that never are
-        # (r, n) what has a partner in the other set: of others the pose does not matter.
-        self.needed: Flags = (self._in_a & (near_b > 0.0)) | (self._in_b & (near_a > 0.0))
+        self.pairs: Ids = pairs[self.groups]  # (r,) that may be reported
+        self.left_out: Ids = (every.astype(np.int64) - pairs)[self.groups]  # (r,) that never are
+        # (g, n) what has a partner in the other set: of others the pose does not matter.
+        self._needed: Flags = (self._in_a & (near_b > 0.0)) | (self._in_b & (near_a > 0.0))
+
+    def needed(self, rule: int) -> Flags:
+        """Return the geometries (n,) whose poses a rule needs."""
+        return np.asarray(self._needed[self.groups[rule]])
 
     def needs(self, flags: Flags) -> Flags:
         """Return which rules (r,) need the pose of any of the geometries (n,) that are flagged."""
         if not flags.any():  # as in most cycles
-            return np.zeros(len(self.needed), dtype=np.bool_)
-        return np.asarray(self.needed[:, flags].any(axis=1))
+            return np.zeros(len(self.groups), dtype=np.bool_)
+        needing: Flags = np.logical_or.reduce(self._needed[:, flags], axis=1)
+        return np.asarray(needing[self.groups])
 
     def nearest(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
         """Return the nearest pairs of each rule (r,), of those within ``farthest`` [m]."""
@@ -113,19 +122,33 @@ class WatchedPairs:
 
     def nearest_of_groups(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
         """Return the nearest pairs of the groups, of which ``groups`` (r,) says each rule's."""
-        return nearest_pairs(measured, farthest, self._bits, self._count_of_groups)
+        return nearest_pairs(measured, farthest, self._bits, len(self._in_a))
 
     def watched(self) -> Flags:
         """Return which pairs (n, n) concern any rule; symmetric."""
         one_way = np.matmul(self._in_a.T.astype(np.float32), self._in_b.astype(np.float32)) > 0.0
         return np.asarray(one_way | one_way.T)
 
-    def shares_a_pair(self, first: int, second: int) -> bool:
-        """Return whether two rules may be about one pair, filters aside."""
-        a, b = self._in_a[[first, second]], self._in_b[[first, second]]
-        straight = a.all(axis=0).any() and b.all(axis=0).any()
-        crossed = (a[0] & b[1]).any() and (b[0] & a[1]).any()
-        return bool(straight or crossed)
+    def greatest_shared(
+        self, numbers: Sequence[int], others: Sequence[int], values: Floats
+    ) -> Floats:
+        """Return the greatest value of the other rules (k,) that may share a pair with each rule.
+
+        Filters aside. 0 where none does, or all are less. Compared are groups of rules, so that
+        the time does not grow with the square of their number.
+        """
+        groups, places = np.unique(self.groups[list(numbers)], return_inverse=True)
+        other_groups, other_places = np.unique(self.groups[list(others)], return_inverse=True)
+        greatest = np.full(len(other_groups), -math.inf)
+        np.maximum.at(greatest, other_places, values)
+        in_a, in_b = (sets[other_groups].astype(np.float32).T for sets in (self._in_a, self._in_b))
+        found = np.zeros(len(groups))
+        for k, group in enumerate(groups.tolist()):  # row by row: a matrix of all may be large
+            a, b = (sets[group].astype(np.float32) for sets in (self._in_a, self._in_b))
+            shares = (a @ in_a > 0.0) & (b @ in_b > 0.0)
+            shares |= (a @ in_b > 0.0) & (b @ in_a > 0.0)
+            found[k] = greatest[shares].max(initial=0.0)
+        return np.asarray(found[places])
 
 
 def _bits(ids: Ids, in_a: Flags, in_b: Flags) -> SetBits:
@@ -147,11 +170,11 @@ def _words(flags: Flags) -> NDArray[np.uint64]:
 
 
 class _Sets(NamedTuple):
-    """The geometries (n,) of a rule's two sets, and why there are none, or not all."""
+    """The geometries (n,) of a rule's two sets, and the names that stand for nothing."""
 
     in_a: Flags
     in_b: Flags
-    refusal: str = ''
+    unknown: str = ''  # the first name that stands for nothing, where that counts
     lacking: tuple[str, ...] = ()
 
 
@@ -165,6 +188,7 @@ class _Finder:
             for name in dict.fromkeys(names.found_by):
                 self._rows.setdefault(name, []).append(row)
         self._found: dict[str, Flags] = {}
+        self._like: dict[str, str] = {}  # names that are like those that stand for nothing
 
     def sets_of(self, rule: ProximityRule, *, may_lack: bool) -> _Sets:
         """Return the sets of a rule, both empty where a pattern stands for nothing.
@@ -177,7 +201,7 @@ class _Finder:
         is_whole = bool(in_a.any()) and (not rule.set_b or bool(in_b.any()))
         if lacking and not (may_lack and is_whole):
             nothing = self._members([])
-            return _Sets(nothing, nothing, self._unknown(rule, lacking[0]))
+            return _Sets(nothing, nothing, lacking[0])
         return _Sets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
 
     def _members(self, patterns: Sequence[str]) -> Flags:
@@ -199,8 +223,11 @@ class _Finder:
                 members[rows] = True
         return members
 
-    def _unknown(self, rule: ProximityRule, pattern: str) -> str:
-        like = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
+    def unknown(self, rule: ProximityRule, pattern: str) -> str:
+        """Return in words that a rule names what stands for nothing."""
+        if pattern not in self._like:
+            self._like[pattern] = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
+        like = self._like[pattern]
         return (
             f'proximity rule {rule.name[:80]!r}: {pattern[:80]!r} stands for no geometry that '
             f'queries report{like}. The scene has {counted(self._count, "geometry")} with '

@@ -41,6 +41,7 @@ class Trouble(NamedTuple):
     first: int
     last: int
     seen: int
+    is_doubt: bool = False  # then results are not known to be those of the poses that held
 
 
 class Refused(NamedTuple):
@@ -188,11 +189,12 @@ class Playback:
     def look(self, time: int) -> None:
         """Note what is wrong now [ns]."""
         with self.live.editing() as scene:
+            doubts = set(scene.sender_troubles())
             troubles = [*scene.troubles(), *self.inputs.troubles(scene, self.stale_after)]
             troubles += filter(None, [scene.waiting().in_words(), *scene.warned])
             scene.warned = []
         for words in troubles:
-            self.note(words, time)
+            self.note(words, time, is_doubt=words in doubts)
 
     @property
     def troubles(self) -> list[Trouble]:
@@ -247,11 +249,12 @@ class Playback:
     def _note_refusal(self, recorded: Recorded, reason: str) -> None:
         self.note(f'a message of {recorded.topic.name} was refused: {reason}', recorded.time)
 
-    def note(self, words: str, time: int) -> None:
+    def note(self, words: str, time: int, *, is_doubt: bool = False) -> None:
         """Note what was wrong at a time [ns]."""
         known = self._told.get(words)
         if known is None and len(self._told) >= _MOST_TOLD:
             words = 'more was wrong than is told here'
             known = self._told.get(words)
         first, seen = (time, 0) if known is None else (known.first, known.seen)
-        self._told[words] = Trouble(words, first, time, seen + 1)
+        is_doubt |= known is not None and known.is_doubt
+        self._told[words] = Trouble(words, first, time, seen + 1, is_doubt)

@@ -18,7 +18,7 @@ from drake_geom_ros.recordings.opened import Opened
 from drake_geom_ros.recordings.playback import Moment
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Topic
 from drake_geom_ros.recordings.recording import Recorded, recorded
-from drake_geom_ros.recordings.repeats import Batch, Stamp, Stretch
+from drake_geom_ros.recordings.repeats import Batch, Floats, Indices, Stamp, Stretch
 from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
@@ -161,6 +161,7 @@ class Player:
                     before=repeated.numbers[rows[0] - 1],
                     at=at,
                     numbers=repeated.numbers[rows],
+                    times=_times(batch, owner, rows),
                     first=seconds_of(Stamp(*batch.stamps[stretch.begin + int(at[0])].tolist())),
                 )
             )
@@ -214,3 +215,11 @@ class Player:
             if not self._rate and sender in run.posing:
                 take(time, k + 1)
         return found, moments
+
+
+def _times(batch: Batch, owner: int, rows: Indices) -> Floats:
+    """Return the stamps [s] of messages and the one before; without stamps, when they came."""
+    repeated, chosen = batch.repeated[owner], np.arange(rows[0] - 1, rows[-1] + 1)
+    stamps = repeated.seconds[chosen] + repeated.nanoseconds[chosen] / NANOSECONDS
+    came: Floats = batch.times[repeated.at[chosen]] / NANOSECONDS
+    return came if not stamps.any() else np.asarray(stamps, dtype=np.float64)

@@ -116,6 +116,7 @@ class Told(Facts):
                 f'{f", also {ends} of the recording" if ends else ""}'
             )
         told += [each.in_words() for each in self.refused]
+        told += [trouble.words for trouble in self.troubles if trouble.is_doubt]
         if maps := told_maps(self.maps):
             told.append(maps)
         told += self.differences

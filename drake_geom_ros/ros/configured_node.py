@@ -21,7 +21,7 @@ from drake_geom_ros.ros import rule_topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.contact_topics import contact_topic
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
@@ -183,7 +183,7 @@ class ConfiguredNode:
                 scene.set_accuracy(new.accuracy)
             scene.filters_per_owner = new.filters_per_owner
             self.live.files = file_access(new)
-            self.live.most_megabytes = new.max_answer_size
+            self.live.most_megabytes, self.live.stale_after = new.max_answer_size, new.stale_after
             if new.rate != old.rate:
                 self._set_rate(new.rate)
         if new.cross_check != old.cross_check:
@@ -220,7 +220,8 @@ class ConfiguredNode:
         groups = self._groups
 
         def take_poses(message: Any, info: MessageInfo) -> None:
-            self._guard.take('frame_poses', self._stream.take_poses, message, waited(info))
+            take, sender = self._stream.take_poses, publisher_of(info)
+            self._guard.take('frame_poses', take, message, waited(info), sender)
 
         def take_twists(message: Any, info: MessageInfo) -> None:
             self._guard.take('frame_twists', self._stream.take_twists, message, waited(info))

@@ -9,7 +9,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.joint_input import JointInput
 from drake_geom_ros.ros.parameters import NodeParameters
@@ -53,6 +53,6 @@ class JointListening:
     def _listen(self, robots: str, topic: str) -> Subscription[Any]:
         def take(message: Any, info: MessageInfo) -> None:
             hear = partial(self._stream.take_joint_states, robots)
-            self._guard.take(topic, hear, message, waited(info))
+            self._guard.take(topic, hear, message, waited(info), publisher_of(info))
 
         return self._surface.subscription(JointState, topic, take, sensor_data(), self._group)

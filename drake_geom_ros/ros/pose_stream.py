@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
-from drake_geom_ros.ros.inputs.tf_edges import Refusal
+from drake_geom_ros.ros.inputs.tf_edges import Refusal, names_in
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
@@ -39,21 +39,21 @@ class PoseStream:
         with self._live.editing():
             self.active = False
 
-    def take_poses(self, message: Any, waited: float) -> None:
+    def take_poses(self, message: Any, waited: float, sender: str = '') -> None:
         """Take a FramePoses that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         start = time.perf_counter()
         with self._live.editing() as scene:
-            self._posed(scene, self.inputs.take_poses(scene, message, waited), start)
+            self._posed(scene, self.inputs.take_poses(scene, message, waited, sender), start)
         self._diagnostics.take(time.perf_counter() - start)
 
-    def take_joint_states(self, topic: str, message: Any, waited: float) -> None:
+    def take_joint_states(self, topic: str, message: Any, waited: float, sender: str = '') -> None:
         """Take a JointState that came ``waited`` [s] ago; raises RuntimeError to refuse it.
 
         ``topic`` is that of the robots that name it, empty for all others.
         """
         start = time.perf_counter()
         with self._live.editing() as scene:
-            if frames := self.inputs.take_joint_states(scene, message, waited, topic):
+            if frames := self.inputs.take_joint_states(scene, message, waited, topic, sender):
                 self._posed(scene, frames, start)
         self._diagnostics.take(time.perf_counter() - start)
 
@@ -66,9 +66,14 @@ class PoseStream:
         with self._live.editing() as scene:
             scene.take_twists(message, waited)
 
-    def hear_transforms(self, tf: TfInput, static: bool, message: Any, waited: float) -> Refusal:
+    def hear_transforms(
+        self, tf: TfInput, static: bool, message: Any, waited: float, sender: str = ''
+    ) -> Refusal:
         """Take a TFMessage that came ``waited`` [s] ago; return what was not taken of it."""
-        with self._live.editing():
+        with self._live.editing() as scene:
+            if sender and not static:
+                children = frozenset(child for _, child in names_in(message.transforms))
+                scene.senders.note_transforms(sender, children)
             return tf.hear(message, static=static, waited=waited)
 
     def pose_by_transforms(self, messages: int, passed_over: int) -> None:

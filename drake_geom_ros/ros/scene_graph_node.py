@@ -43,7 +43,7 @@ from drake_geom_ros.ros.parameters import (
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.pose_history import PoseHistory
-from drake_geom_ros.ros.scene.seen_maps import stand
+from drake_geom_ros.ros.scene.seen_maps import begin_with_maps
 from drake_geom_ros.ros.services.parameters import answer_always
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
@@ -132,7 +132,7 @@ class SceneGraphNode(LifecycleNode):
         clocks = Clocks(lambda: _seconds_now(self))
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
         live.files = file_access(values)
-        live.most_megabytes = values.max_answer_size
+        live.most_megabytes, live.stale_after = values.max_answer_size, values.stale_after
         live.name_cameras_for(self.get_fully_qualified_name())
         live.robot_options = RobotOptions(
             filter_self_collisions=values.filter_self_collisions,
@@ -140,20 +140,20 @@ class SceneGraphNode(LifecycleNode):
             paddings=paddings_of(values.paddings),
             frame_prefix=values.frame_prefix,
         )
+        described = None
         if values.scene_file:
             roots, options = live.files.package_roots, live.robot_options
             described = read_scene(values.scene_file, package_roots=roots, options=options)
-            with live.editing() as scene:
-                frames, geometries = scene.add(described)
-            hulls = hulls_in_words(described.geometries)
-            loaded = f'{counted(frames, "frame")} and {counted(geometries, "geometry")}'
-            self.get_logger().info(f'loaded {loaded}{hulls}')
         if values.obstacles:
             compile_passes()
-            with live.editing() as scene:
+        with live.editing() as scene:
+            if values.obstacles:
                 scene.history = PoseHistory()
-                for name in values.obstacles:  # each waits, and its kernels are compiled
-                    stand(scene, name, values.obstacle_margin)
+            counts = begin_with_maps(scene, described, values.obstacles, values.obstacle_margin)
+        if described is not None:
+            hulls = hulls_in_words(described.geometries)
+            loaded = f'{counted(counts[0], "frame")} and {counted(counts[1], "geometry")}'
+            self.get_logger().info(f'loaded {loaded}{hulls}')
         live.tell_compiling = self._tell_compiling
         kernels = live.compile_kernels()
         opened = ConfiguredNode(

@@ -27,9 +27,11 @@ def listen_to_tf(
     tf = TfInput(clocks)
     for static, topic in ((True, '/tf_static'), (False, '/tf')):
 
-        def hear(raw: bytes, waited: float, static: bool = static, topic: str = topic) -> None:
+        def hear(
+            raw: bytes, waited: float, sender: str, static: bool = static, topic: str = topic
+        ) -> None:
             message = deserialize_message(raw, TFMessage)
-            refusal = stream.hear_transforms(tf, static, message, waited)
+            refusal = stream.hear_transforms(tf, static, message, waited, sender)
             if refusal.transforms:
                 guard.refuse(topic, refusal.reason, refusal.transforms)
 

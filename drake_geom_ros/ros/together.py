@@ -16,7 +16,7 @@ from typing import Any
 
 from rclpy.subscription import Subscription
 
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, waited
+from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
 
 _LONGEST_READING = 0.03  # [s] of the messages that waited; then what they bring is used
 _MOST = 1000  # messages that are taken from a queue at once, for it fills meanwhile
@@ -29,12 +29,12 @@ class Together:
 
     def __init__(
         self,
-        take: Callable[[bytes, float], object],
+        take: Callable[[bytes, float, str], object],
         then: Callable[[int, int], object],
         *,
         may_pass_over: bool,
     ) -> None:
-        """``take`` is given each message and how long [s] it waited, oldest first.
+        """``take`` is given each message, how long [s] it waited and who sent it, oldest first.
 
         ``then`` is told how many messages there were and how many of these were passed over,
         which is none unless ``may_pass_over``.
@@ -56,7 +56,7 @@ class Together:
         if self._may_pass_over and self._seconds_a_byte:
             chosen = newest(queue, _LONGEST_READING / self._seconds_a_byte)
         for raw, told in chosen:
-            self._take(raw, waited(told))
+            self._take(raw, waited(told), publisher_of(told))
         size = sum(len(raw) for raw, _ in chosen)
         self._seconds_a_byte = (time.perf_counter() - start) / max(1, size)
         self._then(len(queue), len(queue) - len(chosen))
@@ -69,10 +69,10 @@ def newest(queue: Sequence[Waiting], room: float) -> Sequence[Waiting]:
     """
     if sum(len(raw) for raw, _ in queue) <= room:
         return queue
-    seen: Counter[bytes] = Counter()
+    seen: Counter[str] = Counter()
     order: list[tuple[int, int]] = []  # how many newer ones its publisher has, how many all have
     for age, (_, info) in enumerate(reversed(queue)):
-        publisher = (info.get('publisher_gid') or {}).get('data', b'')
+        publisher = publisher_of(info)
         order.append((seen[publisher], age))
         seen[publisher] += 1
     kept: list[int] = []

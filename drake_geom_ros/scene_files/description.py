@@ -48,7 +48,8 @@ class FrameDescription:
     ``static`` is true where its pose does not grow old, false where it is expected to move, and
     None where that shows when a pose comes. ``welded``: its geometries count as anchored.
     ``attached_to``: the frame that it follows, in which X_PF is then; ``parent`` is its home, and
-    ``mounted_on`` is so where that is a frame of another source.
+    ``mounted_on`` is so where that is a frame of another source. ``part_of_robot``: what is
+    attached counts as part of what carries it in sets by name.
     """
 
     source: str
@@ -60,6 +61,7 @@ class FrameDescription:
     where: Location = field(default=_NOWHERE, compare=False)
     welded: bool = False
     attached_to: Member | None = None
+    part_of_robot: bool = True
     mounted_on: Member | None = None
 
 

@@ -292,6 +292,7 @@ class _Registration:
             frame_id=self._frames[frame.source, frame.name],
             parent_id=self._frame_id(to.source, to.frame),
             X_PF=frame.X_PF,
+            is_part=frame.part_of_robot,
         )
 
     def _register_geometry(self, geometry: GeometryDescription) -> None:

@@ -136,6 +136,7 @@ class _Describer:
             static,
             attached_to=self._member(inspector.GetParentFrame(frame_id)) if attached else None,
             mounted_on=mount,
+            part_of_robot=inspector.IsPartOfParent(frame_id) or not attached,
         )
 
     def _member(self, frame_id: FrameId) -> Member:

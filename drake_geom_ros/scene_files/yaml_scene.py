@@ -83,6 +83,10 @@ class _SceneParser:
         for index, plain in enumerate(self._plain.get('frames', ())):
             if {'attached_to', 'mounted_on'} & plain.keys():
                 self._hang(index, plain, names)
+            if 'part_of_robot' in plain and 'attached_to' not in plain:
+                raise self._document.at('frames', index, 'part_of_robot').error(
+                    'part_of_robot is of frames that are attached to another one: give attached_to'
+                )
         for index, plain in enumerate(self._plain.get('filters', ())):
             if sources := self._awaited(plain):
                 self._await(index, plain, sources)
@@ -201,7 +205,8 @@ class _SceneParser:
         frame = self._frames[k]
         if 'attached_to' in plain:
             to = self._carrier(plain['attached_to'], names, 'frames', index, 'attached_to')
-            frame = replace(frame, attached_to=to)
+            is_part = plain.get('part_of_robot', True)
+            frame = replace(frame, attached_to=to, part_of_robot=is_part)
         if 'mounted_on' in plain:
             to = self._carrier(plain['mounted_on'], names, 'frames', index, 'mounted_on')
             frame = replace(frame, mounted_on=to)

@@ -1,5 +1,8 @@
 """Names and frames of a scene, from its message."""
 
+import copy
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -131,3 +134,23 @@ def test_what_hangs_on_a_frame_waits_with_it():
     assert table.waits([table.ids('tip')], ['arm::hand'])
     assert not table.waits([table.ids('ring')], ['arm::tip'])
     assert not table.waits([everything], [])
+
+
+@pytest.mark.parametrize('is_part', [True, False])
+def test_what_a_robot_carries_is_found_by_the_names_of_the_robot(is_part):
+    message = copy.deepcopy(SCENE)
+    tip = next(frame for frame in message.frames if frame.name == 'tip')
+    part = copy.deepcopy(tip)
+    part.id, part.name, part.source_id, part.parent_id = 90, 'part', 91, tip.id
+    part.part_of_robot = is_part
+    box = copy.deepcopy(next(g for g in message.geometries if g.frame_id == tip.id))
+    box.id, box.name, box.source_id, box.frame_id = 92, 'box', 91, 90
+    message.frames.append(part)
+    message.geometries.append(box)
+    message.sources.append(SimpleNamespace(id=91, name='parts'))
+    table = SceneTable.from_message(message)
+    carried, before = [92] if is_part else [], SceneTable.from_message(SCENE)
+    for name in ('arm', 'arm::tip'):
+        assert table.ids(name).tolist() == [*before.ids(name).tolist(), *carried]
+    assert table.ids('parts').tolist() == [92]
+    assert table[92].full_name == 'parts::part/box'

@@ -78,9 +78,9 @@ SCENE = Some(
     names_version=7,
     sources=[Some(id=1, name='room'), Some(id=2, name='arm')],
     frames=[
-        Some(id=10, name='world', source_id=1, parent_id=10),
-        Some(id=11, name='hand', source_id=2, parent_id=10),
-        Some(id=12, name='tip', source_id=2, parent_id=11),
+        Some(id=10, name='world', source_id=1, parent_id=10, part_of_robot=False),
+        Some(id=11, name='hand', source_id=2, parent_id=10, part_of_robot=False),
+        Some(id=12, name='tip', source_id=2, parent_id=11, part_of_robot=False),
     ],
     joints=[],
     geometries=[

@@ -144,6 +144,52 @@ def test_a_stale_pose_enters_a_stop_and_keeps_what_is_entered():
     assert [e.is_entered for e in watch.decide(3.0, FRESH, NOTHING)] == [False, False]
 
 
+@pytest.mark.parametrize(
+    ('field', 'why'),
+    [('contested', Why.TWO_SENDERS), ('foreign', Why.OTHER_CLOCK)],
+)
+def test_poses_that_are_not_to_be_trusted_enter_rules_with_a_reason_of_their_own(field, why):
+    stop, slow = rule('stop'), rule('slow', level=Level.SLOW)
+    watch = monitor(stop, slow, rule('warn', level=Level.WARN))
+    doubted = FRESH._replace(**{field: np.array([0, 1, 0, 0, 0, 0], bool)})
+    watch.decide(0.0, FRESH, NOTHING)
+    events = watch.decide(1.0, doubted)
+    assert [(e.rule, e.why, e.id_A) for e in events] == [('stop', why, 12), ('slow', why, 12)]
+    assert watch.speed_scale() == 0.0
+    assert [e.is_entered for e in watch.decide(2.0, FRESH)] == [False, False]
+    assert watch.speed_scale() == 1.0
+
+
+def test_a_slow_rule_alone_has_its_least_scale_while_a_pose_is_stale_unless_it_keeps():
+    stale = Poses(np.array([0, 1, 0, 0, 0, 0], bool), np.zeros(6, bool))
+    for when_stale, least in (('', 0.2), ('enter', 0.2), ('keep', 1.0)):
+        scale = ((0.1, 0.2), (0.5, 1.0))
+        watch = monitor(rule(level=Level.SLOW, scale=scale, when_stale=when_stale))
+        watch.decide(0.0, FRESH, NOTHING)
+        assert watch.speed_scale() == 1.0
+        watch.decide(1.0, stale)
+        assert watch.speed_scale() == least
+
+
+def test_the_reason_follows_when_what_holds_a_rule_entered_changes():
+    watch = monitor(rule(enter_after=5.0))
+    absent = Poses(np.zeros(6, bool), np.array([1, 0, 0, 0, 0, 0], bool))
+    stale = Poses(np.array([1, 0, 0, 0, 0, 0], bool), np.zeros(6, bool))
+    (event,) = watch.decide(0.0, absent, NOTHING)
+    changes = watch.changes_of_why
+    between = measured((0, 4, 0.15, 0.0))
+    assert (event.why, watch.decide(1.0, FRESH, between)) == (Why.NO_POSE, [])
+    assert watch.states()[0].why == Why.NEAR
+    assert watch.changes_of_why == changes + 1
+    watch.decide(2.0, stale)
+    assert watch.states()[0].why == Why.STALE
+    watch.decide(3.0, FRESH)
+    assert watch.states()[0].why == Why.NEAR
+    assert watch.changes_of_why == changes + 3
+    watch.decide(4.0, FRESH)
+    assert watch.changes_of_why == changes + 3
+
+
 def test_a_pose_that_no_pair_needs_may_be_stale():
     watch = monitor(rule(set_b=('right',)))
     stale = Poses(np.array([0, 0, 0, 0, 1, 0], bool), np.zeros(6, bool))
@@ -302,7 +348,8 @@ def test_speed_is_the_least_where_a_pose_never_came():
     slow = rule('slow', level=Level.SLOW, scale=((0.1, 0.2), (0.5, 1.0)))
     watch = monitor(slow)
     absent = Poses(np.zeros(6, bool), np.array([1, 0, 0, 0, 0, 0], bool))
-    assert watch.decide(0.0, absent, NOTHING) == []
+    (event,) = watch.decide(0.0, absent, NOTHING)
+    assert event.why == Why.NO_POSE
     assert watch.speed_scale() == 0.2
     watch.decide(1.0, FRESH, NOTHING)
     assert watch.speed_scale() == 1.0
@@ -424,3 +471,50 @@ def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
         assert all(e.is_entered == entered[e.rule] for e in events)
         assert [e.sequence for e in events] == list(range(sequence, sequence + len(events)))
         sequence += len(events)
+
+
+def test_slow_rules_are_held_against_groups_of_stop_rules_and_not_against_each(monkeypatch):
+    looked_at = []
+    shared = WatchedPairs.greatest_shared
+
+    def counted(self, numbers, others, values):
+        found = shared(self, numbers, others, values)
+        looked_at.append((len(numbers), len(others), len(np.unique(self.groups))))
+        return found
+
+    monkeypatch.setattr(WatchedPairs, 'greatest_shared', counted)
+    levels = (Level.SLOW, Level.STOP)
+    many = [rule(f'{k}', level=levels[k % 2], enter=0.01 + 1e-5 * k) for k in range(600)]
+    watch = monitor(*many)
+    assert looked_at[-1] == (300, 300, 1)
+    watch.decide(0.0, FRESH, measured((0, 4, 0.17, 0.0)))
+    nearest_stop = max(each.enter for each in many if each.level == Level.STOP)
+    slowest = (0.17 - nearest_stop) / (0.2 - nearest_stop)
+    assert watch.speed_scale() == pytest.approx(slowest)
+
+
+@given(st.lists(st.tuples(st.sampled_from(PATTERNS), st.sampled_from(PATTERNS)), min_size=2))
+def test_the_greatest_enter_of_what_shares_a_pair_is_that_of_all_pairs_of_rules(sets):
+    rules = [rule(f'{k}', (a,), (b,), enter=0.001 * k) for k, (a, b) in enumerate(sets)]
+    where, half = scene(), len(sets) // 2
+    watched = WatchedPairs(rules, where)
+    found = watched.greatest_shared(
+        range(half), range(half, len(rules)), np.array([r.enter for r in rules[half:]])
+    )
+
+    def members(patterns):
+        return {
+            k
+            for k, names in enumerate(where.names)
+            if any(matches(names.found_by, p) for p in patterns)
+        }
+
+    for k in range(half):
+        a, b = members(rules[k].set_a), members(rules[k].set_b)
+        shared = [
+            other.enter
+            for other in rules[half:]
+            for c, d in [(members(other.set_a), members(other.set_b))]
+            if (a & c and b & d) or (a & d and b & c)
+        ]
+        assert found[k] == max(shared, default=0.0)

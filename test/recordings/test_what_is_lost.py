@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 from recordings import recorder
-from recordings.test_clearance import HERE, balls, poses  # noqa: F401
+from recordings.test_clearance import CELL, HERE, balls, poses  # noqa: F401
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.command_line.report_making import NOT_WHOLE
@@ -229,3 +229,17 @@ def test_who_says_what_a_node_saw_is_believed_where_it_was_recorded(
         maps('/text')
     with pytest.raises(RecordingError, match="obstacles is given twice, as '/lidar' and '/ali"):
         maps('/lidar', '/aligned')
+
+
+@pytest.mark.parametrize('every', [2, 10])
+def test_a_recording_of_two_senders_of_joint_values_is_not_whole(tmp_path, every):
+    joints, messages = ('turn', 'bend', 'roll', 'slide'), []
+    for k in range(200):
+        values = [0.5, 0.5, 0.5, 0.1] if k % every == 0 else [0.001 * k, 0.0, 0.0, 0.0]
+        messages.append(
+            (0.01 * k, '/joint_states', recorder.joint_state(0.01 * k, joints, values))
+        )
+    found = clearance(recorder.record(tmp_path / 'run', messages), CELL)
+    told = '; '.join(trouble.words for trouble in found.troubles)
+    assert 'are sent by two senders in turn' in told
+    assert found.reservations()

@@ -56,17 +56,19 @@ def test_simulated_time_rules_stamps_and_steady_time_leases(tmp_path, lone_clien
 
         def posed():
             """Whether the node holds the very poses sent last, so that none is on its way."""
-            stamp = next(stamps)
-            publisher.publish(poses(['a', 'b'], [(0, 0, 0), (0.5, 0, 0)], stamp=stamp))
-            return answer().result.header.stamp.sec == stamp
+            message = poses(['a', 'b'], [(0, 0, 0), (0.5, 0, 0)])
+            message.header.stamp = Time(sec=seconds_now[-1], nanosec=next(counted))
+            publisher.publish(message)
+            return answer().result.header.stamp == message.header.stamp
 
-        stamps = itertools.count(1)  # so early that they tell no age
+        counted, seconds_now = itertools.count(1), [100]
         client.wait_for(lambda: told(100), 'a node that knows that it is 100 s')
         client.wait_for(posed, 'poses')
         assert age() < 50.0
         client.wait_for(lambda: results and list(results[-1].id_a) == [small], 'the pair')
         client.wait_for(lambda: told(150), 'a node that knows that it is 150 s')
-        assert 50.0 <= age() < 100.0
+        assert 49.9 <= age() < 100.0
+        seconds_now.append(150)
         stale = 'simulated::a, simulated::b'
         client.wait_for(
             lambda: values(diagnostics).get('names of stale frames') == stale, 'stale frames'

@@ -51,7 +51,7 @@ def test_a_message_waited_since_the_middleware_noted_it():
 def test_before_the_subscription_is_known_a_message_is_taken_alone():
     taken, told = [], []
     together = Together(
-        lambda raw, waited: taken.append(raw),
+        lambda raw, waited, sender: taken.append(raw),
         lambda count, passed_over: told.append((count, passed_over)),
         may_pass_over=True,
     )

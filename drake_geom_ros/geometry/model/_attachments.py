@@ -84,9 +84,9 @@ def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord])
 
 
 def attach_frame(
-    model: Model, source_id: SourceId, frame_id: FrameId, parent_id: FrameId
+    model: Model, source_id: SourceId, frame_id: FrameId, parent_id: FrameId, *, is_part: bool
 ) -> FrameRecord:
-    """Let a frame follow another one, of any source; return its record.
+    """Let a frame follow another one, of any source, as a part of it or not; return its record.
 
     Raises OwnershipError for a frame that is not the source's, ArgumentError where the other one
     is the world or hangs on the frame itself.
@@ -100,6 +100,7 @@ def attach_frame(
     _refuse_ring(model, frame, parent, 'AttachFrame')
     if frame.home_id is None:
         frame.home_id = frame.parent_id
+    frame.is_part = is_part
     _hang_on(model, frame, parent_id)
     return frame
 
@@ -126,7 +127,7 @@ def detach_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> FrameR
     frame = model.owned_frame(source_id, frame_id)
     if frame.home_id is None:
         raise GeometryError(f'DetachFrame: {named(frame)} is not attached to a frame')
-    home_id, frame.home_id = frame.home_id, None
+    home_id, frame.home_id, frame.is_part = frame.home_id, None, False
     _hang_on(model, frame, home_id)
     return frame
 

@@ -69,6 +69,7 @@ class FrameRecord:
     parent_id: FrameId
     frame_group: int
     home_id: FrameId | None = None  # of an attached frame: the parent that it was registered on
+    is_part: bool = False  # an attached frame that counts as part of what carries it
     geometry_ids: dict[GeometryId, None] = field(default_factory=dict)
 
 

@@ -154,6 +154,10 @@ class SceneGraphInspector:
         """Return whether a frame is attached to another one: see ``SceneGraph.AttachFrame``."""
         return self._model.frame(frame_id).home_id is not None
 
+    def IsPartOfParent(self, frame_id: FrameId) -> bool:
+        """Return whether a frame is attached and counts as part of the frame that carries it."""
+        return self._model.frame(frame_id).is_part
+
     def GetFrameGroup(self, frame_id: FrameId) -> int:
         """Return the group number of a frame, -1 for the world."""
         return self._model.frame(frame_id).frame_group

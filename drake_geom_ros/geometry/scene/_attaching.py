@@ -41,15 +41,20 @@ class Attaching(SceneHolder):
         frame_id: FrameId,
         parent_id: FrameId,
         X_PF: RigidTransform,
+        is_part: bool = True,
     ) -> None:
         """Let a frame, with all that hangs on it, follow a frame of any source, at X_PF in it.
 
-        X_PF is its pose from then on: contexts that are made later begin with it. A weld of the
-        frame to the world ends. Collision filters stay as they are. Raises RuntimeError if the
+        X_PF is its pose from then on: contexts that are made later begin with it. ``is_part``:
+        sets by name that stand for the other frame, or for its source, include this one. A weld of
+        the frame to the world ends. Collision filters stay as they are. Raises RuntimeError if the
         frame is not the source's, or the other one is the world or hangs on it.
         """
         pose = checked_pose(X_PF, 'AttachFrame: X_PF')
-        on.begin_at(_attachments.attach_frame(on.model, source_id, frame_id, parent_id), pose)
+        frame = _attachments.attach_frame(
+            on.model, source_id, frame_id, parent_id, is_part=is_part
+        )
+        on.begin_at(frame, pose)
 
     @or_on_context
     def MountFrame(

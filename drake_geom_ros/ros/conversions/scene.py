@@ -172,5 +172,6 @@ def _frame_message(
         source_id=inspector.GetOwningSourceId(frame).get_value(),
         parent_id=parent.get_value(),
         is_attached=inspector.IsAttached(frame),
+        part_of_robot=inspector.IsPartOfParent(frame),
         frame_group=inspector.GetFrameGroup(frame),
     )

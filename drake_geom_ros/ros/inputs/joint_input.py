@@ -20,8 +20,14 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import shortened, some_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
-from drake_geom_ros.ros.scene.driven_robot import UNKNOWN, Base, DrivenRobot, JointValue, LinkPoses
+from drake_geom_ros.ros.scene.clocks import ALWAYS, UNKNOWN, Clocks, Since
+from drake_geom_ros.ros.scene.driven_robot import (
+    Base,
+    DrivenRobot,
+    JointValue,
+    LinkPoses,
+    Moments,
+)
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import JOINTS
 from drake_geom_ros.ros.scene.held_scene import HeldScene
@@ -66,10 +72,18 @@ class JointInput:
         """Return the topics that robots of the scene name."""
         return {robot.topic for robot in scene.joints.robots.values() if robot.topic}
 
-    def take(self, scene: EditableScene, message: Any, waited: float, topic: str = '') -> int:
+    def take(
+        self,
+        scene: EditableScene,
+        message: Any,
+        waited: float,
+        topic: str = '',
+        sender: str = '',
+    ) -> int:
         """Take a JointState whole that came ``waited`` [s] ago; return how many frames it posed.
 
-        ``topic`` is that of robots that name it; empty: the one for all others. Raises
+        ``topic`` is that of robots that name it, empty: the one for all others; ``sender`` is the
+        identity of the publisher, empty where nobody knows it. Raises
         ArgumentError for what is wrong, and for a message without a joint of ours.
         """
         places = self.places(scene, topic, tuple(message.name))
@@ -91,10 +105,22 @@ class JointInput:
             for name, values in before.items():
                 robots[name].values = values
             raise
+        self._note_sender(scene, message, sender, changed)
         if scene.history is not None:
             for name, columns in changed.items():
                 scene.joints.pasts[name].note(columns)
         return sum(self._pose(scene, move, message.header.stamp) for move in moves if move)
+
+    def _note_sender(
+        self, scene: EditableScene, message: Any, sender: str, changed: Mapping[str, set[int]]
+    ) -> None:
+        """Note who sent values; without an identity by what is listed, and by the values."""
+        joints = frozenset((name, column) for name in changed for column in changed[name])
+        listed = tuple(message.name), len(message.velocity) > 0, message.header.frame_id
+        scene.senders.note_joints(sender or listed, joints)
+        if not sender:
+            for name, columns in changed.items():
+                scene.senders.note_values(scene.joints.robots[name], columns)
 
     def follow(self, scene: EditableScene) -> int:
         """Pose the robots whose base has moved, or that are new; return how many frames.
@@ -108,15 +134,16 @@ class JointInput:
         if stamp is None:  # nothing ever came
             return 0
         moved, scene.moved = scene.moved, set()
-        moves = [
-            self._move(scene, robot, None, leave_out=self._are_others(scene, robot))
-            for robot in self._driven(scene)
-            if is_new
-            or (
-                (robot.base is None or not moved.isdisjoint(self._carriers[robot.name]))
-                and _bytes(base_of(scene, robot)) != _bytes(robot.base)
-            )
-        ]
+        moves = []
+        for robot in self._driven(scene):
+            may_have_moved = robot.base is None or not moved.isdisjoint(self._carriers[robot.name])
+            if not (is_new or may_have_moved):
+                continue
+            others, base = self._are_others(scene, robot), base_of(scene, robot)
+            if is_new or _bytes(base) != _bytes(robot.base):
+                moves.append(self._move(scene, robot, None, leave_out=others))
+            elif base is not None and base != robot.base:
+                self._renew(scene, robot, base, others)
         return sum(self._pose(scene, move, stamp) for move in moves if move)
 
     def has_followed(self, scene: HeldScene) -> bool:
@@ -235,12 +262,16 @@ class JointInput:
             return None
         links = robot.link_poses(base, robot.positions(), set().union(*moments.values()))
         # Of what stands as the scene file says the age stays unknown.
-        posed = {
-            frozenset(robot.links[row] for row in some): since
-            for since, some in moments.items()
-            if since != UNKNOWN
-        }
+        posed = _frames_since(robot, moments)
         return _Move(robot, base, links, posed, FramePoseVector.FromArrays(links.ids, links.rows))
+
+    def _renew(
+        self, scene: EditableScene, robot: DrivenRobot, base: Base, leave_out: frozenset[int]
+    ) -> None:
+        """Let the links be as new as a base that was posed again where it stands."""
+        rows = {columns: some - leave_out for columns, some in robot.patterns.items()}
+        robot.base = base
+        scene.renew(_frames_since(robot, robot.since(base, rows)))
 
     def _are_others(self, scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
         """Return the rows of links that somebody else posed last."""
@@ -255,6 +286,15 @@ class JointInput:
         if scene.watches_motion and stamp_of(stamp):
             _tell_twists(scene, move, stamp_of(stamp))
         return len(move.poses)
+
+
+def _frames_since(robot: DrivenRobot, moments: Moments) -> dict[frozenset[int], Since]:
+    """Return since when links hold, by their frames; those of unknown age are left out."""
+    return {
+        frozenset(robot.links[row] for row in some): since
+        for since, some in moments.items()
+        if since != UNKNOWN
+    }
 
 
 def base_of(scene: HeldScene, robot: DrivenRobot) -> Base | None:
@@ -316,8 +356,12 @@ def _numbers(message: Any, places: Sequence[JointPlace | None]) -> tuple[list[fl
     if len(speeds) not in (0, len(places)):
         raise ArgumentError(f'velocity holds {counted(len(speeds), "number")} {asked}, or none')
     ours = np.array([place is not None for place in places], dtype=np.bool_)
-    for what, numbers in (('position', positions), ('velocity', speeds)):
-        wrong = np.flatnonzero(ours[: len(numbers)] & ~np.isfinite(numbers))
+    # A driver without an interface for velocities sends NaN for each: it is not known then.
+    allowed = np.isfinite(positions), np.isfinite(speeds) | np.isnan(speeds)
+    for what, numbers, good in zip(
+        ('position', 'velocity'), (positions, speeds), allowed, strict=True
+    ):
+        wrong = np.flatnonzero(ours[: len(numbers)] & ~good)
         if wrong.size:
             k = int(wrong[0])
             raise ArgumentError(

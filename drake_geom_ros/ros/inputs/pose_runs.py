@@ -13,7 +13,7 @@ the usual way: so the scene is left as all of them would have left it. No ROS im
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -26,11 +26,12 @@ from drake_geom_ros.ros.inputs.joint_input import JointInput, base_of
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.tf_edges import matrices_of, names_in
 from drake_geom_ros.ros.inputs.tf_input import TfInput
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
-from drake_geom_ros.ros.scene.driven_robot import DrivenRobot, oldest, or_zero
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Since, oldest
+from drake_geom_ros.ros.scene.driven_robot import DrivenRobot, or_zero
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.senders import may_jump_and_return
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -49,6 +50,7 @@ class Sender(NamedTuple):
     before: Floats  # (k,) positions, or poses of 7 numbers each, of the message before the run
     at: Indices  # (n,) the places of its messages in the run, ascending
     numbers: Floats  # (n, k) positions or poses of these
+    times: Floats  # (n + 1,) [s] stamps of the one before and of these, or when they came
     first: float  # [s] the stamp of the first of these
 
 
@@ -244,6 +246,8 @@ class _Telling:
             if not self._hold(JOINTS, groups):
                 return False
             self._groups += groups
+            if self._may_have_two_senders(robot, led):
+                return False
             positions = np.tile(robot.positions(), (len(self._last[0]), 1))
             for column, (number, k) in led.items():
                 positions[:, column] = self._numbers(number, k)
@@ -252,6 +256,19 @@ class _Telling:
             self._rows.append(X_PLs[:, rows])
         posing = {sender for group in self._groups for sender in group.senders}
         return all(k in posing or self._senders[k].feeder == TF for k in range(self._count))
+
+    def _may_have_two_senders(
+        self, robot: DrivenRobot, led: Mapping[int, tuple[int, int]]
+    ) -> bool:
+        """Return whether joints jump to and fro, which shows message by message what it is."""
+        for number in {number for number, _ in led.values()}:
+            sender = self._senders[number]
+            columns = [column for column, (each, _) in led.items() if each == number]
+            values = np.vstack((sender.before, sender.numbers))
+            chosen = values[:, [led[column][1] for column in columns]]
+            if may_jump_and_return(robot, columns, sender.times, chosen):
+                return True
+        return False
 
     @property
     def _count(self) -> int:

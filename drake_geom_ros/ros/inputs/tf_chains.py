@@ -17,8 +17,7 @@ from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.ros.inputs.tf_edges import Edge
 from drake_geom_ros.ros.inputs.tf_troubles import loop_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
-from drake_geom_ros.ros.scene.driven_robot import oldest
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Since, oldest
 
 Floats = NDArray[np.float64]
 

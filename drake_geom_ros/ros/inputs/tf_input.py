@@ -194,6 +194,12 @@ class TfInput:
             *shared(self._edges, scene.names),
         ]
 
+    def frames_on(self, scene: HeldScene, names: Collection[str]) -> set[int]:
+        """Return the frames of the scene whose chain holds any of some TF frames."""
+        followed = ((f, self._followed(own)) for f, own in self._names_of_frames(scene))
+        edges, changed, known = self._edges, set(names), dict[str, bool]()
+        return {f.get_value() for f, n in followed if n and hangs_on(n, changed, known, edges)}
+
     def _is_news(self, child: str, edge: Edge) -> bool:
         known = self._edges.get(child)
         return known is None or known.stamp == math.inf or edge.stamp >= known.stamp
@@ -295,13 +301,13 @@ class TfInput:
         """
         now = {child: self._edges[child].X_PC for child, _ in posing.steps}
         X_WFs = placed(posing.steps, ends, {**now, **X_PCs})
-        return poses_in(
-            [X_WFs[name] for name in posing.names],
-            [
-                X_WFs[P] if isinstance(P, str) else None if P is None else _matrix(scene, P)
-                for P in posing.parents
-            ],
-        )
+
+        def X_WP(P: str | FrameId | None) -> Floats | None:
+            if P is None or isinstance(P, str):
+                return None if P is None else X_WFs[P]
+            return scene.query.X_WF(P).GetAsMatrix4()
+
+        return poses_in([X_WFs[name] for name in posing.names], [*map(X_WP, posing.parents)])
 
     def _with_two_names(self, scene: HeldScene) -> list[tuple[str, ...]]:
         """Return the names of the frames of the scene that TF has by two names."""
@@ -356,7 +362,7 @@ class TfInput:
                 and scene.query.is_placed(frame)
                 and not scene.feeders.is_fed_by(TF, frame.get_value())
             ):
-                ends[name] = Placed(_matrix(scene, frame), since)
+                ends[name] = Placed(scene.query.X_WF(frame).GetAsMatrix4(), since)
         return ends
 
     def _moved(self, ends: Mapping[str, Placed]) -> list[str]:
@@ -393,8 +399,3 @@ class TfInput:
 def _footing(end: Placed) -> tuple[bytes, Since]:
     """Return where the end of a chain is, and since when, to be compared."""
     return end.X_WF.tobytes(), end.since
-
-
-def _matrix(scene: HeldScene, frame: FrameId) -> Floats:
-    """Return X_WF (4, 4) of the live scene."""
-    return scene.query.X_WF(frame).GetAsMatrix4()

@@ -15,7 +15,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.names import some_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Since, oldest
 from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
@@ -119,14 +119,22 @@ class ChangingScene(HeldScene):
                 self._ages.keep([frame.get_value()], old.since)
 
     def attach(
-        self, frame: FrameId, parent: FrameId, X_PF: RigidTransform | None
+        self,
+        frame: FrameId,
+        parent: FrameId,
+        X_PF: RigidTransform | None,
+        *,
+        is_part: bool = True,
     ) -> RigidTransform:
-        """Let a frame follow another one, where it is now or at X_PF; return X_PF."""
+        """Let a frame follow another one, where it is now or at X_PF; return X_PF.
+
+        ``is_part``: it counts as part of what carries it in sets by name.
+        """
         if X_PF is None:
             self._refuse_unplaced([frame, parent], 'pose')
             X_PF = self.query.X_WF(parent).InvertAndCompose(self.query.X_WF(frame))
         source = self.inspector.GetOwningSourceId(frame)
-        self._scene_graph.AttachFrame(source, frame, parent, X_PF)
+        self._scene_graph.AttachFrame(source, frame, parent, X_PF, is_part)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
         self._hang_elsewhere(frame)
@@ -144,7 +152,7 @@ class ChangingScene(HeldScene):
         if X_PF is None:
             self._refuse_unplaced([frame, home], 'pose')
             X_PF = self.query.X_WF(home).InvertAndCompose(self.query.X_WF(frame))
-            since = Since(*map(min, since, self._since_of_line(frame)))
+            since = oldest(since, self._since_of_line(frame))
         self._scene_graph.DetachFrame(self.inspector.GetOwningSourceId(frame), frame, X_PF)
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
@@ -163,7 +171,7 @@ class ChangingScene(HeldScene):
         since = ALWAYS
         while frame != self.names.world:
             own = self._ages.since(frame.get_value())
-            since = Since(*map(min, since, own or ALWAYS))
+            since = oldest(since, own or ALWAYS)
             frame = self.inspector.GetParentFrame(frame)
         return since
 

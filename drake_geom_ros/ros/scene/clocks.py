@@ -14,8 +14,8 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-# [s] a stamp that is earlier than the node's time by more is of another clock, and tells no age:
-# no message is on its way that long.
+# [s] a stamp that is earlier than the node's time by more is of another clock, or the message is
+# that old: nobody can tell, so it counts as that old.
 _MOST_BEHIND = 60.0
 # [s] a stamp that is later than the node's time by less is of the same clock: simulated time comes
 # in messages of its own, which may be heard after the poses of that time, all at once then.
@@ -34,6 +34,9 @@ class Since(NamedTuple):
     epoch: float  # how often the node's time had jumped
     heard: float  # [s] of steady time, when its message came
     held: float  # [s] of the node's time, its stamp
+    # [s] by which a stamp of another clock was earlier than the node's time; negative: later;
+    # 0: it is of the same clock, or there is none.
+    offset: float = 0.0
 
     def said_again(self, first: Since) -> Since:
         """Return since when it holds, the same having been said before, with the same stamp.
@@ -44,10 +47,23 @@ class Since(NamedTuple):
         """
         if first.epoch != self.epoch:
             return self
-        return self._replace(held=min(self.held, first.held))
+        return self._replace(held=min(self.held, first.held), offset=first.offset)
+
+
+def oldest(*moments: Since) -> Since:
+    """Return since when all hold that hold since some moments."""
+    distinct = set(moments)
+    distinct.discard(ALWAYS)
+    if len(distinct) < 2:
+        return distinct.pop() if distinct else ALWAYS
+    epochs, heard, held, offsets = zip(*distinct, strict=True)
+    ahead = min(offsets)
+    offset = ahead if ahead < 0.0 else max(offsets)
+    return UNKNOWN if UNKNOWN in distinct else Since(min(epochs), min(heard), min(held), offset)
 
 
 ALWAYS = Since(math.inf, math.inf, math.inf)  # of a pose that does not grow old
+UNKNOWN = Since(-math.inf, -math.inf, -math.inf)  # of a pose of which nobody knows the age
 
 
 class Arrival(NamedTuple):
@@ -61,12 +77,14 @@ class Arrival(NamedTuple):
     def since(self, stamp: float) -> Since:
         """Return since when a pose of the message holds that bears a stamp [s].
 
-        Where there is no stamp (0), and where it is of another clock, the pose holds since its
-        message came.
+        Where there is no stamp (0), and where it is later than the node's time, the pose holds
+        since its message came. A stamp of another clock has an ``offset``.
         """
         behind = self.now - stamp
-        if not stamp or not -_MOST_AHEAD <= behind <= _MOST_BEHIND:
-            behind = self.waited
+        if not stamp:
+            return Since(self.epoch, self.heard, self.now - self.waited)
+        if not -_MOST_AHEAD <= behind <= _MOST_BEHIND:
+            return Since(self.epoch, self.heard, self.now - self.waited, behind)
         return Since(self.epoch, self.heard, self.now - behind)
 
 
@@ -92,7 +110,7 @@ class Clocks:
         return Arrival(epoch, self.steady() - waited, self.node(), waited)
 
     def age(self, since: Since) -> float:
-        """Return an age [s]; inf: unknown, for the node's time has jumped."""
+        """Return an age [s]; inf: unknown, by a jump of time or a stamp that lies ahead."""
         return self.ages()(since)
 
     def ages(self) -> Callable[[Since], float]:
@@ -100,9 +118,9 @@ class Clocks:
         epoch, steady, node = self.epoch, self.steady(), self.node()
 
         def age(since: Since) -> float:
-            if since.epoch < epoch:
+            if since.epoch < epoch or since.offset < 0.0:
                 return math.inf
-            return max(0.0, steady - since.heard, node - since.held)
+            return max(0.0, steady - since.heard, node - since.held) + since.offset
 
         return age
 

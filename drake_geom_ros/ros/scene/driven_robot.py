@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
 from drake_geom_ros.math import RigidTransform, RotationMatrix
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
+from drake_geom_ros.ros.scene.clocks import UNKNOWN, Since, oldest
 from drake_geom_ros.scene_files import WORLD, RobotDescription
 from drake_geom_ros.trajectories.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
-UNKNOWN = Since(-math.inf, -math.inf, -math.inf)  # of a pose of which nobody knows the age
 
 
 class JointValue(NamedTuple):
@@ -83,6 +82,7 @@ class DrivenRobot:
         self.tree: JointTree = kinematics.tree
         self.joint_names = kinematics.joint_names
         self.lower, self.upper = kinematics.lower, kinematics.upper
+        self.speed_limits: Floats = kinematics.max_speed  # (c,) [1/s]; inf: none
         self.columns = {name: k for k, name in enumerate(self.joint_names)}
         # Joints that move nothing by themselves: they are fixed, or mimic another one.
         self.others = {joint.name for joint in robot.tree.joints} - set(self.joint_names)
@@ -210,12 +210,3 @@ Moments = Mapping[Since, Collection[int]]
 def or_zero(values: Floats) -> Floats:
     """Return values with 0 for nan: of joints of which nothing was heard, whose links wait."""
     return np.where(np.isnan(values), 0.0, values)
-
-
-def oldest(*moments: Since) -> Since:
-    """Return since when all hold that hold since some moments."""
-    distinct = set(moments)
-    distinct.discard(ALWAYS)
-    if len(distinct) < 2:
-        return distinct.pop() if distinct else ALWAYS
-    return Since(*map(min, zip(*distinct, strict=True)))

@@ -197,11 +197,16 @@ class EditableScene(ChangingScene):
         self._context.set_default_accuracy(accuracy)
         self.rules.change_accuracy()
 
-    def take_poses(self, message: Any, waited: float = 0.0) -> int:
-        """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
+    def take_poses(self, message: Any, waited: float = 0.0, sender: str = '') -> int:
+        """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames.
+
+        ``sender`` is the identity of its publisher, empty where nobody knows it.
+        """
         poses, frames, rows = self.read_poses(message)
         since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
         posed = self._ages.posed_by(frames, since, message.header.stamp)
+        if sender:
+            self.senders.note_frames(sender, frames)
         self.pose(poses, posed, message.header.stamp, MESSAGES, rows)
         return len(poses)
 
@@ -240,6 +245,16 @@ class EditableScene(ChangingScene):
                 self.feeders.note(feeder, frames)
             if self._twists is not None:
                 self._twists.note_poses(poses, _stamps(posed, stamp, feeder))
+
+    def renew(self, posed: PosedFrames) -> None:
+        """Note since when frames hold the poses that they have."""
+        stand = {
+            frozenset(f for f in frames - self.attached if self._ages.since(f) is not None): since
+            for frames, since in posed.items()
+        }
+        stand.pop(frozenset(), None)
+        if stand:
+            self._ages.note(stand, self.newest_stamp)
 
     def _tell_of_welds(self, gone: set[FrameId]) -> None:
         names = some_of(sorted(self.names.frame_names[frame] for frame in gone))

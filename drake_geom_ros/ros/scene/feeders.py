@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterable
+from typing import Any
 
 TF, MESSAGES, JOINTS = 'TF', '~/frame_poses', 'joint states'
 OBSTACLES = '~/obstacles'
@@ -13,18 +15,21 @@ _REMEMBERED = 5.0  # [s] for which it is told of
 
 
 class Feeders:
-    """The frames, by the value of their id, that each feeder posed last."""
+    """The frames, by the value of their id, that each feeder posed last.
+
+    So it is for whatever has a name, and any feeders: joints, transforms, identities of senders.
+    """
 
     def __init__(self, now: Callable[[], float]) -> None:
         """``now()`` [s] is of steady time."""
         self._now = now
-        self._frames: dict[str, set[int]] = {f: set() for f in _ALL}
+        self._frames: dict[Hashable, set[Any]] = defaultdict(set, {f: set() for f in _ALL})
         # What was noted last, where nothing of it was handed over since: a stream repeats it.
-        self._last: dict[str, frozenset[int]] = {}
-        self._handed: dict[int, float] = {}  # when [s] a frame was handed over
-        self._contested: dict[int, float] = {}  # when [s] that happened by turns
+        self._last: dict[Hashable, frozenset[Any]] = {}
+        self._handed: dict[Any, float] = {}  # when [s] a frame was handed over
+        self._contested: dict[Any, float] = {}  # when [s] that happened by turns
 
-    def note(self, feeder: str, frames: frozenset[int]) -> None:
+    def note(self, feeder: Hashable, frames: frozenset[Any]) -> None:
         """Note who poses frames now."""
         if frames is self._last.get(feeder):
             return
@@ -35,9 +40,9 @@ class Feeders:
         if not fresh:
             return
         now = self._now()
+        self._frames[feeder] |= fresh
         for other, theirs in self._frames.items():
             if other == feeder:
-                theirs |= fresh
                 continue
             for frame in theirs & fresh:
                 if now - self._handed.get(frame, -math.inf) < _BY_TURNS:
@@ -67,7 +72,7 @@ class Feeders:
         """Return whether a feeder was the last who posed a frame."""
         return frame in self._frames[feeder]
 
-    def contested(self) -> list[int]:
+    def contested(self) -> list[Any]:
         """Return the frames that two pose by turns."""
         now = self._now()
         return [frame for frame, seen in self._contested.items() if now - seen < _REMEMBERED]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -38,6 +38,8 @@ from drake_geom_ros.ros.scene.robot_joints import RobotJoints
 from drake_geom_ros.ros.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, BesideBodies, SeenShell, beside_bodies
+from drake_geom_ros.ros.scene.sender_troubles import clock_troubles, sender_troubles
+from drake_geom_ros.ros.scene.senders import Joint, Senders, links_of
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
@@ -107,7 +109,7 @@ class HeldScene:
         self._version_base = version
         self._named_version = -1
         self._ages, self._leases = PoseAges(self._clocks), Leases(self._clocks.steady)
-        self.feeders = Feeders(self._clocks.steady)
+        self.feeders, self.senders = Feeders(self._clocks.steady), Senders(self._clocks.steady)
         self._robots: list[RobotDescription] = []
         self.awaited = AwaitedFilters()
         self.maps_source: SourceId | None = None  # None: there is no map
@@ -247,9 +249,24 @@ class HeldScene:
         return self._clocks
 
     def blind_frames(self, stale_after: float) -> Blind:
-        """Return the frames whose poses are older [s], of unknown age, or never came."""
+        """Return the frames whose poses are older [s], never came, or are not to be trusted."""
         absent = {frame.get_value() for frame in self.query.waiting_frames()}
-        return Blind(self._ages.older_than(stale_after, self.names), absent)
+        stale = self._ages.older_than(stale_after, self.names)
+        return Blind(stale, absent, self.contested_frames(), self._ages.of_other_clocks())
+
+    def links_of_stale_joints(self, seconds: float, named: Collection[Joint]) -> set[int]:
+        """Return the links of joints whose values are older [s], but for those ``named``."""
+        robots, age = self.joints.robots.values(), self._clocks.ages()
+        values = ((r.name, k, value) for r in robots for k, value in enumerate(r.values))
+        old = {(n, k) for n, k, value in values if value and age(value.since) > seconds}
+        return links_of(robots, old.difference(named))
+
+    def contested_frames(self) -> set[int]:
+        """Return the frames, by the values of their ids, that two senders pose in turn."""
+        found = self.senders.contested_frames().union(self.feeders.contested())
+        if joints := self.senders.contested_joints():
+            found |= links_of(self.joints.robots.values(), joints)
+        return found
 
     def lag(self) -> float:
         """Return how far [s] behind the poses that were taken last the node is."""
@@ -351,6 +368,7 @@ class HeldScene:
         told = [] if self._twists is None else self._twists.troubles(self.names)
         rules = self.rules.troubles(watches_motion=self.watches_motion)
         rules += [*self.finer_than_maps(), *filter(None, [self._unseen()])]
+        told += self.sender_troubles()
         told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *rules]
         told += filter(None, [overlapping_half_spaces(self.query, self.names)])
         if not names:
@@ -361,6 +379,11 @@ class HeldScene:
             f'{MESSAGES} and {JOINTS} in turn, and the last one counts: {some_of(names)}; '
             'stop one of the two',
         ]
+
+    def sender_troubles(self) -> list[str]:
+        """Return what is wrong with who sends poses and with their clocks, in words."""
+        told = sender_troubles(self.senders, self.joints, self.names)
+        return told + clock_troubles(self._ages.of_other_clocks(), self.names)
 
     def _told_of_attached(self) -> list[str]:
         """Return which attached frames somebody goes on posing, in words."""
@@ -374,15 +397,19 @@ class HeldScene:
             'what holds a frame says where it is, until detach'
         ]
 
-    def view(self, *, moving: bool = False) -> SceneView:
-        """Return a snapshot, which may be kept; ``moving``: with the twists of now."""
+    def view(self, *, moving: bool = False, stale_after: float = math.inf) -> SceneView:
+        """Return a snapshot, which may be kept; ``moving``: with the twists of now.
+
+        It names the poses that are older than ``stale_after`` [s].
+        """
         context = self._context.what_if()
         filters = self._scene_graph.collision_filter_manager(context)
         owners = self.filter_owners()
         twists = self.twists() if moving else None
         told = self.moment(), owners, self.unknown_ages(), self.joints.entries, twists
         beside = self.beside_bodies()
-        return SceneView(context, filters, self.names, *told, beside)
+        stale = self._ages.stale(stale_after)
+        return SceneView(context, filters, self.names, *told, beside, stale)
 
     def copy(self) -> SceneGraphContext:
         """Return a copy that may be kept and changed."""

@@ -11,9 +11,11 @@ Several threads meet here, and there are three ways in::
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -65,6 +67,7 @@ class LiveScene:
         self.robot_options = RobotOptions()  # of robots that come by topic or as a URDF
         # Called with name, number and last of what has to be compiled, while queries wait for it.
         self.tell_compiling: Callable[[str, int, int], None] | None = None
+        self.stale_after = math.inf  # [s] age from which on answers name a pose as stale
         self.world_frame = world_frame
         self._lock = threading.RLock()
         self._closed = False
@@ -117,8 +120,8 @@ class LiveScene:
             asked = None if poses is None else scene.read_poses(poses).poses
             by_joints = joints is not None and (len(joints.names) or len(joints.positions))
             is_now = not (asked or by_joints)
-            view = scene.view(moving=poses is not None and is_now)
-            posed = set() if asked is None else set(asked.id_values().tolist())
+            view = scene.view(moving=poses is not None and is_now, stale_after=self.stale_after)
+            posed = replaced = set() if asked is None else set(asked.id_values().tolist())
             if asked:
                 view.context.UpdateFramePoses(asked)
                 pose_followers(scene, view, posed)
@@ -129,7 +132,9 @@ class LiveScene:
                 refuse_twice_posed(scene, posed & by_values)
                 view.context.UpdateFramePoses(moved)
                 pose_followers(scene, view, posed | by_values)
-        return view
+                named = scene.joints.places(joints.names)
+                replaced = posed | by_values - scene.links_of_stale_joints(self.stale_after, named)
+        return replace(view, replaced=frozenset(replaced))
 
     def compile_kernels(self) -> list[str]:
         """Compile what queries of the scene run, beside the cycle; return the kernels.

@@ -188,6 +188,22 @@ class PoseAges:
         before = {value for value, t in self._posed.items() if t.since.epoch < epoch}
         return [name for frame, name in names.frame_names.items() if frame.get_value() in before]
 
+    def of_other_clocks(self) -> dict[int, float]:
+        """Return the frames posed with stamps of another clock, and how far [s] these lie behind.
+
+        Negative: ahead.
+        """
+        groups = [(fs, t) for fs, t in self._together.items() if t.since.offset]
+        return {f: t.since.offset for fs, t in groups for f in fs if self._posed.get(f) is t}
+
+    def stale(self, seconds: float) -> dict[int, float]:
+        """Return the ages [s] of the poses that are older than ``seconds``, by frame."""
+        age = self._clocks.ages()
+        groups = [(fs, t, age(t.since)) for fs, t in self._together.items()]
+        return {
+            f: old for fs, t, old in groups if old > seconds for f in fs if self._posed.get(f) is t
+        }
+
     def older_than(self, seconds: float, names: NameTable) -> set[int]:
         """Return the frames whose poses are older [s], or of unknown age; those that wait, too."""
         if self.oldest(names).age <= seconds:

@@ -22,8 +22,8 @@ from drake_geom_ros.geometry import (
     QueryObject,
 )
 from drake_geom_ros.ros.conversions.names import shortened, some_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
-from drake_geom_ros.ros.scene.driven_robot import UNKNOWN, Base, DrivenRobot, JointEntry
+from drake_geom_ros.ros.scene.clocks import ALWAYS, UNKNOWN, Since
+from drake_geom_ros.ros.scene.driven_robot import Base, DrivenRobot, JointEntry
 from drake_geom_ros.ros.scene.joint_past import JointPast
 from drake_geom_ros.scene_files import RobotDescription
 

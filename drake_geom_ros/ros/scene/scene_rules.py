@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.common.geometry_names import GeometryNames
+from drake_geom_ros.common.geometry_names import GeometryNames, carrier_names
 from drake_geom_ros.geometry import (
     FrameId,
     GeometryId,
@@ -46,6 +46,8 @@ class Blind(NamedTuple):
 
     stale: Collection[int]  # too old, or of unknown age
     absent: Collection[int]  # never posed
+    contested: Collection[int] = ()  # posed by two senders in turn
+    foreign: Collection[int] = ()  # posed with stamps of another clock
 
 
 class SceneRules:
@@ -94,9 +96,8 @@ class SceneRules:
         Returns what is wrong with those that can never be entered as the scene is.
         """
         known = {rule.name: rule for rule in self.rules}
-        for rule in rules:
-            if known.get(rule.name, rule) != rule:
-                self._happened += self._monitor.remove(rule.name)
+        others = [rule.name for rule in rules if known.get(rule.name, rule) != rule]
+        self._happened += self._monitor.remove(*others)
         there = {rule.name for rule in self.rules}
         new = [rule for rule in rules if rule.name not in there]
         self._changed()
@@ -208,10 +209,11 @@ class SceneRules:
         measured: Measured | None,
         farthest: float = math.inf,
     ) -> None:
-        poses = Poses(self._rows(blind.stale), self._rows(blind.absent))
+        poses = Poses(*map(self._rows, blind))
+        changes = self._monitor.changes_of_why
         events = self._monitor.decide(now, poses, measured, farthest)
         self._happened += events
-        self.revision += len(events)
+        self.revision += len(events) + self._monitor.changes_of_why - changes
 
     def take_events(self) -> list[Event]:
         """Return what happened since this was last called."""
@@ -269,7 +271,7 @@ class SceneRules:
         rows = {row: limits[g] for g in limits for row in np.flatnonzero(ids == g.get_value())}
         finer: dict[float, list[str]] = {}
         for number, each in enumerate(self.rules):
-            limit = max((rows[row] for row in rows if needed[number, row]), default=0.0)
+            limit = max((rows[row] for row in rows if needed(number)[row]), default=0.0)
             if each.enter < limit and rule in ('', each.name):
                 finer.setdefault(limit, []).append(each.name)
         return [
@@ -360,7 +362,16 @@ def geometry_names(inspector: SceneGraphInspector, geometry: GeometryId) -> Geom
         inspector.GetName(frame),
         inspector.GetName(geometry),
         frame == inspector.world_frame_id(),
+        carrier_names(_line(inspector, frame)),
     )
+
+
+def _line(inspector: SceneGraphInspector, frame: FrameId) -> Iterator[tuple[str, str, bool]]:
+    """Yield a frame and those that it hangs on, as ``carrier_names`` takes them."""
+    while frame != inspector.world_frame_id():
+        source, name = inspector.GetOwningSourceName(frame), inspector.GetName(frame)
+        yield source, name, inspector.IsPartOfParent(frame)
+        frame = inspector.GetParentFrame(frame)
 
 
 def hanging(

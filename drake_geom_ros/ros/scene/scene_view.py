@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from drake_geom_ros.geometry import (
     FrameId,
     PenetrationResults,
     QueryObject,
+    Role,
     SceneGraphContext,
     SignedDistanceResults,
     closing_speeds,
@@ -23,8 +24,11 @@ from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.driven_robot import JointEntry
 from drake_geom_ros.ros.scene.half_spaces import overlapping_half_spaces
 from drake_geom_ros.ros.scene.pose_ages import Oldest, UnknownAges
+from drake_geom_ros.ros.scene.scene_rules import hanging
 from drake_geom_ros.ros.scene.seen_shells import NOTHING_BESIDE, BesideBodies
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
+
+_MOST_STALE = 20  # names of frames in an answer
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,8 @@ class SceneView:
     joints: tuple[JointEntry, ...] = ()  # of the robots
     twists: Mapping[FrameId, NDArray[np.float64]] | None = None  # V_WF (6,); None: nobody watches
     beside: BesideBodies = NOTHING_BESIDE
+    stale: Mapping[int, float] = field(default_factory=dict)  # ages [s] of old poses, by frame
+    replaced: frozenset[int] = frozenset()  # frames that a question poses, by values of ids
 
     @property
     def query(self) -> QueryObject:
@@ -89,6 +95,20 @@ class SceneView:
     ) -> ClosingSpeeds | None:
         """Return how fast pairs come together at the twists of this moment; None: nobody knows."""
         return None if self.twists is None else closing_speeds(results, self.twists)
+
+    def stale_frames(self) -> list[str]:
+        """Return the names of frames with a stale pose on which geometries hang, the oldest first.
+
+        But for frames that the question poses. At most 20.
+        """
+        stale = {frame: age for frame, age in self.stale.items() if frame not in self.replaced}
+        if not stale:
+            return []
+        inspector = self.query.inspector()
+        hung = hanging(inspector, inspector.GetAllGeometryIds(Role.kProximity))
+        known = {frame.get_value(): name for frame, name in self.names.frame_names.items()}
+        found = sorted((f for f in stale if f in hung), key=lambda f: (-stale[f], known[f]))
+        return [known[frame] for frame in found[:_MOST_STALE]]
 
     def waiting(self) -> Waiting:
         """Return what an answer leaves out for want of poses."""

@@ -7,6 +7,7 @@ counted. Its age is that of its frame's pose, so results, diagnostics and rules 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,6 +31,7 @@ from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene, SeenMap
 from drake_geom_ros.ros.scene.map_sources import MapSources
 from drake_geom_ros.ros.scene.out_of_sight import Sight
 from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, SeenShell
+from drake_geom_ros.scene_files import SceneDescription
 from drake_geom_ros.sensed_maps import Cells
 
 GEOMETRY = 'map'
@@ -57,6 +59,12 @@ def shape_of(cells: Cells, margin: float) -> OccupiedCells:
     return shape
 
 
+_NAMED_AS_MAPS = (
+    f'the scene has a source {MAPS!r}, which is what that of sensed maps is called; give it '
+    'another name, or remove it'
+)
+
+
 def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
     """Return a map of the scene; one that is not there is registered, and waits.
 
@@ -69,10 +77,7 @@ def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
     source = scene.maps_source
     if source is None:
         if MAPS in map(scene.inspector.GetName, scene.inspector.GetAllSourceIds()):
-            raise ArgumentError(
-                f'the scene has a source {MAPS!r}, which is what that of sensed maps is called; '
-                'give it another name, or remove it'
-            )
+            raise ArgumentError(_NAMED_AS_MAPS)
         source = scene.maps_source = graph.RegisterSource(MAPS)
     frame = graph.RegisterFrame(source, GeometryFrame(name))
     # Nobody sees it: the frame has no pose.
@@ -87,6 +92,24 @@ def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
     found = SeenMap(frame, geometry, None)
     scene.maps[name] = found
     return found
+
+
+def begin_with_maps(
+    scene: EditableScene,
+    description: SceneDescription | None,
+    names: Sequence[str],
+    margin: float = 0.0,
+) -> tuple[int, int]:
+    """Add maps that wait, and then what a file describes; return frames, geometries of the file.
+
+    The maps come first, because proximity rules of the file may be about them. Raises
+    ArgumentError where the file has a source that is called as that of maps.
+    """
+    if names and description is not None and MAPS in description.sources:
+        raise ArgumentError(_NAMED_AS_MAPS)
+    for name in names:
+        stand(scene, name, margin)
+    return (0, 0) if description is None else scene.add(description)
 
 
 def stand_fed(scene: EditableScene, sources: MapSources) -> None:

@@ -136,7 +136,8 @@ class FrameTwists:
             told = self._told.get(value := frame.get_value())
             # One that a pose overtook is no trouble, and one of before a jump is until it is told
             # anew, as poses are.
-            if told is None or _REMEMBERED < age(told.since) < math.inf:
+            since = None if told is None else told.since._replace(offset=0.0)
+            if since is None or _REMEMBERED < age(since) < math.inf:
                 continue
             if (why := self._why_not(value, age)) and why != _OVERTAKEN:
                 unused[why].append(name)
@@ -150,6 +151,8 @@ class FrameTwists:
         """Return why the twist that was told of a frame is of no use now; empty where it is."""
         told, pose = self._told[value], self._poses.get(value)
         old = age(told.since)
+        if told.since.offset:
+            return _OTHER_CLOCK
         if math.isinf(old):
             return _OF_BEFORE
         if pose is None:
@@ -179,6 +182,7 @@ _AHEAD = (
 )
 _OF_BEFORE = 'from before the clock jumped'
 _OLD = 'older than {gap:g} s'
+_OTHER_CLOCK = 'stamped by another clock than that of the node'
 _WITHOUT = 'for poses that bear no stamp'
 _OVERTAKEN = 'overtaken by a pose'
 

@@ -6,6 +6,7 @@ No ROS import here.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -63,10 +64,12 @@ def view_of_joints(
         moving = set(joints.id_values.tolist())
         refuse_twice_posed(scene, posed & moving)
         refuse_carried_robots(scene, moving)
+        old = scene.links_of_stale_joints(live.stale_after, {*places, *values})
+        replaced = view.replaced | moving.difference(old)
         heard = {name: robots.robots[name].positions() for name in named}
     now = [values.get(place, heard[place.robot][place.column]) for place in places]
     both = [name for name, place in zip(names, places, strict=True) if place in values]
-    return view, joints, JointsNow(np.array(now), both)
+    return replace(view, replaced=replaced), joints, JointsNow(np.array(now), both)
 
 
 def _values(robots: RobotJoints, given: GivenJoints) -> dict[JointPlace, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from drake_geom_ros.ros.scene.driven_robot import UNKNOWN
+from drake_geom_ros.ros.scene.clocks import UNKNOWN
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 

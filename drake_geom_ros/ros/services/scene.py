@@ -59,7 +59,8 @@ def attach(scene: EditableScene, request: Any, response: Any) -> None:
         raise ArgumentError(f'frame is {request.frame!r}, the world frame, which follows nothing')
     for each in (frame, parent):
         scene.refuse_maps(scene.inspector.GetOwningSourceId(each))
-    fill_pose(response.pose, scene.attach(frame, parent, _given_pose(request)))
+    X_PF, is_part = _given_pose(request), request.part_of_robot
+    fill_pose(response.pose, scene.attach(frame, parent, X_PF, is_part=is_part))
 
 
 def detach(scene: EditableScene, request: Any, response: Any) -> None:

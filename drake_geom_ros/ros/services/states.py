@@ -54,6 +54,7 @@ def evaluate_states(live: LiveScene, request: Any, response: Any) -> None:
     response.scene_version = view.moment.version
     response.oldest_pose_age = view.moment.oldest_pose_age
     view.beside.fill(response)
+    response.stale_frames = view.stale_frames()
     response.message = view.reservations()
 
 

@@ -14,6 +14,7 @@ from rclpy.task import Future
 
 from drake_geom_ros.client import Services
 from drake_geom_ros.client.listening import LATCHED
+from drake_geom_ros.client.scene_table import carriers_of
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.geometry_names import GeometryNames
 from drake_geom_ros.geometry import GeometryError, GeometryId, Role
@@ -147,6 +148,7 @@ class NodeScene:
     def _take_scene(self, message: msg.Scene) -> None:
         sources = {source.id: source.name for source in message.sources}
         ranks = {value: rank for rank, value in enumerate(sorted(sources))}
+        entries = {frame.id: frame for frame in message.frames}
         frames = {frame.id: frame.name for frame in message.frames}
         files = FileAccess(_ANY_FILE)
         names, looks, troubles = {}, [], []
@@ -157,7 +159,8 @@ class NodeScene:
             names[entry.id] = name
             if any(role_from_number(r.role) == Role.kProximity for r in entry.roles):
                 bodies[entry.id] = GeometryNames(
-                    sources[entry.source_id], frame, entry.name, entry.frame_id == world
+                    *(sources[entry.source_id], frame, entry.name, entry.frame_id == world),
+                    carriers=carriers_of(entry.frame_id, entries, sources),
                 )
             try:
                 shape = shape_from_message(entry.shape, files)

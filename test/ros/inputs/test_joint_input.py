@@ -12,6 +12,7 @@ from ros.live_scenes import Clock, live_scene
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.inputs.joint_input import JointInput
+from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.scene.clocks import ALWAYS
 from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES
 from drake_geom_ros.scene_files import read_scene
@@ -192,7 +193,7 @@ def test_a_robots_own_topic_drives_it_alone(folder, clock):
         (state(['wrist', 'shoulder'], [0.7, math.nan]), "position of joint 'shoulder' is nan"),
         (state(['wrist'], [math.inf]), "position of joint 'wrist' is inf"),
         (state(['wrist'], [0.7], velocities=[1.0, 2.0]), 'velocity holds 2 numbers'),
-        (state(['wrist'], [0.7], velocities=[math.nan]), "velocity of joint 'wrist' is nan"),
+        (state(['wrist'], [0.7], velocities=[math.inf]), "velocity of joint 'wrist' is inf"),
         (state(['wrist', 'finger'], [0.7, 1e303]), 'beyond'),
     ],
 )
@@ -252,15 +253,76 @@ def test_a_link_is_as_old_as_its_oldest_joint(folder, clock):
         assert told == "2 joints of 'arm' are stale (older than 1 s): wrist, finger"
 
 
+def test_velocities_that_are_nan_are_not_known_and_the_positions_count(folder, clock):
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
+    with live.editing() as scene:
+        unknown = [0.5, math.nan, math.nan]
+        joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0, unknown), 0.0)
+        assert_stands(scene, [0.1, 0.2, 0.0], X_WB)
+        values = scene.joints.robots['arm'].values
+        assert values[0].speed == 0.5
+        assert all(math.isnan(value.speed) for value in values[1:])
+        joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.3, 0.0), 1000.5, unknown), 0.0)
+        assert scene.joints.robots['arm'].values[1].speed == pytest.approx(0.2)
+
+
 def test_a_stamp_that_is_sent_again_is_no_new_value(folder, clock):
     live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
     with live.editing() as scene:
-        message = state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 900.0)  # of another clock: new
+        message = state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 950.0)
         joints.take(scene, message, 0.0)
-        assert scene.pose_ages()['arm::hand'] == 0.0
-        clock.now += 2.0
+        assert scene.pose_ages()['arm::hand'] == 50.0
+        clock.now += 20.0
         joints.take(scene, message, 0.0)
-        assert scene.pose_ages()['arm::hand'] == 2.0
+        assert scene.pose_ages()['arm::hand'] == 70.0
+
+
+def test_values_with_stamps_of_another_clock_are_that_old_and_told(folder, clock):
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
+    with live.editing() as scene:
+        joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 939.0), 0.0)
+        assert scene.pose_ages()['arm::hand'] == 61.0
+        (told,) = scene.troubles()
+        assert 'the poses of 4 frames bear stamps of another clock, up to 61.0 s before' in told
+        assert 'arm::hand' in told
+        hand = scene.names.frame('arm::hand').get_value()
+        assert scene.blind_frames(1000.0).foreign.keys() >= {hand}
+        joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1003.0), 0.0)
+        assert math.isinf(scene.pose_ages()['arm::hand'])
+        (told,) = scene.troubles()
+        assert 'up to 3.0 s after the time of the node, so they count as of unknown age' in told
+        joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0), 0.0)
+        assert scene.troubles() == []
+
+
+@pytest.mark.parametrize('by_steps', [False, True])
+def test_links_of_a_base_that_is_posed_again_where_it_stands_are_as_new_as_it(
+    folder, clock, by_steps
+):
+    live, joints = opened(scene_text(folder, 'name: arm'), clock)
+    inputs = PoseInputs(joints=joints)
+    with live.editing() as scene:
+        for k in range(40):
+            clock.now += 0.25
+            stamp = Plain(sec=int(clock.now), nanosec=int(1e9 * (clock.now % 1.0)))
+            place = (0.1 * k * by_steps, 0.0, 0.0)
+            inputs.take_poses(scene, stamped_pose('base', place, stamp))
+            inputs.take_joint_states(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), clock.now))
+        assert max(scene.pose_ages().values()) == 0.0
+        clock.now += 0.5
+        inputs.take_joint_states(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), clock.now))
+        ages = scene.pose_ages()
+        assert ages['arm::mark'] == ages['arm::base'] == ages['arm::hand'] == 0.5
+
+
+def stamped_pose(frame, place, stamp):
+    return Plain(
+        header=Plain(stamp=stamp, frame_id=''),
+        source='arm',
+        frame_names=[frame],
+        frame_ids=[],
+        poses=[*place, 0.0, 0.0, 0.0, 1.0],
+    )
 
 
 def test_a_jump_of_the_clock_makes_ages_unknown_until_values_come_anew(folder, clock):

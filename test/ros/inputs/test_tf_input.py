@@ -244,7 +244,8 @@ def test_of_many_bad_transforms_a_few_are_named(scene, tf):
 
 def test_what_was_let_go_stays_until_tf_speaks_of_it_again(scene, tf, clock):
     def move(x):
-        take(tf, scene, message(transform('world', 'gripper', at(x), x)), static=False)
+        moved = transform('world', 'gripper', at(x), clock.now - 10.0 + x)
+        take(tf, scene, message(moved), static=False)
 
     take(tf, scene, message(transform('gripper', 'tool', at(1))), static=True)
     move(1)

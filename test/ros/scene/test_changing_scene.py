@@ -61,6 +61,7 @@ def call(live, service, response=None, **fields):
 
 def attach(live, **fields):
     given = {'frame': 'part', 'parent': 'hand', 'pose_given': False, 'pose': pose()}
+    given['part_of_robot'] = True
     return call(live, scene.attach, **{**given, **fields})
 
 

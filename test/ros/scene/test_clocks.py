@@ -5,7 +5,7 @@ import math
 import pytest
 from ros.live_scenes import Clock
 
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
+from drake_geom_ros.ros.scene.clocks import ALWAYS, UNKNOWN, Clocks, oldest
 
 
 @pytest.fixture
@@ -39,8 +39,6 @@ def test_an_age_counts_from_the_stamp(clocks, node, steady):
     [
         0.0,  # none
         1000.3,  # dated ahead, or a clock that is not quite ours
-        12.5,  # simulated time beside the time of day, or a bag of last year
-        1.7e9,  # the time of day beside simulated time
     ],
 )
 def test_without_a_stamp_of_ours_it_counts_from_when_the_message_came(clocks, steady, stamp):
@@ -49,6 +47,29 @@ def test_without_a_stamp_of_ours_it_counts_from_when_the_message_came(clocks, st
     since = clocks.arrival(0.5).since(stamp)
     steady.now += 1.0
     assert clocks.age(since) == 1.5
+
+
+def test_a_stamp_of_a_minute_ago_and_more_makes_a_pose_that_old(clocks, steady):
+    for behind in (59.0, 61.0, 987.5):
+        assert age(clocks, 1000.0 - behind) == behind
+    since = clocks.arrival(0.5).since(12.5)
+    steady.now += 1.0
+    assert clocks.age(since) == 1.5 + 987.5
+    assert since.offset == 987.5
+
+
+def test_a_stamp_that_lies_far_ahead_makes_an_age_unknown(clocks):
+    since = clocks.arrival().since(1.7e9)
+    assert since.offset == 1000.0 - 1.7e9
+    assert clocks.age(since) == math.inf
+    assert clocks.arrival().since(1001.9).offset == 0.0
+
+
+def test_what_hangs_on_several_poses_is_of_another_clock_where_one_is(clocks):
+    ours, behind, ahead = (clocks.arrival().since(stamp) for stamp in (999.0, 12.5, 1e6))
+    assert clocks.age(oldest(ours, behind, ALWAYS)) >= 987.5
+    assert clocks.age(oldest(ours, behind, ahead)) == math.inf
+    assert oldest(ours, behind, UNKNOWN) == UNKNOWN
 
 
 def test_a_pose_that_is_heard_before_its_time_is_not_old_when_the_clock_catches_up(

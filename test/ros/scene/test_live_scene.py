@@ -60,10 +60,13 @@ def test_frames_stand_where_the_file_puts_them_until_posed(scene):
 def test_ages_of_poses(scene, clock):
     clock.now += 9.0
     assert scene.moment().oldest_pose_age == 0.0  # all rest where the file put them
-    scene.take_poses(message(a=0))
+    first, second = message(a=0), message(b=1)
+    first.header.stamp.sec = int(clock.now)
+    scene.take_poses(first)
     clock.now += 2.0
     assert scene.moment().oldest_pose_age == pytest.approx(2.0)
-    scene.take_poses(message(b=1))
+    second.header.stamp.sec = int(clock.now)
+    scene.take_poses(second)
     clock.now += 0.5
     assert scene.moment().oldest_pose_age == pytest.approx(2.5)
     assert scene.pose_ages() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
@@ -84,15 +87,16 @@ def test_an_empty_scene_has_no_old_poses(clock):
 
 
 def test_a_refused_message_leaves_everything(scene, clock):
-    scene.take_poses(message(a=0, b=1))
+    good, bad = message(a=0, b=1), message(a=5, b=math.nan)
+    good.header.stamp.sec = int(clock.now)
+    scene.take_poses(good)
     clock.now += 1.0
-    bad = message(a=5, b=math.nan)
-    bad.header.stamp.sec = 9
+    bad.header.stamp.sec = int(clock.now)
     with pytest.raises(RuntimeError, match='not finite'):
         scene.take_poses(bad)
     assert distance(scene) == pytest.approx(0.8)
     assert scene.moment().oldest_pose_age == pytest.approx(1.0)
-    assert scene.moment().newest_stamp.sec == 1
+    assert scene.moment().newest_stamp.sec == good.header.stamp.sec
 
 
 @pytest.mark.clock

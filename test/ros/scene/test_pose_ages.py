@@ -130,18 +130,21 @@ def test_a_stamp_that_is_repeated_grows_older_beyond_a_minute(ages, clock, note)
     assert ages.oldest(NAMES).age == 0.5
 
 
-@pytest.mark.parametrize('stamp', [12.5, 1e6])  # of another clock, behind and ahead
-def test_a_stamp_of_another_clock_that_is_repeated_grows_older(ages, clock, note, stamp):
+def test_a_stamp_of_another_clock_that_is_repeated_grows_older_by_the_time_that_passes(
+    ages, clock, note
+):
     clock.now = 1000.0
-    note(stamp, A)
-    clock.now += 1.0
-    note(stamp, A, B)
+    note(12.5, A, B)
     clock.now += 2.0
-    assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
-    note(stamp, B)
-    assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
-    note(stamp + 1.0, A, B)
+    note(12.5, B)
+    assert ages.by_name(NAMES) == {'s::a': 989.5, 's::b': 989.5}
+    assert ages.of_other_clocks() == {A.get_value(): 987.5, B.get_value(): 987.5}
+    note(1e6, A)
+    assert ages.by_name(NAMES)['s::a'] == math.inf
+    assert ages.of_other_clocks()[A.get_value()] == 1002.0 - 1e6
+    note(1002.0, A, B)
     assert ages.oldest(NAMES).age == 0.0
+    assert ages.of_other_clocks() == {}
 
 
 def test_what_bears_no_stamp_is_new_each_time(ages, clock, note):

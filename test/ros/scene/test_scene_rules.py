@@ -14,6 +14,10 @@ from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import Why
 from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
+from drake_geom_ros.ros.scene.clocks import Clocks
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.seen_maps import begin_with_maps
+from drake_geom_ros.scene_files import read_scene, to_yaml
 
 TEXT = """
 name: cell
@@ -98,7 +102,8 @@ def test_what_is_attached_grows_old_with_what_holds_it(ruled):
 
 def test_what_is_put_somewhere_without_a_cycle_is_seen(ruled):
     with ruled.live.editing() as scene:
-        scene.attach(frame(scene, 'part'), frame(scene, 'hand'), RigidTransform([-0.7, 0, 0]))
+        X_HP = RigidTransform([-0.7, 0, 0])
+        scene.attach(frame(scene, 'part'), frame(scene, 'hand'), X_HP, is_part=False)
     assert ruled.wait() == [('part', True)]
     with ruled.live.editing() as scene:
         scene.detach(frame(scene, 'part'), RigidTransform([0, 3, 0]))
@@ -191,15 +196,15 @@ def test_a_rule_by_time_to_contact_is_not_left_where_nobody_knows_how_its_body_m
         told = ruled.topics.events.published
         return [(n, e, w) for m in told for n, e, w in zip(m.rule, m.entered, m.why, strict=True)]
 
-    assert move(4.0, 1) == []
-    assert move(3.0, 2)[-1] == ('hand', True, Why.SOON)
+    assert move(4.0, 97) == []
+    assert move(3.0, 98)[-1] == ('hand', True, Why.SOON)
     known = len(move(3.0, 0))  # without a stamp
     with ruled.live.reading() as scene:
         (told,) = scene.rules.troubles(watches_motion=True)
     assert told.startswith('nobody knows how all bodies move')
     assert 'rules hand:' in told
-    assert len(move(3.0, 3)) == known  # the first stamp tells no motion yet
-    assert move(3.0, 4)[-1] == ('hand', False, Why.SOON)
+    assert len(move(3.0, 99)) == known  # the first stamp tells no motion yet
+    assert move(3.0, 100)[-1] == ('hand', False, Why.SOON)
 
 
 def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):
@@ -211,3 +216,77 @@ def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):
     assert numbers == list(range(1, len(numbers) + 1))
     last = ruled.topics.states.published[-1]
     assert (last.rules.name, last.next_sequence) == ([], len(numbers) + 1)
+
+
+PART_AT = [0.3, 0, 0]  # beside the hand, so near the post when the hand is not
+
+
+@pytest.mark.parametrize('is_part', [True, False])
+def test_what_a_robot_carries_counts_as_the_robot_unless_it_is_turned_off(ruled, is_part):
+    ruled.move(-0.7)
+    ruled.wait()
+    assert ruled.wait() == []
+    with ruled.live.editing() as scene:
+        hand, part = frame(scene, 'hand'), frame(scene, 'part')
+        scene.attach(part, hand, RigidTransform(PART_AT), is_part=is_part)
+    told = ruled.wait()
+    assert ('part', True) in told
+    assert (('hand', True) in told) == is_part
+    if is_part:
+        message = ruled.topics.events.published[-1]
+        assert 'cell::part/box' in {*message.geometry_a, *message.geometry_b}
+    with ruled.live.editing() as scene:
+        scene.detach(part, RigidTransform([0, 3, 0]))
+    told = ruled.wait()
+    assert ('part', False) in told
+    assert (('hand', False) in told) == is_part
+
+
+@pytest.mark.parametrize('key', ['', ', part_of_robot: false'])
+def test_what_a_file_attaches_counts_as_the_robot_and_is_saved_so(key):
+    attached = f'- {{name: part, attached_to: hand, pose: {{position: {PART_AT}}}{key}}}'
+    old = '- {name: part, pose: {position: [0, 3, 0]}, static: true}'
+    ruled = Ruled(TEXT.replace(old, attached))
+    with ruled.live.reading() as scene:
+        saved = to_yaml(scene.description())
+    for text in (TEXT.replace(old, attached), saved):
+        ruled = Ruled(text)
+        ruled.move(-0.7)
+        ruled.wait()
+        with ruled.live.reading() as scene:
+            entered = [s.rule.name for s in scene.rules.states() if s.is_entered]
+        assert ('hand' in entered) == (not key)
+
+
+def test_a_key_of_attached_frames_is_refused_for_others():
+    text = TEXT.replace('static: true}', 'static: true, part_of_robot: false}')
+    with pytest.raises(RuntimeError, match='part_of_robot is of frames that are attached'):
+        Ruled(text)
+
+
+ABOUT_MAPS = '- {name: seen, set_a: arm, set_b: obstacles, level: stop, enter: 0.2, leave: 0.3}\n'
+
+
+def test_a_rule_about_maps_that_the_node_listens_to_is_no_trouble_at_the_start():
+    described = read_scene(TEXT + ABOUT_MAPS)
+    live = LiveScene('exact', Clocks(Clock(), Clock()))
+    with live.editing() as scene:
+        assert begin_with_maps(scene, described, ['points', 'depth']) == (2, 3)
+        assert scene.warned == []
+        assert scene.troubles() == []
+        (seen,) = [s for s in scene.rules.states() if s.rule.name == 'seen']
+        assert seen.pairs == 2
+    without = LiveScene('exact', Clocks(Clock(), Clock()))
+    with without.editing() as scene:
+        begin_with_maps(scene, described, [])
+        (told,) = scene.warned
+        assert "'obstacles' stands for no geometry" in told
+
+
+def test_a_scene_with_a_source_called_as_that_of_maps_is_refused_beside_maps():
+    described = read_scene(TEXT.replace('sources: [arm]', 'sources: [arm, obstacles]'))
+    live = LiveScene('exact', Clocks(Clock(), Clock()))
+    with live.editing() as scene:
+        with pytest.raises(RuntimeError, match="has a source 'obstacles'"):
+            begin_with_maps(scene, described, ['points'])
+        assert scene.maps == {}

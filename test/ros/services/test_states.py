@@ -251,3 +251,29 @@ def test_a_what_if_by_joints_is_that_of_the_same_poses_to_the_bit(live):
     ):
         with pytest.raises(RuntimeError, match=words):
             live.view(NO_POSES, Plain(names=names, positions=positions))
+
+
+def test_an_answer_names_the_frames_whose_stale_poses_of_now_it_rests_on(text):
+    clock = Clock(1000.0)
+    live = live_scene(text, clock)
+    live.stale_after = 1.0
+    joints = JointInput(live.clocks, 1.0, by_default=True)
+    moved = Plain(**{**vars(NO_POSES), 'frame_names': ['free'], 'poses': [9, 9, 9, 0, 0, 0, 1.0]})
+    with live.editing() as scene:
+        joints.take(scene, state(JOINTS_OF_ARM, (0.0, 0.0, 0.05)), 0.0)
+        scene.take_poses(moved)
+
+    def stale_of(names, values, poses=NO_POSES):
+        found = Plain()
+        evaluate_states(live, request([values], names=names, poses=poses), found)
+        return found.stale_frames
+
+    assert stale_of(JOINTS_OF_ARM, (0.0, 0.0, 0.05)) == []
+    clock.now += 5.0
+    assert stale_of(JOINTS_OF_ARM, (0.0, 0.0, 0.05)) == ['cell::free']
+    assert stale_of(JOINTS_OF_ARM, (0.0, 0.0, 0.05), moved) == []
+    # The links below a joint that keeps its value of now, which is as old.
+    assert stale_of(JOINTS_OF_ARM[:1], (0.0,), moved) == ['arm::hand', 'arm::left', 'arm::right']
+    with live.editing() as scene:
+        joints.take(scene, state(JOINTS_OF_ARM, (0.0, 0.0, 0.05)), 0.0)
+    assert stale_of(JOINTS_OF_ARM[:1], (0.0,), moved) == []
