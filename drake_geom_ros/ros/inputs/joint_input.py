@@ -142,7 +142,7 @@ class JointInput:
             others, base = self._are_others(scene, robot), base_of(scene, robot)
             if is_new or _bytes(base) != _bytes(robot.base):
                 moves.append(self._move(scene, robot, None, leave_out=others))
-            elif base is not None and base != robot.base:
+            elif base and robot.base and base.since != robot.base.since:
                 self._renew(scene, robot, base, others)
         return sum(self._pose(scene, move, stamp) for move in moves if move)
 
