@@ -170,7 +170,8 @@ class Engine:
         if time_budget > 0.0 or self.detailed or (prepared.seconds > LONG and THREADS > 1):
             answers = self._answer_unusually(prepared, time_budget)
         else:
-            self._kernels, self._unrefined = _NO_KERNELS, 0
+            self._kernels, self._unrefined = prepared.loaded, 0
+            prepared.loaded = _NO_KERNELS
             if stale:
                 revision += 1
             X_PFs = world.pending_poses
@@ -262,7 +263,8 @@ class Engine:
     def _run(self, prepared: Prepared) -> int:
         """Run a cycle without answers; return how many pairs it is about."""
         world = prepared.world
-        self._kernels, self._unrefined = _NO_KERNELS, 0
+        self._kernels, self._unrefined = prepared.loaded, 0
+        prepared.loaded = _NO_KERNELS
         stale, X_PFs = world.is_stale, world.pending_poses
         revision = world.revision + stale
         count: int = run_cycle(prepared.hands, 0, stale, revision, X_PFs, _NO_ANSWERS)

@@ -8,12 +8,15 @@ time, brings all code from memory, and that of Python costs most.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.engine.pair_query import (
     ASKED,
+    CANDIDATES,
     CUTOFF,
     LEVEL_GAP,
     MODE,
@@ -22,15 +25,23 @@ from drake_geom_ros.geometry._proximity.engine.pair_query import (
     Hands,
 )
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
-from drake_geom_ros.geometry._proximity.kernels.addresses import ADDRESSES
+from drake_geom_ros.geometry._proximity.kernels.addresses import (
+    ADDRESSES,
+    COMPILED_ROWS,
+    compile_rows,
+    table_rows,
+)
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.report import CONTACT_A, CONTACT_B, ReportArrays
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
 from drake_geom_ros.geometry._proximity.world.world import World
 
+Indices = NDArray[np.int64]
+
 LEAST_ROOM = 16  # rows made ready for an answer
 MANY = 512  # pairs of an answer, of which it is worth while to know how long they took
 _LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
+_MOST_MASKED = 2**22  # pairs of two kinds of which it is looked up whether all are filtered
 _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
 
 
@@ -58,6 +69,7 @@ class Prepared:
         'is_bound',
         'is_long',
         'level_gap',
+        'loaded',
         'most',
         'near',
         'query',
@@ -70,6 +82,7 @@ class Prepared:
     filters: FilterState
     version: int  # of the filters
     scene: int  # tells its context whether it is that of now; -1: it is not kept any more
+    loaded: Sequence[str]  # the kernels that were compiled or loaded for it, until it is asked
     seconds: float  # that the narrow phase of a long answer took last, of one thread
     answered_at: int  # the revision of the world for which there is an answer, under these filters
 
@@ -83,7 +96,7 @@ class Prepared:
             *(asked.penetrating, asked.mode),
         )
         self.world, self._report, self.near = world, report, near
-        self.seconds = 0.0
+        self.seconds, self.loaded = 0.0, ()
         self.make_room(0)
 
     def make_room(self, count: int) -> None:
@@ -117,10 +130,12 @@ class PreparedQueries:
         self._world: World | None = None
         self._lists: dict[bool, NeighbourList] = {}
         self._known: dict[tuple[float, float, bool, int], Prepared] = {}
+        # The world and filters whose kernels are there.
+        self._ready: tuple[World, FilterState, int] | None = None
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
-        self._known, self._report_handle = {}, handle_of(self._report)
+        self._known, self._report_handle, self._ready = {}, handle_of(self._report), None
 
     def prepared(
         self,
@@ -165,5 +180,38 @@ class PreparedQueries:
             if len(self._known) == _MOST:
                 self._known.pop(next(iter(self._known))).scene = -1
             known = self._known[asked] = Prepared(asked, world, near, self._report_handle)
+        if asked.mode != CANDIDATES and not known.is_bound:
+            known.loaded = self._load_kernels(world, filters) or known.loaded
         known.hand_over(filters)
         return known
+
+    def _load_kernels(self, world: World, filters: FilterState) -> list[str]:
+        """Compile or load the kernels of all unfiltered pairs of kinds; return their names.
+
+        Not when two kinds first come near each other: that is the cycle that must not be late.
+        """
+        ready = self._ready
+        if ready is not None and ready[0] is world and ready[1:] == (filters, filters.version):
+            return []
+        table = world.geometries
+        moving, kinds = np.unique(table.types[~world.anchored]), np.unique(table.types)
+        rows = table_rows(moving[:, None], kinds[None, :])
+        missing = (rows >= 0) & ~COMPILED_ROWS[rows]
+        if missing.any():
+            slots = filters.slots(table.ids)
+            for i, j in np.argwhere(missing).tolist():
+                of_kinds = (slots[table.types == kind] for kind in (moving[i], kinds[j]))
+                missing[i, j] = _may_report(filters, *of_kinds)
+        names = compile_rows(rows[missing]) if missing.any() else []
+        self._ready = world, filters, filters.version
+        return names
+
+
+def _may_report(filters: FilterState, a: Indices, b: Indices) -> bool:
+    """Return whether a pair of one of some slots and one of others is unfiltered.
+
+    Of very many true without a look.
+    """
+    if len(a) * len(b) > _MOST_MASKED:
+        return True
+    return any(filters.mask(np.full(len(b), slot), b).any() for slot in a)

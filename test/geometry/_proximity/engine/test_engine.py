@@ -8,6 +8,7 @@ from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine import engine as engines
+from drake_geom_ros.geometry._proximity.engine import prepared
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Effects, Engine
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
@@ -39,11 +40,12 @@ def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
     assert asked[1:] == ['sphere_cylinder', 'signed_distance_of_cores']
 
 
-def test_kernels_are_asked_for_once_in_the_life_of_a_list_and_bounds_need_none(monkeypatch):
+def test_kernels_are_asked_for_once_for_a_world_and_its_filters_and_bounds_need_none(monkeypatch):
     asked = []
     # As if none were there, so those that are compiled by now are asked for, too.
     nothing = np.zeros_like(kernel_table.COMPILED_ROWS)
     monkeypatch.setattr(kernel_table, 'COMPILED_ROWS', nothing)
+    monkeypatch.setattr(prepared, 'COMPILED_ROWS', nothing)
 
     def compile_rows(rows):
         asked.append(1)
@@ -51,7 +53,7 @@ def test_kernels_are_asked_for_once_in_the_life_of_a_list_and_bounds_need_none(m
         nothing[:] = False
         return names
 
-    monkeypatch.setattr(engines, 'compile_rows', compile_rows)
+    monkeypatch.setattr(prepared, 'compile_rows', compile_rows)
     world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
     engine, filters = Engine(), filters_of(world)
     for level, count in (('bound', 0), ('exact', 1), ('exact', 1), ('bound', 1), ('fast', 1)):
@@ -63,7 +65,8 @@ def test_who_has_all_kernels_asks_for_none(monkeypatch):
     world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
     filters = filters_of(world)
     signed_distances(Engine(), world, filters, 'exact', math.inf)
-    monkeypatch.setattr(engines, 'compile_rows', lambda rows: pytest.fail('asked for kernels'))
+    for module in (engines, prepared):
+        monkeypatch.setattr(module, 'compile_rows', lambda rows: pytest.fail('asked for kernels'))
     assert len(signed_distances(Engine(), world, filters, 'exact', math.inf).ids) == 15
 
 
