@@ -8,6 +8,7 @@ or at the middle of what has a round or many-sided surface.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,8 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 MOST_LEVELS = 8  # 8 4^8 = 524 288 tetrahedra of a ball
-MOST_AROUND = 4096  # vertices around a cylinder or a capsule
+MOST_AROUND = 4096  # vertices around a cylinder
+MOST_AROUND_CAPSULE = 512  # 2 512^2 = 524 288 tetrahedra: it is cut across, too
 _OCTAHEDRON = np.vstack((np.eye(3), -np.eye(3)))
 _EIGHTHS = [(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]
 
@@ -108,7 +110,7 @@ def cylinder_body(radius: float, half_length: float, resolution_hint: float) -> 
     Between them is the medial axis: a segment of a long cylinder, a point, or a disc of a flat
     one, as far from the ends as from the side.
     """
-    count = _around(math.ceil(2.0 * math.pi * radius / resolution_hint), resolution_hint, radius)
+    count = _around(2.0 * math.pi * radius, math.ceil, resolution_hint, MOST_AROUND)
     round_ = _circle(count)
     inset, inset_end = _insets(np.array([radius, half_length]))
     rim, inner = radius * round_, inset * round_
@@ -131,7 +133,7 @@ def cylinder_body(radius: float, half_length: float, resolution_hint: float) -> 
 
 def capsule_body(radius: float, half_length: float, resolution_hint: float) -> CutBody:
     """Return a capsule: its facets over the ends of its segment, or over the segment itself."""
-    count = _around(math.floor(2.0 * math.pi * radius / resolution_hint), resolution_hint, radius)
+    count = _around(2.0 * math.pi * radius, math.floor, resolution_hint, MOST_AROUND_CAPSULE)
     rings = count // 2
     angles = 0.5 * math.pi * np.arange(rings) / rings
     round_ = _circle(count)
@@ -192,10 +194,13 @@ def _unique(points: Floats, size: float) -> tuple[Floats, Indices]:
     return points[first], same.ravel()
 
 
-def _around(wanted: int, resolution_hint: float, radius: float) -> int:
-    """Return how many vertices are put around, 3 or more."""
-    if wanted > MOST_AROUND:
-        raise _too_fine(resolution_hint, 2.0 * math.pi * radius / MOST_AROUND)
+def _around(
+    circumference: float, rounded: Callable[[float], int], resolution_hint: float, most: int
+) -> int:
+    """Return how many vertices are put around, 3 or more; raises GeometryError for too many."""
+    wanted = rounded(circumference / resolution_hint)
+    if wanted > most:
+        raise _too_fine(resolution_hint, circumference / most)
     return max(3, wanted)
 
 
