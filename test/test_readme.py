@@ -25,13 +25,6 @@ def test_the_scene_files_are_those_that_ship():
     assert minimal == (ROOT / 'scenes/minimal.yaml').read_text()
 
 
-def test_the_core_example_prints_what_its_last_line_says(capsys):
-    (script,) = blocks('python')
-    exec(compile(script, 'README.md', 'exec'), {})
-    printed = capsys.readouterr().out.strip()
-    assert script.rstrip().endswith(f'# {printed}')
-
-
 def test_the_worst_errors_are_those_of_the_pair_table():
     least, most = (f'{f(row.worst_error for row in PAIR_TABLE):.0e} m' for f in (min, max))
     assert f'between\n  {least} and {most} for bodies of about 0.2 m' in README

@@ -14,17 +14,15 @@ PROGRAM = 'python -m drake_geom_ros'
 NUMBER = re.compile(r'-?\d+(?:\.\d+)?(?:e[-+]?\d+)?')
 
 
-def blocks(text):
-    """Return the console blocks of a text, each a list of (command, expected output)."""
-    found = []
-    for block in re.findall(r'^```console\n(.*?)^```$', text, re.S | re.M):
-        parts = re.split(r'^\$ (.*)\n', block, flags=re.M)[1:]
-        found.append(list(zip(parts[::2], parts[1::2], strict=True)))
-    return found
+def commands(text):
+    """Return the (command, expected output) pairs of a console block."""
+    parts = re.split(r'^\$ ((?:.*\\\n)*.*)\n', text, flags=re.M)[1:]
+    joined = [command.replace('\\\n', ' ') for command in parts[::2]]
+    return list(zip(joined, parts[1::2], strict=True))
 
 
 def run(command, folder):
-    """Return what a command prints, errors too.
+    """Return the exit code of a command and what it prints, errors too.
 
     Our own program runs in this process, whose kernels are loaded, unless the shell has a part.
     """
@@ -39,23 +37,21 @@ def run(command, folder):
         text=True,
         timeout=240,
     )
-    return done.stdout
+    return done.returncode, done.stdout
 
 
 def in_this_process(arguments, folder):
-    """Return what our program prints in a folder."""
+    """Return the exit code of our program in a folder and what it prints."""
     before, printed = os.getcwd(), io.StringIO()
     os.chdir(folder)
     try:
-        with (
-            contextlib.redirect_stdout(printed),
-            contextlib.redirect_stderr(printed),
-            contextlib.suppress(SystemExit),  # of arguments that are none
-        ):
-            main(arguments, prog=PROGRAM)
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+            code = main(arguments, prog=PROGRAM)
+    except SystemExit as refused:  # arguments that the parser does not know
+        code = refused.code
     finally:
         os.chdir(before)
-    return printed.getvalue()
+    return code, printed.getvalue()
 
 
 def words_and_numbers(text):
