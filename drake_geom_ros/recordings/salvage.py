@@ -141,7 +141,12 @@ def _decompressed(data: bytes, compression: str) -> bytes:
     return data
 
 
-def _of_sqlite(path: Path, lost: list[Lost]) -> Iterator[Raw]:
+def rows_by_time(path: Path, lost: list[Lost]) -> Iterator[Raw]:
+    """Yield the messages of a whole database in the order of their times."""
+    return _of_sqlite(path, lost, order='timestamp, id')
+
+
+def _of_sqlite(path: Path, lost: list[Lost], order: str = 'id') -> Iterator[Raw]:
     """Yield the messages in the order in which they were written, up to the damage."""
     unnamed = 0
     try:
@@ -151,7 +156,7 @@ def _of_sqlite(path: Path, lost: list[Lost]) -> Iterator[Raw]:
             if strange := strange_part_of(database):
                 raise sqlite3.DatabaseError(strange)
             topics = _topics(database)
-            asked = 'SELECT topic_id, timestamp, data FROM messages ORDER BY id'
+            asked = f'SELECT topic_id, timestamp, data FROM messages ORDER BY {order}'
             for number, time, data in database.execute(asked):
                 if number in topics and isinstance(time, int) and isinstance(data, bytes):
                     yield Raw(time, topics[number], data)

@@ -14,8 +14,14 @@ from typing import Any
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, Topic
-from drake_geom_ros.recordings.salvage import check_database, hidden_fault_of, rest_of, words_of
-from drake_geom_ros.recordings.schemas import open_reader
+from drake_geom_ros.recordings.salvage import (
+    check_database,
+    hidden_fault_of,
+    rest_of,
+    rows_by_time,
+    words_of,
+)
+from drake_geom_ros.recordings.schemas import DEFINED, open_reader
 
 _LIBRARIES = (
     'recordings are read by rosbags and mcap: pip install rosbags mcap, or this package with its '
@@ -35,7 +41,7 @@ class Storage:
         self.damage: list[Damage] = []
         self.topics: list[Topic] = []
         self.span: tuple[int, int] | None = None  # [ns] of the messages of all topics
-        self._is_whole, self._reason = True, ''
+        self._is_whole, self._is_foreign, self._reason = True, False, ''
         self._look()
         log = path.with_name(f'{path.name}-wal')
         if log.is_file() and log.stat().st_size:
@@ -82,6 +88,8 @@ class Storage:
         except Exception as error:
             if self.path.is_dir():
                 raise RecordingError(f'{self.path}: {words_of(error)}') from None
+            # rosbags knows no definition of another encoding, which may be of an unused topic.
+            self._is_foreign = _is_foreign(self.path, error)
             self._is_whole, self.span = False, None
             self._reason = words_of(error)
             self._look_at_the_rest()
@@ -124,7 +132,8 @@ class Storage:
         """Yield what can be read of a damaged file of some topics, and note what cannot."""
         lost: list[Lost] = []
         until = beyond = 0
-        for raw in rest_of(self.path, lost):
+        rows = rows_by_time if self._is_foreign else rest_of
+        for raw in rows(self.path, lost):
             if raw.time > _LAST:
                 beyond += 1
                 continue
@@ -133,7 +142,9 @@ class Storage:
                 yield raw
         if beyond:
             lost.append(Lost(f'{counted(beyond, "message")} of times behind the year 2262'))
-        for each in lost or [Lost(self._reason)]:
+        if self._is_foreign and self._hidden_fault:
+            lost.append(Lost(self._hidden_fault))
+        for each in lost or ([] if self._is_foreign else [Lost(self._reason)]):
             self._note(each, until)
 
     def _damaged(self, reason: str, until: int) -> None:
@@ -141,6 +152,12 @@ class Storage:
 
     def _note(self, lost: Lost, until: int) -> None:
         self.damage.append(Damage(str(self.path), lost, max(until, 0)))
+
+
+def _is_foreign(path: Path, error: Exception) -> bool:
+    """Return whether a database is refused for the encoding of a definition alone."""
+    key = error.args[0] if isinstance(error, KeyError) and error.args else None
+    return path.suffix == '.db3' and isinstance(key, str) and key not in DEFINED
 
 
 def _check_time(last: int) -> None:

@@ -98,12 +98,33 @@ def test_a_definition_without_a_text_is_that_of_ros(tmp_path):
     assert not recording.damage
 
 
+def test_a_definition_of_no_encoding_of_ros_harms_no_database(tmp_path, balls):  # noqa: F811
+    messages = [*still([0.0, 0.1, 0.2]), (0.25, '/text', recorder.text('here'))]
+    file = recorder.file_of(recorder.record(tmp_path / 'run', messages, sqlite=True))
+    database = sqlite3.connect(file)
+    database.execute(
+        "UPDATE message_definitions SET encoding = 'unknown', encoded_message_definition = '' "
+        f"WHERE topic_type = '{TEXT}'"
+    )
+    # As written late: the order of times counts, not that of rows.
+    database.execute('UPDATE messages SET id = 99 WHERE id = 1')
+    database.commit()
+    database.close()
+    found = clearance(file, balls, between=['a:b'])
+    assert found.times.tolist() == pytest.approx([0.0, 0.1, 0.2])
+    assert found.damage == ()
+    (said,) = Recording(file).messages(['/text'])
+    assert said.message.data == 'here'
+
+
 def test_times_that_are_all_0_are_times(tmp_path, balls):  # noqa: F811
     messages = still(0.1 * np.arange(3))
     file = written(tmp_path / 'run.mcap', STRANGE['unknown'], messages, times=[0, 0, 0])
     found = clearance(file, balls, between=['a:b'])
     assert found.times.tolist() == [0.0] * 3
-    assert found.reservations() == []
+    assert found.damage == ()
+    # Their stamps are those of another clock, which is said.
+    assert all('clock' in words or 'stale' in words for words in found.reservations())
 
 
 def test_a_time_that_no_clock_tells_is_left_out_as_damage(tmp_path, balls):  # noqa: F811
