@@ -38,7 +38,7 @@ def test_all_of_a_namespace_is_taken(tmp_path, balls):  # noqa: F811
     for space in ('', '/cell_1'):
         told = poses(0.1 * np.arange(20), 'b', [[(1.0, 0, 0, 0, 0, 0, 1)]] * 20, f'{space}/n/p')
         told += [(t, f'{space}/tf', message) for t, message in edges]
-        told += [(0.0, '/clock', recorder.clock(5.0))]
+        told += [(0.0, '/clock', recorder.clock(recorder.BEGIN / 1e9))]
         run = recorder.record(tmp_path / f'run{len(space)}', sorted(told, key=lambda m: m[0]))
         found[space] = clearance(run, balls, topics=Topics(namespace=space), between=['a:b'])
     one, other = (each['a:b'] for each in found.values())
