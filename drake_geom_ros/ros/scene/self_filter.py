@@ -279,7 +279,8 @@ def bodies_of(
     """Return the geometries with the proximity role of some sources; None: of all but one.
 
     What hangs on a frame of a source, at any depth and of any source itself, counts as its own: a
-    part that a robot carries looks to a camera as the robot does.
+    part that a robot carries looks to a camera as the robot does. ``part_of_robot: false`` turns
+    that off.
     """
     inspector = query.inspector()
 
@@ -297,7 +298,12 @@ def bodies_of(
 
 
 def _carriers(inspector: SceneGraphInspector, frame: FrameId) -> Iterator[FrameId]:
-    """Yield a frame and all that it hangs on, without the world."""
+    """Yield a frame and all that it hangs on, without the world.
+
+    An attached frame that is declared no part of its carrier (``part_of_robot: false``) ends it.
+    """
     while frame != inspector.world_frame_id():
         yield frame
+        if inspector.IsAttached(frame) and not inspector.IsPartOfParent(frame):
+            return
         frame = inspector.GetParentFrame(frame)

@@ -121,5 +121,8 @@ def test_what_hangs_on_a_robot_is_left_out_with_it_until_it_is_let_go():
     graph.AttachFrame(sources['part'], held, tool, RigidTransform())
     graph.AttachFrame(sources['label'], shown, held, RigidTransform())
     assert left_out() == ['robot', 'part', 'label']
+    graph.DetachFrame(sources['label'], shown, RigidTransform())
+    graph.AttachFrame(sources['label'], shown, held, RigidTransform(), is_part=False)
+    assert left_out() == ['robot', 'part']  # declared to be no part of the robot
     graph.DetachFrame(sources['part'], held, RigidTransform())
     assert left_out() == ['robot']
