@@ -1,7 +1,7 @@
 """References, judges and hard cases that tests and measurements share; no kernel is in them.
 
 ==================  ============================================================================
-``bodies``          bodies to ask about: random ones, arms, grids, tori
+``bodies``          bodies to ask about: random ones, arms, grids, tori, meshes
 ``references``      signed distances in 50 digits, by searches over directions and by all triangles
 ``surfaces``        contact surfaces in closed form, and whether one fits those of poses near it
 ``judging``         how bodies are asked about, and the laws that each answer must keep

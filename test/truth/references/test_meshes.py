@@ -5,8 +5,8 @@ import pytest
 from mpmath import mp, mpf
 from oracles import closed_forms
 
-from bench.accuracy.mesh_cases import UNIT, mesh_body
 from drake_geom_ros.cross_check.bodies import Body
+from truth.bodies.mesh_bodies import UNIT, mesh_body
 from truth.references.meshes import point_distance, signed_distance
 
 L, BALL = mesh_body('L', 1300), mesh_body('Ball', 1300)
