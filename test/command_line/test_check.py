@@ -128,6 +128,7 @@ def test_a_frame_without_a_pose_is_listed_as_one_that_waits(capsys, tmp_path):
     assert '  scene::b in scene::a waits for a pose' in lines
 
 
+@pytest.mark.processes
 def test_python_fcl_agrees_about_a_scene(capsys):
     assert main(['check', '--cross-check', str(ROOT / 'scenes/minimal.yaml')]) == 0
     last = capsys.readouterr().out.splitlines()[-1]
@@ -135,6 +136,7 @@ def test_python_fcl_agrees_about_a_scene(capsys):
     assert last.endswith(': pairs 2: agreed 2, disagreed 0, refuted 0, silent 0, lost 0')
 
 
+@pytest.mark.processes
 def test_a_disagreement_is_listed_and_is_the_exit_code(capsys, monkeypatch):
     right = SignedDistanceResults.distance.fget
     wrong = property(lambda results: right(results) - 0.01)

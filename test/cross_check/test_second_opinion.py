@@ -25,6 +25,8 @@ from truth.hard_cases import cases
 from truth.judging.asking import BodyScene
 from truth.peers import PairAnswer
 
+pytestmark = pytest.mark.processes
+
 CORNERS = np.array([[0.0, 0.0, 0.3], [0.2, 0.0, 0.3], [0.0, 0.2, 0.3], [0.0, 0.0, 0.5]])
 BODIES = [
     Body('Sphere', [0.1]),

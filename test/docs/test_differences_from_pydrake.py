@@ -29,6 +29,7 @@ def test_what_it_says_of_ours(example):
     assert answer(example['code'], 'drake_geom_ros') == str(example['ours'])
 
 
+@pytest.mark.processes
 @pytest.mark.skipif(importlib.util.find_spec('pydrake') is None, reason='no pydrake')
 def test_what_it_says_of_pydrake():
     expected = {entry['code']: str(entry['pydrake']) for entry in EXAMPLES}

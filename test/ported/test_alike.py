@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from ported.answers import answer, examples, of_pydrake
 
+pytestmark = pytest.mark.processes
+
 ALIKE = Path(__file__).with_name('alike.yaml')
 EXAMPLES = examples(ALIKE, 'alike')
 

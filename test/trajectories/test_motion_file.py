@@ -165,12 +165,12 @@ frames:
 
 
 BASE = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
-<joint name="j" type="{}"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+<joint name="j" type="{}"><parent link="a"/><child link="b"/>{}<axis xyz="0 0 1"/></joint>
 <joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>"""
 
 
-def _mobile(tmp_path, kind, joints):
-    (tmp_path / 'r.urdf').write_text(BASE.format(kind))
+def _mobile(tmp_path, kind, joints, inside=''):
+    (tmp_path / 'r.urdf').write_text(BASE.format(kind, inside))
     scene = SceneDescription(
         robots=(RobotDescription('r', tmp_path / 'r.urdf', RigidTransform()),),
         frames=tuple(FrameDescription('r', name) for name in 'abc'),
@@ -195,8 +195,9 @@ def test_links_below_a_planar_joint_move_when_all_its_values_are_given(tmp_path)
 
 
 def test_a_robot_that_no_joint_values_pose_is_left_out_and_named(tmp_path):
-    motion = _mobile(tmp_path, 'screw', [])
+    leader = '<mimic joint="thumb"/>'
+    motion = _mobile(tmp_path, 'continuous', [], leader)
     assert motion.frame_names == {}
-    assert "joint j has type 'screw'" in motion.left_out['r']
-    with pytest.raises(SceneFileError, match=r'motion.yaml:1: robots.r: .*joint j has type'):
-        _mobile(tmp_path, 'screw', ['k'])
+    assert "'thumb'" in motion.left_out['r']
+    with pytest.raises(SceneFileError, match=r"motion.yaml:1: robots.r: .*'thumb'"):
+        _mobile(tmp_path, 'continuous', ['k'], leader)

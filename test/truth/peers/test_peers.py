@@ -39,6 +39,7 @@ def safe(name):
     return peers.QUERIES if name != 'python-fcl' else ['penetration']
 
 
+@pytest.mark.processes  # of the peers that are asked in one
 @installed
 @pytest.mark.parametrize('swapped', [False, True])
 @pytest.mark.parametrize('shape', [*SHAPES, CUBE], ids=lambda shape: type(shape).__name__)

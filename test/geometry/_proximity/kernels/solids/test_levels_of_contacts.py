@@ -9,13 +9,13 @@ import pytest
 from numba import config
 from oracles.forms import kernel_form, row_of
 
-from bench.evidence.bodies.grids import L, solid
-from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import ACCURACY_GAPS
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.solids.plain_overlap import plain_overlap
 from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
+from truth.bodies.grids import L, solid
+from truth.bodies.random_bodies import random_rotation
 
 CASES = 3 if config.DISABLE_JIT else 400
 SIZE = 4.0  # of a pair [m], about
