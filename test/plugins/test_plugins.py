@@ -114,6 +114,14 @@ def test_race(name): fail_once(f'runs_{name}')
     assert (tmp_path / 'runs_a').read_text() == '1'
 
 
+def test_who_starts_a_process_without_the_mark_fails(run):
+    body = "def test_it(): __import__('subprocess').run(['true'])"
+    code, output = run(body)
+    assert code == 1
+    assert 'lacks the mark `processes`' in output
+    assert run(f'@pytest.mark.processes\n{body}')[0] == 0
+
+
 def test_the_fixtures_of_a_node_imply_its_mark(run):
     code, output = run("""
 @pytest.fixture
