@@ -20,6 +20,8 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from truth.bodies.random_bodies import random_rotation
 
+pytestmark = pytest.mark.processes
+
 NAMES = [name for name in SHAPES if name != 'half_space']
 EDGE = 0.05
 

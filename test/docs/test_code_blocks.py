@@ -14,6 +14,8 @@ from conventions.source_tree import ROOT
 from docs.pages import EXCEPTIONS, blocks, exceptions, pages
 from docs.running import KINDS, PageRunner, public_names
 
+pytestmark = pytest.mark.processes
+
 PAGES = pages()
 TABLE = yaml.safe_load(EXCEPTIONS.read_text())
 # Scenes that fragments of scene files continue.

@@ -17,6 +17,7 @@ import pytest
 KINDS = ('packaging', 'processes', 'topics', 'clock')  # marks, the dearest first
 PURE = 'pure'
 COMPILES = 'compiles'
+SHOWN = 10  # names of functions that were compiled twice
 
 
 def processor_time():
@@ -117,8 +118,10 @@ class Journal:
         terminalreporter.write_line(
             f'kernels compiled for a cache: {len(rows)}, of these twice: {len(twice)}'
         )
-        for _, function, types in twice:
-            terminalreporter.write_line(f'compiled twice: {function}{types[:80]}')
+        functions = sorted({function for _, function, _ in twice})
+        if functions:
+            more = f' and {len(functions) - SHOWN} more' if len(functions) > SHOWN else ''
+            terminalreporter.write_line(f'twice: {", ".join(functions[:SHOWN])}{more}')
 
     def pytest_unconfigure(self):
         self._file.unlink(missing_ok=True)
