@@ -23,8 +23,18 @@ class Started:
         sys.addaudithook(self._hear)
 
     def _hear(self, event, _):
-        if event in STARTS:
+        if event in STARTS and not imports():
             self.count += 1
+
+
+def imports():
+    """Return whether a module is being imported: NumPy's ask the system about the processor."""
+    frame = sys._getframe()
+    while frame is not None:
+        if frame.f_code.co_filename.startswith('<frozen importlib'):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def is_racy(item):

@@ -122,6 +122,12 @@ def test_who_starts_a_process_without_the_mark_fails(run):
     assert run(f'@pytest.mark.processes\n{body}')[0] == 0
 
 
+def test_a_module_that_starts_a_process_when_it_is_imported_needs_no_mark(run, tmp_path):
+    (tmp_path / 'asks.py').write_text("__import__('subprocess').run(['true'])")
+    code, output = run("def test_it(): import sys; sys.path.insert(0, '.'); import asks")
+    assert code == 0, output
+
+
 def test_the_fixtures_of_a_node_imply_its_mark(run):
     code, output = run("""
 @pytest.fixture
