@@ -103,8 +103,9 @@ def test_a_base_on_a_planar_joint_goes_where_its_columns_say(cell, tmp_path):
     assert some.frame_ids == []
 
 
-def test_a_robot_of_other_joints_is_refused_with_the_way_round(cell, tmp_path):
-    (tmp_path / 'arm.urdf').write_text(ROBOT.replace('type="fixed"', 'type="ball"'))
+def test_a_robot_whose_joint_has_no_leader_is_refused_with_the_way_round(cell, tmp_path):
+    urdf = ROBOT.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><mimic joint="thumb"/>')
+    (tmp_path / 'arm.urdf').write_text(urdf)
     loaded = load_scene(tmp_path / 'cell.yaml', SceneGraph())
-    with pytest.raises(ArgumentError, match=r"joint weld has type 'ball'.*poses of frames"):
+    with pytest.raises(ArgumentError, match=r"'thumb'.*poses of frames"):
         Joints.of(loaded)

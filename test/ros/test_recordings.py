@@ -24,7 +24,8 @@ CELL = ROOT / 'test' / 'batch' / 'cell.yaml'
 NAMES = ['turn', 'bend', 'roll', 'slide']
 RULE = """
 proximity_rules:
-- {name: hand to tray, set_a: arm, set_b: tray, enter: 0.25, leave: 0.3, level: slow}
+- {name: hand to tray, set_a: arm, set_b: tray, enter: 0.25, leave: 0.3, level: slow,
+   when_stale: keep}
 """
 DEEP = QoSProfile(depth=200)
 NODE = '/recorded_node'

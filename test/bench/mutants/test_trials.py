@@ -2,6 +2,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.processes
+
 trials = pytest.importorskip('bench.mutants.trials', reason='./run mutants installs coverage')
 
 SOURCE = """
