@@ -7,6 +7,8 @@ from ros.harness import environment, start_node, wait_until_ready
 
 from examples.test_examples import EXAMPLES, output
 
+pytestmark = pytest.mark.processes
+
 pytest.importorskip('ompl', reason='the extra `examples` of the package is not installed')
 
 

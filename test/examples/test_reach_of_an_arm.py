@@ -2,7 +2,11 @@
 
 import re
 
+import pytest
+
 from examples.test_examples import EXAMPLES, output
+
+pytestmark = pytest.mark.processes
 
 STATES = 3000
 

@@ -54,7 +54,7 @@ class Rule(NamedTuple):
     @property
     def enters_when_stale(self) -> bool:
         """Whether a stale pose enters it."""
-        return self.when_stale == 'enter' or (not self.when_stale and self.level == 3)
+        return self.when_stale == 'enter' or (not self.when_stale and self.level != 1)
 
     def pairs(self) -> frozenset[frozenset[str]]:
         """Return the pairs of bodies that it is about, two of what stands left aside."""
