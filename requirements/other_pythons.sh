@@ -1,7 +1,7 @@
-# The core's quick tests as users of pip get it: `./run test --everything` has a small environment with the oldest
-# versions that setup.py allows, under the oldest supported Python, and one with the newest that
-# there are, under the newest Python. Neither has ROS. They are made once, as the steps of set_up.sh,
-# and where there is no such interpreter the closing line says so.
+# The core's quick tests as users of pip get it: `./run test --everything` has a small environment
+# with the oldest versions that setup.py allows, under the oldest supported Python, and one with
+# the newest that there are, under the newest Python. Neither has ROS. They are made once, as the
+# steps of set_up.sh, and where there is no such interpreter the closing line says so.
 
 ends_of_range=(3.10 3.13)
 
