@@ -1,6 +1,7 @@
 """Closing speeds on the real middleware: by poses, by twists, and only where asked for."""
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -10,13 +11,19 @@ from ros.scene_calls import add_pair, poses
 
 pytestmark = pytest.mark.topics
 
-START = 1_000_000_000  # [s]
+# [s] Longer than a loaded machine takes for the steps of a test: older poses tell no speed.
+STALE_AFTER = 50.0
+TENTH = 10**8  # [ns]
 
 
 @pytest.fixture(scope='module')
 def node(tmp_path_factory):
     log = tmp_path_factory.mktemp('closing') / 'log'
-    process = start_node(log, name='closing', closing_speeds=True, max_distance=10.0)
+    values = {'closing_speeds': True, 'max_distance': 10.0, 'stale_after': STALE_AFTER}
+    process = start_node(log, name='closing', **values)
+    client = Client('/closing')
+    add_pair(client, 'pair')
+    client.close()
     yield process
     process.end()
 
@@ -29,18 +36,16 @@ def client(node):
     assert node.popen.poll() is None, f'the node died:\n{node.output()}'
 
 
-def send(publisher, milliseconds, x):
-    """Pose b at x [m] and a at the origin, at a time."""
+def send(publisher, x, stamp=0):
+    """Pose b at x [m] and a at the origin, at a time [ns]; 0: without one."""
     message = poses(['a', 'b'], [(0, 0, 0), (x, 0, 0)], source='pair')
-    message.header.stamp.sec = START + milliseconds // 1000
-    message.header.stamp.nanosec = milliseconds % 1000 * 10**6
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 10**9)
     publisher.publish(message)
 
 
-def twists(milliseconds, v):
+def twists(v, stamp):
     message = msg.FrameTwists(source='pair', frame_names=['a', 'b'])
-    message.header.stamp.sec = START + milliseconds // 1000
-    message.header.stamp.nanosec = milliseconds % 1000 * 10**6
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 10**9)
     message.twists = [0.0] * 9 + [v, 0.0, 0.0]
     return message
 
@@ -69,25 +74,25 @@ def answer_for(client, heard, x, known, again=lambda: None):
 
 def test_speeds_come_from_poses_and_from_twists_that_are_not_older(client):
     heard = client.listen(msg.SignedDistancePairs, 'signed_distances')
-    add_pair(client, 'pair')
     publisher = client.publisher(msg.FramePoses, 'frame_poses')
     teller = client.publisher(msg.FrameTwists, 'frame_twists')
+    now = time.time_ns()
 
-    first = answer_for(client, heard, 1.3, known=False, again=lambda: send(publisher, 0, 1.3))
+    first = answer_for(client, heard, 1.3, known=False, again=lambda: send(publisher, 1.3, now))
     assert np.isnan([first.closing_speed[0], first.time_to_contact[0]]).all()
 
-    send(publisher, 100, 1.25)
+    send(publisher, 1.25, now + TENTH)
     by_poses = answer_for(client, heard, 1.25, known=True)
     assert by_poses.closing_speed[0] == pytest.approx(0.5)
     assert by_poses.time_to_contact[0] == pytest.approx(0.95 / 0.5)
 
-    # So long after, poses tell nothing, until somebody else does.
-    send(publisher, 20_000, 1.1)
+    # Without a stamp poses tell nothing, until somebody else does.
+    send(publisher, 1.1)
     answer_for(client, heard, 1.1, known=False)
 
     def tell():
-        teller.publish(twists(20_000, 0.25))
-        send(publisher, 20_000, 1.1)
+        teller.publish(twists(0.25, now + 2 * TENTH))
+        send(publisher, 1.1, now + 2 * TENTH)
 
     told = answer_for(client, heard, 1.1, known=True, again=tell)
     assert told.closing_speed[0] == pytest.approx(-0.25)
@@ -110,10 +115,11 @@ def test_speeds_come_from_poses_and_from_twists_that_are_not_older(client):
 def test_overlaps_have_them_too(client):
     overlaps = client.listen(msg.PenetrationPairs, 'penetrations')
     publisher = client.publisher(msg.FramePoses, 'frame_poses')
+    now = time.time_ns()
 
     def deeper():
         for k in range(2):
-            send(publisher, 30_000 + 100 * k, 0.25 - 0.02 * k)
+            send(publisher, 0.25 - 0.02 * k, now + k * TENTH)
         known = [each for each in overlaps if list(each.has_closing_speed) == [True]]
         return next((each for each in known if math.isclose(each.depth[0], 0.07)), None)
 
@@ -138,7 +144,7 @@ def test_without_the_parameter_nobody_listens_and_nothing_is_said(tmp_path):
         publisher = client.publisher(msg.FramePoses, 'frame_poses')
 
         def answered():
-            send(publisher, 0, 0.35)
+            send(publisher, 0.35)
             return heard and heard[-1]
 
         answer = client.wait_for(answered, 'an answer')
