@@ -3,17 +3,53 @@
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import Any, Protocol
 
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.tf_edges import Refusal, names_in
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
-from drake_geom_ros.ros.parameters import ParameterStore
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+
+
+class StreamValues(Protocol):
+    """The parameters of the stream."""
+
+    @property
+    def stale_after(self) -> float:
+        """Age [s] beyond which a pose is stale."""
+
+    @property
+    def rate(self) -> float:
+        """Cycles [1/s] by a timer; 0: one cycle for each message."""
+
+    @property
+    def max_distance(self) -> float:
+        """Largest distance [m] of published pairs."""
+
+    @property
+    def time_budget(self) -> float:
+        """Longest time [s] of a query; 0: no limit."""
+
+
+class StreamSettings(Protocol):
+    """Keeps the present parameters."""
+
+    @property
+    def values(self) -> StreamValues:
+        """The parameters of now."""
+
+
+class InputCounts(Protocol):
+    """Counts what comes in, for the diagnostics."""
+
+    def take(self, delay: float, messages: int = 1, passed_over: int = 0) -> None:
+        """Count messages that were answered within ``delay`` [s]."""
+
+    def answer(self, lag: float) -> None:
+        """Count an answer that is ``lag`` [s] behind its poses."""
 
 
 class PoseStream:
@@ -22,8 +58,8 @@ class PoseStream:
     def __init__(
         self,
         live: LiveScene,
-        settings: ParameterStore,
-        diagnostics: Diagnostics,
+        settings: StreamSettings,
+        diagnostics: InputCounts,
         cycle: Cycle,
     ) -> None:
         self.active = False
