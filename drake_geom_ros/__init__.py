@@ -1,6 +1,8 @@
-"""Geometry queries over ROS 2: the scene model, the query engine and the node.
+"""Contact, distance and collision queries on scenes of geometry, in Python and as a ROS 2 node.
 
-In: arguments of the shell, through ``__main__``.
-Out: the exit code of a program.
-May import: ``programs``.
+Start with ``drake_geom_ros.geometry``, which has the names of ``pydrake.geometry``: a
+``SceneGraph``, shapes, and queries. ``scene_files`` loads robots and scenes into one,
+``trajectories`` moves them, ``batch`` asks about many states, and ``recordings`` judges what ROS
+recorded. None of these needs ROS. ``ros`` is the node, and ``client`` serves programs that use
+one.
 """

@@ -1,8 +1,6 @@
-"""Numbers that carry derivatives, with the names of ``pydrake.autodiffutils``.
+"""Automatic differentiation: numbers with gradients, and the names of ``pydrake.autodiffutils``.
 
-In: values with gradients (n,).
-Out: numbers that carry both through arithmetic.
-May import: ``math``; numpy.
+An ``AutoDiffXd`` has a value and a gradient (n,), and arithmetic propagates both.
 """
 
 from drake_geom_ros.autodiffutils.arrays import (

@@ -1,4 +1,4 @@
-"""Many states of one scene at once: on all cores, and by executors, those of clusters too.
+"""Queries about many states of one scene at once, on all cores, by executors or on clusters.
 
 ``evaluate`` is all that most callers need::
 
@@ -8,13 +8,9 @@
     states = rng.uniform(joints.lower, joints.upper, (10_000, joints.count))
     clearance = evaluate(scene_graph, want='least', states=states, joints=joints).distance
 
-Every answer is, to the bit, that of a query about its state alone, whatever the number of threads
-or workers, the size of the blocks and the order of the states.
-
-In: a scene, states (N, ...), what is wanted of each.
-Out: arrays by state, or a file of them.
-May import: ``math``, ``common``, ``geometry``, ``scene_files``, ``trajectories``; numpy,
-    distributed, matplotlib, pyarrow.
+Every answer equals, to the bit, that of a query about its state alone. The number of threads or
+workers, the size of the blocks and the order of the states do not matter. Results are arrays by
+state, or files of them.
 """
 
 from drake_geom_ros.batch.checker import Checker, Clearance

@@ -1,11 +1,8 @@
-"""For nodes and scripts that use a scene_graph node: results with names, services, filters.
+"""Client of a scene_graph node: queries by service and results with names, for nodes and scripts.
 
 ``SceneGraphClient`` is for scripts: it has its own node, and its calls wait for the answer.
-``SceneListener``, ``Services`` and ``HeldFilter`` are for nodes that spin themselves.
-
-In: a node's name, and what is asked by names.
-Out: results with names; errors that say who did not answer.
-May import: ``math``, ``common``; numpy, ROS.
+``SceneListener``, ``Services`` and ``HeldFilter`` are for nodes that spin themselves. Errors name
+the node or service that does not answer.
 """
 
 from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient

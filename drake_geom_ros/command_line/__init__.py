@@ -1,8 +1,4 @@
-"""The command line without ROS: ``query``, ``batch``, ``check``, ``convert``, ``view``, ...
+"""Subcommands of the command line that need no ROS: ``query``, ``check``, ``view`` and others.
 
-In: arguments of the shell and files.
-Out: text, tables and files, and exit codes.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``scene_files``, ``trajectories``,
-    ``replay``, ``batch``, ``cross_check``, ``viewing``, ``recordings``, ``sensed_maps``; numpy,
-    PIL, matplotlib.
+Each reads arguments and files, writes text, tables or files, and returns an exit code.
 """

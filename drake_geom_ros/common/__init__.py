@@ -1,9 +1,4 @@
-"""Small values of general use, with the public names of ``pydrake.common`` that geometry needs.
-
-In: files, bytes and names.
-Out: checked values, and errors that say what was wrong with them.
-May import: ``math``; numpy.
-"""
+"""Small values of general use, with the public names of ``pydrake.common`` that geometry needs."""
 
 from typing import TYPE_CHECKING
 

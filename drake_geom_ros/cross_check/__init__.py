@@ -1,19 +1,16 @@
-"""A second opinion about answers of ours: python-fcl's, in processes that may be lost.
+"""Cross-check of this package's answers by python-fcl, in a process that may crash or hang.
 
 ============================  ==================================================================
-``question``                  what is asked and what comes back: plain data, for both sides
-``asker``                     the node's side: starts the process, and again when it was lost
+``question``                  the pairs to check and the verdicts, as plain data for both sides
+``asker``                     the node's side: starts the process, and restarts a lost one
 ``python -m``                 the process: reads batches of questions, sends verdicts
-``second_opinion``            FCL, in a process below that it may end or hang
-``fcl_peer`` ``answers``      how FCL is asked about two shapes, and what it answers
-``lost_process``              that process
-``judging``                   whose answer is wrong, where the two differ
-``bodies`` ``surfaces``       what is asked about, and what it is, by plain formulas
+``second_opinion``            FCL, in a child process that may be ended
+``fcl_peer`` ``answers``      the calls of FCL for a pair of shapes, and its answers
+``lost_process``              that child process
+``judging``                   the verdict on two answers that differ
+``bodies`` ``surfaces``       the bodies of a question and their surfaces, by plain formulas
 ============================  ==================================================================
 
-The node imports the first two alone. ``test/truth`` builds on the last three lines.
-
-In: pairs as they were answered, from a node or a program.
-Out: verdicts, counted, and those that disagree.
-May import: ``math``, ``common``, ``geometry``, ``sensed_maps``, ``replay``; numpy, scipy, fcl.
+The node imports the first two alone. ``test/truth`` builds on the last three lines. Verdicts are
+counted, and each disagreement is reported with its pair.
 """

@@ -1,8 +1,9 @@
 """Scene model and geometry queries, with the public names of ``pydrake.geometry``.
 
-In: registrations, poses and questions, by public names.
-Out: the public names of all rooms below.
-May import: ``math``, ``_proximity``; numpy.
+Sources register frames and geometries in a ``SceneGraph``, which makes contexts that hold their
+poses. The ``QueryObject`` of a context answers queries: penetration, signed distances of pairs and
+to points, contact surfaces, images, whole motions. Every distance has a certified error bound.
+Lengths are in metres.
 """
 
 from typing import TYPE_CHECKING

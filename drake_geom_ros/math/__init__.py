@@ -1,8 +1,6 @@
-"""Poses, rotations, and functions of numbers, with the public names of ``pydrake.math``.
+"""Poses, rotations and functions of numbers, with the public names of ``pydrake.math``.
 
-In: numbers and arrays.
-Out: poses, rotations and refusals of what is none.
-May import: nothing of ours; numpy.
+Constructors reject arrays that are no rotation or no pose.
 """
 
 from typing import TYPE_CHECKING

@@ -1,8 +1,7 @@
-"""Which nearness means warn, slow down or stop, decided by certified lower bounds.
+"""Proximity rules: warn, slow down or stop when pairs of geometries come near.
 
-In: rules, names and filters of a scene, what a cycle measured.
-Out: events, the state of each rule, the scale of speed.
-May import: ``math``, ``common``, ``geometry``; numpy.
+A rule decides by certified lower bounds of the distances that a cycle measured. Rules give events,
+the state of each rule, and a scale of speed for the robot.
 """
 
 from drake_geom_ros.proximity_rules.decisions import Poses

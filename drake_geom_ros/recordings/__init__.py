@@ -1,15 +1,13 @@
-"""What ROS recorded, judged without ROS: how near things came, when, and what is not known.
+"""Analysis of ROS recordings, without ROS: minimum distances over time, with gaps stated.
 
 ``clearance`` is all that most callers need::
 
-    found = clearance('run.mcap', 'cell.yaml', between=['left:right'])
-    assert found.least().distance > 0.05
+    over_time = clearance('run.mcap', 'cell.yaml', between=['left:right'])
+    assert over_time.least().distance > 0.05
 
-In: recordings (MCAP, sqlite3), and a scene file or the robot's description in them.
-Out: least distances over time, what was left out, stale or damaged; tables, plots, a report.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``ros``, of which only rooms without ROS, ``batch``, ``replay``, ``viewing``;
-    numpy, yaml, rosbags, mcap, lz4, zstandard, matplotlib, PIL.
+A recording (MCAP or sqlite3) needs a scene file, or the robot's description in the recording. The
+result names the times that are unknown because poses were missing, stale or damaged. It makes
+tables, plots and a report.
 """
 
 from drake_geom_ros.recordings.audit import Audit, Audited, audit

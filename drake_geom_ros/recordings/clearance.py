@@ -55,8 +55,8 @@ def clearance(
     Raises RecordingError for what cannot be read or used, SceneFileError for a scene file,
     ArgumentError for other arguments.
 
-        found = clearance('run.mcap', 'cell.yaml', between=['left:right'])
-        assert found.least().distance > 0.05
+        over_time = clearance('run.mcap', 'cell.yaml', between=['left:right'])
+        assert over_time.least().distance > 0.05
     """
     asked = Asked(
         sets=pair_sets(between),

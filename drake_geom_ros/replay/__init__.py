@@ -1,12 +1,8 @@
-"""Replay files without ROS: an answer that broke a promise, and all it takes to ask again.
+"""Replay files: an answer that violated its guarantee, with all that reproduces it.
 
 ``recorded`` makes a Replay of a result, ``write`` and ``read`` keep it in a file, and
-``reproduce`` rebuilds the scene and asks for the pair once more. ``read_events`` reads recorded
+``reproduce`` rebuilds the scene and queries the pair again. ``read_events`` reads recorded
 proximity events, and a ``Judge`` computes their decisions again.
-
-In: an answer that broke a promise, or a file.
-Out: all that it takes to ask again, as a file or rebuilt; whether a decision was founded.
-May import: ``math``, ``common``, ``geometry``, ``proximity_rules``, ``scene_files``; numpy, yaml.
 """
 
 from drake_geom_ros.replay.decisions import Finding, Judge, Verdict

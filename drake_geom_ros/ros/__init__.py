@@ -1,8 +1,4 @@
-"""ROS 2: the node, its player, and the one place where messages are met.
+"""ROS 2 node ``scene_graph``, the pose player, and everything else that imports ROS in a node.
 
-In: parameters, topics and services.
-Out: results, markers and diagnostics.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``conversions``, ``scene``, ``trajectories``, ``cross_check``, ``inputs``,
-    ``outputs``, ``services``, ``sensing``; numpy, ROS.
+The node reads parameters, topics and services; it publishes results, markers and diagnostics.
 """

@@ -1,4 +1,4 @@
-"""Scene files without ROS: YAML, URDF and SRDF to registrations, and a scene back to YAML.
+"""Scene files: load YAML, URDF and SRDF into a scene graph, and save a scene as YAML.
 
 ``load_scene`` is all that most callers need::
 
@@ -7,12 +7,8 @@
     hand = loaded.frames['left', 'panda_hand']
 
 ``read_scene`` returns the description alone (robots with their URDF and base pose, frames with
-their first poses), ``register`` registers one, ``save_scene`` writes a scene graph as text.
-
-In: YAML, URDF and SRDF.
-Out: registrations, and a scene back to YAML; errors name file and line.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``;
-    numpy, yaml, lxml, jsonschema, xacro.
+their first poses), ``register`` registers one, ``save_scene`` writes a scene graph as text. Errors
+name file and line.
 """
 
 from drake_geom_ros.scene_files.cameras import add_renderers, camera_of, check_camera

@@ -1,17 +1,15 @@
-"""What sensors saw, as points or as cells of a grid: files, octrees, thinning, ages.
+"""Maps from sensors, as points or cells of a grid: files, octrees, downsampling, ages.
 
 =================  ===========================================================================
-``cells``          a grid's occupied cells by their keys: made of points, thinned, joined
-``octree``         OctoMap's trees as bytes, binary and full, to cells and back
-``octree_file``    the files of these, ``.bt`` and ``.ot``
+``cells``          occupied cells of a grid by their keys: from points, downsampled, joined
+``octree``         OctoMap's trees as bytes, binary and full, from and to cells
+``octree_file``    files of such trees, ``.bt`` and ``.ot``
 ``pcd_file``       point clouds of PCL, ``.pcd``
-``map_files``      all formats by their suffix: what a command or a scene file reads and writes
-``keeping``        which cells are held from one cloud to the next, and until when
+``map_files``      all formats by suffix, as commands and scene files read and write them
+``keeping``        the cells that stay from one cloud to the next, and until when
 =================  ===========================================================================
 
-In: bytes, points (n, 3) [m], times [s].
-Out: cells and points, checked before memory is taken for them.
-May import: ``math``, ``common``, ``geometry``; numpy.
+Points are (n, 3) [m], times [s]. Files are checked before memory is allocated for them.
 """
 
 from drake_geom_ros.sensed_maps.cells import Cells, MapError

@@ -1,9 +1,4 @@
-"""Images, and the intrinsics of the cameras that take them: pydrake's ``systems.sensors``.
-
-In: sizes and numbers of cameras, arrays of pixels.
-Out: checked intrinsics and images.
-May import: ``math``; numpy.
-"""
+"""Images and camera intrinsics, with the names of ``pydrake.systems.sensors``."""
 
 from drake_geom_ros.sensors.camera_info import CameraInfo
 from drake_geom_ros.sensors.images import Image, ImageDepth32F, ImageLabel16I, ImageRgba8U

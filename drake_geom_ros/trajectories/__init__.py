@@ -1,16 +1,12 @@
-"""Motion over time without ROS: forward kinematics, joint trajectories, grasps, timed poses.
-
-In: joint trajectories, grasps, tables of poses.
-Out: poses of frames at any time.
-May import: ``math``, ``autodiffutils``, ``common``, ``geometry``, ``scene_files``; numpy, yaml.
+"""Motion over time: forward kinematics, joint trajectories, grasps, timed poses.
 
 ``Kinematics`` poses the links of a URDF by joint values, and gives their Jacobians::
 
     kinematics = Kinematics('robot.urdf')
     X_WLs = kinematics.link_transforms(q, X_WB)
 
-``load_motion`` reads a motion file, which ``pose_player`` and the viewer play, of the frames of a
-scene that ``read_scene`` has read.
+``load_motion`` reads a motion file for the frames of a scene that ``read_scene`` has read. The
+program ``pose_player`` and the viewer play such files.
 """
 
 from drake_geom_ros.trajectories.kinematics import Kinematics

@@ -12,7 +12,7 @@ _REPORT = (*_WORLD, f'{_K}/addresses', 'geometry/_proximity/report')
 _PAIRS = (*_NEAR, *_REPORT, f'{_K}/calling', 'geometry/_proximity/pairs')
 _POINTS = (*_PAIRS, 'geometry/_proximity/points')
 
-# A question each, and imports only downwards: see the ``__init__`` of each room.
+# One question each (docs/contributing.md), and imports only downwards.
 PROXIMITY_ROOMS = {
     'geometry/_proximity': (('math', 'geometry/_proximity'), ()),
     _RUNTIME: ((*_GROUND, f'{_RUNTIME}/numba_inside'), ('numpy', 'numba', 'llvmlite')),

@@ -1,7 +1,6 @@
-"""PRIVATE: bodies with pressures in, contact surfaces out; arrays only. Compiled on first use.
+"""Contact surfaces of hydroelastic bodies (private): compiled loops over arrays.
 
-In: packed meshes, poses, pairs of bodies.
-Out: the polygons where pressures are equal, with their integrals, by pair; which pairs overlap
-    without, because one is deep within the other.
-May import: ``math``, ``_proximity``; numpy, numba.
+The input is packed meshes with pressures, poses and pairs of bodies. The output is the polygons of
+equal pressure and their integrals by pair, and the pairs that overlap without such a polygon
+because one body is deep inside the other. The kernels are compiled on first use.
 """

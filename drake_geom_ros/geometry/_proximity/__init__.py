@@ -1,10 +1,6 @@
-"""Arrays in, arrays out: the arithmetic behind the queries (private).
+"""Arithmetic of the queries (private): arrays in, arrays with certified error bounds out.
 
-A room answers one question and imports only rooms below it, from the ground: ``runtime``, then
-``filters`` and ``kernels``, ``world``, ``near``, ``pairs``, then ``points``, ``derivatives`` and
-``states``, and ``engine`` on top. ``kinds`` and ``tolerances`` are everybody's.
-
-In: arrays.
-Out: arrays, with certified error bounds.
-May import: ``math``.
+From the ground up: ``runtime``, then ``filters`` and ``kernels``, ``world``, ``near``, ``pairs``,
+then ``points``, ``derivatives``, ``states`` and ``motion``, and ``engine`` on top. Every package
+may use ``kinds`` and ``tolerances``. Each answers one question, see ``docs/contributing.md``.
 """

@@ -1,6 +1,5 @@
-"""PRIVATE: posed shapes and a camera in, images out; arrays only. Compiled on first use.
+"""Ray casting renderer (private): compiled loops over arrays.
 
-In: packed bodies, posed in the camera's frame.
-Out: images as arrays.
-May import: ``math``, ``_proximity``; numpy, numba.
+Takes packed bodies, posed in the camera's frame, and returns images as arrays. The kernels are
+compiled on first use.
 """

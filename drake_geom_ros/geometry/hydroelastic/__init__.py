@@ -1,6 +1,5 @@
-"""What shapes are to hydroelastic contact: meshes of tetrahedra, or surfaces, and pressures.
+"""Hydroelastic representations of shapes: tetrahedra with pressures, rigid surfaces, half spaces.
 
-In: shapes, and how fine to cut them.
-Out: bodies: meshes in the geometry's frame, the pressure at their vertices; half spaces.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``; numpy.
+A shape and a resolution hint [m] make a mesh in the geometry's frame, with the pressure [Pa] at
+each vertex of a compliant one.
 """

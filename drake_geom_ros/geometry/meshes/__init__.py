@@ -1,6 +1,4 @@
-"""Meshes: reading them, their surfaces and convex hulls, and which of them are solids.
+"""Mesh files and arrays: parsing, surfaces, convex hulls, and checks for closed solids.
 
-In: files, bytes or arrays.
-Out: vertices and faces [m], refusals that name file and reason.
-May import: ``math``, ``common``, ``geometry``, ``_proximity``; numpy.
+Vertices are in metres. An error names the file and the reason.
 """

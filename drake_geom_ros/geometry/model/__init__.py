@@ -1,7 +1,5 @@
-"""What there is: sources, frames, geometries, properties, sets and filter declarations.
+"""Scene model: sources, frames, geometries, properties, sets and filter declarations.
 
-In: what is registered.
-Out: records by id, and versions that tell what has changed; no poses of now, no queries.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
-    ``_proximity``; numpy.
+Records are found by id, and versions count their changes. The model has neither current poses nor
+queries.
 """

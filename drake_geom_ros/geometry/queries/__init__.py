@@ -1,7 +1,4 @@
-"""Questions about a posed scene, and their answers.
+"""Queries about a posed scene: ``QueryObject`` with results, gradients, images and surfaces.
 
-In: a model, filters, poses.
-Out: results over arrays, records when indexed, gradients, images, contact surfaces.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
-    ``model``, ``sensors``, ``render``, ``_proximity``, ``_contact_surfaces``; numpy.
+Results are arrays, and records when they are indexed.
 """

@@ -1,10 +1,6 @@
-"""Cameras, labels and renderers: the names of ``pydrake.geometry.render``.
+"""Cameras, labels and renderers, with the names of ``pydrake.geometry.render``.
 
-In: cameras and a packed scene.
-Out: images, by the renderer that was asked for.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
-    ``model``, ``sensors``,
-    ``_proximity``, ``_rendering``; numpy.
+Renderers draw colour, depth and label images of a scene from the pose of a camera.
 """
 
 from drake_geom_ros.geometry.render.camera_properties import (

@@ -1,8 +1,5 @@
-"""SceneGraph: where sources register what there is, and where queries start.
+"""``SceneGraph``: registers sources, frames and geometries, and makes contexts and query objects.
 
-In: registrations and contexts.
-Out: ports that take poses and give query objects; kernels compiled before anybody waits.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
-    ``model``, ``sensors``,
-    ``render``, ``queries``, ``autodiffutils``, ``_proximity``; numpy.
+Input ports take the poses of a source; the query port gives a ``QueryObject``. Kernels may be
+compiled in advance, so that no query waits for them.
 """

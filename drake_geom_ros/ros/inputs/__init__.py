@@ -1,7 +1,4 @@
-"""What comes in by itself: transforms, robot descriptions, points. No ROS import.
+"""Inputs of the live scene: transforms, robot descriptions, obstacles, points.
 
-In: values of messages, when they come.
-Out: changes of the live scene, and what is wrong with them.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``conversions``, ``scene``; numpy.
+Each turns the values of a message into a change of the scene, or reports what is wrong with them.
 """

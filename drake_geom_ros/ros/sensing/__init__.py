@@ -1,7 +1,5 @@
-"""What sensors see, in a process of its own: clouds and depth images become cells there.
+"""Sensor process: turns clouds and depth images into cells of a map, outside the node's process.
 
-In: messages of sensors; where the sensor and the bodies were, asked of the node over a pipe.
-Out: cells of a map and counts, which the node takes into its scene; refusals with their reasons.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``conversions``, ``scene``, ``inputs``; numpy, ROS.
+The node sends it the poses of sensors and bodies over a pipe. It returns cells and counts, and the
+reasons for messages that it rejected.
 """

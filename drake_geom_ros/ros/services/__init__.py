@@ -1,7 +1,4 @@
-"""What answers calls: a handler each, and the table of all.
+"""Service handlers of the node, and the table that lists them.
 
-In: requests.
-Out: responses; a refusal says what was asked, and what is allowed.
-May import: ``math``, ``common``, ``sensors``, ``geometry``, ``proximity_rules``, ``sensed_maps``,
-    ``scene_files``, ``conversions``, ``scene``, ``batch``, ``inputs``; numpy, ROS.
+The message of a failed call states the request, the reason and the allowed values.
 """

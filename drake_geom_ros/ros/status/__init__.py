@@ -1,7 +1,5 @@
-"""What a running node has and does, for who has no ``ros2`` program: read and told, nothing set.
+"""Status report of a running node, for hosts without the ``ros2`` program: read only.
 
-In: the name of a node.
-Out: topics with rates, the scene, who waits, what was refused, filters with their leases; as text
-    or as JSON.
-May import: ``common``, ``client``, ``sensing``, ``ros``; ROS.
+Prints, as text or JSON, the topics with their rates, the scene, frames without a pose, rejected
+messages, and filters with their leases.
 """

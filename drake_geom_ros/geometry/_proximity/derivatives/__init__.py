@@ -1,8 +1,5 @@
-"""What distances do when bodies move.
+"""Gradients of distances by the motions of both bodies.
 
-In: rows of answers, and where everything was then.
-Out: gradients by the motions of both bodies, whether they are the only ones, the features that
-    touch.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
-    ``report``, ``pairs``; numpy.
+Computed from rows of answers and the poses that they belong to. Each gradient has a flag that
+states whether it is unique, and the pair of features that touch.
 """

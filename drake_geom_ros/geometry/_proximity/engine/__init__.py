@@ -1,7 +1,5 @@
-"""One query from top to bottom.
+"""Query engine: one query from broad phase to results.
 
-In: a world, filters, what is asked.
-Out: arrays that no later change reaches, and the report of what was done.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
-    ``report``, ``pairs``, ``points``, ``derivatives``; numpy, numba.
+Takes a world, filters and the query's parameters. Returns arrays that no later change alters, and
+a report of the work that was done.
 """

@@ -1,8 +1,5 @@
-"""Which pairs may be reported, and why not.
+"""Collision filters: the pairs that may be reported, and the reasons for those that may not.
 
-The log is what was said, in order; the matrix follows from it.
-
-In: declarations, groups, what is anchored.
-Out: one bit a pair, and the reasons of each.
-May import: ``math``, ``_proximity``, ``runtime``; numpy.
+The log holds the declarations in order; the matrix, one bit a pair, follows from the log, the
+groups and the anchored geometries.
 """

@@ -24,7 +24,7 @@ Whatever it is, of any length or not even finite, the certificate of the answer 
 ignore it.
 
 Signs and frames. ``phi(A, B) = max over unit n of (-h_A(n) - h_B(-n))`` with n out of A
-towards B: a separation where positive, minus the least translation that separates where negative.
+towards B: a separation where positive, minus the shortest separating translation where negative.
 ``nhat_BA_W`` is unit, points out of B into A (so it is minus the maximising n).
 Witness points ``p_ACa_W``, ``p_ACb_W`` lie on the surfaces of A and B, are measured from Ao and
 expressed in World axes, and ``p_ACa_W - p_ACb_W = distance * nhat_BA_W`` holds for either sign.
@@ -51,34 +51,31 @@ maps       those of CONVEX, then a tree  OCCUPIED_CELLS, POINT_CLOUD: see ``shap
 Words, as in the literature (C. Ericson, *Real-Time Collision Detection*, 2005; G. van den Bergh,
 *Collision Detection in Interactive 3D Environments*, 2003):
 
-support function   h(n), how far a body reaches along the unit n; its *support point* is extreme
-                   along n, the *width* of an overlap is the support value of its difference
+support function   h(n), the largest n . x of a body's points x, for a unit n; its *support point*
+                   attains it; the *width* of an overlap is the support value of its difference
 witness points     Ca and Cb, the points that attain a distance or a depth
-penetration depth  -phi of bodies that overlap: the least translation that separates
+penetration depth  -phi of bodies that overlap: the shortest translation that separates
 Minkowski          D = {a - b}, which holds the origin where A and B overlap; the ball about the
 difference         origin that just fits into D has the depth as radius
-separation         how far apart two bodies are, as bounds tell it: a slab along an axis, or boxes
-level gap          how far apart an accuracy level lets the certified bounds of an answer be
-cutoff             the distance beyond which nobody asks; of points it is pydrake's *threshold*
-skin               what a body's box is grown by, for a list of neighbours to stand for a while
-core               what is left of a body when the ball that it is grown by is taken away
+separation         a lower bound of the distance of two bodies: a slab along an axis, or boxes
+level gap          the largest gap between the certified bounds that an accuracy level allows
+cutoff             distance beyond which nothing is reported; pydrake's *threshold* for points
+skin               the margin of a body's box that keeps a neighbour list valid for a while
+core               a body without the ball that it is grown by
 separating axis    a direction along which a slab between the bodies is empty
 certificate        two numbers that phi is between: a pair of points above, a slab below
 GJK                walks with a *simplex*, up to four points of D, to the one nearest to the origin
 EPA                grows a *polytope* in D at the face nearest to the origin; the new vertex sees
                    some faces, and the edges around these are its *horizon*
-curvature          radii of curvature of the surface of D, which tell a minimum of h from a saddle
+curvature          radii of curvature of the surface of D: they distinguish a minimum of h from a
+                   saddle
 kink, crease       where h has no derivative: n is at right angles to a segment that D is a sum of
 ring               directions about an axis that are almost as good as the best
-warm start         to begin at the answer of a pose before, the *hint*
-branch and bound   to go down two trees of boxes, without what is farther than the best so far
+warm start         a start from the answer of an earlier pose, the *hint*
+branch and bound   a descent of two trees of boxes that skips what is farther than the best so far
 winding number     1 in a closed surface and 0 outside: the solid angles of its triangles over 4 pi
 
 A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on
 the heap that grows with its input. 3-vectors are tuples of three floats (``vectors``).
 Every epsilon comes from ``tolerances``, where its reason stands.
-
-In: numbers of shapes, poses of one to another, a tolerance and a cutoff [m].
-Out: one row a pair, as told above.
-May import: ``math``, ``_proximity``, ``runtime``; numpy.
 """

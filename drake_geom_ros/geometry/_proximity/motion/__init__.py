@@ -1,7 +1,5 @@
-"""Whether a whole motion is clear, not only its samples: certified for all times.
+"""Continuous collision checks: certified for all times of a motion, not only for samples.
 
-In: a world of its own, pairs, a motion of frames or of joints, a least distance [m].
-Out: clear, contact or unknown, with the times, bounds and pair that tell it.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
-    ``report``, ``pairs``, ``points``, ``states``; numpy.
+Takes a world of its own, pairs, a motion of frames or joints, and a minimum distance [m]. Returns
+clear, contact or unknown, with the times, bounds and pair that decided it.
 """

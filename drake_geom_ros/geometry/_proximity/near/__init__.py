@@ -1,9 +1,5 @@
-"""The neighbour list: which pairs are near enough to be looked at.
+"""Broad phase: the neighbour list of pairs that may be within the cutoff.
 
-Grids for many bodies, all pairs for few; skins let a list stand for many cycles.
-
-In: a world, the filters, a cutoff [m].
-Out: pairs (k, 2) with i < j, less the filtered, each with the slot of its last answer.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``; numpy,
-    numba, llvmlite.
+Grids for many bodies, all pairs for few. Skins keep a list valid for many cycles. The list holds
+pairs (k, 2) with i < j that no filter excludes, each with the slot of its last answer.
 """

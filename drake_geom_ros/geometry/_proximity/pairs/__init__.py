@@ -1,10 +1,6 @@
-"""The narrow phase: distance or depth of each pair of the list, with its error bound.
+"""Narrow phase: distance or depth of each pair of the neighbour list, with its error bound.
 
-``narrow_phase`` is the loop, ``error_bounds`` what a level promises, ``budgeted`` the same in
-blocks while time lasts.
-
-In: pairs with their slots, a world, the level's gap and the cutoff [m].
-Out: rows of answers.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
-    ``report``; numpy.
+``narrow_phase`` is the loop, ``error_bounds`` the bounds that an accuracy level promises, and
+``budgeted`` the same loop in blocks within a time budget. The gap of a level and the cutoff are in
+[m].
 """

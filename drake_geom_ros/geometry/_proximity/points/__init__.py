@@ -1,9 +1,5 @@
-"""The distances of points to geometries.
+"""Signed distances of points to geometries.
 
-A point is a ball without radius to some kernels of pairs.
-
-In: points (m, 3) in World [m], a world, a threshold [m].
-Out: rows sorted by point and geometry.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
-    ``report``, ``pairs``; numpy, numba.
+To some pair kernels a point is a ball of radius zero. Takes points (m, 3) in World [m] and a
+threshold [m]; rows are sorted by point and geometry.
 """

@@ -1,7 +1,4 @@
-"""Many states of one scene, in compiled loops, each as if it was asked about alone.
+"""Compiled loops over many states of one scene, each answered as if it were alone.
 
-In: a world of its own, pairs, poses (N, n, 7).
-Out: answers by state, none of which enters the next.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
-    ``report``, ``pairs``, ``points``; numpy.
+Takes a world of its own, pairs and poses (N, n, 7). No answer depends on another state's.
 """

@@ -1,6 +1,5 @@
-"""Where everything is: the one place that holds poses.
+"""World state: poses of frames and geometries, bounds, and how far bodies moved.
 
-In: tables of frames and geometries, poses X_PF.
-Out: X_WF, X_WG, the bounds of each body, how far it moved, what rounding did.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``; numpy, numba.
+The only holder of poses. From X_PF it computes X_WF and X_WG, the bounds of each body, and the
+error that rounding adds to them.
 """

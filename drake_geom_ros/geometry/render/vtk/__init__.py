@@ -1,8 +1,4 @@
-"""What is drawn by VTK, an extra: imported only by a renderer that was asked for.
+"""Renderer that draws with VTK, an optional dependency.
 
-In: packed bodies, posed in the camera.
-Out: images; nobody else imports VTK.
-May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``hydroelastic``,
-    ``model``, ``sensors``,
-    ``render``; numpy, vtkmodules.
+VTK is imported only when this renderer is made.
 """

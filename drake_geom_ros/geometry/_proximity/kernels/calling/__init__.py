@@ -1,6 +1,4 @@
-"""How kernels are called: signatures, addresses, rows of results; pairs of extreme sizes.
+"""Calls of kernels: signatures, addresses and rows of results.
 
-In: addresses of kernels, shapes and poses.
-Out: rows of results; pairs of extreme sizes are brought to about 1 m.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``shapes``; numpy, numba.
+Pairs of extreme sizes are scaled to about 1 m before the call, and their rows back after it.
 """

@@ -1,6 +1,4 @@
-"""Pairs with a closed form, and points: spheres, boxes, capsules, half spaces.
+"""Closed forms: pairs of spheres, boxes, capsules and half spaces, and points.
 
-In: two shapes that need no iteration, or points and a shape.
-Out: rows with the error bound of rounding alone.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``shapes``, ``calling``; numpy.
+No iteration: the error bound of a row is that of rounding alone.
 """

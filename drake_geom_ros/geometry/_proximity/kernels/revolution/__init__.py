@@ -1,7 +1,5 @@
-"""Depths of bodies of revolution, where a ring of directions is almost as good as the best.
+"""Penetration depths of bodies of revolution, whose best directions form rings.
 
-In: cores that are round about an axis, or almost.
-Out: the least width of their overlap, where rings of directions are as good.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``shapes``, ``calling``,
-    ``closed_forms``, ``cores``; numpy.
+For cores that are round about an axis, or nearly so. A ring of directions is then almost as good
+as the best one, and EPA would need very many faces.
 """

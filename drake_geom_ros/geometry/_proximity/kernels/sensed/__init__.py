@@ -1,8 +1,5 @@
-"""Maps that sensors made, unions of equal boxes or balls: a tree over their centres.
+"""Pair kernels of sensed maps: unions of equal boxes or balls, in a tree over their centres.
 
-In: centres and a size, packed in one compiled call; the pose of another body or map; the address
-    of the kernel that answers for one cell.
-Out: the distance, or an interval of the depth, by walks that call that kernel for near cells.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``shapes``, ``calling``, ``trees``;
-    numpy, numba.
+One compiled call packs centres and a size. The walks call the kernel of a single cell for near
+cells only. They return the distance, or an interval of the depth.
 """

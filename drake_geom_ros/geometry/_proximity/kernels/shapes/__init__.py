@@ -1,6 +1,4 @@
-"""One shape alone: its bounds, support points, features and packed numbers.
+"""Properties of one shape: bounds, radii, support points, inner balls, and features at points.
 
-In: a kind and the packed numbers of a shape.
-Out: radii, support points, inner balls, the feature at a point; nothing knows a second body.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``; numpy, numba, llvmlite.
+A shape is its kind and its packed numbers. Nothing here involves a second body.
 """

@@ -1,7 +1,4 @@
-"""Bodies that a mesh bounds, dents, holes and all: trees of boxes over their triangles.
+"""Pair kernels of solids: bodies bounded by a mesh, with dents and holes.
 
-In: packed surfaces and the pose of another body.
-Out: distance or bounds of the depth, by walks over triangles.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``shapes``, ``calling``,
-    ``closed_forms``, ``cores``, ``trees``; numpy, numba, llvmlite.
+Trees of boxes over the triangles bound the walks, which return a distance or bounds of the depth.
 """

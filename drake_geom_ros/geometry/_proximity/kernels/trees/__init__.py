@@ -1,6 +1,4 @@
-"""Trees of boxes, and walks over two of them.
+"""Trees of bounding boxes, and walks over two of them.
 
-In: packed trees and a pose.
-Out: pairs of leaves, the nearest first; what leaves are is the caller's business.
-May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``shapes``; numpy.
+A walk yields pairs of leaves, the nearest first. The caller defines the content of leaves.
 """

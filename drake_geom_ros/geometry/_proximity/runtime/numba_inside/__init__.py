@@ -1,11 +1,7 @@
-"""All that relies on the inside of Numba, of the one version that ``compiled`` asks for it.
+"""Use of Numba's internals, for the one version that ``compiled`` checks for.
 
-With another one everything does without, by public ways alone: answers are the same, compiling
+With another version the package uses public interfaces alone: answers are the same, compiling
 takes longer, and references to arrays are counted (``test_pipeline``).
-
-In: functions, and the arrays that compiled code looks at.
-Out: options and callers of compiled functions, their addresses, and views of arrays.
-May import: nothing of ours; numpy, numba, llvmlite.
 """
 
 from drake_geom_ros.geometry._proximity.runtime.numba_inside.array_views import (
