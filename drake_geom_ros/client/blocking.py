@@ -42,10 +42,10 @@ from drake_geom_ros.client.services import (
 from drake_geom_ros.math import RigidTransform
 
 _Results = TypeVar('_Results', bound=Results[Any])
-_POLL = 0.01  # [s] between two looks whether something has come
-# A server may take a request before it has found who asks, and then its answer is lost: what
-# changes nothing is asked again after so long [s].
-_ASK_AGAIN = 5.0
+_POLL = 0.01  # [s] between two checks of a condition
+# A server may take a request before it has discovered the client, and then its response is lost.
+# Requests that change nothing are sent again after this time [s].
+_RETRY_AFTER = 5.0
 
 
 class NoAnswerError(RuntimeError):
@@ -53,15 +53,16 @@ class NoAnswerError(RuntimeError):
 
 
 class SceneGraphClient(PlannersQuestions):
-    """Calls the services of a node and waits for each answer; it spins a node of its own.
+    """Blocking client of a scene_graph node; it creates and spins a node of its own.
 
     ``poses`` are "what if" poses: X_PF by frame, as RigidTransform or as seven numbers x y z [m]
     qx qy qz qw. ``joints`` are "what if" values [rad] or [m] by joint, ``name`` or
-    ``robot::name``, and the links that these move stand accordingly. Frames that are not named
-    keep their poses, joints their values, and the live scene does not change.
-    Each call raises RefusedError with the node's reason where the node refuses it, and
-    NoAnswerError where no answer arrives within ``patience`` [s]. An answer that leaves something
-    out, for a frame never had a pose, raises IncompleteError, unless ``allow_incomplete``.
+    ``robot::name``; the links that these joints move are posed accordingly. Frames that are not
+    named keep their poses, joints their values, and the live scene does not change.
+
+    Each call raises RefusedError with the node's reason if the node refuses it, and
+    NoAnswerError if no response arrives within ``patience`` [s]. Results that omit geometries,
+    because a frame has never received a pose, raise IncompleteError unless ``allow_incomplete``.
 
         with SceneGraphClient() as client:
             print(client.signed_distances(poses={'ball': X_WB}).closest())
@@ -101,29 +102,30 @@ class SceneGraphClient(PlannersQuestions):
     def wait_for(self, fact: Callable[[], Any], what: str, end: float | None = None) -> Any:
         """Wait until ``fact()`` is true and return it; raise NoAnswerError that names ``what``.
 
-        ``end`` [s] of ``time.monotonic()`` is when whoever waits for several things gives up.
+        ``end`` [s] is a deadline on ``time.monotonic()``, for callers that wait for several
+        facts; by default ``patience`` counts from now.
         """
         end = self._end() if end is None else end
-        while not (found := fact()):
+        while not (value := fact()):
             if time.monotonic() > end:
                 raise NoAnswerError(f'waited {self._patience:g} s for {what}')
             time.sleep(_POLL)
-        return found
+        return value
 
     def _end(self) -> float:
-        """Return when [s] a call that begins now has to be over."""
+        """Return the deadline [s] of a call that begins now, on ``time.monotonic()``."""
         return time.monotonic() + self._patience
 
     def scene(self, version: int = 0) -> SceneTable:
-        """Return the present scene; wait until it has at least that version.
+        """Return the current scene; wait until it has at least that version.
 
-        Its ``joints`` tell their limits and where they are now, as far as the node knows.
+        Its ``joints`` hold their limits and the states that the node knows.
         """
         table = self._table(version)
         return table.with_joint_states(self.joint_states()) if table.joints else table
 
     def joint_states(self, names: Sequence[str] = ()) -> dict[str, JointState]:
-        """Return where joints are by ``robot::joint``, all or some, as far as the node knows."""
+        """Return the joint states that the node knows, by ``robot::joint``; all if no names."""
         answer = self.ask('get_joint_positions', names=list(names))
         rows = zip(answer.positions, answer.velocities, answer.ages, strict=True)
         return dict(zip(answer.names, map(JointState._make, rows), strict=True))
@@ -131,12 +133,12 @@ class SceneGraphClient(PlannersQuestions):
     def _table(self, version: int) -> SceneTable:
         """Return the newest table of ~/scene; wait until it has at least that version."""
 
-        def known() -> SceneTable | None:
+        def new_enough() -> SceneTable | None:
             table = self.listener.table
             return table if table is not None and table.version >= version else None
 
-        found: SceneTable = self.wait_for(known, f'the scene of version {version} or later')
-        return found
+        table: SceneTable = self.wait_for(new_enough, f'the scene of version {version} or later')
+        return table
 
     def call(self, name: str, /, **fields: Any) -> Any:
         """Call any service by its name with the fields of its request; return its response."""
@@ -147,18 +149,18 @@ class SceneGraphClient(PlannersQuestions):
         return accepted(name, future.result())
 
     def ask(self, name: str, /, **fields: Any) -> Any:
-        """Call a service that changes nothing; call again where no answer arrives."""
+        """Call a service that changes nothing; call it again if no response arrives."""
         return self._ask(name, self._end(), **fields)
 
     def _ask(self, name: str, end: float, /, **fields: Any) -> Any:
-        """Call a service that changes nothing, until ``end`` [s] of ``time.monotonic()``."""
+        """Call a service that changes nothing, until the deadline ``end`` [s]."""
         self.wait_for(lambda: not self.services.missing(name), f'the service {name}', end)
-        asked: list[tuple[float, Any]] = []
+        requests: list[tuple[float, Any]] = []  # when each was sent, and its future
 
         def answered() -> Any:
-            if not asked or time.monotonic() - asked[-1][0] > _ASK_AGAIN:
-                asked.append((time.monotonic(), self.services.send(name, **fields)))
-            return next((future for _, future in asked if future.done()), None)
+            if not requests or time.monotonic() - requests[-1][0] > _RETRY_AFTER:
+                requests.append((time.monotonic(), self.services.send(name, **fields)))
+            return next((future for _, future in requests if future.done()), None)
 
         return accepted(name, self.wait_for(answered, f'an answer of {name}', end).result())
 
@@ -171,7 +173,7 @@ class SceneGraphClient(PlannersQuestions):
         joints: JointValues | None = None,
     ) -> SignedDistances:
         """Return the signed distances of the unfiltered pairs up to ``max_distance`` [m]."""
-        found = self._named(
+        distances = self._named(
             SignedDistances,
             'compute_signed_distance_pairwise',
             max_distance=limit(max_distance),
@@ -179,7 +181,7 @@ class SceneGraphClient(PlannersQuestions):
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
-        return found if allow_incomplete else found.whole('signed_distances')
+        return distances if allow_incomplete else distances.whole('signed_distances')
 
     def signed_distance(
         self,
@@ -190,7 +192,7 @@ class SceneGraphClient(PlannersQuestions):
         joints: JointValues | None = None,
     ) -> SignedDistance:
         """Return the signed distance of one pair, which must not be filtered."""
-        found = self._named(
+        distances = self._named(
             SignedDistances,
             'compute_signed_distance_pair',
             geometry_a=geometry_a,
@@ -199,7 +201,7 @@ class SceneGraphClient(PlannersQuestions):
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
-        return next(iter(found))
+        return next(iter(distances))
 
     def penetrations(
         self,
@@ -209,14 +211,14 @@ class SceneGraphClient(PlannersQuestions):
         joints: JointValues | None = None,
     ) -> Penetrations:
         """Return the unfiltered pairs that overlap."""
-        found = self._named(
+        overlaps = self._named(
             Penetrations,
             'compute_point_pair_penetration',
             poses=frame_poses(poses or {}),
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
-        return found if allow_incomplete else found.whole('penetrations')
+        return overlaps if allow_incomplete else overlaps.whole('penetrations')
 
     def point_distances(
         self,
@@ -228,7 +230,7 @@ class SceneGraphClient(PlannersQuestions):
         joints: JointValues | None = None,
     ) -> PointDistances:
         """Return the distances of ``points`` (n, 3) [m] to geometries within ``threshold`` [m]."""
-        found = self._named(
+        distances = self._named(
             PointDistances,
             'compute_signed_distance_to_point',
             points=np.asarray(points, dtype=np.float64).ravel().tolist(),
@@ -237,7 +239,7 @@ class SceneGraphClient(PlannersQuestions):
             joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
-        return found if allow_incomplete else found.whole('point_distances')
+        return distances if allow_incomplete else distances.whole('point_distances')
 
     def contact_surfaces(
         self,
@@ -247,12 +249,12 @@ class SceneGraphClient(PlannersQuestions):
         allow_incomplete: bool = False,
         joints: JointValues | None = None,
     ) -> ContactSurfaces:
-        """Return where geometries with hydroelastic properties press each other.
+        """Return the contact surfaces of geometries with hydroelastic properties.
 
-        Pairs that overlap without a surface are refused, or ``with_fallback`` told by
-        ``without_surface``. The ``polygons`` of the surfaces are there where they are asked for.
+        Pairs that overlap without a surface are refused, or, ``with_fallback``, reported in
+        ``without_surface``. The surfaces have polygons only if ``polygons`` is true.
         """
-        found = self._named(
+        surfaces = self._named(
             ContactSurfaces,
             'compute_contact_surfaces',
             poses=frame_poses(poses or {}),
@@ -260,7 +262,7 @@ class SceneGraphClient(PlannersQuestions):
             polygons=polygons,
             with_fallback=with_fallback,
         )
-        return found if allow_incomplete else found.whole('contact_surfaces')
+        return surfaces if allow_incomplete else surfaces.whole('contact_surfaces')
 
     def has_collisions(
         self,
@@ -270,7 +272,7 @@ class SceneGraphClient(PlannersQuestions):
     ) -> bool:
         """Return whether any unfiltered pair overlaps.
 
-        One that does is an answer whatever is left out.
+        If one does, omitted pairs raise no IncompleteError: they cannot change the answer.
         """
         answer = self.ask(
             'has_collisions',
@@ -283,7 +285,7 @@ class SceneGraphClient(PlannersQuestions):
         return bool(answer.has_collisions)
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
-        """Return the reasons why a pair is filtered; empty where it is not."""
+        """Return the reasons why a pair is filtered; empty if it is not."""
         answer = self.ask('explain_filter', geometry_a=geometry_a, geometry_b=geometry_b)
         return list(answer.reasons)
 
@@ -294,9 +296,10 @@ class SceneGraphClient(PlannersQuestions):
         X_PF: RigidTransform | ArrayLike | None = None,
         part_of_robot: bool = True,
     ) -> RigidTransform:
-        """Let a frame follow one of any source, where it is now or at X_PF; return X_PF.
+        """Attach a frame to a parent of any source, where it is now or at X_PF; return X_PF.
 
-        ``part_of_robot``: sets by name that stand for the robot include it, in rules and results.
+        With ``part_of_robot``, name patterns that match the robot match the frame too, in rules
+        and results.
         """
         fields: dict[str, Any] = {'part_of_robot': part_of_robot}
         if X_PF is not None:
@@ -304,19 +307,19 @@ class SceneGraphClient(PlannersQuestions):
         return _pose_of(self.call('attach', frame=frame, parent=parent, **fields).pose)
 
     def detach(self, frame: str, X_PF: RigidTransform | ArrayLike | None = None) -> RigidTransform:
-        """Put a frame back on the one it was registered on, where it is now or at X_PF."""
+        """Detach a frame to its registered parent, where it is now or at X_PF; return X_PF."""
         fields = {} if X_PF is None else {'pose_given': True, 'pose': _pose_message(X_PF)}
         return _pose_of(self.call('detach', frame=frame, **fields).pose)
 
     def remove_source(self, source: str) -> tuple[int, int]:
-        """Remove a source and all that is its; return how many frames and geometries."""
+        """Remove a source with its frames and geometries; return the numbers of both."""
         answer = self.call('remove_source', source=source)
         return int(answer.frames), int(answer.geometries)
 
     def pose_ages(self, frames: Sequence[str] = ()) -> dict[str, float]:
-        """Return the age [s] of the pose of frames by full name, all or some, the oldest first.
+        """Return the pose ages [s] of frames by full name, oldest first; all if no names.
 
-        0: it does not grow old; inf: it never came, or not since the clock jumped.
+        0: the pose never becomes stale; inf: none was received, or none since the clock jumped.
         """
         answer = self.ask('get_pose_ages', frames=list(frames))
         return dict(zip(answer.names, answer.ages, strict=True))
@@ -333,9 +336,9 @@ class SceneGraphClient(PlannersQuestions):
     def _named(
         self, results: Callable[[Any, SceneTable], _Results], name: str, /, **fields: Any
     ) -> _Results:
-        """Return results with the names that they refer to; all of it within the patience.
+        """Return results with the names that they refer to, all within the patience.
 
-        Asked again where these did not come although later ones did.
+        The service is called again if the table with these names was skipped on ~/scene.
         """
         end, listener = self._end(), self.listener
         what = f'the names of the scene that an answer of {name} refers to'
@@ -356,7 +359,7 @@ class SceneGraphClient(PlannersQuestions):
 
 
 def _pose_message(X: RigidTransform | ArrayLike) -> Pose:
-    """Return a pose, a RigidTransform or x y z [m] qx qy qz qw, as a message."""
+    """Return the message of a pose, a RigidTransform or x y z [m] qx qy qz qw."""
     values = X.ToArray() if isinstance(X, RigidTransform) else np.asarray(X, dtype=np.float64)
     x, y, z, qx, qy, qz, qw = values.tolist()
     return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))

@@ -1,4 +1,4 @@
-"""Contact surfaces of a scene_graph node with names, and the pairs that overlap without one."""
+"""Contact surfaces with names, and the pairs that overlap without a surface."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _Surfaces = TypeVar('_Surfaces', bound='ContactSurfaces')
 
 @dataclass(frozen=True)
 class ContactSurface(Pair):
-    """Where two geometries press each other: ``area`` [m^2], ``max_pressure`` [Pa].
+    """Contact surface of two geometries: ``area`` [m^2], ``max_pressure`` [Pa].
 
     ``centroid`` and ``centre_of_pressure`` (3,) [m], ``force_on_A_W`` (3,) [N] and
     ``torque_on_A_Wo_W`` (3,) [N m] about the world's origin are in the world.
@@ -41,9 +41,9 @@ class ContactSurface(Pair):
 
 @dataclass(frozen=True)
 class PairWithoutSurface(Pair):
-    """Two geometries that overlap and have no contact surface, why, and how deep [m].
+    """A pair that overlaps without a contact surface, with the reason and the depth [m].
 
-    Two half spaces are infinitely deep, and have neither witness points nor a normal: NaN.
+    Two half spaces have infinite depth, and NaN for witness points and normal.
     """
 
     reason: str
@@ -80,15 +80,15 @@ class PairsWithoutSurface(PairResults[PairWithoutSurface]):
 
 
 class ContactSurfaces(PairResults[ContactSurface]):
-    """The surfaces of a ContactSurfaces message, with names.
+    """Surfaces of a ContactSurfaces message, with names.
 
     Arrays: ``area`` (n,) [m^2], ``max_pressure`` (n,) [Pa], ``centroid``, ``centre_of_pressure``
     (n, 3) [m], ``force_on_A_W`` (n, 3) [N], ``torque_on_A_Wo_W`` (n, 3) [N m], ``faces`` (n,),
-    ``id_a``, ``id_b`` (n,). ``without_surface`` are the pairs that overlap and have none, and
+    ``id_a``, ``id_b`` (n,). ``without_surface`` holds the pairs that overlap without a surface,
     ``participants`` the number of geometries with hydroelastic properties.
 
-    No surface need not mean that nothing touches: ``bool()`` of none raises IncompleteError where
-    pairs overlap without one, and where no geometry takes part.
+    An empty result does not prove that nothing touches: its ``bool()`` raises IncompleteError if
+    pairs overlap without a surface, or if no geometry has hydroelastic properties.
     """
 
     def _read(self, message: Any) -> None:
@@ -113,18 +113,19 @@ class ContactSurfaces(PairResults[ContactSurface]):
         return super().whole(what)
 
     def between(self: _Surfaces, a: str, b: str = '*') -> _Surfaces:
-        """Return the surfaces of what ``a`` names with what ``b`` names, as of other results.
+        """Return the surfaces between geometries that match ``a`` and ``b``, in any order.
 
-        ``without_surface`` are then those of these pairs.
+        ``without_surface`` is restricted to these pairs too. Patterns and errors are those of
+        ``PairResults.between``.
         """
-        found = super().between(a, b)
-        found.without_surface = self.without_surface.between(a, b)
-        return found
+        surfaces = super().between(a, b)
+        surfaces.without_surface = self.without_surface.between(a, b)
+        return surfaces
 
     def polygons(self, k: int) -> list[tuple[Floats, Floats]]:
         """Return corners (m, 3) [m] in the world and pressures (m,) [Pa] of surface k's polygons.
 
-        Raises RuntimeError where the message has none: they were not asked for.
+        Raises RuntimeError if the message was requested without polygons.
         """
         message, row = self._message, int(self._rows[k])
         if not message.has_polygons:
@@ -140,12 +141,12 @@ class ContactSurfaces(PairResults[ContactSurface]):
         return [(p_WVs[begin:end], pressures[begin:end]) for begin, end in pairwise(bounds)]
 
     def __bool__(self) -> bool:
-        """Return whether there is a surface; raise IncompleteError where none says too little."""
+        """Return whether there is a surface; raise IncompleteError if pairs overlap without."""
         if not len(self) and len(self.without_surface):
             pairs = self.without_surface[:_SHOWN]
-            told = ', '.join(f'{p.name_a} and {p.name_b} ({p.reason})' for p in pairs)
+            pair_reasons = ', '.join(f'{p.name_a} and {p.name_b} ({p.reason})' for p in pairs)
             raise IncompleteError(
-                f'no surface, and yet pairs overlap: {told}; see without_surface'
+                f'no surface, and yet pairs overlap: {pair_reasons}; see without_surface'
             )
         return super().__bool__()
 

@@ -1,4 +1,4 @@
-"""A transient filter that lasts as long as the node that asked for it."""
+"""Transient collision filter whose lease a client node renews."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rclpy.timer import Timer
 
 from drake_geom_ros.client.services import Services
 
-LEASE = 2.0  # [s] it vanishes this long after its owner did
+LEASE = 2.0  # [s] the filter expires this long after its owner stops renewing it
 
 
 class HeldFilter:
-    """A transient declaration whose lease is renewed until the filter is let go."""
+    """Transient filter declaration whose lease is renewed until ``let_go`` or ``let_run_out``."""
 
     def __init__(
         self,
@@ -25,7 +25,7 @@ class HeldFilter:
         lost: Callable[[], None] = lambda: None,
         lease: float = LEASE,
     ) -> None:
-        """``lost()`` is called if the node removed the filter, as when its scene was replaced."""
+        """Call ``lost()`` if the node removes the filter, as when its scene is replaced."""
         self._node = node
         self._owner = node.get_name()
         self._services = services
@@ -38,8 +38,8 @@ class HeldFilter:
     async def hold(self) -> None:
         """Apply the filter and keep renewing it; raise RefusedError if the node refuses.
 
-        A coroutine: await it, or nothing is sent and no pair is filtered. Where nobody can, give
-        it to the node's executor: ``node.executor.create_task(held.hold())``.
+        This is a coroutine: unless it is awaited, nothing is sent and no pair is filtered. Where
+        you cannot await, use the node's executor: ``node.executor.create_task(held.hold())``.
         """
         answer = await self._services.ask(
             'apply_transient_filter',
@@ -51,13 +51,13 @@ class HeldFilter:
         self._timer = self._node.create_timer(self._lease / 2, self._renew)
 
     async def let_go(self) -> None:
-        """Remove the filter; raise RefusedError if the node refuses. Await it, as ``hold``."""
+        """Remove the filter; raise RefusedError if the node refuses. A coroutine, as ``hold``."""
         self._stop()
         filter_id, self.filter_id = self.filter_id, 0
         await self._services.ask('remove_filter', filter_id=filter_id, owner=self._owner)
 
     def let_run_out(self) -> None:
-        """Stop renewing the filter: it is removed when its lease ends."""
+        """Stop renewing the filter, so that it is removed when its lease expires."""
         self._stop()
         self.filter_id = 0
 

@@ -1,4 +1,4 @@
-"""What an answer leaves out, or is not sure of, because nobody knows where it is."""
+"""Errors and records for results that omit geometries or rest on stale poses."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ _SHOWN = 5  # names in a sentence
 
 
 class IncompleteError(RuntimeError):
-    """An answer that leaves something out was about to be taken for the whole one."""
+    """A result omits pairs, geometries or sensed points, and the caller did not allow that."""
 
 
 class StaleError(RuntimeError):
-    """An answer that rests on stale poses was about to be taken for one of now."""
+    """A result rests on stale poses, and the caller did not allow that."""
 
 
 def refuse_stale(what: str, frames: Sequence[str]) -> None:
-    """Raise StaleError about ``what`` where the poses of frames of now in it are stale."""
+    """Raise StaleError about ``what`` if it uses stale live poses of any ``frames``."""
     if frames:
         names = ', '.join(frames[:_SHOWN]) + ' ...' * (len(frames) > _SHOWN)
         raise StaleError(
@@ -32,9 +32,10 @@ def refuse_stale(what: str, frames: Sequence[str]) -> None:
 
 
 class LeftOut(NamedTuple):
-    """Frames that never had a pose, by full names, and how many things that leaves out.
+    """Frames that have never received a pose, and the number of rows that this omits.
 
-    Points that sensors saw beside bodies are in no row, either: how many, and how near [m].
+    ``shell_points`` counts the sensed points beside bodies, which no row includes either;
+    ``least_shell_distance`` [m] is the smallest distance of one to its body.
     """
 
     frames: tuple[str, ...]
@@ -45,12 +46,12 @@ class LeftOut(NamedTuple):
 
     @classmethod
     def of_pairs(cls, answer: Any) -> LeftOut:
-        """Return what an answer about pairs leaves out."""
+        """Return what a response about pairs omits."""
         return cls._of(answer, int(answer.waiting_pairs), 'pair')
 
     @classmethod
     def of_geometries(cls, answer: Any) -> LeftOut:
-        """Return what an answer about geometries leaves out."""
+        """Return what a response about geometries omits."""
         return cls._of(answer, int(answer.waiting_geometries), 'geometry')
 
     @classmethod
@@ -60,15 +61,15 @@ class LeftOut(NamedTuple):
 
     @property
     def is_nothing(self) -> bool:
-        """Whether nothing is left out."""
+        """True if nothing is omitted."""
         return not (self.number or self.shell_points)
 
     def refuse(self, what: str) -> None:
-        """Raise IncompleteError about ``what``, which would look whole."""
-        said = []
+        """Raise IncompleteError about ``what``, with the reasons and the remedies."""
+        reasons = []
         if self.number:
             names = ', '.join(self.frames[:_SHOWN]) + ' ...' * (len(self.frames) > _SHOWN)
-            said.append(
+            reasons.append(
                 f'{counted(self.number, self.thing)} {are(self.number)} left out because '
                 f'{counted(len(self.frames), "frame")} never had a pose: {names}. Pose them '
                 '(~/frame_poses, TF, the key `pose` of the scene file, or the poses of the '
@@ -76,11 +77,11 @@ class LeftOut(NamedTuple):
             )
         if self.shell_points:
             points = self.shell_points
-            said.append(
+            reasons.append(
                 f'{counted(points, "point")} of sensors {are(points)} beside bodies, the nearest '
                 f'{self.least_shell_distance:.3g} m from one, and in no distance: see '
                 'obstacle_noise'
             )
         raise IncompleteError(
-            f'{what}: {"; ".join(said)}, or take what is known with allow_incomplete=True'
+            f'{what}: {"; ".join(reasons)}, or take what is known with allow_incomplete=True'
         )

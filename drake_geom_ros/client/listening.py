@@ -1,4 +1,4 @@
-"""Listens to a scene_graph node's results and gives each the names of its own scene."""
+"""Subscriptions to a scene_graph node's results, matched with the scene tables they refer to."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from drake_geom_ros.client.results import (
 from drake_geom_ros.client.scene_table import SceneTable
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-# Versions that come while this node is busy with one, which of a large scene takes a while.
+# Reading a large scene takes a while, and more versions may arrive meanwhile.
 _SCENES = QoSProfile(depth=32, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STREAM = QoSProfile(depth=10)
-_KEPT = 32  # tables, and so many sets of names back a result may refer
+_MOST_TABLES = 32  # a result may refer to any of the last so many sets of names
 _MOST_WAITING = 200  # results of a topic that wait for their table
-_TELL_PERIOD = 5.0  # [s] between two warnings that results were dropped
+_WARN_PERIOD = 5.0  # [s] between two warnings that results were dropped
 _Results = TypeVar('_Results', bound=Results[Any])
 _Take = Callable[[Any, SceneTable], None]
 
 
 class SceneListener:
-    """Receives the scene of a node, and its results with the names that they were made with.
+    """Subscriber to a node's scene and results; each result gets the names it was made with.
 
-    Where only shapes changed, names are the same: a result has a table of its ``names_version``,
-    maybe of another ``scene_version``. A result that arrives before its table waits for it. One
-    whose table did not come although a later one did is dropped: ``dropped`` counts these, and
-    the log tells of them.
+    A result is matched with the table of its ``names_version``. That table may be of another
+    ``scene_version``, since names do not change where only shapes change. A result that arrives
+    before its table waits for it. A result whose table was skipped is dropped, counted in
+    ``dropped`` and reported in the log.
     """
 
     def __init__(self, node: Node, server: str = '/scene_graph') -> None:
@@ -46,21 +46,21 @@ class SceneListener:
         self.table: SceneTable | None = None
         self._tables: dict[int, SceneTable] = {}
         self._arrivals: list[_Arrivals] = []
-        self._told: list[Callable[[SceneTable], None]] = []
+        self._scene_callbacks: list[Callable[[SceneTable], None]] = []
         node.create_subscription(msg.Scene, f'{server}/scene', self._take_scene, _SCENES)
 
     @property
     def dropped(self) -> int:
-        """How many results were not handed on, because the names that they refer to never came."""
+        """Number of results that were dropped because the table with their names never came."""
         return sum(arrivals.dropped for arrivals in self._arrivals)
 
     def table_of(self, names_version: int) -> SceneTable | None:
-        """Return the newest table with the names of a version; None where none has come."""
+        """Return the newest table with the names of a version, or None if none has arrived."""
         return self._tables.get(names_version)
 
     def on_scene(self, take: Callable[[SceneTable], None]) -> None:
         """Call ``take`` with each version of the scene."""
-        self._told.append(take)
+        self._scene_callbacks.append(take)
 
     def on_signed_distances(self, take: Callable[[SignedDistances], None]) -> None:
         """Call ``take`` with each result of ``~/signed_distances``."""
@@ -85,40 +85,40 @@ class SceneListener:
         results: Callable[[Any, SceneTable], _Results],
         take: Callable[[_Results], None],
     ) -> None:
-        arrivals = _Arrivals(lambda heard, table: take(results(heard, table)))
+        arrivals = _Arrivals(lambda received, table: take(results(received, table)))
         self._arrivals.append(arrivals)
 
-        def hear(heard: Any) -> None:
-            arrivals.hear(heard, self._tables)
-            self._tell_dropped()
+        def hear(received: Any) -> None:
+            arrivals.hear(received, self._tables)
+            self._warn_dropped()
 
         self._node.create_subscription(message, f'{self._server}/{topic}', hear, _STREAM)
 
     def _take_scene(self, message: msg.Scene) -> None:
         before, self.table = self.table, SceneTable.from_message(message)
         if before is not None and self.table.version < before.version:
-            self._tables.clear()  # a node that began anew: its numbers may mean other things
-        self._tables.pop(self.table.names_version, None)  # the newest one stands last
+            self._tables.clear()  # the node restarted, and may reuse version numbers
+        self._tables.pop(self.table.names_version, None)  # keeps the newest table last
         self._tables[self.table.names_version] = self.table
-        if len(self._tables) > _KEPT:
+        if len(self._tables) > _MOST_TABLES:
             del self._tables[next(iter(self._tables))]
-        for told in self._told:
-            told(self.table)
+        for callback in self._scene_callbacks:
+            callback(self.table)
         for arrivals in self._arrivals:
             arrivals.look(self._tables)
-        self._tell_dropped()
+        self._warn_dropped()
 
-    def _tell_dropped(self) -> None:
+    def _warn_dropped(self) -> None:
         if dropped := self.dropped:
             self._node.get_logger().warning(
                 f'results of {self._server} were dropped ({dropped} or more): the names that they '
                 'refer to did not come on its ~/scene',
-                throttle_duration_sec=_TELL_PERIOD,
+                throttle_duration_sec=_WARN_PERIOD,
             )
 
 
 class _Arrivals:
-    """Results of one topic, which wait for the tables with their names, each behind the others."""
+    """Queue of one topic's results that wait for the tables with their names, in order."""
 
     def __init__(self, take: _Take) -> None:
         self._take = take
@@ -126,7 +126,7 @@ class _Arrivals:
         self.dropped = 0
 
     def hear(self, message: Any, tables: dict[int, SceneTable]) -> None:
-        """Hand a result on, or keep it until its table comes."""
+        """Deliver a result, or queue it until its table arrives."""
         self._waiting.append(message)
         if len(self._waiting) > _MOST_WAITING:
             self._waiting.popleft()
@@ -134,7 +134,7 @@ class _Arrivals:
         self.look(tables)
 
     def look(self, tables: dict[int, SceneTable]) -> None:
-        """Hand on what waits for these tables, oldest first; drop what they have overtaken."""
+        """Deliver queued results of these tables, oldest first; drop those of skipped tables."""
         newest = next(reversed(tables), -1)
         while self._waiting:
             message = self._waiting[0]

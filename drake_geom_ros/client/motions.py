@@ -1,4 +1,4 @@
-"""Motions as a node is asked about them, and what it tells of one."""
+"""Result of a motion check by a node, and the trajectory message of its request."""
 
 from __future__ import annotations
 
@@ -15,38 +15,41 @@ _OUTCOMES = ('refused', 'clear', 'contact', 'unknown')
 
 
 class Motion(NamedTuple):
-    """What is true of a whole motion, certified for all times; see ``batch.check_path``.
+    """Verdict on a whole motion, certified for all times; see ``batch.check_path``.
 
-    ``outcome`` is ``'clear'`` (no pair comes as near as was asked, and none nearer than
-    ``lower_bound``), ``'contact'`` (clear until ``times[0]``, and touching at ``times[1]``) or
-    ``'unknown'`` (clear until ``times[0]``, and nothing is proved from there on). Only ``'clear'``
-    is clear: a motion stands for neither true nor false.
+    ``outcome`` is one of
+
+    - ``'clear'``: every pair stays beyond ``min_distance`` and at least ``lower_bound`` apart;
+    - ``'contact'``: clear until ``times[0]``, in contact at ``times[1]``;
+    - ``'unknown'``: clear until ``times[0]``, nothing is proved from there on.
+
+    ``bool()`` of a motion raises TypeError: compare ``outcome`` instead.
     """
 
     outcome: str
     times: tuple[float, float]  # [s] that hold the first contact
-    last_free: float  # [s] until then all is proved
-    names: tuple[str, str]  # of the pair that is told, as source::frame/geometry; empty: none
+    last_free: float  # [s] the motion is certified until then
+    names: tuple[str, str]  # of the reported pair, as source::frame/geometry; empty: none
     ids: tuple[int, int]  # 0: none
     distance: float  # [m] of this pair at ``time``
     error_bound: float  # [m]
     time: float  # [s]
     p_WCa: Floats  # (3,) [m] nearest points at that time
     p_WCb: Floats
-    lower_bound: float  # [m] of all that was proved
+    lower_bound: float  # [m] certified for the whole certified part
     evaluations: int
     ignored: int  # pairs left out because they were not clear at the start
     scene_version: int
     oldest_pose_age: float  # [s] of the oldest frame pose used; inf: unknown
-    stale_frames: tuple[str, ...]  # whose stale poses of now are used; at most 20
+    stale_frames: tuple[str, ...]  # frames whose live pose is stale and used; at most 20
 
     def __bool__(self) -> bool:
-        """Refuse to stand for yes or no: an unknown outcome is neither."""
+        """Raise TypeError: an unknown outcome is neither true nor false."""
         raise TypeError("a Motion is neither true nor false: ask whether outcome == 'clear'")
 
     @classmethod
     def of(cls, answer: Any) -> Motion:
-        """Return what an answer of check_motion tells."""
+        """Return the motion of a check_motion response."""
         begin, end = answer.times
         return cls(
             outcome=_OUTCOMES[answer.outcome],
@@ -73,7 +76,7 @@ def joint_trajectory(
 ) -> JointTrajectory:
     """Return a path (k, q) [rad] or [m] as a message; ``times`` (k,) [s], to the nanosecond.
 
-    Raises ValueError for rows and times of different numbers.
+    Raises ValueError if the numbers of rows and times differ.
     """
     rows = np.atleast_2d(np.asarray(path, dtype=np.float64))
     seconds = np.zeros(len(rows)) if times is None else np.asarray(times, dtype=np.float64)

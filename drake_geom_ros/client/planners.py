@@ -1,4 +1,4 @@
-"""What planners ask a node: many states of joints in one call, and whole motions."""
+"""Planners' queries of a node: many joint states in one call, and whole motions."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 
 class PlannersQuestions(ABC):
-    """The questions of planners, of whoever can ``ask`` a service and knows the scene."""
+    """Planners' queries, for a client that can call services and has the scene."""
 
     @abstractmethod
     def ask(self, name: str, /, **fields: Any) -> Any:
-        """Call a service that changes nothing; call again where no answer arrives."""
+        """Call a service that changes nothing; call it again if no response arrives."""
 
     @abstractmethod
     def _table(self, version: int) -> SceneTable:
@@ -52,16 +52,16 @@ class PlannersQuestions(ABC):
         progress: Progress | None = None,
         allow_stale: bool = False,
     ) -> States:
-        """Return what is wanted of each of n states of joints, ``positions`` (n, q) [rad] or [m].
+        """Evaluate n joint states, ``positions`` (n, q) [rad] or [m].
 
-        A state is free where every pair is certified to be farther apart than ``clearance`` [m];
-        joints that are not named keep the values of now. ``want`` is ``collision``, ``least`` or
-        ``near`` (all pairs up to ``max_distance`` [m]). More states than an answer holds are asked
-        about in parts, after each of which ``progress`` is called with the states done and all.
-        Raises RuntimeError where the scene changed meanwhile, for its answers would be of two, and
-        StaleError where poses of now that the answer rests on are stale, unless ``allow_stale``.
+        A state is free if every pair is certified to be farther apart than ``clearance`` [m].
+        Joints that are not named keep their live values. ``want`` is ``collision``, ``least`` or
+        ``near`` (all pairs up to ``max_distance`` [m]). States that exceed one response are sent
+        in several requests; after each, ``progress`` is called with the numbers of states done
+        and of all. Raises RuntimeError if the scene changes between requests, and StaleError if
+        the result rests on stale live poses, unless ``allow_stale``.
         """
-        asked = StatesRequest(
+        request = StatesRequest(
             list(joint_names),
             np.atleast_2d(np.asarray(positions, dtype=np.float64)),
             {
@@ -74,7 +74,7 @@ class PlannersQuestions(ABC):
                 'accuracy': accuracy,
             },
         )
-        answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
+        answers = request.ask(partial(self.ask, 'evaluate_states'), progress)
         states = States.of(answers, self._table(answers[0].scene_version))
         if not allow_stale:
             refuse_stale('evaluate_states', states.stale_frames)
@@ -100,14 +100,15 @@ class PlannersQuestions(ABC):
     ) -> Motion:
         """Return whether a whole motion is clear of ``min_distance`` [m], for all times.
 
-        Frames go to the poses ``end``, from time 0 to 1, by ``interpolation`` 'slerp' or 'screw';
-        or joints along ``path`` (k, q) [rad] or [m], a value each of ``joint_names``, straight
-        from row to row, at ``times`` (k,) [s]. Without times the path goes from 0 to 1, from its
-        first row; a single row is the end. ``start`` poses frames and ``start_joints`` joints at
-        the beginning, all others being where they are now; a path whose first time is later than 0
-        begins there too. ``time_tolerance`` [s] is the longest span that may hold a contact.
-        Raises StaleError where poses of now that the answer rests on are stale, unless
-        ``allow_stale``.
+        Either frames move to the poses ``end``, from time 0 to 1, by ``interpolation`` 'slerp' or
+        'screw'; or joints move along ``path`` (k, q) [rad] or [m], one column for each of
+        ``joint_names``, in straight lines between rows, at ``times`` (k,) [s]. Without ``times``
+        the path lasts from 0 to 1 and starts at its first row; a single row is the end.
+
+        ``start`` and ``start_joints`` set the initial poses and joint values; all others are the
+        live ones. A path whose first time is later than 0 begins there too. ``time_tolerance``
+        [s] is the width to which the time of contact is bracketed. Raises StaleError if the
+        result rests on stale live poses, unless ``allow_stale``.
         """
         rows = np.asarray(path, dtype=np.float64)
         trajectory = joint_trajectory(joint_names, rows, times) if rows.size else JointTrajectory()

@@ -1,4 +1,4 @@
-"""Hears of a scene_graph node's proximity rules, and never takes silence for safety."""
+"""Monitor of a scene_graph node's proximity rules; silence of the node means stop."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from std_msgs.msg import Float64
 
 from drake_geom_ros.common.nearest import nearest
 
-SILENCE = 0.5  # [s] after which a node that says nothing counts as dead
-_PERIOD = 0.05  # [s] between two looks at whether it is
+SILENCE = 0.5  # [s] a node without messages for longer counts as dead
+_PERIOD = 0.05  # [s] between two checks of that
 _EVENTS = QoSProfile(depth=1000)
 _STATES = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _SCALE = QoSProfile(depth=1)
@@ -40,10 +40,10 @@ WHY = {
 
 @dataclass(frozen=True)
 class ProximityEvent:
-    """A rule was entered or left: see ProximityEvents, of which it is one entry.
+    """One entry of a ProximityEvents message: a rule was entered or left.
 
     ``p_WCa`` and ``p_WCb`` (3,) [m] are the nearest points, in the world; ``pose_a`` and
-    ``pose_b`` (7,) are where the geometries were: x y z [m] qx qy qz qw.
+    ``pose_b`` (7,) are the poses of the geometries, x y z [m] qx qy qz qw.
     """
 
     sequence: int
@@ -61,9 +61,9 @@ class ProximityEvent:
     p_WCb: NDArray[np.float64]
     pose_a: NDArray[np.float64]
     pose_b: NDArray[np.float64]
-    closing_speed: float  # [m/s] NaN: not known
-    limit_distance: float  # [m] that distance - error_bound was held against
-    limit_time: float  # [s] of stale: the age from which on a pose is; else min_time_to_contact
+    closing_speed: float  # [m/s] NaN: unknown
+    limit_distance: float  # [m] compared with distance - error_bound
+    limit_time: float  # [s] for `stale` the parameter stale_after, else min_time_to_contact
     stamp: float  # [s] of the newest pose used
     oldest_pose_age: float  # [s]
     scene_version: int
@@ -71,20 +71,20 @@ class ProximityEvent:
 
 @dataclass(frozen=True)
 class RuleStanding:
-    """How a rule stands."""
+    """Current state of a rule."""
 
     name: str
     level: str  # warn, slow or stop
     entered: bool
-    why: str  # for what it is entered; empty where it is not
-    since: float  # [s] of the node's clock; 0: it never changed
-    pairs: int  # that it watches
-    left_out_pairs: int  # of its sets, that are never reported
-    trouble: str  # why it can never be entered as the scene is
+    why: str  # reason why it is entered; empty if it is not
+    since: float  # [s] of the last change, on the node's clock; 0: it never changed
+    pairs: int  # watched pairs
+    left_out_pairs: int  # pairs of its sets that are never reported
+    trouble: str  # why it can never be entered in the current scene
 
 
 class ProximityMonitor:
-    """The rules of a node as they stand now, and what changes of them.
+    """Subscriber to a node's proximity rules: their current states and their events.
 
     ::
 
@@ -107,19 +107,19 @@ class ProximityMonitor:
     ) -> None:
         """Listen with ``node``, which the caller spins, to the node named ``server``.
 
-        ``rules`` are those that must be there: without one of them the robot has to stop. Each
-        event is handed to ``on_event``; ``on_change`` is called with ``why_stop()`` whenever that
-        changes, also where the server falls silent.
+        ``rules`` are required: if one of them is missing, the robot has to stop. ``on_event`` is
+        called with each event, and ``on_change`` with ``why_stop()`` whenever that changes, also
+        when the server falls silent.
         """
         self._server, self._needed = server, tuple(rules)
         self._on_event, self._on_change = on_event, on_change
         self._heard, self._scale = -np.inf, 0.0
         self._standing: dict[str, RuleStanding] | None = None
-        self._next = 0  # the number of the next event; 0: none is known
-        self._stated = 0  # the same, as the states said last
-        self._version = 0  # of the scene, as the events said last
-        self._told: str | None = None
-        self.missed = 0  # events that were lost on their way
+        self._next = 0  # number of the next event; 0: unknown
+        self._stated = 0  # the same, by the last states message
+        self._version = 0  # scene version of the last events message
+        self._last_reason: str | None = None  # the last argument of on_change
+        self.missed = 0  # events that were lost in transport
         for kind, topic, hear, profile in (
             (msg.ProximityEvents, 'proximity_events', self._hear_events, _EVENTS),
             (msg.ProximityStates, 'proximity_states', self._hear_states, _STATES),
@@ -131,30 +131,30 @@ class ProximityMonitor:
 
     @property
     def rules(self) -> dict[str, RuleStanding]:
-        """The rules by name, as last heard; empty before anything was heard."""
+        """The rules by name, as last received; empty before the first message."""
         return dict(self._standing or {})
 
     @property
     def is_alive(self) -> bool:
-        """Whether the server said something of late."""
+        """True if the server sent a message within the last ``SILENCE``."""
         return time.monotonic() - self._heard <= SILENCE
 
     @property
     def speed_scale(self) -> float:
-        """How fast to go, 0 to 1; 0 where ``why_stop`` has a reason."""
+        """Speed scale, 0 to 1; 0 if ``why_stop`` has a reason."""
         return 0.0 if self.why_stop() else self._scale
 
     def why_stop(self) -> str:
-        """Return why the robot has to stop, in words; empty where it need not."""
+        """Return why the robot has to stop, as a text; empty if it need not."""
         if self._standing is None:
             return f'nothing was heard of the proximity rules of {self._server} yet'
-        known = self._standing
+        standings = self._standing
         for name in self._needed:
-            if name not in known:
-                return f'there is no proximity rule {name!r}{nearest(name, known)}'
-            if trouble := known[name].trouble:
+            if name not in standings:
+                return f'there is no proximity rule {name!r}{nearest(name, standings)}'
+            if trouble := standings[name].trouble:
                 return trouble
-        stops = [rule for rule in known.values() if rule.level == 'stop']
+        stops = [rule for rule in standings.values() if rule.level == 'stop']
         if all(rule.trouble for rule in stops):  # or there is none
             return next((rule.trouble for rule in stops), 'no proximity rule says when to stop')
         if not self.is_alive:
@@ -168,8 +168,8 @@ class ProximityMonitor:
     def _hear_states(self, message: Any) -> None:
         self._heard = time.monotonic()
         is_older = self._stated <= message.next_sequence < self._next
-        if is_older and message.scene_version <= self._version:  # of a new node it is greater
-            return  # events that came already say more, and states follow them
+        if is_older and message.scene_version <= self._version:  # a restarted node has a greater
+            return  # the events received so far are newer, and states follow them
         self._standing = {
             name: RuleStanding(
                 name,
@@ -183,7 +183,7 @@ class ProximityMonitor:
             )
             for k, name in enumerate(message.rules.name)
         }
-        # States may come after later events; only a server that began anew takes numbers back.
+        # States may arrive after later events; only a restarted server reuses numbers.
         if self._next == 0 or message.next_sequence < self._stated:
             self._next = message.next_sequence
         self._stated = message.next_sequence
@@ -194,7 +194,7 @@ class ProximityMonitor:
         for k, sequence in enumerate(message.sequence):
             if 0 < self._next < sequence:
                 self.missed += sequence - self._next
-            elif sequence < self._next:  # a server that began anew, and its states are under way
+            elif sequence < self._next:  # the server restarted, and its states will follow
                 self._stated = 0
             self._next = sequence + 1
             event = _event(message, k)
@@ -203,7 +203,7 @@ class ProximityMonitor:
         self._look()
 
     def _follow(self, event: ProximityEvent) -> None:
-        """Know what an event says of its rule before the states say it."""
+        """Update a rule's standing by an event, which precedes the states message."""
         if self._standing is None:
             return
         if event.why == 'gone':
@@ -211,14 +211,15 @@ class ProximityMonitor:
             return
         new = RuleStanding(event.rule, event.level, False, '', 0.0, 0, 0, '')
         why = event.why if event.entered else ''
-        known = self._standing.get(event.rule, new)
-        now = replace(known, entered=event.entered, why=why, since=event.stamp)
-        self._standing[event.rule] = now
+        before = self._standing.get(event.rule, new)
+        self._standing[event.rule] = replace(
+            before, entered=event.entered, why=why, since=event.stamp
+        )
 
     def _look(self) -> None:
         reason = self.why_stop()
-        if reason != self._told:
-            self._told = reason
+        if reason != self._last_reason:
+            self._last_reason = reason
             self._on_change(reason)
 
 

@@ -1,7 +1,7 @@
-"""Requests of services with every number converted to the type of its field, or refused.
+"""Service requests whose values are converted to the types of their fields, or refused.
 
-rclpy checks no types in its default mode: it sends the bits of an integer as those of a double,
-takes every value but ``True`` itself for false, and drops what overflows.
+In its default mode rclpy checks no types: it sends the bits of an integer as those of a double,
+reads every value but ``True`` itself as false, and drops what overflows.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ _INTEGERS = {
 
 
 class RequestError(RuntimeError):
-    """A field of a request that the service does not have, or a value that its type excludes."""
+    """A request has an unknown field, or a value that its field's type excludes."""
 
 
 def request_of(kind: Any, fields: dict[str, Any], service: str) -> Any:
-    """Return a request of the type ``kind`` with these fields, each value of its field's type.
+    """Return a request of type ``kind`` with each value converted to its field's type.
 
-    Integers, NumPy scalars and whatever else converts exactly is converted, in messages within
-    messages too; the messages that were passed stay as they are. Raises RequestError for an
-    unknown field and for a value that does not convert.
+    Integers, NumPy scalars and other values that convert exactly are converted, also within
+    nested messages; the caller's messages are not modified. Raises RequestError for an unknown
+    field and for a value that does not convert.
     """
     types = kind.get_fields_and_field_types()
     for name in fields:
@@ -49,7 +49,7 @@ def request_of(kind: Any, fields: dict[str, Any], service: str) -> Any:
 
 
 def _converted(value: Any, kind: str, path: str) -> Any:
-    """Return a value as the type of a field, ``value`` itself where it is one already."""
+    """Return a value converted to a field's type; ``value`` itself if it needs no conversion."""
     element = kind.removeprefix('sequence<').partition('[')[0].partition(',')[0].rstrip('>')
     if element == kind:
         return _converter(kind)(value, kind, path)
@@ -78,7 +78,7 @@ def _float(value: Any, kind: str, path: str) -> float:
 
 
 def _integer(value: Any, kind: str, path: str) -> Any:
-    if isinstance(value, bytes) and len(value) == 1:  # of a field of bytes
+    if isinstance(value, bytes) and len(value) == 1:  # a field of bytes
         return value
     if isinstance(value, (bool, np.bool_)):
         raise _refusal(value, kind, path)
@@ -126,7 +126,7 @@ def _array(value: Any, element: str, path: str) -> Any:
         raise _refusal(value, f'a sequence of {element}', path)
     if element in _FLOATS:
         return _numbers(value, element, path)
-    if isinstance(value, (bytes, bytearray)):  # of a field of bytes
+    if isinstance(value, (bytes, bytearray)):  # a field of bytes
         return value
     converter = _converter(element)
     after = [converter(each, element, f'{path}[{k}]') for k, each in enumerate(value)]
@@ -135,7 +135,7 @@ def _array(value: Any, element: str, path: str) -> Any:
 
 
 def _numbers(value: Any, element: str, path: str) -> Any:
-    """Return floating-point numbers as an array; those that are one need no look at each."""
+    """Return floating-point numbers as a sequence; arrays of doubles pass unchanged."""
     if getattr(value, 'typecode', '') == 'd':
         return value
     try:

@@ -1,4 +1,4 @@
-"""Results of a scene_graph node with names: arrays, which give records when indexed.
+"""Results of a scene_graph node with names: arrays that return records when indexed.
 
 ::
 
@@ -96,17 +96,17 @@ class PointDistance:
 
 
 class Results(Sequence[Record], Generic[Record]):
-    """Rows of a message, with the table of the scene that it refers to.
+    """Rows of a message, with the scene table that it refers to.
 
-    What hangs on a frame that never had a pose is in no row: ``waiting_frames`` names these
-    frames. Nor are the ``shell_points`` that sensors saw beside bodies, the nearest of them
-    ``least_shell_distance`` [m] from one. ``is_complete`` says whether the rows are all that there
-    are. Rows that are not must not look like free space: ``bool()`` of none raises
+    Rows omit geometries on frames that have never received a pose; ``waiting_frames`` names
+    these frames. They also omit the ``shell_points``, which sensors saw beside bodies, the nearest
+    ``least_shell_distance`` [m] from one. ``is_complete`` is true if nothing is omitted.
+    An empty incomplete result must not look like free space: its ``bool()`` raises
     IncompleteError.
     """
 
     _PREFIX = ''  # of the message's columns
-    _KEY: str  # the column that has as many entries as there are rows
+    _KEY: str  # a column with one entry per row
 
     def __init__(
         self,
@@ -115,7 +115,7 @@ class Results(Sequence[Record], Generic[Record]):
         rows: Ids | None = None,
         is_complete: bool | None = None,
     ) -> None:
-        """Take these rows of the message, or all of them if None, and whether none is missing."""
+        """Select ``rows`` of the message, or all; ``is_complete`` None: as the message says."""
         self._message = message
         self._left_out = self._missing_from(message)
         self.waiting_frames = self._left_out.frames
@@ -129,12 +129,12 @@ class Results(Sequence[Record], Generic[Record]):
         # [s] of the newest pose used
         self.stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1_000_000_000
         self.oldest_pose_age = float(message.oldest_pose_age)  # [s]; inf: unknown
-        self.oldest_frame = table.frame_name(message.oldest_frame)  # empty: no pose grows old
+        self.oldest_frame = table.frame_name(message.oldest_frame)  # empty: no pose gets stale
         self._read(message)
 
     @abstractmethod
     def _read(self, message: Any) -> None:
-        """Take over the columns that results of a kind have."""
+        """Read the columns of this kind of results."""
 
     def _column(self, name: str, width: int = 1, kind: type = np.float64) -> NDArray[Any]:
         column = getattr(self._message, self._PREFIX + name)
@@ -142,14 +142,14 @@ class Results(Sequence[Record], Generic[Record]):
         return (values if width == 1 else values.reshape(-1, width))[self._rows]
 
     def _row(self, k: int, *names: str) -> dict[str, Any]:
-        """Return row ``k`` of columns by their names, numbers as those of Python."""
+        """Return row ``k`` of the named columns, with scalars as Python numbers."""
         columns = {name: getattr(self, name) for name in names}
         return {name: x[k] if x.ndim > 1 else x[k].item() for name, x in columns.items()}
 
     @staticmethod
     @abstractmethod
     def _missing_from(message: Any) -> LeftOut:
-        """Return what a message of this kind leaves out."""
+        """Return what a message of this kind omits."""
 
     def whole(self: Rows, what: str) -> Rows:
         """Return the results if they are complete; raise IncompleteError about ``what`` if not."""
@@ -158,7 +158,7 @@ class Results(Sequence[Record], Generic[Record]):
         return self
 
     def _subset(self: Rows, mask: NDArray[np.bool_], *names: Ids) -> Rows:
-        """Return some rows: all that there are of geometries with these ids."""
+        """Return the masked rows, which are all rows of the geometries with these ids."""
         is_complete = self.is_complete or not (
             self.table.waits(names, self.waiting_frames)
             or (self.shell_points and self.table.have_maps(names))
@@ -169,7 +169,7 @@ class Results(Sequence[Record], Generic[Record]):
         return len(self._rows)
 
     def __bool__(self) -> bool:
-        """Return whether there is a row; raise IncompleteError where one may only be missing."""
+        """Return whether there is a row; raise IncompleteError if rows may be omitted."""
         if not len(self):
             self.whole('no row')
         return len(self) > 0
@@ -189,7 +189,7 @@ class Results(Sequence[Record], Generic[Record]):
 
 
 class PairResults(Results[Record]):
-    """Results of pairs."""
+    """Rows about pairs of geometries."""
 
     _KEY = 'id_a'
 
@@ -203,14 +203,15 @@ class PairResults(Results[Record]):
 
     @property
     def waiting_pairs(self) -> int:
-        """How many unfiltered pairs the whole message leaves out."""
+        """Number of unfiltered pairs that the message omits."""
         return self._left_out.number
 
     def between(self: Pairs, a: str, b: str = '*') -> Pairs:
-        """Return the pairs of a geometry that ``a`` names and one that ``b`` names, in any order.
+        """Return the pairs of a geometry that matches ``a`` and one that matches ``b``.
 
-        Each is a source, a frame or a geometry, or a pattern: see ``Geometry.matches``. Raises
-        UnknownNameError, with the nearest names, where nothing that queries report matches.
+        The order does not matter. Each is a source, a frame, a geometry or a pattern: see
+        ``Geometry.matches``. Raises UnknownNameError, with the nearest names, if no geometry
+        that queries report matches.
         """
         ids_a, ids_b = self.table.ids(a), self.table.ids(b)
         one_way = np.isin(self.id_a, ids_a) & np.isin(self.id_b, ids_b)
@@ -224,7 +225,7 @@ class PairResults(Results[Record]):
 
 
 class _CertifiedPairs(PairResults[Record]):
-    """Results of pairs with normals, and how exact they are."""
+    """Rows about pairs with normals, error bounds and methods."""
 
     def _read(self, message: Any) -> None:
         super()._read(message)
@@ -234,7 +235,7 @@ class _CertifiedPairs(PairResults[Record]):
 
 
 class SignedDistances(_CertifiedPairs[SignedDistance]):
-    """The signed distances of a SignedDistancePairs message, with names.
+    """Signed distances of a SignedDistancePairs message, with names.
 
     Arrays: ``distance``, ``error_bound``, ``lower_bound`` (n,) [m], ``p_ACa``, ``p_BCb``,
     ``nhat_BA_W`` (n, 3), ``id_a``, ``id_b``, ``method`` (n,).
@@ -255,7 +256,7 @@ class SignedDistances(_CertifiedPairs[SignedDistance]):
     def closest(self, allow_incomplete: bool = False) -> SignedDistance | None:
         """Return the pair with the smallest lower bound; None if there is no pair.
 
-        Raises IncompleteError where a closer one may be left out, unless ``allow_incomplete``.
+        Raises IncompleteError if a closer pair may be omitted, unless ``allow_incomplete``.
         """
         if not allow_incomplete:
             self.whole('the closest pair')
@@ -267,7 +268,7 @@ class SignedDistances(_CertifiedPairs[SignedDistance]):
 
 
 class Penetrations(_CertifiedPairs[Penetration]):
-    """The overlaps of a PenetrationPairs message, with names.
+    """Overlaps of a PenetrationPairs message, with names.
 
     Arrays: ``depth``, ``error_bound`` (n,) [m], ``p_WCa``, ``p_WCb``, ``nhat_BA_W`` (n, 3),
     ``id_a``, ``id_b``, ``method`` (n,).
@@ -285,7 +286,7 @@ class Penetrations(_CertifiedPairs[Penetration]):
 
 
 class PointDistances(Results[PointDistance]):
-    """The distances of a PointDistances message, with names.
+    """Distances of a PointDistances message, with names.
 
     Arrays: ``point_index``, ``id``, ``method`` (n,), ``distance``, ``error_bound`` (n,) [m],
     ``p_GN``, ``grad_W`` (n, 3).
@@ -301,7 +302,7 @@ class PointDistances(Results[PointDistance]):
         self.distance = self._column('distance')  # (n,) [m]
         self.p_GN = self._column('p_gn', 3)  # (n, 3) [m]
         self.grad_W = self._column('grad_w', 3)  # (n, 3)
-        # [s] of the points that the answer is for
+        # [s] stamp of the query points
         self.query_stamp = message.query_stamp.sec + message.query_stamp.nanosec / 1_000_000_000
 
     @staticmethod
@@ -310,13 +311,13 @@ class PointDistances(Results[PointDistance]):
 
     @property
     def waiting_geometries(self) -> int:
-        """How many geometries the whole message leaves out."""
+        """Number of geometries that the message omits."""
         return self._left_out.number
 
     def to(self, name: str) -> PointDistances:
         """Return the distances to the geometries that a name or a pattern matches.
 
-        Raises UnknownNameError, with the nearest names, where nothing that queries report does.
+        Raises UnknownNameError, with the nearest names, if no geometry that queries report does.
         """
         ids = self.table.ids(name)
         return self._subset(np.isin(self.id, ids), ids)

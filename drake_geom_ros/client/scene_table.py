@@ -1,4 +1,4 @@
-"""The scene as a subscriber knows it: geometries by id, with names, shapes and frames."""
+"""Table of a scene for subscribers: geometries by id, with names, shapes and frames."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from drake_geom_ros.common.geometry_names import WORLD, GeometryNames, carrier_n
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
 
-_MOST_KEPT = 64  # patterns of which the ids are kept: whoever watches asks for the same each time
-_MOST_LOOKED_AT = 5000  # names that are compared with an unknown one, some 10 us each
-_SHOWN = 4  # names of a scene in a message
+_MOST_CACHED = 64  # patterns whose ids are cached: callers repeat the same few
+_MOST_LOOKED_AT = 5000  # names that are compared with an unknown one, about 10 us each
+_SHOWN = 4  # names of a scene in an error text
 _MAPS = 'obstacles'  # the source of sensed maps
 
 
 class UnknownNameError(RuntimeError):
-    """A name or a pattern that stands for nothing that queries report in this scene."""
+    """A name or pattern that matches no geometry that queries report in this scene."""
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """A geometry: shape type and dimensions as in the Shape message, X_FG (4, 4) in its frame.
+    """A geometry: shape type and dimensions as in the Shape message, pose X_FG (4, 4) [m].
 
-    ``frame_name`` is its frame's own name, ``world`` where it is anchored. ``line`` holds its
-    frame and all that this hangs on, upwards, each as ``source::frame``; it is empty where the
-    geometry is anchored. Queries report what ``has_proximity`` role. ``carriers`` are the names of
-    what carries it as its part.
+    ``frame_name`` is its frame's own name, ``world`` if it is anchored. ``line`` holds its frame
+    and that frame's ancestors, upwards, each as ``source::frame``; it is empty if the geometry is
+    anchored. Queries report only geometries with ``has_proximity``. ``carriers`` are the names
+    of the robots and frames that carry it as a part.
     """
 
     id: int
@@ -52,30 +52,30 @@ class Geometry:
 
     @property
     def anchored(self) -> bool:
-        """Whether the geometry is fixed to the world."""
+        """True if the geometry is fixed to the world."""
         return not self.line
 
     @property
     def called(self) -> GeometryNames:
-        """Its names."""
+        """The names of the geometry, as a ``GeometryNames``."""
         names = self.source, self.frame_name, self.name
         return GeometryNames(*names, self.anchored, self.carriers)
 
     @property
     def frame(self) -> str:
-        """The full name of its frame, ``source::frame``; ``world`` where it is anchored."""
+        """The full name of its frame, ``source::frame``; ``world`` if it is anchored."""
         return self.called.frame
 
     def X_WG(self, X_WFs: Mapping[Frame, NDArray[np.float64]]) -> NDArray[np.float64]:
-        """Return its pose (4, 4) in the world, of X_WF (4, 4) by source and name of frames.
+        """Return its pose X_WG (4, 4), by X_WF (4, 4) of frames by source and own name.
 
-        Raises KeyError where its frame is not among them; one that is anchored needs none.
+        Raises KeyError if its frame is not among them; an anchored geometry needs none.
         """
         return self.X_FG if self.anchored else X_WFs[self.own_frame] @ self.X_FG
 
     @property
     def own_frame(self) -> Frame:
-        """Its frame by source and own name: names may hold ``::``, and ``frame`` joins them."""
+        """Its frame as (source, own name), which is unambiguous where names hold ``::``."""
         return self.source, self.frame_name
 
     @property
@@ -90,56 +90,56 @@ class Geometry:
 
     @property
     def body(self) -> str:
-        """The name of the thing it is part of: its frame, or itself where it is anchored."""
+        """The name of the body it is part of: its frame, or itself if it is anchored."""
         return self.called.body
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names that it is found by: of its source, frame and carriers, and its own."""
+        """The names that patterns match: of its source, frame and carriers, and its own."""
         return self.called.found_by
 
     def matches(self, pattern: str) -> bool:
-        """Return whether a name, or a pattern with ``*`` and ``?``, stands for the geometry.
+        """Return whether a name, or a pattern with ``*`` and ``?``, matches the geometry.
 
-        That is the name of its source, frame or thing, or its own, each with or without the
-        source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``, ``*::hand/*``. Names
-        may themselves hold ``::`` and ``/``: they are compared, and never split.
+        It matches by the name of its source, frame or carrier, or by its own, each with or
+        without the source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``,
+        ``*::hand/*``. Names may contain ``::`` and ``/``: they are compared whole.
         """
         return matches(self.names, pattern)
 
 
 class JointState(NamedTuple):
-    """Where a joint is, as far as the node knows."""
+    """Position, velocity and age of a joint, as the node knows them."""
 
-    position: float  # [rad] or [m]; nan: it has no value, and what hangs on it waits
-    velocity: float  # [rad/s] or [m/s]; nan: nobody knows
-    age: float  # [s] since it was heard of; inf: never, or not since the clock jumped
+    position: float  # [rad] or [m]; nan: no value yet, and queries omit the links it moves
+    velocity: float  # [rad/s] or [m/s]; nan: unknown
+    age: float  # [s] since the last message about it; inf: none, or none since the clock jumped
 
     @property
     def is_known(self) -> bool:
-        """Whether it has a value, be it only that of the scene file."""
+        """True if it has a value, possibly only that of the scene file."""
         return not math.isnan(self.position)
 
 
 class Joint(NamedTuple):
-    """A joint of a robot that has a value of its own."""
+    """Joint of a robot with a value of its own."""
 
     robot: str
     name: str
     type: str  # as in the URDF
-    limits: tuple[float, float]  # [rad] or [m]; infinite where there is none
-    frame: Frame | None  # of the link that it moves, by source and name; None: it is no frame
-    # Where it is as far as the node knew when it was asked; a table from ~/scene alone tells None.
+    limits: tuple[float, float]  # [rad] or [m]; infinite if there is none
+    frame: Frame | None  # of the link that it moves, by source and name; None: no such frame
+    # As of the call of get_joint_positions; None in a table that comes from ~/scene alone.
     state: JointState | None = None
 
     @property
     def full_name(self) -> str:
-        """The name that services take where two robots have the joint: ``robot::name``."""
+        """The name that services take if two robots have the joint: ``robot::name``."""
         return f'{self.robot}::{self.name}'
 
 
 class SceneTable:
-    """The geometries of one version of the scene, and the parents of its frames."""
+    """Geometries, frames and joints of one version of the scene."""
 
     def __init__(
         self,
@@ -150,10 +150,11 @@ class SceneTable:
         frame_names: Mapping[int, str] | None = None,
         joints: Sequence[Joint] = (),
     ) -> None:
-        """``parents`` of frames by source and own name, parents first; None is the world.
+        """Index ``geometries`` by id.
 
-        ``frame_names`` are the same names by id; ``names_version`` is the version
-        since which ids, names and roles are these.
+        ``parents`` maps frames, by source and own name, to their parents, in an order in which
+        parents come first; None is the world. ``frame_names`` are the full names by id.
+        ``names_version`` is the version in which ids, names and roles changed last.
         """
         self.geometries = {geometry.id: geometry for geometry in geometries}
         self.version = version
@@ -163,8 +164,8 @@ class SceneTable:
         self._frame_names = dict(frame_names or {})
         self._ids = np.array(sorted(self.geometries), dtype=np.int64)
         self._sources = np.array([self.geometries[i].source for i in self._ids.tolist()])
-        self._found: dict[str, NDArray[np.int64]] = {}
-        self._unknown: dict[str, str] = {}
+        self._ids_by_pattern: dict[str, NDArray[np.int64]] = {}
+        self._refusals: dict[str, str] = {}  # error texts by pattern
 
     @classmethod
     def from_message(cls, message: Any) -> SceneTable:
@@ -207,7 +208,7 @@ class SceneTable:
         return cls(geometries, *versions, names, joints)
 
     def with_joint_states(self, states: Mapping[str, JointState]) -> SceneTable:
-        """Return the same table, the states of joints by full name with it."""
+        """Return a copy of the table whose joints have these states, by full name."""
         other = copy(self)
         other.joints = tuple(
             each._replace(state=states.get(each.full_name)) for each in self.joints
@@ -221,7 +222,7 @@ class SceneTable:
         return int(geometry_id) in self.geometries
 
     def frame_name(self, frame_id: int) -> str:
-        """Return the full name of a frame, ``source::frame``; empty for none of this scene."""
+        """Return the full name of a frame, ``source::frame``; empty if the scene lacks it."""
         return self._frame_names.get(int(frame_id), '')
 
     def has(self, pattern: str) -> bool:
@@ -231,44 +232,48 @@ class SceneTable:
     def ids(self, pattern: str) -> NDArray[np.int64]:
         """Return the ids of the geometries that a name or a pattern matches, ascending.
 
-        Raises UnknownNameError, with the nearest names, where there are none, or none with the
-        proximity role: of those no query reports anything, ever.
+        Raises UnknownNameError, with the nearest names, if no geometry with the proximity role
+        matches: queries never report others.
         """
-        if pattern not in self._found:
-            found = [g for g in self.geometries.values() if g.matches(pattern)]
-            if not any(geometry.has_proximity for geometry in found):
-                raise UnknownNameError(self._told(pattern, len(found)))
-            if len(self._found) >= _MOST_KEPT:
-                self._found.clear()
-            self._found[pattern] = ids = np.array(sorted(g.id for g in found), dtype=np.int64)
+        if pattern not in self._ids_by_pattern:
+            matching = [g for g in self.geometries.values() if g.matches(pattern)]
+            if not any(geometry.has_proximity for geometry in matching):
+                raise UnknownNameError(self._refusal(pattern, len(matching)))
+            if len(self._ids_by_pattern) >= _MOST_CACHED:
+                self._ids_by_pattern.clear()
+            ids = np.array(sorted(g.id for g in matching), dtype=np.int64)
             ids.setflags(write=False)
-        return self._found[pattern]
+            self._ids_by_pattern[pattern] = ids
+        return self._ids_by_pattern[pattern]
 
     def own_name(self, frame: str) -> str:
-        """Return the own name of a frame that is given with its source, ``source::frame``, or not.
+        """Return the own name of a frame, by its own or its full name, ``source::frame``.
 
-        Names may hold ``::``: they are compared whole. Raises UnknownNameError where there is no
-        such frame, or where it depends on which one is meant.
+        Names may contain ``::``: they are compared whole. Raises UnknownNameError if there is no
+        such frame, or if frames with different own names match.
         """
-        found = [each for each in self.parents if frame in (each[1], full_name(each))]
-        own = {name for _, name in found}
-        if len(own) == 1:
-            return own.pop()
-        if found:
-            both = ' and '.join(map(told_apart, found))
+        frames = [each for each in self.parents if frame in (each[1], full_name(each))]
+        own_names = {name for _, name in frames}
+        if len(own_names) == 1:
+            return own_names.pop()
+        if frames:
+            both = ' and '.join(map(told_apart, frames))
             raise UnknownNameError(f'{frame[:80]!r} stands for {both}')
-        told = nearest(frame, islice(map(full_name, self.parents), _MOST_LOOKED_AT))
+        like = nearest(frame, islice(map(full_name, self.parents), _MOST_LOOKED_AT))
         raise UnknownNameError(
-            f'there is no frame {frame[:80]!r} in the scene of version {self.version}{told}; see '
+            f'there is no frame {frame[:80]!r} in the scene of version {self.version}{like}; see '
             'the topic ~/scene'
         )
 
-    def _told(self, pattern: str, count: int) -> str:
-        """Return what is wrong with a pattern, of whose geometries no query reports anything."""
-        # A stream may be asked for the same name again and again.
-        if pattern not in self._unknown:
-            if len(self._unknown) >= _MOST_KEPT:
-                self._unknown.clear()
+    def _refusal(self, pattern: str, count: int) -> str:
+        """Return the error text for a pattern that matches no geometry that queries report.
+
+        ``count`` geometries without the proximity role match it.
+        """
+        # Callers may repeat the same wrong name with every message of a stream.
+        if pattern not in self._refusals:
+            if len(self._refusals) >= _MOST_CACHED:
+                self._refusals.clear()
             geometries = self.geometries.values()
             if count:
                 why = f'; of that name {counted(count, "geometry")} without the proximity role'
@@ -276,17 +281,17 @@ class SceneTable:
                 names = dict.fromkeys(name for g in geometries for name in g.names)
                 why = nearest(pattern, islice(names, _MOST_LOOKED_AT))
             sources = sorted({repr(geometry.source) for geometry in geometries})[:_SHOWN]
-            self._unknown[pattern] = (
+            self._refusals[pattern] = (
                 f'{pattern[:80]!r} stands for no geometry that queries report in the scene of '
                 f'version {self.version}{why}. It holds {counted(len(geometries), "geometry")} of '
                 f'{", ".join(sources) or "no source"}; see the topic ~/scene'
             )
-        return self._unknown[pattern]
+        return self._refusals[pattern]
 
     def waits(self, sets: Iterable[NDArray[np.int64]], frames: Collection[str]) -> bool:
-        """Return whether a geometry of one of the sets of ids hangs on one of these frames.
+        """Return whether a geometry in any of the sets of ids descends from one of the frames.
 
-        Frames are given as ``source::frame``, and only what queries report counts.
+        ``frames`` are full names, ``source::frame``. Only geometries that queries report count.
         """
         waiting = set(frames)
         return any(
@@ -297,24 +302,24 @@ class SceneTable:
         )
 
     def have_maps(self, sets: Iterable[NDArray[np.int64]]) -> bool:
-        """Return whether a geometry of one of the sets of ids is a sensed map."""
+        """Return whether any of the sets of ids includes a sensed map."""
         geometries = (self.geometries[each] for ids in sets for each in ids.tolist())
         return any(geometry.source == _MAPS for geometry in geometries)
 
     def between(
         self, id_a: NDArray[np.int64], id_b: NDArray[np.int64], sources: tuple[str, str]
     ) -> NDArray[np.bool_]:
-        """Return which of n pairs have one geometry of each of two sources (n,).
+        """Return a mask (n,) of the pairs that have one geometry of each of two sources.
 
-        Raises UnknownNameError for a source that is not here, or that has no geometry.
+        Raises UnknownNameError for a source without a geometry that queries report.
         """
-        known = dict.fromkeys(g.source for g in self.geometries.values() if g.has_proximity)
+        names = dict.fromkeys(g.source for g in self.geometries.values() if g.has_proximity)
         for source in sources:
-            if source not in known:
-                told = nearest(source, known)
+            if source not in names:
+                like = nearest(source, names)
                 raise UnknownNameError(
                     f'no source {source[:80]!r} has a geometry that queries report in the scene '
-                    f'of version {self.version}{told}; see the topic ~/scene'
+                    f'of version {self.version}{like}; see the topic ~/scene'
                 )
         source_a = self._sources[np.searchsorted(self._ids, id_a)]
         source_b = self._sources[np.searchsorted(self._ids, id_b)]
@@ -331,7 +336,7 @@ class SceneTable:
 def carriers_of(
     frame_id: int, frames: Mapping[int, Any], sources: Mapping[int, str]
 ) -> tuple[str, ...]:
-    """Return the names of what carries a frame as its part, by SceneFrame messages by id."""
+    """Return the names that carry a frame as a part, from SceneFrame messages by id."""
     line, frame = [], frames[frame_id]
     while frame.parent_id != frame.id:
         line.append((sources[frame.source_id], frame.name, frame.part_of_robot))

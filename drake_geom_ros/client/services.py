@@ -20,17 +20,17 @@ from drake_geom_ros.math.tolerances import SMALLEST_SENT
 
 Poses = Mapping[str, RigidTransform | ArrayLike]
 JointValues = Mapping[str, float]
-# DDS delivers every answer of a service to all of its clients, and each keeps the last ones until
-# its node spins. Of rclpy's ten, a burst of other callers leaves nothing.
+# DDS delivers every response of a service to all of its clients, and each queues the last ones
+# until its node spins. A burst of other callers would overflow rclpy's default depth of ten.
 _DEPTH = 200
 
 
 class RefusedError(RuntimeError):
-    """The node refused a request; the text is the node's and gives the reason."""
+    """The node refused a request; the text is the node's reason."""
 
 
 class Services:
-    """Calls the services of a node by name."""
+    """Asynchronous clients of a node's services, by name."""
 
     def __init__(self, node: Node, server: str = '/scene_graph') -> None:
         """Call with ``node``, which the caller spins, the services of the node ``server``."""
@@ -94,7 +94,7 @@ def joint_positions(joints: Mapping[str, float]) -> msg.JointPositions:
 
 
 def limit(metres: float) -> float:
-    """Return a limit as a request has it: there 0 stands for infinity."""
+    """Return a limit [m] as requests encode it: 0 stands for infinity."""
     if math.isinf(metres):
         return 0.0
     return metres or SMALLEST_SENT

@@ -1,4 +1,4 @@
-"""Many states of joints: asked about in parts that fit into messages, answered as arrays."""
+"""Evaluation of many joint states, split into requests that fit into messages."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from drake_geom_ros.client.scene_table import SceneTable
 
 Floats = NDArray[np.float64]
 Progress = Callable[[int, int], object]  # states done, and all
-# Of one request: small enough for any limit of answers, and for a line of progress now and then.
+# Size of one request: below any limit of responses, and small enough for regular progress.
 _MOST_NUMBERS = 200_000
-_MOST_OF_PAIRS = 2_000  # states of `near`, of which nobody knows how many pairs they have
+_MOST_OF_PAIRS = 2_000  # states of `near`, whose number of pairs is not known in advance
 
 
 @dataclass(frozen=True)
 class StatesRequest:
-    """What is asked about states (n, q) of joints; ``fields`` are those of the request besides."""
+    """Request about ``states`` (n, q) of joints, with the other ``fields`` of the service."""
 
     joint_names: list[str]
     states: Floats
     fields: dict[str, Any]
 
     def ask(self, call: Callable[..., Any], progress: Progress | None) -> list[Any]:
-        """Return the answers of all parts, up to the first that is not free where that is asked.
+        """Return the responses of all parts; with ``stop_at_first``, end at a state not free.
 
-        Raises RuntimeError where the scene changed between two parts.
+        Raises RuntimeError if the scene changes between two parts.
         """
         answers: list[Any] = []
         done = 0
@@ -59,11 +59,13 @@ class StatesRequest:
 
 
 class States(NamedTuple):
-    """The answers for states, one after another; ``FREE`` and so on are those of the service.
+    """Verdicts and distances of n states, in the order of the request.
 
-    ``distance``, ``error_bound`` and ``ids`` have a row a state for ``least`` (nan and 0 where
-    a state is outside its limits), those of state s in rows ``offsets[s]`` to ``offsets[s + 1]``
-    for ``near``, and none for ``collision``.
+    The rows of ``distance``, ``error_bound`` and ``ids`` depend on what was wanted:
+
+    - ``least``: one row a state, nan and 0 where a state is outside its limits;
+    - ``near``: rows ``offsets[s]`` to ``offsets[s + 1]`` are those of state s;
+    - ``collision``: none.
     """
 
     free: NDArray[np.bool_]  # (n,)
@@ -73,12 +75,12 @@ class States(NamedTuple):
     ids: NDArray[np.int64]  # (p, 2) of the geometries; 0: there is no pair
     offsets: NDArray[np.int64]  # (n + 1,) of `near`, else empty
     oldest_pose_age: float  # [s] of the oldest frame pose at that time; inf: unknown
-    stale_frames: tuple[str, ...]  # whose stale poses of now are used; at most 20 a part
+    stale_frames: tuple[str, ...]  # frames whose live pose is stale and used; at most 20 a part
     scene: SceneTable
 
     @classmethod
     def of(cls, answers: Sequence[Any], scene: SceneTable) -> States:
-        """Return the answers of all parts as one."""
+        """Return the states of several responses, concatenated."""
 
         def joined(name: str, kind: Any) -> Any:
             return np.concatenate(
@@ -103,10 +105,10 @@ class States(NamedTuple):
 
     @property
     def first_not_free(self) -> int:
-        """The first state that is not free; -1: all are."""
+        """Index of the first state that is not free; -1: all are free."""
         return -1 if self.free.all() else int(np.argmin(self.free))
 
     def names(self, row: int) -> tuple[str, str]:
-        """Return the full names of the geometries of a row of pairs; empty where there is none."""
+        """Return the full names of the geometries of a row; empty if it has no pair."""
         a, b = self.ids[row].tolist()
         return ('', '') if a == 0 else (self.scene[a].full_name, self.scene[b].full_name)
