@@ -1,8 +1,8 @@
-"""Whether rules are entered and left, for all rules at once, compiled.
+"""Compiled decision whether rules are entered or left, for all rules at once.
 
-What decides is the lower bound of a distance, which is certified: a rule may be entered early
-where an answer is loose, and never late. In NumPy these steps took a tenth of a cycle of 1000
-bodies, of one rule as of many, for each call comes from memory again (``bench/costs``).
+Decisions use the certified lower bound of a distance: a loose bound may enter a rule early, but
+never late. In NumPy these steps took a tenth of a cycle of 1000 bodies, for one rule as for
+many, because every call is a cache miss (``bench/costs``).
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ _NONE = np.zeros(0, dtype=np.bool_)
 
 
 class Poses(NamedTuple):
-    """The geometries (n,) whose poses are not known, in the order of ``WatchedPairs.ids``.
+    """Flags (n,) of geometries without a valid pose, in the order of ``WatchedPairs.ids``.
 
-    Each hangs on a frame that lacks a good pose, for one of four reasons. An empty array flags
-    none.
+    A flagged geometry descends from a frame without a valid pose, for one of four reasons. An
+    empty array flags none.
     """
 
     stale: Flags  # posed too long ago
@@ -39,7 +39,7 @@ class Poses(NamedTuple):
     foreign: Flags = _NONE  # posed with stamps of another clock
 
     def without(self) -> tuple[tuple[Why, Flags], ...]:
-        """Return the geometries without a good pose by reason; a later reason counts more."""
+        """Return the flags by reason; a later reason overrides an earlier one."""
         return (
             (Why.STALE, self.stale),
             (Why.OTHER_CLOCK, self.foreign),
@@ -49,37 +49,37 @@ class Poses(NamedTuple):
 
 
 class Reasons(NamedTuple):
-    """What each rule (r,) would be entered for, and what keeps it entered."""
+    """Values by which each rule (r,) is entered or stays entered."""
 
-    lowest: Floats  # [m] the least lower bound of its pairs; inf: none was near enough to see
-    soonest: Floats  # [s] the least time to contact; inf: nothing that closes
-    blind: Whys  # a Why: it needs a pose that is not known; 0: all are
-    unpredicted: Flags  # times count for it, and nobody knows how all that it needs moves
+    lowest: Floats  # [m] smallest lower bound of its pairs; inf: no pair was near enough
+    soonest: Floats  # [s] smallest time to contact; inf: no pair closes
+    unposed: Whys  # a Why: it needs a pose that is not valid; 0: all are valid
+    unpredicted: Flags  # it uses times to contact, and a motion that it needs is unknown
 
     @classmethod
     def of_nothing(cls, count: int) -> Reasons:
-        """Return those of rules of which nothing was measured."""
+        """Return the values of rules before any measurement."""
         lowest, soonest = np.full((2, count), math.inf)
-        blind, unpredicted = np.zeros(count, dtype=np.uint8), np.zeros(count, dtype=np.bool_)
-        return cls(lowest, soonest, blind, unpredicted)
+        unposed, unpredicted = np.zeros(count, dtype=np.uint8), np.zeros(count, dtype=np.bool_)
+        return cls(lowest, soonest, unposed, unpredicted)
 
 
 class Limits(NamedTuple):
-    """The numbers of rules as arrays (r,)."""
+    """Limits of rules as arrays (r,)."""
 
-    group: Ids  # of the rules that name the same sets
+    group: Ids  # index of the group of rules with the same sets
     enter: Floats  # [m]
     leave: Floats  # [m]
     hold: Floats  # [s]
     enter_after: Floats  # [s]
     least_time: Floats  # [s]
     enters_when_stale: Flags
-    far: Floats  # [m] from which distance on a pair counts no more, but for its speed
-    farthest_at_rest: float  # [m] the greatest of these; -inf: there is no rule
+    far: Floats  # [m] pairs beyond count only by their time to contact
+    farthest_at_rest: float  # [m] the maximum of ``far``; -inf: there is no rule
 
     @classmethod
     def of(cls, rules: Sequence[ProximityRule], groups: Ids) -> Limits:
-        """Return those of rules, each of which is of one of the ``groups`` (r,)."""
+        """Return the limits of rules with the group indices ``groups`` (r,)."""
 
         def each(field: str) -> Floats:
             return np.array([getattr(rule, field) for rule in rules], dtype=np.float64)
@@ -98,7 +98,7 @@ class Limits(NamedTuple):
         )
 
     def farthest(self, fastest: float) -> float:
-        """Return how far [m] a pair counts, where pairs close at most this fast [m/s]."""
+        """Return the distance [m] up to which pairs count, at closing speeds to ``fastest``."""
         if not fastest:
             return self.farthest_at_rest
         far = np.maximum(self.far, self.least_time * fastest)
@@ -106,16 +106,16 @@ class Limits(NamedTuple):
 
 
 class Entered(NamedTuple):
-    """The states of rules (r,); times [s] are of one clock that never runs back."""
+    """States of rules (r,); times [s] are of one monotonic clock."""
 
     is_entered: Flags
-    since: Floats  # of the last change; -inf: there was none
-    why: Whys  # a Why, of the last time; 0: never entered
-    near_since: Floats  # without a break; inf: it is not near
+    since: Floats  # time of the last change; -inf: there was none
+    why: Whys  # the last Why; 0: never entered
+    near_since: Floats  # begin of uninterrupted nearness; inf: it is not near
 
     @classmethod
     def of_new(cls, count: int) -> Entered:
-        """Return the states of rules that were never entered."""
+        """Return the states of new rules, none of which was ever entered."""
         return cls(
             np.zeros(count, dtype=np.bool_),
             np.full(count, -math.inf),
@@ -124,19 +124,19 @@ class Entered(NamedTuple):
         )
 
     def of(self, numbers: Sequence[int]) -> Entered:
-        """Return the states of these rules; -1: of one that is new."""
-        other, kept = Entered.of_new(len(numbers)), [n for n in numbers if n >= 0]
+        """Return the states of these rules, by index; -1 stands for a new rule."""
+        other, old = Entered.of_new(len(numbers)), [n for n in numbers if n >= 0]
         at = [place for place, n in enumerate(numbers) if n >= 0]
-        other.is_entered[at] = self.is_entered[kept]
-        other.since[at] = self.since[kept]
-        other.why[at] = self.why[kept]
-        other.near_since[at] = self.near_since[kept]
+        other.is_entered[at] = self.is_entered[old]
+        other.since[at] = self.since[old]
+        other.why[at] = self.why[old]
+        other.near_since[at] = self.near_since[old]
         return other
 
 
 @compiled
 def take_nearest(nearest: NearestPairs, limits: Limits, reasons: Reasons) -> None:
-    """Take over what was measured of the groups of rules."""
+    """Copy the values of groups of rules into the ``reasons`` of their rules."""
     for r in range(len(limits.group)):
         reasons.lowest[r] = nearest.lowest[limits.group[r]]
         reasons.soonest[r] = nearest.soonest[limits.group[r]]
@@ -146,26 +146,27 @@ def take_nearest(nearest: NearestPairs, limits: Limits, reasons: Reasons) -> Non
 def step(
     now: float, limits: Limits, reasons: Reasons, is_measured: bool, entered: Entered, changed: Ids
 ) -> int:
-    """Enter and leave rules by what holds ``now`` [s]; return how many changed.
+    """Enter and leave rules at the time ``now`` [s]; return the number of changes.
 
-    Their numbers are the first of ``changed`` (r,), ascending. What a rule is entered for follows
-    the reasons; of one that is left it stays. Before anything was measured none is left.
-    A pose that is not known enters a rule at once: to wait were to trust it.
+    The indices of changed rules, ascending, are written to the front of ``changed`` (r,). The
+    ``why`` of an entered rule follows the reasons; a rule that is left keeps its last one. No
+    rule is left before the first measurement. An invalid pose enters a rule at once, since
+    waiting would trust it.
     """
     count = 0
     for r in range(len(limits.group)):
-        # What holds a rule entered whatever ``when_stale`` says: a pose that is not known, and a
-        # motion that is not known where times to contact count.
-        is_unsure = reasons.blind[r] > 0 or reasons.unpredicted[r]
-        blind = reasons.blind[r] if limits.enters_when_stale[r] else np.uint8(0)
-        near = 0  # why it would be entered after ``enter_after``
+        # An invalid pose keeps a rule entered whatever ``when_stale`` says; so does an unknown
+        # motion if the rule uses times to contact.
+        is_unsure = reasons.unposed[r] > 0 or reasons.unpredicted[r]
+        why_unposed = reasons.unposed[r] if limits.enters_when_stale[r] else np.uint8(0)
+        near = 0  # the Why of nearness, which enters the rule after ``enter_after``
         if reasons.lowest[r] < limits.enter[r]:
             near = _NEAR
         elif reasons.soonest[r] < limits.least_time[r]:
             near = _SOON
         entered.near_since[r] = min(entered.near_since[r], now) if near else math.inf
         is_due = near > 0 and now - entered.near_since[r] >= limits.enter_after[r]
-        why = near if is_due else int(blind)
+        why = near if is_due else int(why_unposed)
         changes = why > 0
         is_far, is_soon = False, False
         if entered.is_entered[r]:
@@ -182,13 +183,13 @@ def step(
             continue
         if why > 0:
             entered.why[r] = why
-        elif is_measured and not is_unsure and not is_far:  # what holds it is the distance alone
+        elif is_measured and not is_unsure and not is_far:  # only the distance keeps it entered
             entered.why[r] = _SOON if is_soon and reasons.lowest[r] >= limits.leave[r] else _NEAR
     return count
 
 
 def prepare() -> None:
-    """Compile what decides, so that no cycle waits for it."""
+    """Compile the decision functions, so that no cycle waits for the compiler."""
     none = np.zeros(0, dtype=np.int64)
     limits, reasons = Limits.of((), none), Reasons.of_nothing(0)
     take_nearest(no_pairs(0), limits, reasons)

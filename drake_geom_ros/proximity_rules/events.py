@@ -1,4 +1,4 @@
-"""What changes of rules, as events."""
+"""Events of rules: each reports one change of one rule."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _NOBODY = np.full(3, math.nan)
 class Event(NamedTuple):
     """One change of one rule.
 
-    The pair is the nearest of the rule's, for SOON the one that would touch first; ids of 0, a
-    distance of inf and points of NaN: none was near enough to be looked at. For STALE, NO_POSE,
-    TWO_SENDERS and OTHER_CLOCK ``id_A`` is a geometry without a good pose, and nothing is known of
-    a distance (NaN).
+    The pair is the rule's nearest, or for SOON the pair that would touch first. If no pair was
+    near enough, ids are 0, the distance is inf and points are NaN. For STALE, NO_POSE,
+    TWO_SENDERS and OTHER_CLOCK ``id_A`` is a geometry without a valid pose, and the distance is
+    NaN.
 
-    What the lower bound was held against is ``limit_distance``: ``enter`` of the rule, and
-    ``leave`` where it is left.
+    The lower bound was compared with ``limit_distance``, which is ``enter`` of the rule, or
+    ``leave`` if the rule is left.
     """
 
     sequence: int
@@ -43,25 +43,25 @@ class Event(NamedTuple):
     error_bound: float = 0.0  # [m]
     p_WCa: NDArray[np.float64] = _NOBODY  # (3,) [m]
     p_WCb: NDArray[np.float64] = _NOBODY
-    closing_speed: float = math.nan  # [m/s] NaN: not known
+    closing_speed: float = math.nan  # [m/s] NaN: unknown
     limit_distance: float = math.nan  # [m]
     limit_time: float = 0.0  # [s] ``min_time_to_contact`` of the rule
 
 
 class Seen(NamedTuple):
-    """What the last cycle that measured saw, and the nearest pairs of each group in it."""
+    """Measurement of the last cycle that had one, and the nearest pair of each group in it."""
 
     measured: Measured
     nearest: NearestPairs
 
 
-# The fields of an event that tell its pair, of a rule with no pair near enough.
+# The fields of an event about its pair, for a rule without a pair near enough.
 _NO_PAIR = (0, 0, math.inf, 0.0, _NOBODY, _NOBODY, math.nan)
 _Pair: TypeAlias = tuple[int, int, float, float, NDArray[np.float64], NDArray[np.float64], float]
 
 
 def events_of_gone(first: int, rules: Sequence[ProximityRule]) -> list[Event]:
-    """Return the events, numbered from ``first`` on, of rules that are no more."""
+    """Return GONE events of removed rules, numbered from ``first``."""
     gone = enumerate(rules, first)
     return [Event(k, rule.name, rule.level, False, Why.GONE) for k, rule in gone]
 
@@ -75,13 +75,13 @@ def events_of(
     poses: Poses,
     seen: Seen | None,
 ) -> list[Event]:
-    """Return the events, numbered from ``first`` on, of the rules (r,) that ``changed``."""
+    """Return the events of the rules that ``changed`` (r,), numbered from ``first``."""
     is_entered, whys = entered.is_entered[changed], entered.why[changed]
-    # Of what is left, the pair that it is nearest to be entered for again.
+    # A rule that is left reports its nearest pair, which may enter it again first.
     pairs = _pairs(seen, watched.groups[changed], is_entered & (whys == Why.SOON))
-    told = zip(changed.tolist(), is_entered.tolist(), map(Why, whys.tolist()), pairs, strict=True)
+    rows = zip(changed.tolist(), is_entered.tolist(), map(Why, whys.tolist()), pairs, strict=True)
     events, without = [], dict(poses.without())
-    for sequence, (number, enters, why, pair) in enumerate(told, first):
+    for sequence, (number, enters, why, pair) in enumerate(rows, first):
         rule = rules[number]
         if enters and why in without and len(without[why]):
             flags = without[why]
@@ -94,13 +94,13 @@ def events_of(
 
 
 def _pairs(seen: Seen | None, groups: Ids, soonest: Flags) -> Iterator[_Pair]:
-    """Return the nearest pair of each of some groups, or the one that would touch first."""
+    """Return the nearest pair of each group; the first to touch where ``soonest`` (g,)."""
     if seen is None:
         return iter([_NO_PAIR] * len(groups))
     measured, nearest = seen
-    found = np.where(soonest, nearest.soonest_pair[groups], nearest.lowest_pair[groups])
-    there = found >= 0
-    rows, speeds = found[there], measured.closing_speed
+    pairs = np.where(soonest, nearest.soonest_pair[groups], nearest.lowest_pair[groups])
+    has_pair = pairs >= 0
+    rows, speeds = pairs[has_pair], measured.closing_speed
     each = zip(
         measured.id_A[rows].tolist(),
         measured.id_B[rows].tolist(),
@@ -111,4 +111,4 @@ def _pairs(seen: Seen | None, groups: Ids, soonest: Flags) -> Iterator[_Pair]:
         [math.nan] * len(rows) if speeds is None else speeds[rows].tolist(),
         strict=True,
     )
-    return (next(each) if is_there else _NO_PAIR for is_there in there.tolist())
+    return (next(each) if has_one else _NO_PAIR for has_one in has_pair.tolist())

@@ -1,4 +1,4 @@
-"""What a cycle measured: what rules are decided by."""
+"""Measured pairs of a cycle, the input of rule decisions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Ids = NDArray[np.int64]
 
 
 class Measured(NamedTuple):
-    """What a cycle knows of pairs (k,): all that are nearer than it looked, and not filtered."""
+    """Unfiltered pairs (k,) of a cycle: all within its maximum distance."""
 
     id_A: Ids
     id_B: Ids
@@ -21,8 +21,8 @@ class Measured(NamedTuple):
     error_bound: Floats  # [m]
     p_WCa: Floats  # (k, 3) [m]
     p_WCb: Floats
-    closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: nobody watches
-    # (n,), in the order of ``WatchedPairs.ids``: nobody knows how it moves now; None: no such one.
+    closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: not computed
+    # (n,) geometries of unknown motion, in the order of ``WatchedPairs.ids``; None: none.
     unpredicted: Flags | None = None
 
 

@@ -1,4 +1,4 @@
-"""The rules of a scene, their states, and what changes of them: events without a gap."""
+"""Monitor of a scene's rules: their states, and gapless events of changes."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPair
 
 
 class RuleState(NamedTuple):
-    """What is to be known of a rule now."""
+    """Current state of a rule."""
 
     rule: ProximityRule
     is_entered: bool
-    why: Why | None  # what it is entered for, now where that still holds
-    since: float  # [s] of the clock that ``decide`` is given; -inf: it never changed
-    lowest: float  # [m] the least lower bound of its pairs; inf: none was near enough to see
-    pairs: int  # that it watches
-    left_out: int  # of its two sets, that are never reported
-    trouble: str  # why it can never be entered as the scene is; empty where it can
-    lacking: tuple[str, ...]  # names that it goes on without, for they stand for nothing any more
-    unpredicted: bool  # times count for it, and nobody knows how all that it needs moves
+    why: Why | None  # the reason why it is entered; None: it is not
+    since: float  # [s] of the last change, on the clock of ``decide``; -inf: it never changed
+    lowest: float  # [m] smallest lower bound of its pairs; inf: no pair was near enough
+    pairs: int  # watched pairs
+    left_out: int  # pairs of its two sets that are never reported
+    trouble: str  # why it can never be entered in the current scene; empty if it can
+    lacking: tuple[str, ...]  # names that match nothing any more; the rule goes on without them
+    unpredicted: bool  # it uses times to contact, and a motion that it needs is unknown
 
 
 class RuleStates(NamedTuple):
-    """What is to be known of all rules (r,) now, in the order in which they came; see RuleState.
+    """Current states of all rules (r,) as columns, in the order of their addition.
 
-    Without an object for each, which takes longer than to decide about them.
+    See RuleState for the fields. Making one object a rule takes longer than all decisions.
     """
 
     rules: Sequence[ProximityRule]
@@ -76,22 +76,22 @@ class RuleStates(NamedTuple):
 
 
 class RuleMonitor:
-    """Decides about rules, cycle for cycle. Times [s] are of one clock that never runs back."""
+    """Decides each cycle which rules are entered. Times [s] are of one monotonic clock."""
 
     def __init__(self, scene: ScenePairs, first_sequence: int = 1) -> None:
         self._scene = scene
         self._sequence = first_sequence
-        self._met: frozenset[str] = frozenset()  # the rules that found all that they name
+        self._met: frozenset[str] = frozenset()  # rules whose names all matched at least once
         self.changes_of_why = 0  # cycles in which the reason of any rule changed
         self._set((), Entered.of_new(0))
 
-    # Rules come and go.
+    # Adding and removing rules.
 
     def add(self, rules: Iterable[ProximityRule], *, may_wait: bool = False) -> list[str]:
-        """Add rules, all or none; return what is wrong with them.
+        """Add rules, all or none; return the troubles of rules that can never be entered.
 
-        A name that is taken is refused by a RuleError, and so is a rule that could never be
-        entered as the scene is, unless it ``may_wait`` for what it names: then that is told.
+        Raises RuleError for a name that is taken, and, unless rules ``may_wait`` for what they
+        name, for a rule that can never be entered in the current scene.
         """
         added = tuple(rules)
         taken = {rule.name for rule in self.rules}
@@ -102,17 +102,17 @@ class RuleMonitor:
                 )
             taken.add(rule.name)
         watched = WatchedPairs(added, self._scene)
-        told = list(filter(None, watched.trouble))
-        if told and not may_wait:
-            raise RuleError(told[0])
+        troubles = list(filter(None, watched.trouble))
+        if troubles and not may_wait:
+            raise RuleError(troubles[0])
         states = self._entered.of([*range(len(self.rules)), *[-1] * len(added)])
         self._set((*self.rules, *added), states)
-        return told
+        return troubles
 
     def remove(self, *names: str) -> list[Event]:
-        """Remove rules, all or none; return the events that they are gone.
+        """Remove rules, all or none; return their GONE events.
 
-        Raises RuleError where there is none of a name.
+        Raises RuleError if there is no rule of a name.
         """
         numbers = {rule.name: number for number, rule in enumerate(self.rules)}
         for name in names:
@@ -124,28 +124,28 @@ class RuleMonitor:
         return self._end([numbers[name] for name in names])
 
     def bind(self, scene: ScenePairs) -> list[Event]:
-        """Be about another version of the scene; return the events of the rules that it ends.
+        """Bind the rules to another version of the scene; return GONE events of rules it ends.
 
-        A rule is gone where nothing is left of one of its sets; where only some of its names
-        stand for nothing now, it goes on with the others. Filters end none, for they come and go.
+        A rule ends if one of its sets is empty now. If only some of its names match nothing now,
+        it goes on with the others. Filters end no rule, since they come and go.
         """
-        known, self._scene = self._watched.unknown, scene
+        unknown_before, self._scene = self._watched.unknown, scene
         self._set(self.rules, self._entered)
-        pairs = enumerate(zip(known, self._watched.unknown, strict=True))
+        pairs = enumerate(zip(unknown_before, self._watched.unknown, strict=True))
         return self._end([number for number, (old, new) in pairs if new and not old])
 
     def _end(self, numbers: Sequence[int]) -> list[Event]:
-        """Forget rules; return the events of that."""
+        """Remove rules by index; return their GONE events."""
         gone = events_of_gone(self._sequence, [self.rules[n] for n in numbers])
         self._sequence += len(gone)
         if numbers:
             ended = set(numbers)
-            kept = [n for n in range(len(self.rules)) if n not in ended]
-            self._set(tuple(self.rules[n] for n in kept), self._entered.of(kept))
+            left = [n for n in range(len(self.rules)) if n not in ended]
+            self._set(tuple(self.rules[n] for n in left), self._entered.of(left))
         return gone
 
     def _set(self, rules: tuple[ProximityRule, ...], states: Entered) -> None:
-        """Have these rules, in these states; nothing is known of distances until ``decide``."""
+        """Set the rules and their states, and discard measurements until ``decide``."""
         self.rules, self._entered = rules, states
         self._watched = WatchedPairs(rules, self._scene, self._met)
         self._limits = Limits.of(rules, self._watched.groups)
@@ -157,22 +157,22 @@ class RuleMonitor:
         self._reasons = Reasons.of_nothing(len(rules))
         self._changed = np.empty(len(rules), dtype=np.int64)
         self._seen: Seen | None = None
-        self.is_measured = False  # whether the distances of these pairs were looked at
+        self.is_measured = False  # whether distances of these pairs were measured
 
     # Cycles.
 
     @property
     def watched(self) -> WatchedPairs:
-        """The pairs that the rules are about."""
+        """The pairs that the rules watch."""
         return self._watched
 
     @property
     def next_sequence(self) -> int:
-        """The number of the next event."""
+        """Sequence number of the next event."""
         return self._sequence
 
     def farthest(self, fastest: float = 0.0) -> float:
-        """Return how far [m] a cycle has to look, where pairs close at most this fast [m/s]."""
+        """Return the distance [m] that a cycle has to cover, at closing speeds to ``fastest``."""
         return self._limits.farthest(fastest)
 
     def decide(
@@ -182,12 +182,11 @@ class RuleMonitor:
         measured: Measured | None = None,
         farthest: float = math.inf,
     ) -> list[Event]:
-        """Decide by what a cycle measured; None: nothing moved, and only time went on.
+        """Enter and leave rules by a measurement; return the events in the order of the rules.
 
-        Pairs that are surely beyond ``farthest`` [m] are left out, whoever measured these, too.
-
-        Returns the changes, in the order of the rules. Before anything was measured, rules are
-        entered for want of poses only, and none is left.
+        ``measured`` None: nothing moved since the last measurement, and only time went on. Pairs
+        that are certainly beyond ``farthest`` [m] are ignored. Before the first measurement,
+        rules are entered only for invalid poses, and no rule is left.
         """
         watched, limits = self._watched, self._limits
         reasons, entered = self._reasons, self._entered
@@ -196,10 +195,10 @@ class RuleMonitor:
             take_nearest(nearest, limits, reasons)
             reasons.unpredicted[:] = self._unpredicted(measured)
             self._seen, self.is_measured = Seen(measured, nearest), True
-        reasons.blind[:] = 0
+        reasons.unposed[:] = 0
         for why, flags in poses.without():
-            reasons.blind[watched.needs(flags)] = why
-        reasons.blind[watched.is_unknown] = Why.NO_POSE
+            reasons.unposed[watched.needs(flags)] = why
+        reasons.unposed[watched.is_unknown] = Why.NO_POSE
         before = entered.why.copy()
         count = step(now, limits, reasons, self.is_measured, entered, self._changed)
         self.changes_of_why += int(not np.array_equal(before, entered.why))
@@ -210,14 +209,14 @@ class RuleMonitor:
         return events_of(first, self.rules, changed, entered, watched, poses, self._seen)
 
     def _unpredicted(self, measured: Measured) -> NDArray[np.bool_]:
-        """Return the rules (r,) that need to know a motion which nobody knows."""
+        """Return a mask (r,) of the rules with times to contact that need an unknown motion."""
         timed = self._limits.least_time > 0.0
         if measured.unpredicted is None or not timed.any():
             return np.zeros(len(self.rules), dtype=np.bool_)
         return timed & self._watched.needs(measured.unpredicted)
 
     def speed_scale(self) -> float | None:
-        """Return how fast to go, 0 to 1; None: no rule says. 0 before anything was measured."""
+        """Return the speed scale, 0 to 1; None if no rule sets one; 0 before a measurement."""
         if not self._speed.is_asked_for:
             return None
         if not self.is_measured:
@@ -225,11 +224,11 @@ class RuleMonitor:
         return self._speed.value(self._entered.is_entered, self._reasons, self._limits)
 
     def states(self) -> list[RuleState]:
-        """Return the state of each rule, in the order in which they came."""
+        """Return the state of each rule, in the order of their addition."""
         return self.table().each()
 
     def table(self) -> RuleStates:
-        """Return the states of all rules in arrays, to be read before anything else happens."""
+        """Return the states of all rules as arrays, which the next call may overwrite."""
         entered, watched, reasons = self._entered, self._watched, self._reasons
         return RuleStates(
             self.rules,

@@ -1,6 +1,6 @@
-"""The nearest pair of each group of rules, compiled: one pass over what a cycle measured.
+"""Compiled search for the nearest pair of each group of rules, in one pass over a cycle's pairs.
 
-NumPy took a tenth of the whole cycle for it, of one rule as of twenty (``bench/costs``).
+NumPy took a tenth of the whole cycle for it, for one rule as for twenty (``bench/costs``).
 """
 
 from __future__ import annotations
@@ -23,32 +23,32 @@ _NO_WORDS = np.empty((1, 0), dtype=np.uint64)
 
 
 class SetBits(NamedTuple):
-    """In which groups' sets geometries are, as bits in words of 64 groups.
+    """Membership of geometries in the sets of rule groups, as bits in words of 64 groups.
 
-    Of the first sets most geometries have few words with any bit: those alone, one geometry's
-    after the other's.
+    ``words_a`` is sparse, since most geometries are in few first sets: it stores only words with
+    a bit set, one geometry after another. ``words_b`` is dense.
     """
 
     ids: Ids  # (n,) of the geometries, ascending
-    begins_a: Ids  # (n + 1,) where those of each geometry begin
-    places_a: Ids  # which word of its row each is
+    begins_a: Ids  # (n + 1,) index into ``words_a`` where each geometry's words begin
+    places_a: Ids  # column of each word in its dense row
     words_a: Words
     words_b: Words  # (n, w)
 
 
 class NearestPairs(NamedTuple):
-    """Of each group (g,): its least lower bound and time to contact, and the pairs that have them.
+    """Smallest lower bound and time to contact of each group (g,), and the pairs that have them.
 
-    inf and -1 where it has no pair.
+    inf and -1 if the group has no pair.
     """
 
     lowest: Floats  # [m]
-    lowest_pair: Ids  # the first of several
+    lowest_pair: Ids  # the first if several are equal
     soonest: Floats  # [s]
     soonest_pair: Ids
 
     def of(self, groups: Ids) -> NearestPairs:
-        """Return those of groups (r,)."""
+        """Return the rows of these groups (r,)."""
         return NearestPairs(
             self.lowest[groups],
             self.lowest_pair[groups],
@@ -65,20 +65,20 @@ def _find(
     closing_speeds: Floats,
     farthest: float,
     bits: SetBits,
-    found: NearestPairs,
+    nearest: NearestPairs,
 ) -> int:
-    """Fill ``found`` by the pairs (k,) whose lower bound is at most ``farthest``.
+    """Fill ``nearest`` from the pairs (k,) whose lower bound is at most ``farthest`` [m].
 
-    No closing speeds: nobody watches. Returns a pair that has a geometry which is not of ``bits``;
-    -1: there is none.
+    ``closing_speeds`` (0,): not computed. Returns -1, or the index of a pair with a geometry that
+    ``bits`` lacks.
     """
-    for group in range(len(found.lowest)):
-        found.lowest[group], found.soonest[group] = math.inf, math.inf
-        found.lowest_pair[group], found.soonest_pair[group] = -1, -1
+    for group in range(len(nearest.lowest)):
+        nearest.lowest[group], nearest.soonest[group] = math.inf, math.inf
+        nearest.lowest_pair[group], nearest.soonest_pair[group] = -1, -1
     ids, last = bits.ids, len(bits.ids) - 1
     for k in range(len(id_As)):
         lower = distances[k] - error_bounds[k]
-        if math.isnan(lower):  # a doubt, and no rule may take it for free
+        if math.isnan(lower):  # unknown, and no rule may treat it as clear
             lower = -math.inf
         if lower > farthest:
             continue
@@ -98,21 +98,21 @@ def _find(
                     word ^= bit
                     # A power of two is a float without error, its exponent the bit's number.
                     group = place * WORD + math.frexp(float(bit))[1] - 1
-                    if lower < found.lowest[group] or found.lowest_pair[group] < 0:
-                        found.lowest[group], found.lowest_pair[group] = lower, k
-                    if time < found.soonest[group] or found.soonest_pair[group] < 0:
-                        found.soonest[group], found.soonest_pair[group] = time, k
+                    if lower < nearest.lowest[group] or nearest.lowest_pair[group] < 0:
+                        nearest.lowest[group], nearest.lowest_pair[group] = lower, k
+                    if time < nearest.soonest[group] or nearest.soonest_pair[group] < 0:
+                        nearest.soonest[group], nearest.soonest_pair[group] = time, k
     return -1
 
 
 def no_pairs(groups: int) -> NearestPairs:
-    """Return room for what is found of so many groups."""
+    """Return uninitialised NearestPairs for so many groups."""
     lowest, soonest = np.empty((2, groups))
     lowest_pair, soonest_pair = np.empty((2, groups), dtype=np.int64)
     return NearestPairs(lowest, lowest_pair, soonest, soonest_pair)
 
 
-# Of pairs whose arrays are of any strides: to copy them took as long as to look at them.
+# Accepts arrays of any strides, since copying them took as long as the search.
 _FIND = Entry(
     _find,
     *[given(np.int64, 1)] * 2,
@@ -124,17 +124,17 @@ _FIND = Entry(
 
 
 def nearest_pairs(measured: Measured, farthest: float, bits: SetBits, groups: int) -> NearestPairs:
-    """Return the nearest pairs of groups, of those that are not surely beyond ``farthest`` [m].
+    """Return the nearest pair of each group, without pairs certainly beyond ``farthest`` [m].
 
-    Raises ValueError for a pair that has a geometry which is not of ``bits``.
+    Raises ValueError for a pair with a geometry that ``bits`` lacks.
     """
-    found = no_pairs(groups)
+    nearest = no_pairs(groups)
     speeds = _NO_SPEEDS if measured.closing_speed is None else measured.closing_speed
     ids = [np.asarray(each, dtype=np.int64) for each in (measured.id_A, measured.id_B)]
     columns = measured.distance, measured.error_bound, speeds
     numbers = [np.asarray(column, dtype=np.float64) for column in columns]
-    unknown = _FIND.call(*ids, *numbers, farthest, bits, found)
+    unknown = _FIND.call(*ids, *numbers, farthest, bits, nearest)
     if unknown >= 0:
         pair = int(measured.id_A[unknown]), int(measured.id_B[unknown])
         raise ValueError(f'pair {pair} is not of the scene that these rules watch')
-    return found
+    return nearest

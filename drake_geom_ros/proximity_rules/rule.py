@@ -1,4 +1,4 @@
-"""A proximity rule: which pairs, from which distance on, and what that means."""
+"""Proximity rule: the pairs it watches, its distances, and its level."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ ENTER, KEEP = 'enter', 'keep'
 
 
 class RuleError(RuntimeError):
-    """A rule that cannot be, or that no pair can ever satisfy."""
+    """A rule is invalid, unknown or duplicate, or no pair can ever enter it."""
 
 
 class Level(IntEnum):
-    """What a rule asks for while it is entered."""
+    """Reaction that a rule demands while it is entered."""
 
     WARN = 1
     SLOW = 2
@@ -24,15 +24,15 @@ class Level(IntEnum):
 
 
 class Why(IntEnum):
-    """Why a rule was entered, or, for GONE, left."""
+    """Reason why a rule was entered, or, for GONE, left."""
 
     NEAR = 1  # the lower bound of a distance is below ``enter``
-    SOON = 2  # and of a time to contact below ``min_time_to_contact``
+    SOON = 2  # the lower bound of a time to contact is below ``min_time_to_contact``
     STALE = 3  # a pose that the rule needs is too old
-    NO_POSE = 4  # or never came
-    GONE = 5  # what the rule is about is no more
-    TWO_SENDERS = 7  # two senders pose a body that the rule needs, in turn
-    OTHER_CLOCK = 8  # stamps of a pose that it needs are of another clock: its age is not known
+    NO_POSE = 4  # a pose that the rule needs has never been received
+    GONE = 5  # the geometries of the rule were removed
+    TWO_SENDERS = 7  # two senders alternate in posing a body that the rule needs
+    OTHER_CLOCK = 8  # a pose that it needs has stamps of another clock, so its age is unknown
 
 
 @dataclass(frozen=True)
@@ -40,19 +40,21 @@ class ProximityRule:
     """A rule about the pairs of one geometry of ``set_a`` and one of ``set_b``.
 
     Each set is a list of names or patterns as ``client.Results.between`` takes them: of sources
-    and robots, frames, geometries. An empty ``set_b`` stands for all that is not of ``set_a``.
+    and robots, frames, geometries. An empty ``set_b`` stands for all geometries not in ``set_a``.
 
-    The rule is entered when the certified lower bound of a pair's distance is below ``enter`` [m],
-    for ``enter_after`` [s] without a break, and left when all are ``leave`` [m] or more, after
-    ``hold`` [s] at the earliest. Where twists are known it is entered, too, while a pair would
-    touch within ``min_time_to_contact`` [s] at the closing speed of now (0: distances alone
-    count). ``when_stale`` says what follows where a pose that it needs is not known, because it is
-    too old, never came, has two senders or stamps of another clock: 'enter', at once, or 'keep',
-    which keeps the rule entered, and else goes by the poses that there are; empty: 'enter' for a
-    stop and a slow rule, 'keep' for a warning. ``scale`` is pairs (distance [m],
-    scale of speed 0 to 1), for slow rules only: see ``speed_scale``.
+    The rule is entered when the certified lower bound of a pair's distance stays below ``enter``
+    [m] for ``enter_after`` [s]. It is left when the lower bounds of all pairs are ``leave`` [m]
+    or more, at the earliest after ``hold`` [s]. Where twists are known, it is also entered while
+    a pair would touch within ``min_time_to_contact`` [s] at its current closing speed (0: only
+    distances count).
 
-    Raises RuleError, which names the field, for what cannot be.
+    ``when_stale`` applies while a pose that the rule needs is not valid: too old, never
+    received, from two senders, or with stamps of another clock. It is 'enter' (enter at once),
+    'keep' (an entered rule stays entered, others go by the poses that there are), or empty:
+    'enter' for stop and slow rules, 'keep' for warnings. ``scale`` is pairs (distance [m], speed
+    scale 0 to 1), for slow rules only: see ``speed_scale``.
+
+    Raises RuleError, which names the field, for an invalid value.
 
     >>> stop = ProximityRule('hands off', ('left',), level=Level.STOP, enter=0.05, leave=0.08)
     >>> stop.enters_when_stale, stop.farthest
@@ -100,35 +102,35 @@ class ProximityRule:
         if self.level != Level.SLOW:
             raise self._refusal(f'scale is for slow rules, and this is a {self.level.name} rule')
         flat = [number for point in self.scale for number in point]
-        told = [list(point) for point in self.scale]
+        points = [list(point) for point in self.scale]
         if len(self.scale) < 2 or not all(map(math.isfinite, flat)):
-            raise self._refusal(f'scale is {told}; it must be two or more finite points')
+            raise self._refusal(f'scale is {points}; it must be two or more finite points')
         distances, scales = zip(*self.scale, strict=True)
         if any(b <= a for a, b in pairwise(distances)):
-            raise self._refusal(f'scale is {told}; distances must ascend')
+            raise self._refusal(f'scale is {points}; distances must ascend')
         if not all(0.0 <= scale <= 1.0 for scale in scales):
-            raise self._refusal(f'scale is {told}; scales must be from 0 to 1')
+            raise self._refusal(f'scale is {points}; scales must be from 0 to 1')
         if any(b < a for a, b in pairwise(scales)):
-            raise self._refusal(f'scale is {told}; what is nearer must not be faster')
+            raise self._refusal(f'scale is {points}; what is nearer must not be faster')
 
     def _refusal(self, why: str) -> RuleError:
         return RuleError(f'proximity rule {self.name[:80]!r}: {why}')
 
     @property
     def enters_when_stale(self) -> bool:
-        """Whether a pose that is stale, absent or not to be trusted enters the rule."""
+        """True if a pose that is stale, absent or not trusted enters the rule."""
         return self.when_stale == ENTER or (not self.when_stale and self.level != Level.WARN)
 
     @property
     def farthest(self) -> float:
-        """The distance [m] from which on a pair counts no more for it, but for its speed."""
+        """The distance [m] beyond which a pair counts only by its time to contact."""
         return max(self.leave, self.scale[-1][0]) if self.scale else self.leave
 
 
 def scale_points(flat: Sequence[float]) -> tuple[tuple[float, float], ...]:
-    """Return the points of a scale that comes as numbers one after another.
+    """Return the points of a scale from a flat list of distance, scale, distance, scale, ...
 
-    Raises RuleError where a number is left over.
+    Raises RuleError for an odd count of numbers.
     """
     if len(flat) % 2:
         raise RuleError(

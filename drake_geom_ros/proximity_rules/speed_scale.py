@@ -1,4 +1,4 @@
-"""How fast a robot may go, 0 to 1, by what its rules know."""
+"""Speed scale of a robot, 0 to 1, from the states of its proximity rules."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ Flags = NDArray[np.bool_]
 
 
 class SpeedScale:
-    """The scale of speed of some rules; the least of all rules counts.
+    """Speed scale of a set of rules, the minimum over all of them.
 
-    0 while a stop rule is entered, or a pose that it needs is not known. Of a slow rule the
-    scale ascends in a straight line from 0 at the greatest ``enter`` of the stop rules that share
-    a pair with it (0 m where none does) to 1 at its ``leave``, or as its own ``scale`` says; and
-    while a pair would touch sooner than ``min_time_to_contact``, it is at most the part of that
-    time that is left. While a slow rule is entered and lacks a pose, or the motion that times are
-    told by, or a pose that it needs never came, it is the scale's least.
+    A stop rule scales to 0 while it is entered or needs a pose that is not valid. A slow rule
+    scales by its curve of the distance: its ``scale``, or by default a straight line from 0 at
+    the greatest ``enter`` of the stop rules that share a pair with it (0 m if none does) to 1 at
+    its ``leave``. While a pair would touch sooner than ``min_time_to_contact``, the scale is at
+    most the remaining fraction of that time. A slow rule scales to the minimum of its curve if a
+    pose that it needs was never received, and also while it is entered and a pose or motion that
+    it needs is unknown.
     """
 
     def __init__(self, rules: Sequence[ProximityRule], watched: WatchedPairs) -> None:
@@ -38,16 +39,16 @@ class SpeedScale:
         }
         self._slow = np.array(list(self._curves), dtype=np.int64)
         self._ends = np.array([curve[0, -1] for curve in self._curves.values()])
-        # Whether any rule says how fast to go; without one there is nothing to say.
+        # Without a stop or slow rule there is no scale to publish.
         self.is_asked_for = bool(self._stops.any()) or bool(self._curves)
 
     def value(self, entered: Flags, reasons: Reasons, limits: Limits) -> float:
-        """Return the scale for the rules (r,) that are entered, and what is known of each."""
-        blind, absent = reasons.blind > 0, reasons.blind == Why.NO_POSE
-        if (self._stops & (entered | blind)).any():
+        """Return the scale, by the mask ``entered`` (r,) and the reasons and limits of rules."""
+        unposed, absent = reasons.unposed > 0, reasons.unposed == Why.NO_POSE
+        if (self._stops & (entered | unposed)).any():
             return 0.0
         scale = 1.0
-        unseen = (entered & (blind | reasons.unpredicted)) | absent
+        unseen = (entered & (unposed | reasons.unpredicted)) | absent
         lacking = unseen[self._slow]
         near = reasons.lowest[self._slow] < self._ends
         soon = (reasons.soonest < limits.least_time)[self._slow]
@@ -61,6 +62,6 @@ class SpeedScale:
 
 
 def _line(begin: float, leave: float) -> tuple[tuple[float, float], ...]:
-    """Return the scale of a slow rule that names none, from a stop that shares a pair with it."""
-    # A stop farther out leaves no room for a line: then it is a step.
+    """Return the default curve of a slow rule, from ``begin`` [m] of its stop rules."""
+    # A stop rule farther out leaves no interval for a line: then the curve is a step.
     return (min(begin, math.nextafter(leave, -math.inf)), 0.0), (leave, 1.0)

@@ -1,8 +1,8 @@
-"""Which pairs of a scene each rule is about: made when the scene changes, asked each cycle.
+"""Pairs of a scene that each rule watches: built when the scene changes, read each cycle.
 
-Rules that name the same sets, such as a stop and a warning, are a group, and groups are bits. Of
-each geometry there is a row of bits for the groups in whose ``set_a`` it is, and one for
-``set_b``; those of a pair are ``A[a] & B[b]`` and ``A[b] & B[a]``.
+Rules with the same sets, such as a stop and a warning, form a group, and each group is a bit.
+Each geometry has a row of bits for the groups with it in ``set_a``, and a row for ``set_b``; the
+groups that watch a pair are ``A[a] & B[b] | A[b] & B[a]``.
 """
 
 from __future__ import annotations
@@ -34,31 +34,32 @@ _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
 
 
 class ScenePairs(NamedTuple):
-    """The geometries of a scene that queries report, and which pairs of them."""
+    """Geometries and pairs of a scene that queries may report."""
 
     ids: Ids  # (n,), ascending
-    names: Sequence[GeometryNames]  # of each
-    reported: Flags  # (n, n), symmetric: whether a pair may be reported
+    names: Sequence[GeometryNames]  # (n,)
+    reported: Flags  # (n, n), symmetric: pairs that may be reported
 
     def are(self, ids: Ids, reported: Flags) -> bool:
-        """Return whether geometries and pairs are the same."""
+        """Return whether this object has these geometries and pairs."""
         return np.array_equal(ids, self.ids) and np.array_equal(reported, self.reported)
 
 
 class WatchedPairs:
-    """The pairs of one version of a scene that some rules are about."""
+    """Pairs of one version of a scene that a set of rules watches."""
 
     def __init__(
         self, rules: Sequence[ProximityRule], scene: ScenePairs, met: Collection[str] = ()
     ) -> None:
-        """``trouble`` says of each rule why it can never be entered, or nothing.
+        """Find the pairs of each rule; rules named in ``met`` may lack some of their names.
 
-        It is ``unknown`` where a name stands for nothing, of the rules called as in ``met`` where
-        all names of a set do; or no pair of it is ever reported. ``lacking`` are of each
-        rule in ``met`` the names that it goes on without.
+        ``trouble`` is for each rule the reason why it can never be entered, or empty. It is
+        ``unknown`` if a name matches nothing (for rules in ``met``: if all names of a set do), or
+        that no pair of the rule is ever reported. ``lacking`` are for each rule in ``met`` the
+        names that match nothing, without which it goes on.
         """
         self.ids: Ids = np.array(scene.ids, dtype=np.int64)
-        # Of rules that found all once, some may lack a name now that others wait for.
+        # Rules with the same sets differ if only one of them may lack a name.
         keys = [(rule.set_a, rule.set_b, rule.name in met) for rule in rules]
         numbers: dict[tuple[object, ...], int] = {}
         self.groups: Ids = np.array(
@@ -87,10 +88,10 @@ class WatchedPairs:
         self.trouble = [a or b for a, b in zip(self.unknown, unwatched, strict=True)]
         self._bits = _bits(self.ids, self._in_a, self._in_b)
         if rules:
-            self.nearest(NOTHING)  # compiled now, and not in a cycle
+            self.nearest(NOTHING)  # compiles the search now instead of in a cycle
 
     def _count(self, reported: Flags) -> None:
-        """Count pairs {i, j} with i in A and j in B: ordered ones, less those that count twice."""
+        """Count pairs {i, j} with i in A and j in B: ordered pairs minus those counted twice."""
         in_a, in_b = self._in_a.astype(np.float32), self._in_b.astype(np.float32)
         both, partners = in_a * in_b, reported.astype(np.float32)
         # Whole numbers to 2 ** 24 are exact here; their sums need not be so small.
@@ -102,7 +103,7 @@ class WatchedPairs:
         every = a * b - c - c * (c - 1) / 2  # without a geometry and itself
         self.pairs: Ids = pairs[self.groups]  # (r,) that may be reported
         self.left_out: Ids = (every.astype(np.int64) - pairs)[self.groups]  # (r,) that never are
-        # (g, n) what has a partner in the other set: of others the pose does not matter.
+        # (g, n) geometries with a partner in the other set; the poses of others do not matter.
         self._needed: Flags = (self._in_a & (near_b > 0.0)) | (self._in_b & (near_a > 0.0))
 
     def needed(self, rule: int) -> Flags:
@@ -110,59 +111,59 @@ class WatchedPairs:
         return np.asarray(self._needed[self.groups[rule]])
 
     def needs(self, flags: Flags) -> Flags:
-        """Return which rules (r,) need the pose of any of the geometries (n,) that are flagged."""
+        """Return a mask (r,) of the rules that need the pose of a flagged geometry (n,)."""
         if not flags.any():  # as in most cycles
             return np.zeros(len(self.groups), dtype=np.bool_)
         needing: Flags = np.logical_or.reduce(self._needed[:, flags], axis=1)
         return np.asarray(needing[self.groups])
 
     def nearest(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
-        """Return the nearest pairs of each rule (r,), of those within ``farthest`` [m]."""
+        """Return the nearest pairs of each rule (r,), within ``farthest`` [m]."""
         return self.nearest_of_groups(measured, farthest).of(self.groups)
 
     def nearest_of_groups(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
-        """Return the nearest pairs of the groups, of which ``groups`` (r,) says each rule's."""
+        """Return the nearest pairs of each group; ``groups`` (r,) maps rules to groups."""
         return nearest_pairs(measured, farthest, self._bits, len(self._in_a))
 
     def watched(self) -> Flags:
-        """Return which pairs (n, n) concern any rule; symmetric."""
+        """Return a symmetric mask (n, n) of the pairs that any rule watches."""
         one_way = np.matmul(self._in_a.T.astype(np.float32), self._in_b.astype(np.float32)) > 0.0
         return np.asarray(one_way | one_way.T)
 
     def greatest_shared(
         self, numbers: Sequence[int], others: Sequence[int], values: Floats
     ) -> Floats:
-        """Return the greatest value of the other rules (k,) that may share a pair with each rule.
+        """Return for each rule the greatest of the ``values`` (k,) of rules that share a pair.
 
-        Filters aside. 0 where none does, or all are less. Compared are groups of rules, so that
-        the time does not grow with the square of their number.
+        0 if no other rule shares a pair, or all values are less. Filters are ignored. Groups are
+        compared instead of rules, so that the time does not grow with the square of their number.
         """
         groups, places = np.unique(self.groups[list(numbers)], return_inverse=True)
         other_groups, other_places = np.unique(self.groups[list(others)], return_inverse=True)
         greatest = np.full(len(other_groups), -math.inf)
         np.maximum.at(greatest, other_places, values)
         in_a, in_b = (sets[other_groups].astype(np.float32).T for sets in (self._in_a, self._in_b))
-        found = np.zeros(len(groups))
+        shared = np.zeros(len(groups))
         for k, group in enumerate(groups.tolist()):  # row by row: a matrix of all may be large
             a, b = (sets[group].astype(np.float32) for sets in (self._in_a, self._in_b))
             shares = (a @ in_a > 0.0) & (b @ in_b > 0.0)
             shares |= (a @ in_b > 0.0) & (b @ in_a > 0.0)
-            found[k] = greatest[shares].max(initial=0.0)
-        return np.asarray(found[places])
+            shared[k] = greatest[shares].max(initial=0.0)
+        return np.asarray(shared[places])
 
 
 def _bits(ids: Ids, in_a: Flags, in_b: Flags) -> SetBits:
-    """Return which groups (g, n) have geometries (n,) in their first and in their second set."""
+    """Return the bits of the masks (g, n) of the groups' first and second sets."""
     words_a, words_b = _words(in_a.T), _words(in_b.T)
     rows, places = np.nonzero(words_a)
     begins = np.zeros(in_a.shape[1] + 1, dtype=np.int64)
     np.cumsum(np.bincount(rows, minlength=in_a.shape[1]), out=begins[1:])
-    # A copy, for one in several pieces: another version would be compiled.
+    # ``places`` is copied, because a strided array would compile another version.
     return SetBits(ids, begins, np.array(places), words_a[rows, places], words_b)
 
 
 def _words(flags: Flags) -> NDArray[np.uint64]:
-    """Return flags (n, r) as rows of whole words of bits."""
+    """Return flags (n, r) packed into rows of whole words."""
     bits = np.packbits(flags, axis=1, bitorder='little')
     filled = np.zeros((len(flags), -(-flags.shape[1] // WORD) * (WORD // 8)), dtype=np.uint8)
     filled[:, : bits.shape[1]] = bits
@@ -170,30 +171,30 @@ def _words(flags: Flags) -> NDArray[np.uint64]:
 
 
 class _Sets(NamedTuple):
-    """The geometries (n,) of a rule's two sets, and the names that stand for nothing."""
+    """Masks (n,) of a rule's two sets, and the names that match nothing."""
 
     in_a: Flags
     in_b: Flags
-    unknown: str = ''  # the first name that stands for nothing, where that counts
+    unknown: str = ''  # the first name that matches nothing, if the rule may not lack it
     lacking: tuple[str, ...] = ()
 
 
 class _Finder:
-    """Finds the geometries that patterns stand for; rules ask for the same again and again."""
+    """Finds the geometries that patterns match, cached because rules repeat patterns."""
 
     def __init__(self, scene: ScenePairs) -> None:
         self._count = len(scene.names)
-        self._rows: dict[str, list[int]] = {}  # by name; of most a geometry or a few
+        self._rows: dict[str, list[int]] = {}  # by name; most have one or a few
         for row, names in enumerate(scene.names):
             for name in dict.fromkeys(names.found_by):
                 self._rows.setdefault(name, []).append(row)
-        self._found: dict[str, Flags] = {}
-        self._like: dict[str, str] = {}  # names that are like those that stand for nothing
+        self._masks: dict[str, Flags] = {}  # by pattern
+        self._like: dict[str, str] = {}  # suggestions for patterns that match nothing
 
     def sets_of(self, rule: ProximityRule, *, may_lack: bool) -> _Sets:
-        """Return the sets of a rule, both empty where a pattern stands for nothing.
+        """Return the sets of a rule, both empty if a pattern matches nothing.
 
-        One that ``may_lack`` some has the others, if there are any of either set.
+        A rule that ``may_lack`` patterns goes on with the others if neither set becomes empty.
         """
         in_a, in_b = self._members(rule.set_a), self._members(rule.set_b)
         patterns = (*rule.set_a, *rule.set_b)
@@ -207,13 +208,13 @@ class _Finder:
     def _members(self, patterns: Sequence[str]) -> Flags:
         members = np.zeros(self._count, dtype=np.bool_)
         for pattern in patterns:
-            if pattern not in self._found:
-                self._found[pattern] = self._members_of(pattern)
-            members |= self._found[pattern]
+            if pattern not in self._masks:
+                self._masks[pattern] = self._members_of(pattern)
+            members |= self._masks[pattern]
         return members
 
     def _members_of(self, pattern: str) -> Flags:
-        """Return the geometries that ``matches`` finds by a pattern."""
+        """Return a mask (n,) of the geometries that match a pattern."""
         members = np.zeros(self._count, dtype=np.bool_)
         if is_plain(pattern):
             members[self._rows.get(pattern, [])] = True
@@ -224,7 +225,7 @@ class _Finder:
         return members
 
     def unknown(self, rule: ProximityRule, pattern: str) -> str:
-        """Return in words that a rule names what stands for nothing."""
+        """Return the error text for a rule with a pattern that matches nothing."""
         if pattern not in self._like:
             self._like[pattern] = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
         like = self._like[pattern]
@@ -236,7 +237,7 @@ class _Finder:
 
 
 def _why_never(rule: ProximityRule, pairs: int, left_out: int) -> str:
-    """Return in words why no pair can ever enter a rule; empty where one can."""
+    """Return the error text for a rule that no pair can ever enter; empty if one can."""
     if pairs:
         return ''
     why = (
