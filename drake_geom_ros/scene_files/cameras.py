@@ -1,4 +1,4 @@
-"""Cameras of scene files: plain values to descriptions and back, and to what takes images."""
+"""Cameras of scene files: plain values to descriptions and back, and to render cameras."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ from drake_geom_ros.scene_files.yaml_text import Document
 from drake_geom_ros.scene_files.yaml_values import plain_pose, pose_of
 from drake_geom_ros.sensors import CameraInfo
 
-# What a camera ``shows``: the renderer's name, and the role of the geometry.
+# Renderer name and geometry role by the key ``shows``.
 RENDERERS = {
     'perception': ('exact', Role.kPerception),
     'proximity': ('exact_proximity', Role.kProximity),
 }
 DEFAULT_FOV_Y = 0.8  # [rad]
 MOST_PIXELS = 16384  # along a side of an image
-# A part of the name of a topic.
+# Names of cameras become parts of topic names.
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
 
 
 def read_cameras(document: Document, names: FileNames) -> tuple[CameraDescription, ...]:
-    """Return the cameras of a document; raises SceneFileError for one that cannot be."""
+    """Return the cameras of a document; raises SceneFileError for an invalid one."""
     cameras: dict[str, CameraDescription] = {}
     for index, plain in enumerate(document.value.get('cameras', ())):
         path = ('cameras', index)
@@ -76,7 +76,7 @@ def read_cameras(document: Document, names: FileNames) -> tuple[CameraDescriptio
 
 
 def check_camera(camera: CameraDescription) -> None:
-    """Raise RuntimeError, with the value, for a camera that cannot be."""
+    """Raise RuntimeError, with the offending value, for an invalid camera."""
     if not _NAME.fullmatch(camera.name):
         raise RuntimeError(
             f'camera name {camera.name!r} must begin with a letter and hold letters, digits and '
@@ -97,7 +97,7 @@ def check_camera(camera: CameraDescription) -> None:
 
 
 def plain_camera(camera: CameraDescription, names: FileNames) -> dict[str, Any]:
-    """Return the plain form of a camera, which gives back the very same numbers."""
+    """Return the plain form of a camera, which reads back as exactly the same numbers."""
     on_world = camera.frame == WORLD
     frame = None if on_world else names.name(Member(camera.source, camera.frame))
     k = camera.intrinsics
@@ -117,7 +117,7 @@ def plain_camera(camera: CameraDescription, names: FileNames) -> dict[str, Any]:
 
 
 def camera_of(camera: CameraDescription) -> DepthRenderCamera:
-    """Return what ``QueryObject.render_images`` takes; raises RuntimeError for a range of none."""
+    """Return the camera for ``QueryObject.render_images``; RuntimeError for an empty range."""
     near, far = camera.range
     name, _ = RENDERERS[camera.shows]
     core = RenderCameraCore(name, camera.intrinsics, ClippingRange(near, far))
@@ -125,9 +125,9 @@ def camera_of(camera: CameraDescription) -> DepthRenderCamera:
 
 
 def add_renderers(scene_graph: SceneGraph) -> None:
-    """Add the renderers that cameras of scene files ask, those that are not there yet.
+    """Add the renderers that cameras of scene files use, unless they exist already.
 
-    Geometry without a label of its own is numbered, so that each can be told by its label.
+    Geometry without a label of its own is numbered, so that labels identify each geometry.
     """
     for name, role in RENDERERS.values():
         if not scene_graph.HasRenderer(name):

@@ -1,7 +1,7 @@
-"""What scene files say, as plain records: read from a file, registered elsewhere.
+"""Descriptions of scenes as plain records, which are read from files and registered later.
 
-Every record knows the place it was read from (``where``), so that whoever finds it wrong later
-can still name file, line and key. Places do not count when records are compared.
+Every record holds the place it was read from (``where``), so that later errors can name file,
+line and key. Comparisons of records ignore places.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from drake_geom_ros.sensors import CameraInfo
 WORLD = 'world'
 IMAGES = ('color', 'depth', 'label')
 PERCEPTION = 'perception'
-# Of cameras that say nothing else: depths that are seen [m], and how often a node publishes [Hz].
+# Defaults of cameras: range of depths [m], and publishing rate of a node [Hz].
 NEAR, FAR, RATE = 0.01, 100.0, 10.0
 _NOWHERE = Location('<scene>')
 
@@ -43,13 +43,15 @@ class Member:
 
 @dataclass(frozen=True)
 class FrameDescription:
-    """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say.
+    """A frame; ``X_PF`` is its initial pose, None if the file gives none.
 
-    ``static`` is true where its pose does not grow old, false where it is expected to move, and
-    None where that shows when a pose comes. ``welded``: its geometries count as anchored.
-    ``attached_to``: the frame that it follows, in which X_PF is then; ``parent`` is its home, and
-    ``mounted_on`` is so where that is a frame of another source. ``part_of_robot``: what is
-    attached counts as part of what carries it in sets by name.
+    - ``static``: true if its pose never becomes stale, false if it is expected to move, None if
+      its first pose decides.
+    - ``welded``: its geometries count as anchored.
+    - ``parent``: the registered parent; ``mounted_on`` replaces it if that is a frame of another
+      source.
+    - ``attached_to``: the frame that it follows; X_PF is then in that frame.
+    - ``part_of_robot``: name patterns that match its carrier match the attached frame too.
     """
 
     source: str
@@ -67,7 +69,7 @@ class FrameDescription:
 
 @dataclass(frozen=True)
 class GeometryDescription:
-    """A geometry, its pose in its frame, and its roles with their properties."""
+    """A geometry with its pose in its frame, and its roles with their properties."""
 
     source: str
     frame: str
@@ -80,12 +82,11 @@ class GeometryDescription:
 
 @dataclass(frozen=True)
 class RobotOptions:
-    """Which of a robot's own pairs are kept from colliding, and which of its meshes are solids.
+    """Options of reading a robot: filters between its links, solid meshes, padding, TF prefix.
 
-    ``solid_meshes`` are patterns with ``*`` and ``?``, of links or of ``link/geometry``;
-    ``paddings`` are such patterns, and by how much [m] their geometries are larger all around: of
-    those that a geometry matches the last one counts. ``frame_prefix`` is that of the names which
-    TF has for the links.
+    ``solid_meshes`` are patterns with ``*`` and ``?`` for links or ``link/geometry``.
+    ``paddings`` are pairs of such a pattern and a padding [m] on all sides; the last pattern that
+    matches a geometry counts. ``frame_prefix`` is the prefix of the links' names in TF.
     """
 
     filter_adjacent_links: bool = True
@@ -95,29 +96,31 @@ class RobotOptions:
     frame_prefix: str = ''
 
     def is_solid(self, link: str, geometry: str) -> bool:
-        """Return whether a mesh is the body that its surface encloses, and not its hull."""
+        """Return whether a mesh stands for the solid inside its surface instead of its hull."""
         return any(_matches(link, geometry, pattern) for pattern in self.solid_meshes)
 
     def padding(self, link: str, geometry: str) -> float:
-        """Return by how much [m] a geometry is larger all around."""
-        found = [r for pattern, r in self.paddings if _matches(link, geometry, pattern)]
-        return found[-1] if found else 0.0
+        """Return the padding [m] of a geometry on all sides."""
+        paddings = [r for pattern, r in self.paddings if _matches(link, geometry, pattern)]
+        return paddings[-1] if paddings else 0.0
 
 
 def _matches(link: str, geometry: str, pattern: str) -> bool:
-    """Return whether a pattern is of a link, or of a geometry on it."""
+    """Return whether a pattern matches a link, or a geometry on it."""
     return any(fnmatchcase(name, pattern) for name in (link, f'{link}/{geometry}'))
 
 
 @dataclass(frozen=True)
 class RobotDescription:
-    """A robot: the source of its name holds its links; X_WB is the pose of its root link.
+    """A robot; the source of its name owns its links, and X_WB is the pose of its root link.
 
-    ``urdf`` is None where the URDF came as text. ``joint_states`` is the topic, if one is named,
-    on which a node hears of its joints; ``tree`` are its links and joints. ``frame_prefix`` is
-    what the names that TF has for its links begin with. Where it is ``mounted_on`` a frame, the
-    poses of its links are those in that frame, X_WB too: W stands for what carries it.
-    ``configuration`` are the values [rad] or [m] of the joints that the scene gives one.
+    - ``urdf``: None if the URDF came as text.
+    - ``joint_states``: the topic from which a node reads its joints; may be empty.
+    - ``tree``: its links and joints.
+    - ``frame_prefix``: the prefix of its links' names in TF.
+    - ``mounted_on``: the frame that carries it; the poses of its links, X_WB too, are then
+      measured in that frame instead of the world.
+    - ``configuration``: values [rad] or [m] of the joints that the scene gives one.
     """
 
     name: str
@@ -134,7 +137,7 @@ class RobotDescription:
 
 @dataclass(frozen=True)
 class GroupDescription:
-    """A collision filter group: members, and the groups (there or not) that they ignore."""
+    """A collision filter group: its members, and the groups that they ignore, existing or not."""
 
     name: str
     members: tuple[Member, ...]
@@ -152,7 +155,7 @@ class CliqueDescription:
 
 
 class Operation(Enum):
-    """What a statement does to its pairs; values are CollisionFilterDeclaration's methods."""
+    """Operation of a statement on its pairs; values are CollisionFilterDeclaration's methods."""
 
     EXCLUDE_WITHIN = 'ExcludeWithin'
     EXCLUDE_BETWEEN = 'ExcludeBetween'
@@ -161,7 +164,7 @@ class Operation(Enum):
 
     @property
     def takes_two_sets(self) -> bool:
-        """Whether the pairs are those between two sets."""
+        """True if the pairs are those between two sets."""
         return self in (Operation.EXCLUDE_BETWEEN, Operation.ALLOW_BETWEEN)
 
 
@@ -176,7 +179,7 @@ class Statement:
 
 @dataclass(frozen=True)
 class DeclarationDescription:
-    """A persistent declaration: statements of which later ones win."""
+    """A persistent declaration; later statements override earlier ones."""
 
     statements: tuple[Statement, ...]
     where: Location = field(default=_NOWHERE, compare=False)
@@ -184,7 +187,7 @@ class DeclarationDescription:
 
 @dataclass(frozen=True)
 class DeactivationDescription:
-    """Geometries that take part in no pair."""
+    """Deactivation of geometries: they take part in no pair."""
 
     members: tuple[Member, ...]
     where: Location = field(default=_NOWHERE, compare=False)
@@ -197,10 +200,10 @@ FilterDescription = (
 
 @dataclass(frozen=True)
 class AwaitedFilter:
-    """A filter with members of sources that come later: see the key `awaits` of scene files.
+    """A filter with members of sources that are loaded later: key `awaits` of scene files.
 
-    ``bind`` makes it of the ``FileNames`` of a scene that has them; it raises SceneFileError for
-    a name that is not there. ``plain`` is what the file says.
+    ``bind`` returns the filter from the ``FileNames`` of a scene that has these sources; it raises
+    SceneFileError for a missing name. ``plain`` is the plain value in the file.
     """
 
     sources: tuple[str, ...]
@@ -210,7 +213,7 @@ class AwaitedFilter:
 
 
 def hulls_in_words(geometries: Sequence[GeometryDescription]) -> str:
-    """Return how many meshes count as their convex hulls, to go behind a sentence; or nothing."""
+    """Return a clause with the number of meshes that stand for their convex hulls, or ''."""
     count = sum(
         isinstance(geometry.shape, Mesh)
         and Role.kProximity in geometry.roles
@@ -222,11 +225,11 @@ def hulls_in_words(geometries: Sequence[GeometryDescription]) -> str:
 
 @dataclass(frozen=True)
 class CameraDescription:
-    """A camera on a frame (on the world frame without a source), and what is published of it.
+    """A camera on a frame (without a source if that is the world), and its published images.
 
-    ``range`` are the least and the largest depth [m] that are seen; ``rate`` [Hz] is the most that
-    a node publishes; ``images`` are of 'color', 'depth', 'label'; ``shows`` is the role of what is
-    seen, 'perception' or 'proximity'.
+    ``range`` is the least and the greatest visible depth [m]; ``rate`` [Hz] is the maximum
+    publishing rate of a node; ``images`` are some of 'color', 'depth', 'label'; ``shows`` is the
+    role of the visible geometry, 'perception' or 'proximity'.
     """
 
     name: str
@@ -243,10 +246,10 @@ class CameraDescription:
 
 @dataclass(frozen=True)
 class SceneDescription:
-    """A whole scene, robots expanded to frames, geometries and filters.
+    """A whole scene, with robots expanded to frames, geometries and filters.
 
-    Each part is in the order in which it is registered; of filters the last word counts.
-    ``warnings`` name, with file and line, what was read and not understood, once for each kind.
+    Each part is in the order of its registration; later filters override earlier ones.
+    ``warnings`` report, with file and line, input that was not understood, once for each kind.
     """
 
     file: str = '<scene>'

@@ -1,4 +1,4 @@
-"""Errors of scene files: each one names the file, the line and the key."""
+"""Errors of scene files, which name the file, the line and the key."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ class SceneFileError(GeometryError):
     """A scene, URDF or SRDF file that cannot be loaded, or a scene that cannot be saved.
 
     ``str(error)`` reads ``arms.yaml:12: geometries[3].shape.radius: -1.0 must be > 0``; the same
-    parts are the attributes ``file``, ``line`` (None where no line is to blame), ``key`` and
+    parts are the attributes ``file``, ``line`` (None if no line is at fault), ``key`` and
     ``reason``.
     """
 
@@ -24,12 +24,12 @@ class SceneFileError(GeometryError):
 
 @dataclass(frozen=True)
 class Location:
-    """A place in a file: what an error about it names."""
+    """A place in a file, for errors about it."""
 
     file: str
     line: int | None = None
     key: str = ''
 
     def error(self, reason: str) -> SceneFileError:
-        """Return the error that blames this place for ``reason``."""
+        """Return an error about this place, with the ``reason``."""
         return SceneFileError(reason, self.file, self.line, self.key)

@@ -1,4 +1,4 @@
-"""Hydroelastic properties in words and numbers, as scene files, URDF and messages say them."""
+"""Hydroelastic properties as plain words and numbers of scene files, URDF and messages."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _WORDS = {kind: word for word, kind in TYPES.items()}
 
 
 def proximity_property(group: str, name: str, value: Any) -> Any:
-    """Return the value of a property of the proximity role that was said in words and numbers.
+    """Return the value of a proximity property from its plain form.
 
-    Of the group ``hydroelastic`` it is what contact surfaces are made by: the compliance type one
-    of ``TYPES``, all others floats. Of other groups it is the value. Raises ArgumentError for
-    unknown names of this group, and for values that these properties cannot have.
+    In the group ``hydroelastic`` the compliance type becomes one of ``TYPES``, and all others
+    floats; values of other groups are returned unchanged. Raises ArgumentError for unknown names
+    in this group, and for values that these properties cannot have.
     """
     if group != GROUP:
         return value
@@ -35,8 +35,8 @@ def proximity_property(group: str, name: str, value: Any) -> Any:
             )
         return TYPES[value]
     if name not in (HINT, MODULUS, *_LENGTHS):
-        known = ', '.join((COMPLIANCE, HINT, MODULUS, *_LENGTHS))
-        raise ArgumentError(f"there is no property '{GROUP}/{name}'; known are {known}")
+        names = ', '.join((COMPLIANCE, HINT, MODULUS, *_LENGTHS))
+        raise ArgumentError(f"there is no property '{GROUP}/{name}'; known are {names}")
     number = as_number(value)
     if number is None or not (0.0 < number < math.inf or (name == 'margin' and number == 0.0)):
         raise ArgumentError(

@@ -1,4 +1,4 @@
-"""The files that a scene is made of, beside its own: nothing may be written over them."""
+"""Input files of a scene besides its own, which no output may overwrite."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drake_geom_ros.scene_files.description import RobotDescription
 
 _TEXTURE = ('phong', 'diffuse_map')
 _MATERIALS = re.compile(rb'^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$', re.MULTILINE)
-# An image is the last word of its line, behind options.
+# The image is the last word of its line, after options.
 _IMAGES = re.compile(
     rb'^[ \t]*(?:map_\w+|bump|disp|decal|norm|refl)[ \t]+(?:.*[ \t])?(\S+)[ \t\r]*$',
     re.MULTILINE | re.IGNORECASE,
@@ -21,7 +21,7 @@ _IMAGES = re.compile(
 
 
 def files_of(scene_graph: SceneGraph, robots: Iterable[RobotDescription]) -> Iterator[Path]:
-    """Yield the URDF and SRDF files of the robots, those of meshes, and what these name."""
+    """Yield the URDF and SRDF files of the robots, mesh files, and the files that these name."""
     for robot in robots:
         yield from filter(None, (robot.urdf, robot.srdf))
     inspector = scene_graph.model_inspector()
@@ -37,15 +37,15 @@ def files_of(scene_graph: SceneGraph, robots: Iterable[RobotDescription]) -> Ite
 
 
 def _named_in(mesh: Path) -> Iterator[Path]:
-    """Yield the files with materials, images and buffers of a mesh file that are there.
+    """Yield the existing files with materials, images and buffers of a mesh file.
 
-    What is wrong with one is told by who reads it.
+    Faulty files are skipped here; the readers of meshes report their faults.
     """
     suffix = mesh.suffix.lower()
     try:
         if suffix == '.obj':
             names = [_text(name) for name in _MATERIALS.findall(mesh.read_bytes())]
-            names.append(mesh.with_suffix('.png').name)  # its image where it has no materials
+            names.append(mesh.with_suffix('.png').name)  # its image if it has no materials
         elif suffix == '.gltf':
             names = _uris_of(json.loads(mesh.read_bytes()))
         else:

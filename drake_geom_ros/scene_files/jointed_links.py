@@ -1,4 +1,4 @@
-"""The links of a robot over the values of its joints: names, limits, and poses of many at once."""
+"""Links of a robot as a function of its joints: names, limits, and poses of many states."""
 
 import math
 from collections import Counter
@@ -19,7 +19,7 @@ _KINDS = {
     'prismatic': JointKind.PRISMATIC,
 }
 _MOVING = tuple(_KINDS)
-# Of joints of several values: what each value does, and about or along which axis of the joint.
+# Joints of several values: type and axis index of the single joint that each value moves.
 SEVERAL = {
     'planar': {'x': ('prismatic', 0), 'y': ('prismatic', 1), 'theta': ('continuous', 2)},
     'floating': {
@@ -35,13 +35,13 @@ _STAYS = RigidTransform()
 
 
 class JointedLinks:
-    """The links of a robot over its independent joints: ``Kinematics`` says what each name holds.
+    """Links of a robot over its independent joints; ``Kinematics`` documents the attributes.
 
-    A link called as the world is a link here.
+    A link that is named as the world is a link here.
     """
 
     def __init__(self, robot: LinkTree):
-        """Take the links and joints of a URDF; raises ValueError for no tree of simple joints."""
+        """Build from a URDF's links and joints; ValueError unless they form a tree."""
         root = _root(robot)
         joints = parents_first(robot.joints, root)
         leader = _mimicked(robot)
@@ -89,20 +89,20 @@ class JointedLinks:
             children=np.array([child for _, _, child in rows], dtype=np.int64),
         )
 
-    def placed_links(self, given: Collection[str]) -> list[int]:
-        """Return which links of ``link_names`` stand somewhere when these joints have values.
+    def placed_links(self, positioned_joints: Collection[str]) -> list[int]:
+        """Return the rows of ``link_names`` whose poses are defined if these joints have values.
 
-        Below a planar or floating joint that lacks a value of its own a link may be anywhere, and
-        is left out; other joints stand at rest, at 0 or at their limit nearest to 0.
+        Links below a planar or floating joint that lacks a value may be anywhere and are left
+        out. Other joints without a value stand at rest, at 0 or at their limit nearest to 0.
         """
         return [
             row
             for row, link in enumerate(self.link_names)
-            if all(name in given for name in self._free_above[link])
+            if all(name in positioned_joints for name in self._free_above[link])
         ]
 
     def at_rest(self, configuration: Mapping[str, float]) -> NDArray[np.float64]:
-        """Return the values (joints,) of a configuration; others at 0, or their limit nearest."""
+        """Return joint values (joints,) of a configuration; others are 0 or the nearest limit."""
         q: NDArray[np.float64] = np.clip(0.0, self.lower, self.upper)
         for name, value in configuration.items():
             q[self.joint_names.index(name)] = value
@@ -111,7 +111,7 @@ class JointedLinks:
     def poses_at(
         self, configuration: Mapping[str, float], X_PB: RigidTransform
     ) -> dict[str, RigidTransform]:
-        """Return where links stand, by name, all of whose joints have a value; B is the root."""
+        """Return X_PL by name of the links whose joints all have a value; B is the root link."""
         q, needs = self.at_rest(configuration), self.tree.needs()
         X_PLs = self.tree.link_poses(q[np.newaxis], X_PB.ToArray())[0]
         return {
@@ -130,7 +130,7 @@ def _root(robot: LinkTree) -> str:
 
 
 def _parts(joint: UrdfJoint) -> list[UrdfJoint]:
-    """Return joints of one value each, one after another, that together do what a joint does."""
+    """Return a chain of joints of one value each that is equivalent to a joint."""
     if joint.type not in SEVERAL:
         return [joint]
     free = replace(joint, lower=-math.inf, upper=math.inf, max_speed=math.inf, X_PJ=_STAYS)
@@ -153,18 +153,18 @@ def _turn_from_z(axis: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _free_above(joints: list[UrdfJoint], root: str) -> dict[str, tuple[str, ...]]:
-    """Return of each link the values that have to be known before it stands anywhere."""
-    found: dict[str, tuple[str, ...]] = {root: ()}
+    """Return by link the values of planar and floating joints above it, which define its pose."""
+    values: dict[str, tuple[str, ...]] = {root: ()}
     for joint in joints:
         own = [part.name for part in _parts(joint)] if joint.type in SEVERAL else []
-        found[joint.child] = (*found[joint.parent], *own)
-    return found
+        values[joint.child] = (*values[joint.parent], *own)
+    return values
 
 
 def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
-    """Return ``(leader, multiplier, offset)`` of each joint, for a fixed one an empty leader."""
+    """Return ``(leader, multiplier, offset)`` by joint; the leader of a fixed one is empty."""
     by_name = {j.name: j for j in robot.joints}
-    found: dict[str, tuple[str, float, float]] = {}
+    leaders: dict[str, tuple[str, float, float]] = {}
     for joint in robot.joints:
         if joint.type not in (*_MOVING, 'fixed', *SEVERAL):
             raise ValueError(
@@ -177,10 +177,10 @@ def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
                     f'{joint.where.file}: joint {joint.name} is {joint.type} and mimics '
                     f'{joint.mimic.joint!r}; only a joint of one value can'
                 )
-            found[joint.name] = (joint.name, 1.0, 0.0)
+            leaders[joint.name] = (joint.name, 1.0, 0.0)
             continue
         if joint.type == 'fixed':
-            found[joint.name] = ('', 0.0, 0.0)
+            leaders[joint.name] = ('', 0.0, 0.0)
             continue
         name, multiplier, offset = joint.name, 1.0, 0.0
         passed = {name}
@@ -198,8 +198,8 @@ def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
                 raise ValueError(
                     f'{joint.where.file}: joint {joint.name} mimics {name!r}, a {kind} joint'
                 )
-        found[joint.name] = (name, multiplier, offset)
-    return found
+        leaders[joint.name] = (name, multiplier, offset)
+    return leaders
 
 
 def _unit_axis(joint: UrdfJoint) -> NDArray[np.float64]:

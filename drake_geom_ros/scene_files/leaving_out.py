@@ -1,4 +1,4 @@
-"""Scene descriptions without a part of them."""
+"""Removal of a source from a scene description."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from drake_geom_ros.scene_files.description import (
 
 
 def without_source(scene: SceneDescription, source: str) -> SceneDescription:
-    """Return a scene without what a source has, and filters without its members."""
+    """Return a scene without a source's robots, frames, geometries and filter members."""
     filters: list[FilterDescription] = []
     for entry in scene.filters:
         if isinstance(entry, DeclarationDescription):
-            kept = tuple(filter(None, (_statement(s, source) for s in entry.statements)))
-            if kept:
-                filters.append(replace(entry, statements=kept))
+            statements = tuple(filter(None, (_statement(s, source) for s in entry.statements)))
+            if statements:
+                filters.append(replace(entry, statements=statements))
         elif members := _others(entry.members, source):
             filters.append(replace(entry, members=members))
     return replace(
@@ -38,7 +38,7 @@ def _others(members: tuple[Member, ...], source: str) -> tuple[Member, ...]:
 
 
 def _statement(statement: Statement, source: str) -> Statement | None:
-    """Return a statement without the members of a source; None where it then says nothing."""
+    """Return a statement without the members of a source; None if no pair remains."""
     set_a, set_b = _others(statement.set_a, source), _others(statement.set_b, source)
     if not set_a or (statement.operation.takes_two_sets and not set_b):
         return None

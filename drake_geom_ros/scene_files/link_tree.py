@@ -1,4 +1,4 @@
-"""The links and joints of a robot as records: what scenes keep of a URDF besides its shapes."""
+"""Links and joints of a URDF as records, which scenes keep besides its shapes."""
 
 import math
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ _NOWHERE = Location('<urdf>')
 
 @dataclass(frozen=True)
 class Joint:
-    """What holds two links together."""
+    """A joint between two links."""
 
     type: str
     parent: str
@@ -20,7 +20,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that stands at ``multiplier`` times the value of ``joint``, plus ``offset``."""
+    """Coupling of a joint, at ``multiplier`` times the value of ``joint`` plus ``offset``."""
 
     joint: str
     multiplier: float
@@ -29,9 +29,10 @@ class Mimic:
 
 @dataclass(frozen=True)
 class UrdfJoint(Joint):
-    """A joint J: X_PJ in its parent link, its axis, and its limits [m], [rad], [1/s].
+    """A joint J: X_PJ in its parent link, its axis, and its limits.
 
-    Lower and upper limit and speed are infinite where the file gives none.
+    Limits are in [m] or [rad], and [m/s] or [rad/s] for the speed; infinite if the file gives
+    none.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Robots that a frame of somebody else carries: what hangs there, and what touches there."""
+"""Robots that a frame of another source carries: their frames and the filter at the mount."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ from drake_geom_ros.scene_files.urdf_tree import root_links
 def carried(
     frames: Iterable[FrameDescription], robot: RobotDescription, on: Member
 ) -> list[FrameDescription]:
-    """Return frames, those of a robot's links on the frame that carries it."""
+    """Return the frames, with those of the robot's links mounted on the frame ``on``."""
     links = set() if robot.tree is None else set(robot.tree.links)
     return [
         replace(frame, mounted_on=on)
@@ -35,9 +35,9 @@ def mount_clique(
     robots: Sequence[RobotDescription],
     geometries: Iterable[GeometryDescription],
 ) -> Iterator[CliqueDescription]:
-    """Yield the clique of what is fixed to the root of a robot, and to what carries it.
+    """Yield the clique of the links fixed to a robot's root and to the frame that carries it.
 
-    So it would be if a fixed joint held the root. Links without shapes carry no filter.
+    It treats the mount as a fixed joint. Links without shapes carry no filter.
     """
     if robot.tree is None:
         return

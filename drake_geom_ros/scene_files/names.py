@@ -17,12 +17,12 @@ MemberName = str | Mapping[str, str]
 
 
 class FileNames:
-    """All names of a scene's frames, and of its geometries with the proximity role.
+    """Names of a scene's frames, and of its geometries with the proximity role.
 
     A frame is ``frame`` or ``source::frame``, a geometry ``frame/geometry`` or
-    ``source::frame/geometry``. Names may themselves hold ``::`` and ``/``: a text is looked up,
-    never split, and where it stands for several members it is refused. The parts given by key
-    (``source``, ``frame``, ``geometry``) are never ambiguous.
+    ``source::frame/geometry``. Names may contain ``::`` and ``/``: a text is looked up whole, and
+    refused if it matches several members. Parts that are given by key (``source``, ``frame``,
+    ``geometry``) are never ambiguous.
     """
 
     def __init__(
@@ -42,18 +42,18 @@ class FileNames:
         self._members[f'{member.source}::{short}'][member] = None
 
     def find(self, name: MemberName, place: Location) -> Member:
-        """Return the member that a name stands for; SceneFileError where none or several do."""
+        """Return the member of a name; SceneFileError if none or several match."""
         if isinstance(name, Mapping):
             return self._find_parts(name, place)
-        found = list(self._members.get(name, ()))
-        if len(found) == 1:
-            return found[0]
-        if not found:
+        members = list(self._members.get(name, ()))
+        if len(members) == 1:
+            return members[0]
+        if not members:
             raise place.error(
                 f'{name!r} is neither a frame nor a geometry with the proximity role of this scene'
                 + nearest(name, self._members)
             )
-        longer = ', '.join(f'{_full_name(member)!r}' for member in found)
+        longer = ', '.join(f'{_full_name(member)!r}' for member in members)
         raise place.error(
             f'{name!r} matches several: {longer}; give the source, or the parts as '
             '{source: ..., frame: ..., geometry: ...}'

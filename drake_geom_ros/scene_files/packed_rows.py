@@ -1,4 +1,4 @@
-"""Rows of three numbers that a scene file lists, or packs as text."""
+"""Rows of three numbers in scene files, listed or packed as base64."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def numbers_of(plain: Any, kind: str) -> Any:
-    """Return rows of three numbers that are listed, or packed as text; ValueError for neither."""
+    """Return rows (n, 3) that are listed, or packed as base64; ValueError for invalid text."""
     if not isinstance(plain, str):
         return plain
     try:

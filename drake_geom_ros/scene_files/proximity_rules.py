@@ -11,7 +11,7 @@ _NUMBERS = ('hold', 'enter_after', 'min_time_to_contact')
 
 
 def read_proximity_rules(document: Document) -> tuple[ProximityRule, ...]:
-    """Return the rules of a document; raises SceneFileError for one that cannot be."""
+    """Return the rules of a document; raises SceneFileError for an invalid one."""
     rules: dict[str, ProximityRule] = {}
     for index, plain in enumerate(document.value.get('proximity_rules', ())):
         where = document.at('proximity_rules', index)
@@ -39,13 +39,13 @@ def _rule(plain: Any) -> ProximityRule:
 
 
 def _patterns(plain: Any) -> tuple[str, ...]:
-    """Return names or patterns, of which one may stand without a list."""
+    """Return names or patterns as a tuple; a single one may come without a list."""
     return (plain,) if isinstance(plain, str) else tuple(plain)
 
 
 def plain_proximity_rule(rule: ProximityRule) -> dict[str, Any]:
-    """Return a rule as a scene file says it."""
-    said = {
+    """Return the plain form of a rule, without defaults."""
+    optional = {
         'set_b': list(rule.set_b),
         **{name: getattr(rule, name) for name in _NUMBERS},
         'when_stale': rule.when_stale,
@@ -57,5 +57,5 @@ def plain_proximity_rule(rule: ProximityRule) -> dict[str, Any]:
         'level': rule.level.name.lower(),
         'enter': rule.enter,
         'leave': rule.leave,
-        **{key: value for key, value in said.items() if value},
+        **{key: value for key, value in optional.items() if value},
     }

@@ -1,4 +1,4 @@
-"""Scene description -> registrations, through the public interface of SceneGraph only."""
+"""Registration of scene descriptions through the public interface of SceneGraph."""
 
 from __future__ import annotations
 
@@ -45,17 +45,19 @@ from drake_geom_ros.scene_files.errors import Location
 
 @dataclass(frozen=True)
 class LoadedScene:
-    """What a description became: ids by name, and what the scene graph does not keep.
+    """Registered ids by name, and the parts of a description that a scene graph does not hold.
 
-    ``sources`` by name; ``frames`` by (source, frame); ``geometries``, those with the proximity
-    role, by (source, frame, geometry), on the world frame with ``world`` as frame;
-    ``geometry_ids`` of all geometries in the order of the description; ``robots`` by name, with
-    the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
-    parent of each frame that the description gives one, which contexts made later begin with;
-    ``static``, of each frame of which the description says it, whether its pose does not grow old;
-    ``cameras`` with the frames that they are on; ``warnings`` those of the description, and what
-    was welded to make solids of meshes; filters that are ``awaited`` and proximity ``rules`` are
-    those of the description.
+    - ``sources``: ids by name.
+    - ``frames``: ids by (source, frame).
+    - ``geometries``: ids of those with the proximity role, by (source, frame, geometry); the
+      frame is ``world`` if they are anchored.
+    - ``geometry_ids``: all geometries, in the order of the description.
+    - ``robots``: by name, with the URDF and base pose for forward kinematics.
+    - ``X_PFs``: initial poses that the description gives; new contexts begin with them.
+    - ``static``: for frames whose description says so, whether the pose never becomes stale.
+    - ``cameras``: with the frames that they are on.
+    - ``warnings``: those of the description, and the vertices welded to make meshes solid.
+    - ``awaited``, ``rules``: the awaited filters and proximity rules of the description.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -73,23 +75,23 @@ class LoadedScene:
     def name_of(self, id: GeometryId | FrameId | int) -> str:
         """Return ``source::frame/geometry``, or ``source::frame`` of a FrameId.
 
-        A number is the value of a GeometryId, as arrays of results hold them, and 0 none: an empty
-        text. Raises UnknownIdError for what this scene did not register.
+        A number is the value of a GeometryId, as in arrays of results; the name of 0 is empty.
+        Raises UnknownIdError for an id that this scene did not register.
         """
-        known: Mapping[GeometryId | FrameId | int, str] = self._names
+        names: Mapping[GeometryId | FrameId | int, str] = self._names
         if not isinstance(id, FrameId):
             id = id.get_value() if isinstance(id, GeometryId) else int(id)
-        if id not in known:
+        if id not in names:
             raise UnknownIdError(f'{id!r} is nothing that this scene has registered by name')
-        return known[id]
+        return names[id]
 
     @cached_property
     def first_poses(self) -> FramePoseVector:
-        """The poses ``X_PFs``, as contexts take them."""
+        """The poses ``X_PFs`` as a FramePoseVector."""
         return FramePoseVector(self.X_PFs)
 
     def names_of(self, ids: Iterable[GeometryId | FrameId | int]) -> list[str]:
-        """Return ``name_of`` each of some ids, such as ``id_A`` of results."""
+        """Return ``name_of`` each id, for example of ``id_A`` of results."""
         return [self.name_of(id) for id in ids]
 
     @cached_property
@@ -103,11 +105,11 @@ class LoadedScene:
 
 
 def apply_filter(scene_graph: SceneGraph, entry: FilterDescription) -> None:
-    """Apply one more filter to what a scene graph has.
+    """Apply a filter to the contents of a scene graph.
 
-    Raises SceneFileError that names its place, and nothing has changed then.
+    Raises SceneFileError that names its place; the scene graph is unchanged then.
     """
-    # It may be several statements: it is rehearsed on a copy.
+    # The filter may be several statements, so it is rehearsed on a copy.
     for context in (scene_graph.CreateDefaultContext(), None):
         _Registration.of_all(scene_graph, context).apply(entry)
 
@@ -115,26 +117,26 @@ def apply_filter(scene_graph: SceneGraph, entry: FilterDescription) -> None:
 def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
     """Register all of a description, or nothing, and return the ids.
 
-    It is rehearsed on a context, a copy that refuses whatever the scene graph would refuse.
-    Raises SceneFileError that names the place of the description, for what the scene graph
-    refuses: a source or a geometry name that is taken, an unknown parent, persistent filters
-    while transient ones are active, and so on.
+    The registration is rehearsed on a context, a copy that refuses what the scene graph would.
+    Raises SceneFileError, with the place in the description, for everything that the scene graph
+    refuses: a source or geometry name that is taken, an unknown parent, persistent filters while
+    transient ones are active, and so on.
     """
     warm_up(scene_graph, description, scene_graph.CreateDefaultContext())
     return register_rehearsed(scene_graph, description)
 
 
 def register_rehearsed(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
-    """Do what ``register`` does, where ``warm_up`` was told just now that it can be done."""
+    """Register like ``register``, without the rehearsal that ``warm_up`` just did."""
     return _registered(scene_graph, description, None)
 
 
 def register_on_copy(
     scene_graph: SceneGraph, description: SceneDescription, copy: RegisteredCopy
 ) -> LoadedScene:
-    """Do what ``register`` does, in a moment if a copy of the scene has it already.
+    """Register like ``register``, by taking over a copy of the scene that has it already.
 
-    If the scene changed since the copy was made, it is registered as ever.
+    If the scene changed since the copy was made, the description is registered anew.
     """
     if scene_graph.TakeOver(copy.context):
         return copy.loaded
@@ -142,7 +144,7 @@ def register_on_copy(
 
 
 class RegisteredCopy(NamedTuple):
-    """A copy of a shared context in which something was registered, and what that became."""
+    """A copy of a shared context with a registered description, and its ids."""
 
     context: SceneGraphContext
     loaded: LoadedScene
@@ -151,9 +153,9 @@ class RegisteredCopy(NamedTuple):
 def warm_up(
     scene_graph: SceneGraph, description: SceneDescription, context: SceneGraphContext
 ) -> LoadedScene:
-    """Register all of a description in a context alone; raises what ``register`` would raise.
+    """Register all of a description in a context only; raises what ``register`` would raise.
 
-    The files of its meshes are read meanwhile, and what they hold is kept for ``register``.
+    This reads the mesh files, whose contents are cached for ``register``.
     """
     return _registered(scene_graph, description, context)
 
@@ -161,7 +163,7 @@ def warm_up(
 def _registered(
     scene_graph: SceneGraph, description: SceneDescription, context: SceneGraphContext | None
 ) -> LoadedScene:
-    """Register all of a description, and note where its frames are in contexts made later."""
+    """Register all of a description, and set its initial poses for new contexts."""
     loaded = _Registration(scene_graph, description, context).run()
     scene_graph.SetFirstPoses(context=context, poses=loaded.first_poses)
     return loaded
@@ -233,7 +235,7 @@ class _Registration:
 
     @classmethod
     def of_all(cls, scene_graph: SceneGraph, context: SceneGraphContext | None) -> _Registration:
-        """Return a registration that knows all that a scene graph has."""
+        """Return a registration with the ids of everything that a scene graph has."""
         run = cls(scene_graph, SceneDescription(), context)
         inspector = scene_graph.model_inspector()
         for frame in inspector.GetAllFrameIds():
@@ -255,9 +257,9 @@ class _Registration:
         if name == WORLD:
             return self._scene_graph.world_frame_id()
         if (source, name) not in self._frames:
-            known = ', '.join(frame for owner, frame in self._frames if owner == source)
+            frames = ', '.join(frame for owner, frame in self._frames if owner == source)
             raise RuntimeError(
-                f'source {source!r} has no frame {name!r} so far; it has {known or "none"}, '
+                f'source {source!r} has no frame {name!r} so far; it has {frames or "none"}, '
                 f'and there is {WORLD!r}'
             )
         return self._frames[source, name]
@@ -313,14 +315,14 @@ class _Registration:
         self._geometry_ids.append(geometry_id)
         if Role.kProximity in geometry.roles:
             self._geometries[geometry.source, geometry.frame, geometry.name] = geometry_id
-            self._tell_of_weldings(geometry)
+            self._note_weldings(geometry)
 
-    def _tell_of_weldings(self, geometry: GeometryDescription) -> None:
-        """Note what was welded to make a solid of a mesh."""
+    def _note_weldings(self, geometry: GeometryDescription) -> None:
+        """Add warnings about vertices that were welded to make a mesh solid."""
         properties, shape = geometry.roles[Role.kProximity], geometry.shape
         if isinstance(shape, Mesh) and properties.GetPropertyOrDefault('mesh', 'solid', False):
             name = f'{geometry.source}::{geometry.frame}/{geometry.name}'
-            self._welded += [f'{name}: {told}' for told in shape.weldings()]
+            self._welded += [f'{name}: {welding}' for welding in shape.weldings()]
 
     def _set(self, members: tuple[Member, ...]) -> GeometrySet:
         geometry_ids = [
@@ -357,7 +359,7 @@ class _Registration:
 
 @contextmanager
 def _blame(where: Location) -> Iterator[None]:
-    """Turn a refusal by the scene graph into an error that names the place in the file."""
+    """Turn an error of the scene graph into a SceneFileError that names the place."""
     try:
         yield
     except RuntimeError as error:

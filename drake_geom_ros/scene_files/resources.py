@@ -1,4 +1,4 @@
-"""Where the files that a scene or a URDF names are: ``package://``, ``file://`` and paths."""
+"""Resolution of file names in scenes and URDFs: ``package://``, ``file://`` and paths."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ Roots = str | os.PathLike[str] | Iterable[str | os.PathLike[str]]
 class ResourceResolver:
     """Finds files by URI.
 
-    ``package://NAME/path`` (urdfdom and Pinocchio read ``package:///NAME/path`` as the same, and
-    robots in use have it) is looked for in these folders, the first that exists is taken:
-    ``ROOT/NAME`` (or ROOT itself where that is its name) for each of ``package_roots`` and then
-    of ``ROS_PACKAGE_PATH``, ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and
-    ``cmeel.prefix/share/NAME`` beside the Python packages, where pip puts robot descriptions
-    such as ``example-robot-data``.
+    ``package://NAME/path`` is looked up in the first of these folders that exists
+    (``package:///NAME/path`` means the same, as in urdfdom and Pinocchio):
 
-    With ``allowed_roots`` a file outside these folders is refused; a link inside one is followed.
+    - ``ROOT/NAME``, or ROOT itself if that is its name, for each of ``package_roots`` and then of
+      ``ROS_PACKAGE_PATH``;
+    - ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``;
+    - ``cmeel.prefix/share/NAME`` beside the Python packages, where pip installs robot
+      descriptions such as ``example-robot-data``.
+
+    With ``allowed_roots`` a file outside these folders is refused; links inside are followed.
     """
 
     def __init__(
@@ -30,23 +32,23 @@ class ResourceResolver:
         package_roots: Roots = (),
         allowed_roots: Roots | None = None,
     ):
-        """Take folders, one alone or several."""
+        """Set the folders, each argument one folder or several."""
         self._package_roots = [root.absolute() for root in _several(package_roots)]
         self._allowed_roots = None if allowed_roots is None else _folders(allowed_roots)
 
     @property
     def is_free(self) -> bool:
-        """Whether files anywhere may be opened."""
+        """True if files anywhere may be opened."""
         return self._allowed_roots is None
 
     def looking_in(self, package_roots: Roots) -> ResourceResolver:
-        """Return a resolver that looks for packages in these folders after its own ones."""
+        """Return a resolver that searches these folders for packages after its own."""
         return ResourceResolver(
             [*self._package_roots, *_several(package_roots)], self._allowed_roots
         )
 
     def resolve(self, uri: str, folder: Path) -> Path:
-        """Return the absolute path of the file that ``uri`` names; a bare path is from ``folder``.
+        """Return the absolute path of the file of a URI; bare paths count from ``folder``.
 
         Raises ValueError for another scheme, an unknown package, a path that leaves its package,
         a file outside the allowed roots, and one that does not exist.
@@ -98,7 +100,7 @@ class ResourceResolver:
 
 
 def share_folders() -> list[Path]:
-    """Return the folders that hold the packages' files, whether or not they exist."""
+    """Return the folders that may hold packages' files, existing or not."""
     return [*_ros_package_path(), *_shares_of_prefixes()]
 
 
@@ -114,7 +116,7 @@ def _shares_of_prefixes() -> list[Path]:
 
 
 def _several(roots: Roots) -> list[Path]:
-    """Return folders that were given as one path or as several."""
+    """Return folders as a list, from one path or several."""
     return [Path(roots)] if isinstance(roots, (str, os.PathLike)) else [*map(Path, roots)]
 
 

@@ -1,7 +1,8 @@
-"""URDF and SRDF files from disk, macros expanded where PyPI's ``xacro`` is installed.
+"""URDF and SRDF files from disk, with macros expanded if PyPI's ``xacro`` is installed.
 
-Xacro opens whatever files a text names and computes what it says: only files that the caller names
-are expanded, or that a scene file of the caller's does, and never what others sent to a node.
+Xacro opens any file that a text names and evaluates its expressions. Therefore only files that
+the caller, or a scene file of the caller, names are expanded, and never texts that others send to
+a node.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from threading import Lock
 from drake_geom_ros.scene_files.errors import SceneFileError
 
 _MACROS = re.compile(rb'<xacro:|\$[({]')
-_ONE_AT_A_TIME = Lock()  # xacro keeps what it does in its module
+_ONE_AT_A_TIME = Lock()  # xacro keeps its state in module globals
 
 
 def read_robot_file(path: Path, expand: bool) -> tuple[bytes, str]:
-    """Return the content of a URDF or SRDF file, and what to call it in messages.
+    """Return the content of a URDF or SRDF file, and its name for messages.
 
-    With ``expand`` macros are expanded, if it has any and xacro is installed; lines are then those
-    of the expanded text, which the name says. Raises SceneFileError for a file that cannot be
-    read, and for what xacro refuses.
+    With ``expand``, macros are expanded if there are any and xacro is installed. Lines then count
+    in the expanded text, and the name says so. Raises SceneFileError for a file that cannot be
+    read or that xacro refuses.
     """
     try:
         data = path.read_bytes()
@@ -42,7 +43,7 @@ def _expanded(path: Path) -> bytes:
         try:
             text: str = xacro.process_file(str(path)).toprettyxml(indent='  ')
         except Exception as error:
-            # Of many kinds, those of the expressions in the file among them.
+            # Errors have many types, including those of the expressions in the file.
             reason = ' '.join(str(error).split()) or repr(error)
             raise SceneFileError(f'xacro cannot expand it: {reason}', str(path)) from None
         finally:

@@ -1,4 +1,4 @@
-"""Scene graph -> scene description, through the public interface of SceneGraph only."""
+"""Description of a scene graph through the public interface of SceneGraph."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -43,15 +43,15 @@ def describe(
     static: Mapping[FrameId, bool] | None = None,
     cameras: Iterable[tuple[FrameId, CameraDescription]] = (),
 ) -> SceneDescription:
-    """Return the description of a scene: what ``register`` makes the same scene from.
+    """Return the description of a scene, from which ``register`` makes the same scene.
 
-    Left out are transient declarations, robots whose URDF came as text, and that a geometry was
-    registered on another one: it is described on their frame, in the same place.
-    ``X_PFs`` are poses of frames in their parents; frames without one stay without. ``static``
-    says of frames whether their pose does not grow old, as in ``FrameDescription``. ``cameras``
-    are described with the name that their frame has now.
+    It omits transient declarations and robots whose URDF came as text. A geometry that was
+    registered on another geometry is described on their frame, in the same place.
 
-    Raises SceneFileError for a frame that is called as the world frame.
+    ``X_PFs`` are poses of frames in their parents; other frames get none. ``static`` is as in
+    ``FrameDescription``. ``cameras`` are described with the current names of their frames.
+
+    Raises SceneFileError for a frame that is named as the world frame.
     """
     describer = _Describer(scene_graph.model_inspector())
     filters = describer.filters(scene_graph.collision_filter_manager())
@@ -63,16 +63,17 @@ def describe(
 
 
 def describe_moment(query: QueryObject) -> SceneDescription:
-    """Return the description of what a query object sees, every frame that has a pose with it.
+    """Return the description of a query object's scene, with the poses of all posed frames.
 
-    Sources, frames and geometries, to the last digit; filters and robots are left out, for they
-    change nothing of how far apart two geometries are. Raises SceneFileError as ``describe``.
+    It holds sources, frames and geometries with exact numbers. Filters and robots are omitted,
+    since they do not change the distance of two geometries. Raises SceneFileError like
+    ``describe``.
     """
     return _Describer(query.inspector()).describe(poses_in_parents(query))
 
 
 def poses_in_parents(query: QueryObject) -> dict[FrameId, RigidTransform]:
-    """Return X_PF of the frames that a query object sees, but of those that never had a pose."""
+    """Return X_PF by frame of a query object, without frames that have never received a pose."""
     inspector = query.inspector()
     without = {inspector.world_frame_id(), *query.waiting_frames()}
     return {id: query.X_PF(id) for id in inspector.GetAllFrameIds() if id not in without}
@@ -143,7 +144,7 @@ class _Describer:
         return Member(self._inspector.GetOwningSourceName(frame_id), self._frame_name(frame_id))
 
     def _mount(self, frame_id: FrameId) -> Member | None:
-        """Return the frame of another source that a frame is mounted on."""
+        """Return the frame of another source that a frame is mounted on, or None."""
         inspector = self._inspector
         home = inspector.GetHomeFrame(frame_id)
         if home == self._world:
@@ -152,7 +153,7 @@ class _Describer:
         return None if own else self._member(home)
 
     def _robot(self, robot: RobotDescription) -> RobotDescription:
-        """Return a robot with the name that the frame which carries it has now."""
+        """Return a robot with the current name of the frame that carries it."""
         if robot.mounted_on is None:
             return robot
         (source,) = (
@@ -196,7 +197,7 @@ class _Describer:
             yield DeactivationDescription(self._members(inactive))
 
     def _members(self, ids: Iterable[GeometryId]) -> tuple[Member, ...]:
-        """Return a set, by frame where all geometries of a frame are in it."""
+        """Return the members of a set, a frame instead of its geometries if all are in it."""
         by_frame: defaultdict[FrameId, list[GeometryId]] = defaultdict(list)
         for geometry_id in ids:
             by_frame[self._inspector.GetFrameId(geometry_id)].append(geometry_id)

@@ -1,4 +1,4 @@
-"""Scene files from the outside: read one, load one into a scene graph, save a scene graph."""
+"""Reading, loading and saving of scene files."""
 
 import os
 import warnings
@@ -40,19 +40,24 @@ def read_scene(
     allowed_roots: Roots | None = None,
     options: RobotOptions = _NO_OPTIONS,
 ) -> SceneDescription:
-    r"""Return what a scene file describes; nothing is registered.
+    r"""Return the description of a scene file, without registering it.
 
-    ``path_or_text`` is a path, or the text itself: a str with a line break in it, or one that
-    begins with ``{`` or ``<``. Paths in a text count from the working folder.
-    ``format`` is ``yaml`` or ``urdf``; left empty, what begins with ``<`` is a URDF, whatever it
-    is called. ``srdf``, a path or a text too, goes with a URDF. ``package_roots`` and
-    ``allowed_roots``, a folder or several, which hold for the files that the scene names: see
-    ``ResourceResolver``. Files with macros are expanded where PyPI's ``xacro`` is installed,
-    unless there are ``allowed_roots``.
-    A URDF alone is a scene of one robot at the world's origin, with its own name; ``options`` are
-    for it alone (in YAML each robot has its own), and adjacent links are filtered by default.
+    A URDF alone is a scene of one robot at the world's origin, with the robot's own name. Files
+    with macros are expanded if PyPI's ``xacro`` is installed, unless there are ``allowed_roots``.
 
-    Raises SceneFileError that names file, line and key of what is wrong.
+    Args:
+        path_or_text: A path, or the text itself: a str with a line break in it, or one that
+            begins with ``{`` or ``<``. Paths in a text count from the working folder.
+        format: ``yaml`` or ``urdf``. If empty, input that begins with ``<`` is a URDF, whatever
+            its file name.
+        srdf: The SRDF of a URDF, a path or a text too.
+        package_roots: A folder or several to search for packages, see ``ResourceResolver``.
+        allowed_roots: A folder or several outside of which no file may be opened.
+        options: Options of a URDF (in YAML each robot has its own); adjacent links are filtered
+            by default.
+
+    Raises:
+        SceneFileError: The file is invalid; the error names file, line and key.
 
     >>> scene = read_scene('geometries:\n- {name: floor, shape: {type: half_space}}')
     >>> scene.geometries[0].source
@@ -83,14 +88,14 @@ def load_scene(
     srdf: PathLike = '',
     package_roots: Roots = (),
 ) -> LoadedScene:
-    """Register all that a scene file describes, and return the ids by name.
+    """Register all contents of a scene file, and return the ids by name.
 
     Arguments and errors are those of ``read_scene`` and ``register``; after an error the scene
-    graph is as it was. What is not understood in the file is told as a UserWarning each, too.
+    graph is unchanged. Each warning of the file is also issued as a UserWarning.
     """
     loaded = register(scene_graph, read_scene(path_or_text, format, srdf, package_roots))
-    for told in loaded.warnings:
-        warnings.warn(told, stacklevel=2)
+    for warning in loaded.warnings:
+        warnings.warn(warning, stacklevel=2)
     return loaded
 
 
@@ -102,12 +107,12 @@ def save_scene(
 ) -> str:
     """Return the YAML text of a scene, from which ``load_scene`` makes the same scene.
 
-    The same are names and order of sources, frames and geometries, poses, shapes, roles,
-    properties, and the persistent filters (transient declarations are not saved).
-    ``X_PFs``, ``robots`` and ``cameras`` are what a scene graph does not keep: poses of frames,
-    and the robots and cameras of ``LoadedScene``. Meshes are saved by path.
+    The text preserves names and order of sources, frames and geometries, poses, shapes, roles,
+    properties, and persistent filters, but no transient declarations. ``X_PFs``, ``robots`` and
+    ``cameras`` add what a scene graph does not hold: poses of frames, and the robots and cameras
+    of ``LoadedScene``. Meshes are saved by path.
 
-    Raises SceneFileError for what the format cannot say.
+    Raises SceneFileError for contents that the format cannot express.
     """
     return to_yaml(describe(scene_graph, X_PFs, robots, cameras=cameras))
 
@@ -152,7 +157,7 @@ def _urdf_scene(
 
 
 def _as_text(path_or_text: PathLike) -> str:
-    """Return the text itself, empty where a path was given."""
+    """Return the text if the argument is one, '' if it is a path."""
     if not isinstance(path_or_text, str):
         return ''
     is_text = '\n' in path_or_text or path_or_text.lstrip('\ufeff \t').startswith(('{', '<'))

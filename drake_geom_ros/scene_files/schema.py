@@ -1,4 +1,4 @@
-"""Checks documents against JSON schemas (draft 7): the first fault becomes an error."""
+"""Validation of documents by JSON schemas (draft 7); the first fault becomes an error."""
 
 import json
 from collections.abc import Iterator
@@ -20,15 +20,15 @@ _TYPE_NAMES = {
     'boolean': 'true or false',
     'null': 'nothing',
 }
-# Faults that are looked at: one is told, and a list of nothing else would take a minute.
+# Only one fault is reported, and a long list of nothing but faults would take a minute.
 _MOST_FAULTS = 1000
-# Longest value that a message quotes.
+# Characters of a value that a message quotes at most.
 _QUOTED = 60
 
 
 @cache
 def read_schema(package: str, name: str) -> dict[str, Any]:
-    """Return the schema that lies in a package as a file of that name."""
+    """Return the schema in the file ``name`` of a package."""
     schema: dict[str, Any] = json.loads((resources.files(package) / name).read_text('utf-8'))
     return schema
 
@@ -46,22 +46,22 @@ def check_schema(document: Document, schema: dict[str, Any]) -> None:
 
 
 def faults(value: Any, schema: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
-    """Yield where a value breaks a schema, and in what: with the value and what is allowed."""
+    """Yield the path and the reason of each fault, with the value and the allowed ones."""
     errors = list(islice(jsonschema.Draft7Validator(schema).iter_errors(value), _MOST_FAULTS))
     unknown = {_rule_for_keys(e) for e in errors if e.validator == 'additionalProperties'}
     for error in errors:
-        # A key that is misspelt is missed too, and the misspelling is to blame.
+        # A misspelt key is also reported as missing; only the misspelling is shown.
         if error.validator != 'required' or _rule_for_keys(error) not in unknown:
             yield _blamed_path(error), _reason(error)
 
 
 def _rule_for_keys(error: Any) -> tuple[KeyPath, KeyPath]:
-    """Return the mapping that is at fault, and the part of the schema that says its keys."""
+    """Return the path of the faulty mapping, and of the schema rule about its keys."""
     return tuple(error.absolute_path), tuple(error.absolute_schema_path)[:-1]
 
 
 def _blamed_path(error: Any) -> KeyPath:
-    """Return the path of the key to blame: an unknown key itself, not the mapping around it."""
+    """Return the path of the faulty key; for an unknown key its own path, not its mapping's."""
     path = tuple(error.absolute_path)
     if error.validator == 'additionalProperties':
         return (*path, _unknown_keys(error)[0])
@@ -73,7 +73,7 @@ def _unknown_keys(error: Any) -> list[str]:
 
 
 def _reason(error: Any) -> str:
-    """Return what is wrong, with the value and what is allowed."""
+    """Return the reason of a fault, with the value and the allowed ones."""
     kind, limit, value = error.validator, error.validator_value, error.instance
     if kind is None:  # a schema that is false: the key is for another form of the same thing
         return 'cannot be given together with the other keys that are here'
@@ -85,9 +85,9 @@ def _reason(error: Any) -> str:
     if kind == 'not':
         return str(limit['description'])
     if kind in ('minProperties', 'maxProperties'):
-        known = ', '.join(error.schema['properties'])
+        keys = ', '.join(error.schema['properties'])
         one = 'exactly' if 'maxProperties' in error.schema else 'at least'
-        return f'has {len(value)} keys; give {one} one of {known}'
+        return f'has {len(value)} keys; give {one} one of {keys}'
     if kind in ('minItems', 'maxItems'):
         return f'has {len(value)} items; {limit} are needed'
     if kind == 'pattern':

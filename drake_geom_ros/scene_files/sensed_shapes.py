@@ -1,4 +1,4 @@
-"""Maps of what sensors saw, in scene files: of a file beside it, or written out."""
+"""Sensed maps in scene files, read from a file of their own or written out."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from drake_geom_ros.sensed_maps import MapError, MapFile, read_map
 
 CELLS, POINTS = 'occupied_cells', 'point_cloud'
 KINDS = (CELLS, POINTS)
-_MOST_ROWS = 2000  # that are written as lists; of more a reader of YAML would take seconds
+_MOST_ROWS = 2000  # written as lists; a YAML reader would take seconds for more
 
 
 def map_of(
     plain: Mapping[str, Any], find_file: Callable[[str], str], warn: Callable[[str], None]
 ) -> Shape:
-    """Return the map that keys of a shape describe; ``find_file`` gives the path of a URI.
+    """Return the map that the keys of a shape describe.
 
-    ``warn`` is told what of a file is left out. Raises MapError or ValueError for a file that
-    holds none, for numbers that are none, and for balls that reach less far than their points
-    were moved.
+    ``find_file`` returns the path of a URI, and ``warn`` is called with a text about skipped
+    points. Raises MapError or ValueError for a file without a map, for invalid numbers, and for
+    balls that are too small for the cells that their points were moved to.
     """
     resolution = plain.get('resolution')
     if plain['type'] == CELLS:
@@ -53,7 +53,7 @@ def _read(path: str, warn: Callable[[str], None]) -> MapFile:
 def _refuse_balls_within_cells(radius: float, resolution: float) -> None:
     """Raise MapError for balls that do not reach the corners of their cells.
 
-    What was measured there would be free.
+    Otherwise points measured in the corners would count as free.
     """
     reach = 0.5 * math.sqrt(3.0) * resolution
     if radius < reach:

@@ -1,10 +1,10 @@
-"""SRDF -> collision filters of one robot, with MoveIt's meaning.
+"""Collision filters of a robot from its SRDF, with MoveIt's meaning.
 
-Of an SRDF count the pairs that it switches off and on again, and the states of groups that the
-robot's key ``configuration`` names (``standing``); groups, end effectors, passive joints,
-properties and the spheres that stand for a link change no answer here.
-Where the base stands is not read from ``virtual_joint``: the robot's key ``pose``, TF or messages
-say it. Source of the meaning: MoveIt's AllowedCollisionMatrix and srdfdom.
+An SRDF contributes its disabled and enabled pairs, and the states of groups that the robot's key
+``configuration`` names (``standing``). Groups, end effectors, passive joints, properties and
+sphere approximations of links change no answer here. The pose of the base is not read from
+``virtual_joint``, but from the robot's key ``pose``, TF or messages. Sources of the meaning:
+MoveIt's AllowedCollisionMatrix and srdfdom.
 """
 
 from collections.abc import Collection, Iterator
@@ -32,7 +32,7 @@ from drake_geom_ros.scene_files.xml_tree import (
 
 _DISABLED, _ENABLED = 'disable_collisions', 'enable_collisions'
 _DEFAULT_OFF, _BASE = 'disable_default_collisions', 'virtual_joint'
-# The attributes that name links.
+# Attributes that name links, by tag.
 _LINKS = {
     _DISABLED: ('link1', 'link2'),
     _ENABLED: ('link1', 'link2'),
@@ -47,7 +47,7 @@ _WITHOUT_EFFECT = {
 
 @dataclass(frozen=True)
 class Semantics:
-    """What an SRDF says of pairs; ``warnings`` are what was left out of it, and why."""
+    """Filters of an SRDF, and warnings about skipped entries with their reasons."""
 
     filters: tuple[FilterDescription, ...]
     warnings: tuple[str, ...]
@@ -55,7 +55,7 @@ class Semantics:
 
 @dataclass(frozen=True)
 class _Entry:
-    """An element, with the links that it names, all of which the robot has."""
+    """An element with the links that it names, all of which the robot has."""
 
     element: Any
     links: tuple[str, ...]
@@ -71,28 +71,30 @@ def read_srdf(
 ) -> Semantics:
     """Return the filters of an SRDF for ``source``, whose URDF names the ``robot`` and its links.
 
-    A link of ``disable_default_collisions`` is in no pair, not even with what comes later, unless
-    ``enable_collisions`` names the pair; ``disable_collisions`` has the last word, whatever the
-    order in the file. Those with the reason ``Adjacent`` count only with
-    ``filter_adjacent_links``, and nothing is enabled with ``filter_self_collisions``.
-    An entry with a link that the robot does not have is left out, and a warning names it.
-    Raises SceneFileError for what is no SRDF, and for xacro that nobody expanded.
+    A link of ``disable_default_collisions`` is in no pair, also with geometries that are added
+    later, unless ``enable_collisions`` names the pair. ``disable_collisions`` overrides both,
+    whatever the order in the file; entries with the reason ``Adjacent`` count only with
+    ``filter_adjacent_links``. With ``filter_self_collisions`` nothing is enabled. An entry with
+    an unknown link is skipped with a warning. Raises SceneFileError for a file that is no SRDF,
+    and for xacro that was not expanded.
     """
     root = read_robot_xml(data, file)
     warnings = list(_not_understood(root, file))
     if (name := attribute(root, 'name', file)) != robot:
-        told = f'the SRDF is of the robot {name!r}, the URDF of {robot!r}'
-        warnings.append(str(place_of(root, file).error(told)))
+        warning = f'the SRDF is of the robot {name!r}, the URDF of {robot!r}'
+        warnings.append(str(place_of(root, file).error(warning)))
     entries: dict[str, list[_Entry]] = {tag: [] for tag in _LINKS}
-    for tag, found in entries.items():
+    for tag, entries_of_tag in entries.items():
         for element in root.iterfind(tag):
             named = tuple(attribute(element, end, file).strip() for end in _LINKS[tag])
             unknown = [link for link in named if link not in {*links, WORLD}]
             if unknown:
-                told = f'link {unknown[0]!r} is not in the robot {source!r}; the entry is left out'
-                warnings.append(str(place_of(element, file).error(told)))
-            elif WORLD not in named:  # that link has no shapes, so the entry says nothing
-                found.append(_Entry(element, named))
+                warning = (
+                    f'link {unknown[0]!r} is not in the robot {source!r}; the entry is left out'
+                )
+                warnings.append(str(place_of(element, file).error(warning)))
+            elif WORLD not in named:  # that link has no shapes, so the entry has no effect
+                entries_of_tag.append(_Entry(element, named))
     filters: list[FilterDescription] = []
     if off := [link for entry in entries[_DEFAULT_OFF] for link in entry.links]:
         members = tuple(Member(source, link) for link in dict.fromkeys(off))
@@ -108,7 +110,7 @@ def read_srdf(
 def _statements(
     entries: dict[str, list[_Entry]], source: str, options: RobotOptions
 ) -> Iterator[Statement]:
-    """Yield what is said of single pairs; the last word counts."""
+    """Yield the statements about single pairs; later ones override earlier ones."""
     enabled = [] if options.filter_self_collisions else entries[_ENABLED]
     disabled = [
         entry
@@ -125,11 +127,11 @@ def _statements(
 
 
 def _not_understood(root: Any, file: str) -> Iterator[str]:
-    """Yield what an SRDF says that is left out without being known to mean nothing here.
+    """Yield warnings about skipped elements that may matter, one for each kind.
 
-    Each kind once. Raises SceneFileError for xacro.
+    Raises SceneFileError for xacro.
     """
-    told = set()
+    reported = set()
     for element in root.iter():
         if 'xacro' in (element.prefix or ''):
             raise place_of(element, file).error(
@@ -142,6 +144,6 @@ def _not_understood(root: Any, file: str) -> Iterator[str]:
         else:
             lost = tag in _LINKS
             why = f'<{tag}> counts directly in <robot> only'
-        if lost and why not in told and element is not root:
-            told.add(why)
+        if lost and why not in reported and element is not root:
+            reported.add(why)
             yield str(place_of(element, file).error(f'{why}; it is left out'))

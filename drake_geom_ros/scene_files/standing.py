@@ -1,4 +1,4 @@
-"""The configuration that a robot of a scene file stands in: values of joints, listed or named."""
+"""Configuration of a robot in a scene file: joint values, listed or by name of an SRDF state."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
 
 Values = Mapping[str, float]
-At = Callable[..., Location]  # the place of a key below `configuration`
+At = Callable[..., Location]  # returns the place of a key below `configuration`
 _SHOWN = 12  # names in a message
 _QUATERNION = 7  # numbers of a floating joint in an SRDF: x y z, qx qy qz qw
 
 
 class _Value(NamedTuple):
-    """A value [rad] or [m] that somebody gives a joint."""
+    """A value [rad] or [m] of a joint, and its place in a file."""
 
     joint: str
     value: float
@@ -34,9 +34,9 @@ def configuration_of(
     *,
     within_limits: bool,
 ) -> dict[str, float]:
-    """Return the values by joint of what a scene file gives as ``configuration``.
+    """Return the values by joint of the key ``configuration`` of a scene file.
 
-    ``srdf`` are the content of the robot's SRDF and its name. Raises SceneFileError for a joint
+    ``srdf`` are the content and the name of the robot's SRDF. Raises SceneFileError for a joint
     without a value of its own, a value beyond its limits, a state that the SRDF does not have,
     and two states that contradict each other.
     """
@@ -45,27 +45,27 @@ def configuration_of(
     except ValueError as error:
         raise at().error(str(error)) from None
     if isinstance(plain, Mapping):
-        given = [_Value(name, float(value), at(name)) for name, value in plain.items()]
+        values = [_Value(name, float(value), at(name)) for name, value in plain.items()]
     else:
         names = [plain] if isinstance(plain, str) else plain
-        given = list(_named(names, tree, links, srdf, at))
+        values = list(_named(names, tree, links, srdf, at))
     limits = dict(zip(links.joint_names, zip(links.lower, links.upper, strict=True), strict=True))
-    found: dict[str, float] = {}
-    for joint, value, where in given:
+    configuration: dict[str, float] = {}
+    for joint, value, where in values:
         if joint not in limits:
             raise where.error(_no_joint(joint, tree, links))
         low, high = limits[joint]
         if within_limits and not low <= value <= high:
             raise where.error(f'{joint} = {value:g} must lie in [{low:g}, {high:g}]')
-        if found.setdefault(joint, value) != value:
+        if (first := configuration.setdefault(joint, value)) != value:
             raise where.error(
-                f'{joint} has the value {found[joint]:g} in one of the states, and {value:g} here'
+                f'{joint} has the value {first:g} in one of the states, and {value:g} here'
             )
-    return found
+    return configuration
 
 
 def _no_joint(name: str, tree: LinkTree, links: JointedLinks) -> str:
-    """Return why a name is none of a joint with a value of its own, and which there are."""
+    """Return the error text for a name that is no joint with a value of its own."""
     mimic = next((j.mimic for j in tree.joints if j.name == name and j.mimic), None)
     why = f' (it follows {mimic.joint!r})' if mimic else nearest(name, links.joint_names)
     return (
@@ -81,9 +81,9 @@ def _named(
     srdf: tuple[bytes, str] | None,
     at: At,
 ) -> Iterator[_Value]:
-    """Yield the values of the states of some names, each in all groups that have it.
+    """Yield the values of the named states, each in all groups that have it.
 
-    Joints that are fixed, follow another one, or are the SRDF's virtual ones, have none.
+    Fixed, mimicking and virtual joints are skipped, since they have no value of their own.
     """
     if srdf is None:
         raise at().error(
@@ -93,15 +93,15 @@ def _named(
     data, file = srdf
     root = read_robot_xml(data, file)
     states = root.findall('group_state')
-    known = list(dict.fromkeys(attribute(state, 'name', file) for state in states))
+    state_names = list(dict.fromkeys(attribute(state, 'name', file) for state in states))
     fixed = {joint.name for joint in tree.joints} | {
         attribute(joint, 'name', file) for joint in root.findall('virtual_joint')
     }
     for index, name in enumerate(names):
-        if name not in known:
+        if name not in state_names:
             raise at(*([index] if len(names) > 1 else [])).error(
-                f'the SRDF has no group_state {name!r}{nearest(name, known)}; it has '
-                f'{_some(known)}'
+                f'the SRDF has no group_state {name!r}{nearest(name, state_names)}; it has '
+                f'{_some(state_names)}'
             )
         for state in states:
             if state.get('name') == name:
@@ -112,7 +112,7 @@ def _named(
 def _of_state(
     element: Any, tree: LinkTree, links: JointedLinks, fixed: set[str], file: str
 ) -> Iterator[_Value]:
-    """Yield the values of one joint of a state; raises SceneFileError for one that is not here."""
+    """Yield the values of one joint of a state; raises SceneFileError for an unknown joint."""
     name, where = attribute(element, 'name', file), place_of(element, file)
     kind = next((joint.type for joint in tree.joints if joint.name == name), '')
     if kind not in SEVERAL and name not in links.joint_names:
@@ -128,9 +128,9 @@ def _of_state(
 
 
 def _of_joint(element: Any, name: str, kind: str) -> dict[str, float]:
-    """Return the values of a joint in a state, of which some have several.
+    """Return the values of a joint in a state; planar and floating joints have several.
 
-    Raises ValueError or RuntimeError for numbers that are none, and for no unit quaternion.
+    Raises ValueError or RuntimeError for invalid numbers and for a quaternion that is not unit.
     """
     if kind not in SEVERAL:
         return {name: numbers(element, 'value', 1)[0]}

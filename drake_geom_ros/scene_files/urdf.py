@@ -1,13 +1,11 @@
-"""URDF -> frames, geometries and filters of one robot.
+"""Frames, geometries and filters of one robot from its URDF.
 
 Each link becomes a frame of the robot's source, whatever joint holds it. All of these frames
 have the world as parent, because forward kinematics gives X_WF, and a stream of such poses can
-then drop or add a link without bending the others. A link called ``world`` is the world itself, as
-in Drake: it becomes no frame. Collision elements become geometries with the proximity role; visual
-elements are left alone.
+then omit or add a link without changing the others. A link named ``world`` is the world itself,
+as in Drake, and becomes no frame. Collision elements become geometries with the proximity role.
 
-Read are links, joints and collision elements, and no more: a geometry service has no use for
-masses and visuals.
+Only links, joints and collision elements are read; masses and visuals change no answer.
 """
 
 from collections.abc import Iterator, Mapping
@@ -48,7 +46,7 @@ from drake_geom_ros.scene_files.xml_tree import (
     read_robot_xml,
 )
 
-_LOOKED_THROUGH = (
+_VISUAL_ONLY = (
     '{} of {} links have a <visual> and no <collision>, so no query sees them: {}. Give them '
     'collision elements, or cover them by geometries of the scene file'
 )
@@ -58,7 +56,7 @@ _NO_SHAPES = 'the robot {!r} has no <collision> elements: no query sees anything
 
 @dataclass(frozen=True)
 class RobotParts:
-    """What a URDF describes; ``warnings`` are what it says that is not understood."""
+    """Parts of a robot from its URDF; ``warnings`` report elements that are not understood."""
 
     frames: tuple[FrameDescription, ...]
     geometries: tuple[GeometryDescription, ...]
@@ -79,13 +77,13 @@ class RobotParts:
     def placed(
         self, X_WB: RigidTransform, configuration: Mapping[str, float] = MappingProxyType({})
     ) -> 'RobotParts':
-        """Return the parts with the root link B, and what is fixed to it, where they stand.
+        """Return the parts with initial poses of the root link B and the links fixed to it.
 
-        So do links all of whose joints have a value. Raises ValueError, which names no line, for
-        links that have no single root.
+        Links whose joints all have a value in the configuration are posed too. Raises ValueError,
+        which names no line, if links have no single root.
         """
-        known = dict.fromkeys((*(joint.parent for joint in self.joints), *self.link_names))
-        roots = root_links(self.joints, known)
+        links = dict.fromkeys((*(joint.parent for joint in self.joints), *self.link_names))
+        roots = root_links(self.joints, links)
         if len(roots) != 1:
             raise ValueError(
                 f'the pose is that of the root link, but the links {", ".join(map(repr, roots))} '
@@ -110,14 +108,16 @@ def read_urdf(
     resolver: ResourceResolver,
     options: RobotOptions,
 ) -> RobotParts:
-    """Return the parts of a robot as those of ``source``; mesh paths count from ``folder``.
+    """Return the parts of a robot, owned by ``source``; mesh paths count from ``folder``.
 
-    The n-th geometry of a link is named as its collision element, or ``collision_n`` (from 0)
-    where that has no name or one that an earlier element of the link has. Links that are drawn and
-    have no collision element are named in a warning.
-    Raises SceneFileError, with the line, for what is not a URDF, one without links, links and
-    joints that are there twice or not at all or form no tree, shapes that are not known or have
-    bad dimensions, missing mesh files, and for what cannot be meant as it is read.
+    The n-th geometry of a link has the name of its collision element, or ``collision_n`` (from 0)
+    if that has no name or repeats one of the link. A warning names links with a visual and
+    without a collision element. Raises SceneFileError, with the line, for
+
+    - text that is not a URDF, or has no links;
+    - links and joints that are duplicate, missing or form no tree;
+    - unknown shapes, bad dimensions and missing mesh files;
+    - elements whose meaning is certainly not what would be read.
     """
     root = read_robot_xml(data, file)
     robot = attribute(root, 'name', file)
@@ -152,13 +152,13 @@ def read_urdf(
     if not geometries:
         warnings += (str(place_of(root, file).error(_NO_SHAPES.format(source))),)
     else:
-        warnings += _looked_through(links, place_of(root, file))
+        warnings += _visual_only(links, place_of(root, file))
     tree = LinkTree(robot, tuple(links), tuple(joints))
     return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings)
 
 
-def _looked_through(links: Mapping[str, Any], place: Location) -> tuple[str, ...]:
-    """Return, in one warning, which links are drawn and have no shape for queries."""
+def _visual_only(links: Mapping[str, Any], place: Location) -> tuple[str, ...]:
+    """Return one warning about the links with a visual and without a collision element."""
     names = [
         name
         for name, link in links.items()
@@ -167,12 +167,12 @@ def _looked_through(links: Mapping[str, Any], place: Location) -> tuple[str, ...
     if not names:
         return ()
     more = f' and {len(names) - _MOST_NAMED} more' if len(names) > _MOST_NAMED else ''
-    told = _LOOKED_THROUGH.format(len(names), len(links), ', '.join(names[:_MOST_NAMED]) + more)
-    return (str(place.error(told)),)
+    warning = _VISUAL_ONLY.format(len(names), len(links), ', '.join(names[:_MOST_NAMED]) + more)
+    return (str(place.error(warning)),)
 
 
 def _check_world(element: Any, file: str) -> None:
-    """Refuse a link called as the world frame is that has shapes: whose they are is not clear."""
+    """Refuse a link ``world`` with shapes, since no frame of the robot could own them."""
     if element.find('collision') is not None:
         raise place_of(element, file).error(
             f'the link {WORLD!r} is the world frame and cannot have collision elements; make them '

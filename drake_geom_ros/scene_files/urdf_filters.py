@@ -1,6 +1,6 @@
 """Collision filters of a robot: filter groups of its URDF, and cliques of its joints.
 
-The meaning of Drake's elements is that of Drake's parser, found by asking pydrake.
+Drake's elements have the meaning of Drake's parser, as observed with pydrake.
 """
 
 from collections import defaultdict
@@ -20,12 +20,12 @@ from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.link_tree import Joint
 from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of
 
-# Of ``<drake:joint>``; all of these move.
+# Types of ``<drake:joint>``, all of which move.
 _DRAKES_JOINTS = ('ball', 'curvilinear', 'planar', 'screw', 'universal')
 
 
 def moved_links(joints: Sequence[Joint]) -> set[str]:
-    """Return the links that move against the root: those with a joint that is not fixed above."""
+    """Return the links that move against the root, below a joint that is not fixed."""
     children = defaultdict(list)
     for joint in joints:
         children[joint.parent].append(joint.child)
@@ -42,8 +42,8 @@ def moved_links(joints: Sequence[Joint]) -> set[str]:
 def drakes_joints(root: Any, links: Collection[str], file: str) -> list[Joint]:
     """Return the ``<drake:joint>`` elements of a URDF.
 
-    Raises SceneFileError for one of a type that Drake does not have, and for an end that is
-    missing or no link of the file.
+    Raises SceneFileError for a type that Drake does not have, and for an end that is missing or
+    not a link of the file.
     """
     return [
         _drakes_joint(element, links, file)
@@ -71,7 +71,7 @@ def _drakes_joint(element: Any, links: Collection[str], file: str) -> Joint:
 
 @dataclass
 class _Group:
-    """A group as its element says it; ``groups`` are those whose members it has, too."""
+    """A group as read from its element; ``groups`` are those whose members it includes."""
 
     element: Any
     members: list[str]
@@ -80,7 +80,10 @@ class _Group:
 
 
 def welded_links(joints: Sequence[Joint], options: RobotOptions) -> set[str]:
-    """Return the links that fixed joints hold to the link ``world``; none if these are kept."""
+    """Return the links that fixed joints hold to the link ``world``.
+
+    None if adjacent links are not filtered.
+    """
     bodies = _fixed_bodies(joints) if options.filter_adjacent_links else []
     return {link for body in bodies if WORLD in body for link in body} - {WORLD}
 
@@ -88,16 +91,15 @@ def welded_links(joints: Sequence[Joint], options: RobotOptions) -> set[str]:
 def read_groups(
     root: Any, file: str, source: str
 ) -> tuple[tuple[GroupDescription, ...], tuple[str, ...]]:
-    """Return the ``<collision_filter_group>`` elements of a URDF, and what is odd about them.
+    """Return the ``<collision_filter_group>`` elements of a URDF, and warnings about them.
 
-    In either of Drake's spellings: the older one has
+    Both of Drake's spellings are read: the older one has
     ``<ignored_collision_filter_group collision_filter_group="...">``, the newer one the prefix
-    ``drake:`` and ``name="..."``. One with ``ignore="true"`` is none. ``<member_group>`` adds the
-    members of another group, whichever of the two comes first. Names are those of the robot: group
-    ``g`` of ``left`` is ``left::g``, so that two robots of one URDF do not share it. Only
-    ``universal`` is no robot's own: all belong to it.
-    Raises SceneFileError for a member that the URDF does not have, and for two groups of one name;
-    to ignore a group that does not exist is no error.
+    ``drake:`` and ``name="..."``. Groups with ``ignore="true"`` are skipped. ``<member_group>``
+    adds the members of another group, in any order. Group ``g`` of the robot ``left`` gets the
+    name ``left::g``, so that two robots of one URDF do not share it; only ``universal`` is shared
+    by all robots. Raises SceneFileError for a member that the URDF does not have, and for two
+    groups of one name; ignoring a group that does not exist is allowed.
     """
     links = {link.get('name') for link in root.findall('link')} - {WORLD}
     groups: dict[str, _Group] = {}
@@ -110,8 +112,8 @@ def read_groups(
         if ignored == 'true':
             continue
         if ignored != 'false':
-            told = f'ignore = {ignored!r} is not `true`: the group counts, as in Drake'
-            warnings.append(str(place.error(told)))
+            warning = f'ignore = {ignored!r} is not `true`: the group counts, as in Drake'
+            warnings.append(str(place.error(warning)))
         name = attribute(element, 'name', file)
         if name in groups:
             first = groups[name].element.sourceline
@@ -149,7 +151,7 @@ def _read_group(element: Any, links: Collection[str], file: str, warnings: list[
 
 
 def _members_of(name: str, groups: Mapping[str, _Group], file: str) -> list[str]:
-    """Return the links of a group, and of the groups that it has as members, each once."""
+    """Return the links of a group and of its member groups, each once."""
     members: dict[str, None] = {}
     fresh, seen = [name], {name}
     while fresh:
@@ -165,7 +167,7 @@ def _members_of(name: str, groups: Mapping[str, _Group], file: str) -> list[str]
 
 
 def _group_name(name: str, source: str) -> str:
-    """Return what a group of a robot is called in the scene."""
+    """Return the name of a robot's group in the scene."""
     universal = CollisionFilterManager.universal_group_name()
     return universal if name == universal else f'{source}::{name}'
 
@@ -175,10 +177,10 @@ def adjacent_cliques(
 ) -> Iterator[CliqueDescription]:
     """Yield a clique for each two links that a moving joint connects, and for each fixed body.
 
-    A floating joint connects nothing, as in Drake: its child goes anywhere.
-    A fixed body is a set of links that fixed joints hold together. Links without geometry carry
-    no filter, but fixed joints reach through them: a hand that is screwed to the last link by
-    way of an empty flange does not collide with that link.
+    A floating joint connects nothing, as in Drake, since its child may be anywhere. A fixed body
+    is a set of links that fixed joints hold together. Links without geometry carry no filter, but
+    fixed bodies extend across them: a hand on an empty flange does not collide with the link that
+    the flange is fixed to.
     """
     if not options.filter_adjacent_links:
         return
@@ -201,7 +203,7 @@ def links_fixed_to(joints: Sequence[Joint], link: str) -> list[str]:
 def self_cliques(
     with_geometry: Collection[str], source: str, options: RobotOptions
 ) -> Iterator[CliqueDescription]:
-    """Yield the one clique that switches off all collisions of a robot with itself, if asked."""
+    """Yield the clique of all links, if the option ``filter_self_collisions`` is set."""
     if options.filter_self_collisions:
         yield _clique(f'{source}: all links', source, sorted(with_geometry))
 

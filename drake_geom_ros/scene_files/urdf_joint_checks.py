@@ -1,7 +1,8 @@
-"""Joints that cannot be meant as they are written, and those that others may read in another way.
+"""Checks of URDF joints for values that are invalid or that other readers interpret differently.
 
-As urdfdom, which ROS reads robots by, and Drake do: what both refuse is refused, and what one of
-them takes is refused where no reading can be meant, else named in a warning.
+The references are urdfdom, the reader of ROS, and Drake. Values that both refuse are refused.
+Values that only one accepts are refused if no interpretation makes sense, and otherwise reported
+in a warning.
 """
 
 import math
@@ -17,8 +18,8 @@ _ROUNDED = 2.0**-10  # of a range [-]: limits are written with three or four dig
 _SHOWN = 3  # joints in a warning
 
 
-def refuse_what_cannot_be_meant(joint: UrdfJoint, element: Any) -> None:
-    """Raise SceneFileError for a type, an axis or limits that no reader could follow."""
+def check_joint(joint: UrdfJoint, element: Any) -> None:
+    """Raise SceneFileError for a type, an axis or limits that make no sense."""
     if joint.type not in TYPES:
         plain = joint.type.strip().lower()
         meant = f'; write {plain!r}' if plain in TYPES else ''
@@ -43,21 +44,22 @@ def refuse_what_cannot_be_meant(joint: UrdfJoint, element: Any) -> None:
 
 
 def warnings_about(root: Any, joints: Sequence[UrdfJoint]) -> Iterator[str]:
-    """Yield, in words with file and line, what of joints may be meant in another way.
+    """Yield warnings, with file and line, about joints that other readers interpret differently.
 
-    ``root`` is the robot's element. Each kind is named once, with how many there are.
+    ``root`` is the robot's element. Each kind is reported once, with the number of joints.
     """
     elements = {element.get('name'): element for element in root.findall('joint')}
     by_name = {joint.name: joint for joint in joints}
     for reason in (_unlimited, _without_range, _backwards, _unknown_leader, _beyond_its_limits):
-        told = [(joint, reason(joint, elements[joint.name], by_name)) for joint in joints]
-        some = [(joint, words) for joint, words in told if words]
-        if some:
-            joint, words = some[0]
-            others = [other.name for other, _ in some[1 : 1 + _SHOWN]]
-            more = ', ...' * (len(some) > 1 + _SHOWN)
-            behind = f' (so do {len(some) - 1} more: {", ".join(others)}{more})' * bool(others)
-            yield str(joint.where.error(f'{words}{behind}'))
+        reasons = [(joint, reason(joint, elements[joint.name], by_name)) for joint in joints]
+        affected = [(joint, text) for joint, text in reasons if text]
+        if affected:
+            joint, text = affected[0]
+            others = [other.name for other, _ in affected[1 : 1 + _SHOWN]]
+            more = ', ...' * (len(affected) > 1 + _SHOWN)
+            names = ', '.join(others)
+            suffix = f' (so do {len(affected) - 1} more: {names}{more})' * bool(others)
+            yield str(joint.where.error(f'{text}{suffix}'))
 
 
 def _unlimited(joint: UrdfJoint, element: Any, _: Mapping[str, UrdfJoint]) -> str:
@@ -104,8 +106,8 @@ def _beyond_its_limits(joint: UrdfJoint, _: Any, by_name: Mapping[str, UrdfJoint
         return ''
     ends = [_following(joint, end) for end in (leader.lower, leader.upper)]
     low, high = min(ends), max(ends)
-    room = _ROUNDED * max(joint.upper - joint.lower, 0.0)
-    if math.isinf(joint.lower) or (low >= joint.lower - room and high <= joint.upper + room):
+    slack = _ROUNDED * max(joint.upper - joint.lower, 0.0)
+    if math.isinf(joint.lower) or (low >= joint.lower - slack and high <= joint.upper + slack):
         return ''
     return (
         f'it mimics {leader.name!r}, whose limits take it from {low:.6g} to {high:.6g}, beyond '
@@ -114,8 +116,8 @@ def _beyond_its_limits(joint: UrdfJoint, _: Any, by_name: Mapping[str, UrdfJoint
 
 
 def _following(joint: UrdfJoint, value: float) -> float:
-    """Return where a joint stands when its leader stands at a value."""
+    """Return the value of a mimicking joint for a value of its leader."""
     assert joint.mimic is not None
-    if joint.mimic.multiplier == 0.0:  # an infinite value has no product with it
+    if joint.mimic.multiplier == 0.0:  # 0 * inf would be NaN
         return joint.mimic.offset
     return joint.mimic.multiplier * value + joint.mimic.offset

@@ -1,4 +1,4 @@
-"""What a URDF says of how a collision element presses others, by Drake's elements.
+"""Hydroelastic properties of URDF collision elements, in Drake's elements.
 
 ``<drake:proximity_properties>`` holds ``<drake:rigid_hydroelastic/>`` or
 ``<drake:compliant_hydroelastic/>``, and numbers as ``<drake:hydroelastic_modulus value="1e6"/>``.
@@ -21,7 +21,7 @@ _COMPLIANCE = {
     'rigid_hydroelastic': TYPES['rigid'],
     'compliant_hydroelastic': TYPES['compliant'],
 }
-# The names of Drake's properties; no answer depends on those of the group `material`.
+# Names of Drake's properties; no answer depends on those of the group `material`.
 _NUMBERS = {
     'mesh_resolution_hint': (GROUP, HINT),
     'hydroelastic_modulus': (GROUP, MODULUS),
@@ -33,29 +33,29 @@ KNOWN_PROPERTIES = (*_COMPLIANCE, *_NUMBERS)
 
 
 def proximity_properties_of(collision: Any) -> ProximityProperties:
-    """Return the properties that a collision element says; none where it says nothing.
+    """Return the properties of a collision element, empty if it has none.
 
-    As in Drake, the modulus of a rigid one does not count. Raises ValueError or RuntimeError,
-    which name no line, where it is both rigid and compliant, and for a value that is no number or
-    that the property cannot have.
+    As in Drake, the modulus of a rigid element is ignored. Raises ValueError or RuntimeError,
+    which name no line, for an element that is both rigid and compliant, and for a value that is
+    no number or that the property cannot have.
     """
     properties = ProximityProperties()
     for part in collision:
         if local_name(part) == 'proximity_properties':
-            said = {local_name(element): element for element in part}
-            if all(name in said for name in _COMPLIANCE):
+            elements = {local_name(element): element for element in part}
+            if all(name in elements for name in _COMPLIANCE):
                 raise ValueError(f'<{"> and <".join(_COMPLIANCE)}> exclude each other; give one')
-            _add(said, properties)
+            _add(elements, properties)
     return properties
 
 
-def _add(said: dict[str, Any], properties: ProximityProperties) -> None:
-    """Add what the elements of a name say."""
+def _add(elements: dict[str, Any], properties: ProximityProperties) -> None:
+    """Add the properties of the elements, by local name."""
     for name, kind in _COMPLIANCE.items():
-        if name in said:
+        if name in elements:
             properties.AddProperty(GROUP, COMPLIANCE, kind)
     for name, (group, key) in _NUMBERS.items():
-        if name not in said or (key == MODULUS and 'rigid_hydroelastic' in said):
+        if name not in elements or (key == MODULUS and 'rigid_hydroelastic' in elements):
             continue
-        (value,) = numbers(said[name], 'value', 1)
+        (value,) = numbers(elements[name], 'value', 1)
         properties.AddProperty(group, key, proximity_property(group, key, value))

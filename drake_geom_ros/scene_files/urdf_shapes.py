@@ -1,4 +1,4 @@
-"""Shapes of URDF collision elements, those that Drake adds to the format included.
+"""Shapes of URDF collision elements, including those that Drake adds to the format.
 
 Drake adds ``<drake:capsule radius= length=>``, ``<drake:ellipsoid a= b= c=>`` and, inside a
 ``<mesh>``, ``<drake:declare_convex/>``; ``<capsule>`` is also a shape of newer URDF.
@@ -17,8 +17,8 @@ KNOWN_SHAPES = ('box', 'capsule', 'cylinder', 'ellipsoid', 'mesh', 'sphere')
 def shape_of(collision: Any, folder: Path, resolver: ResourceResolver) -> Shape:
     """Return the shape of a collision element; mesh paths count from ``folder``.
 
-    Raises ValueError or RuntimeError, which name no line, where there is no shape or several, or
-    an unknown one, for bad dimensions and for a mesh that cannot be found.
+    Raises ValueError or RuntimeError, which name no line, for no shape, several or an unknown
+    one, for bad dimensions and for a mesh that cannot be found.
     """
     geometry = collision.find('geometry')
     if geometry is None or len(geometry) != 1:

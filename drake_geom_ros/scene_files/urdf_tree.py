@@ -1,7 +1,7 @@
-"""The tree of a URDF: its links, the joints that hold them together, and that these form no ring.
+"""Reader of a URDF's links and joints, which checks that they form trees.
 
-The one reader of joints, for filters and for forward kinematics: so a pose that a file gives means
-the same to a node, to ``check`` and to a player.
+Filters and forward kinematics share this reader, so that a pose in a file means the same to a
+node, to ``check`` and to a player.
 """
 
 import math
@@ -14,7 +14,7 @@ from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.link_tree import Joint, LinkTree, Mimic, UrdfJoint
 from drake_geom_ros.scene_files.robot_files import read_robot_file
-from drake_geom_ros.scene_files.urdf_joint_checks import refuse_what_cannot_be_meant
+from drake_geom_ros.scene_files.urdf_joint_checks import check_joint
 from drake_geom_ros.scene_files.urdf_poses import pose_of
 from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
 
@@ -22,9 +22,9 @@ _SHOWN = 5  # joints in a sentence
 
 
 def read_link_tree(path: str | Path, expand: bool = True) -> LinkTree:
-    """Return the links and joints of a URDF file, ``expand``: its macros expanded.
+    """Return the links and joints of a URDF file; with ``expand`` macros are expanded.
 
-    Raises SceneFileError as ``read_links`` and ``read_joints``, and for a file that is no URDF.
+    Raises SceneFileError like ``read_links`` and ``read_joints``, and for a file that is no URDF.
     """
     data, file = read_robot_file(Path(path), expand)
     root = read_robot_xml(data, file)
@@ -56,8 +56,8 @@ def read_joints(root: Any, links: Mapping[str, Any], file: str) -> list[UrdfJoin
     """Return the joints of a URDF in its order; ``links`` are its link elements by name.
 
     Raises SceneFileError, with the line, for a joint without a name or a type, two of one name,
-    one to a link that is not there, numbers that are none, a link with two parents, a ring, and
-    what ``urdf_joint_checks`` says cannot be meant.
+    one to a missing link, invalid numbers, a link with two parents, a ring, and values that
+    ``urdf_joint_checks`` refuses.
     """
     joints: dict[str, UrdfJoint] = {}
     for element in root.findall('joint'):
@@ -88,20 +88,20 @@ def fixed_poses(
 
 
 def parents_first(joints: Iterable[UrdfJoint], root: str) -> list[UrdfJoint]:
-    """Return the joints below a link, each behind the one that holds its parent link."""
+    """Return the joints below a link, each after the joint above its parent link."""
     held: dict[str, list[UrdfJoint]] = {}
     for joint in joints:
         held.setdefault(joint.parent, []).append(joint)
     ordered: list[UrdfJoint] = []
     links = [root]
-    for link in links:  # which grows
+    for link in links:  # the loop appends to it
         ordered += held.get(link, ())
         links += [joint.child for joint in held.get(link, ())]
     return ordered
 
 
 def _joint(element: Any, links: Mapping[str, Any], file: str) -> UrdfJoint:
-    """Return a joint; refuse one to a link that is not there."""
+    """Return the joint of an element; SceneFileError for one to a missing link."""
     where = place_of(element, file)
     name = attribute(element, 'name', file)
     kind = attribute(element, 'type', file)
@@ -121,12 +121,12 @@ def _joint(element: Any, links: Mapping[str, Any], file: str) -> UrdfJoint:
     except (ValueError, RuntimeError) as error:
         raise where.error(str(error)) from error
     joint = UrdfJoint(kind, ends[0], ends[1], name, X_PJ, (x, y, z), *limits, mimic, where)
-    refuse_what_cannot_be_meant(joint, element)
+    check_joint(joint, element)
     return joint
 
 
 def _limits(limit: Any, kind: str) -> tuple[float, float, float]:
-    """Return lower, upper and speed limit; a bound that ``<limit>`` does not give counts as 0."""
+    """Return lower, upper and speed limit; a bound that ``<limit>`` lacks counts as 0."""
     (speed,) = _finite(limit, 'velocity', 1, '0')
     speed = speed if speed > 0.0 else math.inf
     if limit is None or kind == 'continuous':
@@ -146,7 +146,7 @@ def _mimic(element: Any) -> Mimic | None:
 
 
 def _finite(element: Any, name: str, count: int, default: str) -> list[float]:
-    """Return an attribute of finite numbers, the default where there is no element."""
+    """Return an attribute of finite numbers, or the default if there is no element."""
     if element is None:
         return [float(word) for word in default.split()]
     values = numbers(element, name, count, default)
@@ -178,9 +178,9 @@ def _check_forest(joints: list[UrdfJoint]) -> None:
 
 
 def _ring(passed: list[UrdfJoint]) -> SceneFileError:
-    """Return the refusal of joints, each held by the next one, that lead back into themselves."""
+    """Return the error about a ring in a chain of joints, each followed by the one above it."""
     start = next(k for k, joint in enumerate(passed) if joint.child == passed[-1].parent)
     ring = passed[start:][::-1]
-    told = ', '.join(f'{joint.name!r} (line {joint.where.line})' for joint in ring[:_SHOWN])
+    names = ', '.join(f'{joint.name!r} (line {joint.where.line})' for joint in ring[:_SHOWN])
     more = f' and {len(ring) - _SHOWN} more' if len(ring) > _SHOWN else ''
-    return ring[0].where.error(f'joints form a ring: {told}{more}; links must form a tree')
+    return ring[0].where.error(f'joints form a ring: {names}{more}; links must form a tree')

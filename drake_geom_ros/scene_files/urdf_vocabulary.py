@@ -1,8 +1,8 @@
-"""What a URDF may say: elements and attributes that are read, and those that change no answer.
+"""Vocabulary of URDF: elements and attributes that are read, and those that change no answer.
 
-Whatever else it says could mean a shape, a pose or a filter that is not understood. It is refused
-where the meaning is sure to be lost (an orientation in words of its own, xacro that nobody
-expanded, a known name in other letters), and otherwise named in a warning, once for each kind.
+Anything else could mean a shape, a pose or a filter that is not understood. It is refused if its
+meaning is certainly lost (an unknown way to write an orientation, xacro that was not expanded, a
+name in the wrong case), and otherwise reported in a warning, once for each kind.
 """
 
 from collections.abc import Iterator
@@ -20,9 +20,9 @@ _SHOWN = 60  # characters of a value
 
 @dataclass(frozen=True)
 class _Known:
-    """Of an element: its attributes, the elements in it, and what may be in it without effect.
+    """Attributes and child elements of an element, and children without effect.
 
-    Of ``once`` an element has one at most.
+    Children in ``once`` may occur at most once.
     """
 
     attributes: frozenset[str] = frozenset()
@@ -35,8 +35,8 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-# By local name. What is without effect: masses, visuals, motors, limits beyond position and speed,
-# sensors, the worlds of simulators, and Drake's forces and constraints.
+# By local name. Without effect are masses, visuals, motors, limits beyond position and speed,
+# sensors, worlds of simulators, and Drake's forces and constraints.
 _KNOWN = {
     'robot': _Known(
         _words('name version'),
@@ -90,48 +90,48 @@ _KNOWN = {
     'limit': _Known(_words('lower upper velocity')),
     'mimic': _Known(_words('joint multiplier offset')),
 }
-# Whatever else these hold changes no answer: efforts, currents, accelerations.
+# Other attributes of these change no answer: efforts, currents, accelerations.
 _MAY_HOLD_ANYTHING = _words('limit')
-# The others read these.
+# Read by other modules.
 _READ_ELSEWHERE = _words('collision_filter_group')
-# As Drake writes them; what else is in a namespace is not what has the same name in none.
+# Drake writes these with a namespace; any other element with a namespace is not the plain one.
 _OF_ANY_NAMESPACE = _words(
     'collision_filter_group joint capsule ellipsoid declare_convex proximity_properties'
 ).union(KNOWN_PROPERTIES)
-# A word that is not known is an orientation or a length that is not read.
+# An unknown attribute here would be an orientation or a length that is not read.
 _REFUSED_IN = _words('origin')
 
 
 def check_vocabulary(root: Any, file: str) -> tuple[str, ...]:
-    """Return what a URDF says that is not understood, in words with file and line.
+    """Return warnings, with file and line, about parts of a URDF that are not understood.
 
-    Raises SceneFileError for what cannot be meant as it is read: see above.
+    Raises SceneFileError for parts whose meaning is certainly lost, see the module.
     """
     first: dict[str, str] = {}
     count: dict[str, int] = {}
-    for what, told in _unknown(root, file):
-        first.setdefault(what, told)
+    for what, warning in _unknown(root, file):
+        first.setdefault(what, warning)
         count[what] = count.get(what, 0) + 1
     more = {what: f' (and {n - 1} more like it)' if n > 1 else '' for what, n in count.items()}
-    return tuple(f'{told}{more[what]}' for what, told in first.items())
+    return tuple(f'{warning}{more[what]}' for what, warning in first.items())
 
 
 def _unknown(element: Any, file: str) -> Iterator[tuple[str, str]]:
-    """Yield the kind of each thing that is not understood, and what to say of it."""
+    """Yield the kind of each part that is not understood, and the warning about it."""
     name = local_name(element)
-    known = _KNOWN[name]
+    vocabulary = _KNOWN[name]
     place = place_of(element, file)
     for attribute, value in element.attrib.items():
         plain = etree.QName(attribute).localname
-        is_ours = attribute == plain
+        has_no_namespace = attribute == plain
         if '${' in value or '$(' in value:
             raise place.error(f'{plain} = {value[:_SHOWN]!r} is xacro: {XACRO_FIRST}')
-        if is_ours and plain in known.attributes:
+        if has_no_namespace and plain in vocabulary.attributes:
             continue
-        _refuse_other_letters(plain, known.attributes, place)
+        _refuse_other_case(plain, vocabulary.attributes, place)
         if name in _MAY_HOLD_ANYTHING:
             continue
-        allowed = ', '.join(sorted(known.attributes)) or 'none'
+        allowed = ', '.join(sorted(vocabulary.attributes)) or 'none'
         what = f'the attribute `{plain}` of <{name}> is not understood; known: {allowed}'
         if name in _REFUSED_IN:
             raise place.error(what)
@@ -141,30 +141,30 @@ def _unknown(element: Any, file: str) -> Iterator[tuple[str, str]]:
         yield what, str(place.error(f'{what}. It is read as one of these'))
     seen: set[str] = set()
     for child in element:
-        yield from _unknown_child(child, name, known, seen, file)
+        yield from _unknown_child(child, name, vocabulary, seen, file)
 
 
 def _unknown_child(
-    child: Any, parent: str, known: _Known, seen: set[str], file: str
+    child: Any, parent: str, vocabulary: _Known, seen: set[str], file: str
 ) -> Iterator[tuple[str, str]]:
     name, place = local_name(child), place_of(child, file)
     if 'xacro' in (child.prefix or '') or 'xacro' in (etree.QName(child).namespace or ''):
         raise place.error(f'<{child.prefix}:{name}> is xacro: {XACRO_FIRST}')
-    if name in known.once and name in seen:
+    if name in vocabulary.once and name in seen:
         raise place.error(f'a second <{name}> in one <{parent}>; one is allowed')
     seen.add(name)
-    is_ours = not child.prefix or name in _OF_ANY_NAMESPACE
-    if is_ours and name in known.elements:
+    is_plain = not child.prefix or name in _OF_ANY_NAMESPACE
+    if is_plain and name in vocabulary.elements:
         if name not in _READ_ELSEWHERE:
             yield from _unknown(child, file)
-    elif name not in known.without_effect:
-        _refuse_other_letters(name, known.elements, place)
+    elif name not in vocabulary.without_effect:
+        _refuse_other_case(name, vocabulary.elements, place)
         shown = f'{child.prefix}:{name}' if child.prefix else name
         what = f'<{shown}> in <{parent}> is not understood'
         yield what, str(place.error(f'{what}. It is left out'))
 
 
-def _refuse_other_letters(name: str, known: frozenset[str], place: Any) -> None:
-    """Refuse a known name in other letters: all who read URDF would leave it out."""
-    if name not in known and name.lower() in known:
+def _refuse_other_case(name: str, names: frozenset[str], place: Any) -> None:
+    """Refuse a name of the vocabulary in the wrong case, which every URDF reader would skip."""
+    if name not in names and name.lower() in names:
         raise place.error(f'`{name}` must be written `{name.lower()}`')

@@ -1,4 +1,4 @@
-"""XML of URDF and SRDF files -> an element tree with line numbers, safely."""
+"""Safe XML parsing of URDF and SRDF files to an element tree with line numbers."""
 
 import codecs
 import re
@@ -20,7 +20,7 @@ _MOST_DECLARED = 200  # bytes of a declaration
 _BLANKS = b' \t\r\n'
 _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _URDF_OR_YAML = 'load its URDF, or list its frames and geometries in a scene file (YAML)'
-# Root elements of other formats, and what to do with such a file.
+# Root elements of other formats, and advice about such a file.
 _OTHERS = {
     'sdf': f'this is SDF, which is not read: {_URDF_OR_YAML}',
     'mujoco': f'this is MJCF, a model of MuJoCo, which is not read: {_URDF_OR_YAML}',
@@ -39,8 +39,8 @@ def is_xml(data: bytes) -> bool:
 def is_utf8(data: bytes) -> bool:
     """Return whether bytes are UTF-8 beyond ASCII, whatever encoding they declare.
 
-    No text in another encoding is that by chance. urdfdom and Drake read all as UTF-8, and text
-    that came by a topic was turned into it behind its declaration.
+    Text in another encoding is hardly ever valid UTF-8. urdfdom and Drake read everything as
+    UTF-8, and text from a topic is UTF-8 whatever its declaration says.
     """
     if data.isascii() or data.startswith(_WIDE):
         return False
@@ -52,21 +52,21 @@ def is_utf8(data: bytes) -> bool:
 
 
 def encoding_warning(data: bytes, root: Any, file: str) -> tuple[str, ...]:
-    """Return that the encoding which a file declares is not its own, or nothing."""
+    """Return a warning if a file declares another encoding than UTF-8 and is UTF-8."""
     declared = _DECLARED.search(data.lstrip(_BLANKS)[:_MOST_DECLARED])
     name = declared[1].decode('ascii', 'replace') if declared else 'utf-8'
     if not is_utf8(data) or name.lower() in ('utf-8', 'utf8'):
         return ()
-    told = f'encoding {name!r} is declared, and the bytes are UTF-8: they are read as that'
-    return (str(place_of(root, file).error(told)),)
+    warning = f'encoding {name!r} is declared, and the bytes are UTF-8: they are read as that'
+    return (str(place_of(root, file).error(warning)),)
 
 
 def read_robot_xml(data: bytes, file: str) -> Any:
-    """Return the ``<robot>`` element of a URDF or SRDF file, comments left out.
+    """Return the ``<robot>`` element of a URDF or SRDF file, without comments.
 
-    Blank lines before the XML declaration are left out, and counted. Raises SceneFileError for
-    text that is not XML, another root element, text over ``MAX_BYTES``, and a document type:
-    entities are defined there, and neither format has use for them.
+    Blank lines before the XML declaration are skipped, and counted in line numbers. Raises
+    SceneFileError for text that is not XML, another root element, text over ``MAX_BYTES``, and a
+    document type, which could define entities that neither format needs.
     """
     if reason := stand_in(data):
         raise SceneFileError(reason, file)
@@ -93,13 +93,13 @@ def read_robot_xml(data: bytes, file: str) -> Any:
         raise SceneFileError('a document type (<!DOCTYPE ...>); remove it', file)
     _leave_default_namespace(root)
     if root.tag != 'robot':
-        told = _OTHERS.get(local_name(root), f'root element <{root.tag}>; must be <robot>')
-        raise place_of(root, file).error(told)
+        fault = _OTHERS.get(local_name(root), f'root element <{root.tag}>; must be <robot>')
+        raise place_of(root, file).error(fault)
     return root
 
 
 def _reason(error: etree.XMLSyntaxError, text: bytes) -> str:
-    """Return what is wrong with text that is not XML; of bytes that are no UTF-8 the way out."""
+    """Return the reason why text is not XML, with a remedy if its bytes are not UTF-8."""
     try:
         text.decode('utf-8-sig')
     except UnicodeDecodeError as wrong:
@@ -112,7 +112,7 @@ def _reason(error: etree.XMLSyntaxError, text: bytes) -> str:
 
 
 def _leave_default_namespace(root: Any) -> None:
-    """Name elements of the root's default namespace plainly: URDF has no namespace of its own."""
+    """Remove the root's default namespace from tags, since URDF has no namespace of its own."""
     prefix = f'{{{root.nsmap.get(None)}}}'
     if root.tag.startswith(prefix):
         for element in root.iter():
@@ -125,7 +125,7 @@ def local_name(element: Any) -> str:
 
 
 def place_of(element: Any, file: str) -> Location:
-    """Return the place of an element: its line, and its name or that of the nearest named one."""
+    """Return the place of an element: its line, and its path of tags and names."""
     path = []
     for node in [element, *element.iterancestors()]:
         if local_name(node) != 'robot':
@@ -135,7 +135,7 @@ def place_of(element: Any, file: str) -> Location:
 
 
 def attribute(element: Any, name: str, file: str) -> str:
-    """Return an attribute that must be there; SceneFileError where it is not."""
+    """Return a required attribute; SceneFileError if it is missing or empty."""
     value = element.get(name)
     if not value:
         raise place_of(element, file).error(f'missing attribute `{name}`')
@@ -143,9 +143,9 @@ def attribute(element: Any, name: str, file: str) -> str:
 
 
 def numbers(element: Any, name: str, count: int, default: str | None = None) -> list[float]:
-    """Return an attribute that holds ``count`` numbers; ValueError, which names no line, if not.
+    """Return an attribute of ``count`` numbers; ValueError, which names no line, for others.
 
-    ``default`` is what a missing attribute counts as; without one it must be there.
+    A missing attribute counts as ``default``; without a default it is required.
     """
     text = element.get(name, default)
     if text is None:
@@ -154,7 +154,7 @@ def numbers(element: Any, name: str, count: int, default: str | None = None) -> 
         values = [float(word) for word in text.split()]
     except ValueError:
         values = []
-    # Python alone reads 1_0 as 10.
+    # Only Python reads 1_0 as 10.
     if len(values) != count or '_' in text:
         wanted = 'a number' if count == 1 else f'{count} numbers'
         raise ValueError(f'{local_name(element)}: {name} = {text!r} must be {wanted}{_how(text)}')
@@ -162,5 +162,5 @@ def numbers(element: Any, name: str, count: int, default: str | None = None) -> 
 
 
 def _how(text: str) -> str:
-    """Return how numbers are written, to go behind a sentence about a text that has commas."""
+    """Return a clause on how to write numbers if a text has commas, else ''."""
     return ', a point for decimals and blanks between numbers, without commas' * (',' in text)

@@ -1,4 +1,4 @@
-"""YAML document -> scene description (the format is ``scene.schema.json``)."""
+"""Scene description from a YAML document (the format is ``scene.schema.json``)."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -39,14 +39,14 @@ from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, sha
 
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
-# Keys of a robot that say how its URDF is read.
+# Keys of a robot that change how its URDF is read.
 _OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding'}
 
 
 def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
-    """Return what a document describes; paths in it count from ``folder``.
+    """Return the scene description of a document; paths in it count from ``folder``.
 
-    Raises SceneFileError for a document that breaks the schema, for values that a pose, a shape
+    Raises SceneFileError for a document that violates the schema, for values that a pose, a shape
     or a property refuses, for files that cannot be found or read, and for unknown names.
     """
     check_schema(document, scene_schema())
@@ -54,7 +54,7 @@ def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) ->
 
 
 class _SceneParser:
-    """Reads the keys of one document in their order."""
+    """Parser of one document's keys, in their order."""
 
     def __init__(self, document: Document, folder: Path, resolver: ResourceResolver):
         self._document = document
@@ -166,16 +166,16 @@ class _SceneParser:
         self._geometries += parts.geometries
         self._filters += parts.filters
         if semantics:
-            found = srdf.read_srdf(
+            pairs = srdf.read_srdf(
                 *semantics, name, urdf.robot_name(data, file), parts.link_names, options
             )
-            self._warnings += found.warnings
-            self._filters += found.filters
+            self._warnings += pairs.warnings
+            self._filters += pairs.filters
 
     def _configuration(
         self, index: int, plain: Plain, tree: LinkTree, semantics: tuple[bytes, str] | None
     ) -> dict[str, float]:
-        """Return the joint values that a robot stands in; a saved one may be beyond its limits."""
+        """Return the initial joint values of a robot; those of a saved scene may exceed limits."""
         if 'configuration' not in plain:
             return {}
         return configuration_of(
@@ -200,7 +200,7 @@ class _SceneParser:
         )
 
     def _hang(self, index: int, plain: Plain, names: FileNames) -> None:
-        """Say of a frame that it hangs on another one, listed wherever."""
+        """Attach or mount a frame on another one, which may be listed later."""
         k = len(self._frames) - len(self._plain['frames']) + index
         frame = self._frames[k]
         if 'attached_to' in plain:
@@ -217,7 +217,7 @@ class _SceneParser:
             )
 
     def _carrier(self, plain: Any, names: FileNames, *path: str | int) -> Member:
-        """Return the frame that another one hangs on."""
+        """Return the member of the frame that carries another one."""
         where = self._document.at(*path)
         to = names.find(plain, where)
         if to.geometry is not None or to.frame == WORLD:
@@ -225,7 +225,7 @@ class _SceneParser:
         return to
 
     def _mount_robot(self, index: int, plain: Plain, names: FileNames) -> None:
-        """Hang the links of a robot on a frame of somebody else, listed wherever."""
+        """Mount the links of a robot on a frame of another source, which may be listed later."""
         path = ('robots', index, 'mounted_on')
         on = self._carrier(plain['mounted_on'], names, *path)
         robot = replace(self._robots[index], mounted_on=on)
@@ -238,7 +238,7 @@ class _SceneParser:
             )
         self._robots[index] = robot
         if plain.get('loaded', False):
-            return  # its frames say so themselves
+            return  # its frames have the key themselves
         self._frames = carried(self._frames, robot, on)
         if plain.get('adjacent_links') != 'kept':
             self._filters += mount_clique(robot, on, self._robots, self._geometries)
@@ -250,7 +250,7 @@ class _SceneParser:
             shape = shape_of(
                 plain['shape'],
                 lambda uri: str(self._resolver.resolve(uri, self._folder)),
-                lambda told: self._warnings.append(str(shape_place.error(told))),
+                lambda warning: self._warnings.append(str(shape_place.error(warning))),
             )
             place = self._document.at(*path, 'roles')
             roles = roles_of(plain.get('roles'))
@@ -279,26 +279,26 @@ class _SceneParser:
             raise self._document.at(*path, 'pose').error(str(error)) from error
 
     def _awaited(self, plain: Any) -> tuple[str, ...]:
-        """Return which sources that are awaited the names in a filter begin with."""
+        """Return the awaited sources that names in a filter refer to."""
         awaited = {name.strip(_BLANKS) for name in self._plain.get('awaits', ())}
-        found, waiting = set(), [plain]
+        sources, waiting = set(), [plain]
         while awaited and waiting:
             part = waiting.pop()
             if isinstance(part, str):
-                found |= {source for source in awaited if part.startswith(f'{source}::')}
+                sources |= {source for source in awaited if part.startswith(f'{source}::')}
             elif isinstance(part, Mapping):
-                found |= awaited & {part.get('source')}
+                sources |= awaited & {part.get('source')}
                 waiting += part.values()
             else:
                 waiting += part
-        return tuple(sorted(found))
+        return tuple(sorted(sources))
 
     def _await(self, index: int, plain: Plain, sources: tuple[str, ...]) -> None:
         where = self._document.at('filters', index)
         bind = partial(self._filter, index, plain)
         self._waiting.append(AwaitedFilter(sources, plain, where, bind))
-        told = f'waits for {", ".join(map(repr, sources))}; until then it leaves out no pair'
-        self._warnings.append(str(where.error(told)))
+        warning = f'waits for {", ".join(map(repr, sources))}; until then it leaves out no pair'
+        self._warnings.append(str(where.error(warning)))
 
     def _filter(self, index: int, plain: Plain, names: FileNames) -> FilterDescription:
         ((kind, value),) = plain.items()
@@ -340,7 +340,7 @@ class _SceneParser:
 
 
 def _paddings(plain: float | Plain) -> tuple[tuple[str, float], ...]:
-    """Return the paddings of a robot: one for all links, or some by name or pattern."""
+    """Return the paddings of a robot: one for all links, or by name or pattern."""
     if not isinstance(plain, Mapping):
         return (('*', float(plain)),)
     return tuple((pattern, float(padding)) for pattern, padding in plain.items())

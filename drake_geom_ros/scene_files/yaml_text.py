@@ -1,12 +1,12 @@
-"""YAML text -> plain values, with the line of each; nothing in the text can run or blow up.
+"""Safe YAML reader: plain values with the line of each, for untrusted text.
 
-The text is read as a stream of events with a stack of our own, so depth costs no recursion.
-Refused, each with its line: aliases (a few lines can stand for gigabytes), tags (they name
+The text is read as a stream of events with an explicit stack, so depth costs no recursion. These
+are refused, each with its line: aliases (a few lines can stand for gigabytes), tags (they name
 Python types), duplicate keys (the last would win silently), numbers that are not finite, a
 second document, text over ``MAX_BYTES`` and nesting over ``MAX_DEPTH``.
 
 Plain scalars follow the core schema of YAML 1.2: ``on`` and ``1:30`` are text, ``1e-3`` is a
-number. PyYAML's own rules are those of 1.1, where they are true, 90 and text.
+number. PyYAML's own rules are those of 1.1, where these are true, 90 and text.
 """
 
 import math
@@ -22,11 +22,11 @@ from drake_geom_ros.scene_files.errors import Location, SceneFileError
 MAX_BYTES = 16_000_000
 # The format nests 6 deep.
 MAX_DEPTH = 32
-# Numbers and texts, keys apart: with their checks so many take some ten seconds.
+# Values without keys; reading and checking so many takes about ten seconds.
 MOST_VALUES = 500_000
 # Items of one list.
 MOST_ITEMS = 100_000
-# Longest integer that is converted: one digit more than a 64-bit one can have, and its sign.
+# Longest integer that is converted: one digit more than 64 bits can hold, and a sign.
 MAX_INTEGER_CHARACTERS = 21
 
 _LOADER = getattr(yaml, 'CBaseLoader', yaml.BaseLoader)
@@ -64,11 +64,11 @@ class Document:
     lines: dict[KeyPath, int]
 
     def at(self, *path: str | int) -> Location:
-        """Return the place of a part; of its nearest enclosing one where the part is missing."""
-        known = path
-        while known not in self.lines:
-            known = known[:-1]
-        return Location(self.file, self.lines[known], key_text(path))
+        """Return the place of a part; if it is missing, the line of the nearest enclosing one."""
+        present = path
+        while present not in self.lines:
+            present = present[:-1]
+        return Location(self.file, self.lines[present], key_text(path))
 
 
 @dataclass
@@ -77,24 +77,24 @@ class _Open:
 
     path: KeyPath
     value: dict[str, Any] | list[Any]
-    key: str | None = None  # of a mapping: read, its value not yet
+    key: str | None = None  # of a mapping: the key whose value comes next
 
 
 def text_of(data: bytes, file: str) -> str:
-    """Return the text of a file; raises SceneFileError, with the line, for what is no UTF-8."""
+    """Return the text of a file; raises SceneFileError, with the line, if it is not UTF-8."""
     try:
         return data.decode('utf-8-sig')
     except UnicodeDecodeError as error:
         line = data.count(b'\n', 0, error.start) + 1
-        told = f'byte {data[error.start]:#x} is not UTF-8; save the file as UTF-8'
-        raise SceneFileError(told, file, line) from None
+        reason = f'byte {data[error.start]:#x} is not UTF-8; save the file as UTF-8'
+        raise SceneFileError(reason, file, line) from None
 
 
 def read_yaml(text: str, file: str, most_items: float = math.inf) -> Document:
-    r"""Return the one document of ``text``; errors call it ``file``.
+    r"""Return the only document of ``text``; errors call it ``file``.
 
-    Raises SceneFileError for text that is not YAML, for everything refused above, and, as soon as
-    it is read so far, for a list of more than ``most_items``.
+    Raises SceneFileError for text that is not YAML, for everything that the module refuses, and,
+    before the rest is read, for a list of more than ``most_items``.
 
     >>> document = read_yaml('frames:\n- {name: cup, group: 2}', 'cups.yaml')
     >>> document.value
@@ -123,7 +123,7 @@ def read_yaml(text: str, file: str, most_items: float = math.inf) -> Document:
 
 
 class _Builder:
-    """Builds the value from the parser's events."""
+    """Builder of the value from the parser's events."""
 
     def __init__(self, file: str, most_items: float):
         self.file = file
@@ -135,7 +135,7 @@ class _Builder:
         self._open: list[_Open] = []
 
     def take(self, event: yaml.Event) -> None:
-        """Take the next event."""
+        """Process the next event."""
         line = event.start_mark.line + 1
         if isinstance(event, yaml.DocumentStartEvent):
             self.documents += 1
@@ -153,7 +153,7 @@ class _Builder:
             self._open.pop()
 
     def _place(self, line: int) -> Location:
-        """Return the place of what comes next, for an error."""
+        """Return the place of the next value, for an error."""
         return Location(self.file, line, key_text(self._next_path()))
 
     def _next_path(self) -> KeyPath:
@@ -205,7 +205,7 @@ class _Builder:
         self._values += 1
         if self._values > MOST_VALUES:
             raise self._place(line).error(f'more than {MOST_VALUES} values in one file')
-        # Of an entry of a mapping the line of its key is known already.
+        # A value in a mapping already has the line of its key.
         self.lines.setdefault(self._next_path(), line)
         if not self._open:
             self.root = value
@@ -222,12 +222,12 @@ class _Builder:
 
 
 def is_text_without_quotes(text: str) -> bool:
-    """Return whether this text, written without quotes, is read as the text that it is."""
+    """Return whether a text reads back as the same text if written without quotes."""
     return text.isprintable() and text not in _WORDS and not _NUMBER_LIKE.match(text)
 
 
 def _plain_value(text: str, place: Location) -> Any:
-    """Return what a scalar without quotes stands for."""
+    """Return the value of a scalar without quotes."""
     if text in _WORDS:
         return _WORDS[text]
     if _INTEGER.fullmatch(text):

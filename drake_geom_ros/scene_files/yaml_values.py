@@ -1,6 +1,6 @@
-"""Poses, shapes and properties: their form in YAML, in both directions.
+"""Conversion of poses, shapes and properties from and to plain YAML values.
 
-``..._of`` turns plain values that keep the schema into ours, ``plain_...`` turns ours back.
+``..._of`` converts plain values that fulfil the schema, ``plain_...`` converts back to them.
 """
 
 import math
@@ -38,7 +38,7 @@ from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
 from drake_geom_ros.scene_files.packed_rows import numbers_of
 
 Plain = Mapping[str, Any]
-# Of a mesh, that are written as lists; of more a reader of YAML would take seconds.
+# Rows of a mesh written as lists; a YAML reader would take seconds for more.
 _MOST_ROWS = 2000
 
 ROLE_NAMES = {
@@ -54,10 +54,9 @@ _PROPERTIES = {
 
 
 def pose_of(plain: Plain | None) -> RigidTransform:
-    """Return a pose; a missing one, position or orientation is the identity's.
+    """Return a pose; a missing pose, position or orientation is the identity.
 
-    Raises RuntimeError for a quaternion that is not of unit length, and a matrix that does not
-    rotate.
+    Raises RuntimeError for a quaternion that is not unit, and for a matrix that is no rotation.
     """
     plain = plain or {}
     position = plain.get('position', (0.0, 0.0, 0.0))
@@ -69,10 +68,10 @@ def pose_of(plain: Plain | None) -> RigidTransform:
 
 
 def plain_pose(X: RigidTransform) -> dict[str, Any]:
-    """Return the plain form of a pose, which gives back the very same numbers.
+    """Return the plain form of a pose, which reads back as exactly the same numbers.
 
-    What is the identity's is left out. The rotation is a quaternion where the way there and back
-    changes nothing, else the matrix. Zeros lose their sign.
+    Identity parts are omitted. The rotation is a quaternion if that converts back exactly, else
+    the matrix. Zeros lose their sign.
     """
     plain: dict[str, Any] = {}
     if X.translation().any():
@@ -86,8 +85,9 @@ def plain_pose(X: RigidTransform) -> dict[str, Any]:
 
 
 def shape_of(plain: Plain, find_file: Callable[[str], str], warn: Callable[[str], None]) -> Shape:
-    """Return a shape; ``find_file`` gives the path of a URI, ``warn`` is told what is left out.
+    """Return a shape from its plain form.
 
+    ``find_file`` returns the path of a URI; ``warn`` is called with a text about skipped parts.
     Raises RuntimeError or ValueError for dimensions and files that the shape refuses.
     """
     kind = plain['type']
@@ -115,7 +115,7 @@ def shape_of(plain: Plain, find_file: Callable[[str], str], warn: Callable[[str]
 
 
 def plain_shape(shape: Shape) -> dict[str, Any]:
-    """Return the plain form of a shape; TypeError for a kind that the format does not have."""
+    """Return the plain form of a shape; TypeError for a kind that the format lacks."""
     if isinstance(shape, Sphere):
         return {'type': 'sphere', 'radius': shape.radius()}
     if isinstance(shape, Box):
@@ -141,7 +141,7 @@ def plain_shape(shape: Shape) -> dict[str, Any]:
 
 
 def _plain_mesh(data: MeshData) -> dict[str, Any]:
-    """Return vertices and triangles as lists, or packed where these would be long."""
+    """Return vertices and triangles as lists, or packed if these would be long."""
     if len(data.vertices) + len(data.triangles) <= _MOST_ROWS:
         return {'vertices': data.vertices.tolist(), 'triangles': data.triangles.tolist()}
     packed = {'vertices': data.vertices.astype('<f8'), 'triangles': data.triangles.astype('<i4')}
@@ -149,9 +149,9 @@ def _plain_mesh(data: MeshData) -> dict[str, Any]:
 
 
 def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:
-    """Return roles with their properties; without an entry the proximity role alone.
+    """Return roles with their properties; only the proximity role if ``plain`` is None.
 
-    Raises ArgumentError for hydroelastic properties that cannot be.
+    Raises ArgumentError for invalid hydroelastic properties.
     """
     roles: dict[Role, GeometryProperties] = {}
     for name, groups in ({'proximity': {}} if plain is None else plain).items():
@@ -175,7 +175,7 @@ def _property_of(value: Any) -> Any:
 
 
 def plain_roles(roles: Mapping[Role, GeometryProperties]) -> dict[str, Any] | None:
-    """Return the plain form of roles, None for the proximity role alone without properties.
+    """Return the plain form of roles; None for only the proximity role without properties.
 
     Raises TypeError for a property whose value cannot be written to a scene file.
     """

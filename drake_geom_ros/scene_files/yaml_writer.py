@@ -1,4 +1,4 @@
-"""Scene description -> YAML text that ``yaml_scene`` reads back."""
+"""Writer of scene descriptions as YAML text, which ``yaml_scene`` reads back."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -34,7 +34,7 @@ _NO_WRAP = 2**30
 
 
 class _Dumper(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):  # type: ignore[misc]
-    """Writes text in quotes unless our reader takes it for text without them."""
+    """YAML dumper that quotes text unless ``yaml_text`` reads it as the same text without."""
 
 
 def _represent_text(dumper: Any, text: str) -> Any:
@@ -48,9 +48,9 @@ _Dumper.add_representer(str, _represent_text)
 def to_yaml(description: SceneDescription) -> str:
     """Return the text of a scene: one line for each source, robot, frame, geometry and filter.
 
-    Robots are written as loaded: what they consist of is among the frames and geometries.
-    Raises SceneFileError for what the format cannot say, such as a property that is an object, and
-    for more than can be read again.
+    Robots are written with ``loaded: true``, since their links are among the frames and
+    geometries. Raises SceneFileError for contents that the format cannot express, such as a
+    property that is an object, and for more than the reader accepts.
     """
     names = FileNames(description.frames, description.geometries)
     try:
@@ -81,7 +81,7 @@ def to_yaml(description: SceneDescription) -> str:
 
 
 def check_size(plain: Any, file: str) -> None:
-    """Raise SceneFileError for longer lists, or more values, than the reader takes."""
+    """Raise SceneFileError for longer lists, or more values, than the reader accepts."""
     count, waiting = 0, [plain]
     while waiting:
         part = waiting.pop()
@@ -98,7 +98,7 @@ def check_size(plain: Any, file: str) -> None:
 
 def _section(key: str, items: list[Any]) -> str:
     if not items:
-        # The reader takes no empty text: a scene of nothing still has its list of sources.
+        # The reader refuses empty text, so an empty scene still writes its list of sources.
         return 'sources: []\n' if key == 'sources' else ''
     lines = ''.join(f'- {_flow(item)}' for item in items)
     return f'{key}:\n{lines}'
@@ -113,12 +113,12 @@ def _flow(item: Any) -> str:
         sort_keys=False,
         width=_NO_WRAP,
     )
-    # A scalar of its own is a document that ends with dots.
+    # PyYAML ends a document of one scalar with dots.
     return str(text).removesuffix('...\n')
 
 
 def _present(**entries: Any) -> dict[str, Any]:
-    """Return the entries that say something."""
+    """Return the entries that are not None."""
     return {key: value for key, value in entries.items() if value is not None}
 
 
