@@ -7,6 +7,9 @@ import sys
 
 import numpy as np
 import pytest
+
+pytest.importorskip('mcap')
+
 from mcap.writer import Writer
 from recordings import recorder
 from recordings.recorder import BEGIN
