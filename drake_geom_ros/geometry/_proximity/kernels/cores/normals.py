@@ -282,6 +282,17 @@ def downhill(x: float, z: float, aside: float, e: Vector, f: Vector, held: bool)
     return scale(-LONGEST_STEP / aside, add_scaled(scale(0.0 if held else x, e), z, f))
 
 
+@inlined
+def slope_across_kink(x: float, z: float, m12: float, m22: float) -> float:
+    """Return the slope across a kink, here or where the step along it ends, the smaller one.
+
+    The minimum may be on the kink at the very end of the held segments. Then the slope here may be
+    steeper than they allow for; but a step off the kink would lead back to it, for ever.
+    """
+    there = x - m12 * z / m22 if m22 > 0.0 else x
+    return there if abs(there) < abs(x) else x
+
+
 @compiled
 def lowest_tip(terms: Floats, last: int, radius: float, n: Vector, h: float) -> Vector:
     """Return the axis of a disk along which the width is least, if that is below h [m]; else n.
@@ -328,10 +339,11 @@ def descend(difference: Difference, n: Vector, noise: float) -> Minimum:
             f = cross(n, e)
         h, x, z, m11, m12, m22 = slope_and_curvature(terms, last, radius, n, e, f)
         if reach > 0.0:
-            if abs(x) > reach + noise:
-                free_segments(terms, last, e, x)
-                continue
             is_convex, aside = m22 > 0.0, abs(z)
+            slope = slope_across_kink(x, z, m12, m22)
+            if abs(slope) > reach + noise:
+                free_segments(terms, last, e, slope)
+                continue
         else:
             is_convex, aside = m11 > 0.0 and m11 * m22 - m12 * m12 > 0.0, abs(x) + abs(z)
         if aside <= noise or (length <= LAST_STEP and aside <= LOOSE_SLOPE * noise):
@@ -357,8 +369,7 @@ def descend(difference: Difference, n: Vector, noise: float) -> Minimum:
         if not (is_convex or crossed):
             return Minimum(NOTHING, n, h, 0.0)
         n = unit(add_scaled(n, part, step))
-        if crossed:
-            length = math.inf
+        length = math.inf if crossed else length
     return Minimum(NOTHING, n, math.inf, 0.0)
 
 

@@ -173,3 +173,23 @@ def test_segments_that_are_parallel_but_for_rounding_leave_a_normal():
         across = tuple(R @ turned((0, 0, 1), rng.uniform(0.0, 6.0))[0])
         found.append(normals.nearby_minimum(sums.difference_of(pair), across, NOISE).n)
     assert np.linalg.norm(found, axis=1) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_where_an_edge_ends_exactly_at_the_nearest_point_the_normal_has_all_its_digits():
+    """Steps away from the edge led back to it until none were left."""
+    rng = np.random.default_rng(11)
+    rod, radii = np.array([0.005, 0.005, 0.5]), np.array([0.3, 0.5, 0.2])
+    across, corner = np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0), rod
+    h = -0.1 - supports.core_radius(ELLIPSOID, radii)
+    for _ in range(COUNT):
+        R_WA, R_AB = random_rotation(rng), random_rotation(rng)
+        foot = radii**2 * (R_AB.T @ -across)  # of the ellipsoid, along its inward normal
+        foot /= np.linalg.norm(foot / radii)
+        p = R_WA @ (corner + 0.1 * across - R_AB @ foot)
+        pair = core_pair(BOX, rod, R_WA, ELLIPSOID, radii, R_WA @ R_AB, p)
+        n = R_WA @ across
+        for start in _around(rng, n, 10 ** rng.uniform(-10, -8, 5)):
+            found = normals.nearby_minimum(sums.difference_of(pair), tuple(start), NOISE)
+            assert found.kind != normals.NOTHING
+            assert found.n == pytest.approx(n, abs=1e-14)
+            assert found.h == pytest.approx(h, abs=1e-14)
