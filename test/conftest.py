@@ -15,6 +15,7 @@ pytest_plugins = [
     'plugins.tiers',
     'plugins.costs',
     'plugins.reruns',
+    'plugins.reversed',
     'plugins.seed',
     'plugins.without_ros',
 ]

@@ -1,6 +1,7 @@
 """The plug-ins of this folder, seen by small runs of pytest in a folder of their own."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -10,7 +11,8 @@ from conventions.source_tree import ROOT
 pytestmark = pytest.mark.processes
 
 CONFTEST = """
-pytest_plugins = ['plugins.marks', 'plugins.tiers', 'plugins.costs', 'plugins.reruns']
+pytest_plugins = ['plugins.marks', 'plugins.tiers', 'plugins.costs', 'plugins.reruns',
+    'plugins.reversed']
 """
 SETTINGS = '[pytest]\nmarkers = processes\n    topics\n    clock\n    packaging\n    everything\n'
 # Fails when it is first run, in whichever process, and passes from then on.
@@ -143,6 +145,16 @@ def test_what_takes_long_is_run_by_everything_alone(run, mark):
     text = f'def test_short(): pass\n\n@pytest.mark.{mark}\ndef test_long(): pass'
     assert '1 passed, 1 deselected' in run(text)[1]
     assert '2 passed' in run(text, '--everything')[1]
+
+
+def test_files_run_in_reversed_order_and_the_tests_of_each_in_their_own(run, tmp_path):
+    (tmp_path / 'test_first.py').write_text('def test_one(): pass\n\ndef test_two(): pass\n')
+    for options, names in (
+        ([], ['one', 'two', 'last']),
+        (['--reversed'], ['last', 'one', 'two']),
+    ):
+        output = run('def test_last(): pass', '-v', *options)[1]
+        assert re.findall(r'::test_(\w+) PASSED', output) == names
 
 
 @pytest.mark.parametrize('options', [(), ('-n', '2')], ids=['one process', 'two workers'])
