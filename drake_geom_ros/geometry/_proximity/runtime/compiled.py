@@ -16,7 +16,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
@@ -37,6 +37,8 @@ else:
 _FOLDER = 'drake_geom_ros'
 _VERSION = 'kernels-'  # a digest follows
 _KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
+# Events: this process compiles something, or waits for another one that does.
+_COMPILING = ('numba:compile', *([] if numba_inside is None else [numba_inside.WAITING]))
 
 
 def _candidates() -> list[Path]:
@@ -124,7 +126,8 @@ class _Uncollected(event.Listener):  # type: ignore[misc]
 
 _progress = Progress(CACHE_FOLDER)
 event.register('numba:compile', _Uncollected())
-event.register('numba:compile', _progress)
+for _kind in _COMPILING:
+    event.register(_kind, _progress)
 event.register('numba:compile', Journal(CACHE_FOLDER))
 if CACHE_FOLDER:
     event.register('numba:compile', _Compiling())
@@ -159,7 +162,10 @@ def compilation(tell: Tell | None, name: str, number: int, last: int) -> Iterato
         yield
         return
     listener = _First(lambda: tell(name, number, last))
-    with event.install_listener('numba:compile', listener), _progress.silent():
+    with ExitStack() as stack:
+        for kind in _COMPILING:
+            stack.enter_context(event.install_listener(kind, listener))
+        stack.enter_context(_progress.silent())
         yield
 
 
@@ -291,15 +297,24 @@ def _compiled(
     config.CACHE_DIR = folder
     try:
         dispatcher = njit(
-            cache=kept and bool(folder),
             nogil=nogil,
             error_model='numpy',
             forceinline=forceinline,
             **options(counted=counted),
         )(function)
+        if kept and folder and not config.DISABLE_JIT:
+            _keep(dispatcher, folder)
         return for_compiled_callers(dispatcher, constants=constants)
     finally:
         config.CACHE_DIR = before
+
+
+def _keep(dispatcher: Any, folder: str) -> None:
+    """Have a dispatcher keep what it compiles in a folder: see ``numba_inside``."""
+    if numba_inside is None:
+        dispatcher.enable_caching()
+    else:
+        numba_inside.share_cache(dispatcher, folder)
 
 
 def options(*, counted: bool) -> dict[str, Any]:

@@ -6,7 +6,9 @@ told here. On a terminal the line is written over and goes when it is done; else
 every ten seconds.
 
 The environment variable ``DRAKE_GEOM_ROS_COMPILE_LOG`` names a file to which each process appends
-a line for each function: process, cache folder, function, types of its arguments.
+a line for each function that it compiles, not for those that it loads: process, cache folder,
+function, types of its arguments. The folder is empty for what no cache keeps, such as functions
+that are compiled into those that call them.
 """
 
 from __future__ import annotations
@@ -77,7 +79,7 @@ class Progress(event.Listener):  # type: ignore[misc]
 
 
 class Journal(event.Listener):  # type: ignore[misc]
-    """Appends a line to a file for each of our functions that is compiled to be kept."""
+    """Appends a line to a file for each of our functions that is compiled."""
 
     def __init__(self, folder: str) -> None:
         """``folder`` keeps what is compiled."""
@@ -86,10 +88,12 @@ class Journal(event.Listener):  # type: ignore[misc]
     def on_start(self, event: event.Event) -> None:
         """Append the line, in one write: several processes may share the file."""
         file = os.environ.get('DRAKE_GEOM_ROS_COMPILE_LOG')
-        function = event.data['dispatcher'].py_func
-        if file and self._folder and function.__module__.startswith(_PACKAGE):
+        dispatcher = event.data['dispatcher']
+        function = dispatcher.py_func
+        if file and function.__module__.startswith(_PACKAGE):
             name = f'{function.__module__}.{function.__qualname__}'
-            row = (str(os.getpid()), self._folder, name, str(event.data['args']))
+            folder = self._folder if dispatcher.stats.cache_path else ''
+            row = (str(os.getpid()), folder, name, str(event.data['args']))
             with open(file, 'a') as journal:
                 journal.write('\t'.join(row) + '\n')
 
