@@ -25,7 +25,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.geometry.queries.motion_queries import (
-    FoundMotion,
+    MotionAnswer,
     MotionQueries,
     MotionQuestion,
 )
@@ -286,12 +286,12 @@ class PathChecker:
 
     def _part(
         self, asked: MotionQuestion, path: Floats, skipped: Booleans, part: tuple[int, int]
-    ) -> FoundMotion:
+    ) -> MotionAnswer:
         return self._queries().follow(asked, path, part, skipped)
 
     def _one_by_one(
-        self, found: FoundMotion, path: Floats, parts: list[tuple[int, int]], skipped: Booleans
-    ) -> FoundMotion:
+        self, found: MotionAnswer, path: Floats, parts: list[tuple[int, int]], skipped: Booleans
+    ) -> MotionAnswer:
         """Return what is found of a path whose parts share one budget of evaluations, if any."""
         for part in parts:
             asked = self._asked
@@ -307,7 +307,7 @@ class PathChecker:
         return found
 
 
-def _joined(found: FoundMotion, parts: Iterable[FoundMotion]) -> FoundMotion:
+def _joined(found: MotionAnswer, parts: Iterable[MotionAnswer]) -> MotionAnswer:
     """Return what is found of a path by its clear begin and the parts that follow."""
     for part in parts:
         told = found if part.outcome == 'clear' and found.distance <= part.distance else part

@@ -24,7 +24,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.query_gradients import distance_gradients
 from drake_geom_ros.geometry.queries.state_queries import (
-    Found,
+    BlockAnswers,
     StateError,
     StateQueries,
 )
@@ -204,7 +204,7 @@ class Job:
         return found if asked.want == 'nearest' else _one_each(found)
 
 
-def _columns(found: Found) -> Columns:
+def _columns(found: BlockAnswers) -> Columns:
     """Return what was found as arrays of their own."""
     counts, results = found
     if isinstance(results, PointDistanceResults):

@@ -144,7 +144,7 @@ def test_queries_without_end_are_answered_as_of_now():
             fresh = copy.copy(scene.query)
             expected = fresh.ComputeSignedDistancePairwiseClosestPoints(float(reach))
             np.testing.assert_array_equal(near.distance, expected.distance)
-    assert len(state_of(scene.context)._usual) <= states._MOST_USUAL
+    assert len(state_of(scene.context)._prepared) <= states._MAX_PREPARED
 
 
 def held(scene):

@@ -1,4 +1,4 @@
-"""How fast bodies come together: from results and the twists of frames."""
+"""Closing speeds of pairs, from query results and the twists of frames."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Floats = NDArray[np.float64]
 
 
 class ClosingSpeeds(NamedTuple):
-    """Of k pairs: how fast the distance shrinks, and when it would be 0 if that went on.
+    """Closing speeds of k pairs, and the times to contact if the speeds stayed constant.
 
-    Both are NaN where ``known`` is False: the frame of A or that of B has no twist. A pair that
-    does not close has an infinite time to contact, one that is in contact 0. Where the nearest
-    points are not the only ones (``is_gradient_unique``) the speed is that of the ones reported.
+    Both are NaN where ``known`` is False: the frame of A or that of B has no twist. The time to
+    contact is infinite for a pair that does not close, and 0 for one in contact. Where the nearest
+    points are not unique (``is_gradient_unique``) the speed is that of the reported ones.
     """
 
     known: NDArray[np.bool_]  # (k,)
@@ -34,9 +34,9 @@ def closing_speeds(
 ) -> ClosingSpeeds:
     """Return the closing speeds of pairs, of overlaps too, at the spatial velocities of frames.
 
-    ``V_WFs`` maps frames to V_WF = [w_WF, v_WFo] (6,), in World axes [rad/s, m/s]; the world frame
-    stands still without being named, and pairs with any other that is not named are not known.
-    Raises ArgumentError for what is not six finite numbers.
+    ``V_WFs`` maps frames to V_WF = [w_WF, v_WFo] (6,), in World axes [rad/s, m/s]. The world frame
+    need not be in it; pairs of any other frame that is missing get NaN. Raises ArgumentError for a
+    twist that is not six finite numbers.
     """
     values = {WORLD_FRAME_ID.get_value(): np.zeros(6)}
     for frame, V in V_WFs.items():
@@ -49,21 +49,21 @@ def closing_speeds(
         values[frame.get_value()] = twist
     ids = np.array(sorted(values), dtype=np.int64)
     twists = np.stack([values[int(id)] for id in ids])
-    at, known = [], np.ones(len(results), dtype=np.bool_)
+    at, has_twists = [], np.ones(len(results), dtype=np.bool_)
     for frames in (results.frame_id_A, results.frame_id_B):
         at.append(np.searchsorted(ids, frames).clip(max=len(ids) - 1))
-        known &= ids[at[-1]] == frames
+        has_twists &= ids[at[-1]] == frames
     V = np.hstack((twists[at[0]], twists[at[1]]))
     if isinstance(results, PenetrationResults):
         growing, distance = results.gradients, -results.depth
     else:
         growing, distance = -results.gradients, results.distance
-    speed = np.where(known, np.einsum('ki,ki->k', growing, V), np.nan)
-    return ClosingSpeeds(known, speed, _times_to_contact(distance, speed))
+    speed = np.where(has_twists, np.einsum('ki,ki->k', growing, V), np.nan)
+    return ClosingSpeeds(has_twists, speed, _times_to_contact(distance, speed))
 
 
 def _times_to_contact(distance: Floats, speed: Floats) -> Floats:
-    """Return distance over speed where it closes, 0 where it has, NaN where nobody knows."""
+    """Return distance over speed for closing pairs, 0 for contacts, NaN for unknown speeds."""
     times = np.full(len(distance), np.inf)
     closing = speed > 0.0
     np.divide(distance, speed, out=times, where=closing)

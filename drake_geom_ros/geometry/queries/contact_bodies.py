@@ -43,12 +43,12 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-# How bodies are packed, while they live: the contexts of a scene share them.
+# Packed bodies, as long as the bodies live: the contexts of a scene share them.
 _PACKED: WeakKeyDictionary[HydroelasticBody, PackedBody] = WeakKeyDictionary()
 
 
 class NoSurface(IntEnum):
-    """Why two geometries that overlap have no contact surface."""
+    """Reason why two geometries that overlap have no contact surface."""
 
     NO_PROPERTIES = 1
     BOTH_RIGID = 2
@@ -58,15 +58,15 @@ class NoSurface(IntEnum):
     TOO_COARSE = 6
 
     def in_words(self) -> str:
-        """Return the reason, and what can be done."""
+        """Return the reason and the remedy."""
         return _REASONS[self]
 
 
-# What a body is beside the shape that all other queries see: the same, or a mesh of a round one,
-# all of whose corners are on the surface, or a mesh that counts as its hull there.
+# Relation of a body to the shape that all other queries use: the same, or a mesh with all vertices
+# on the surface of a round shape, or a mesh whose convex hull is the shape.
 SAME, ROUND, OTHER = range(3)
-# What there may be of a pair beside what ``Surfaces.states`` says: NOTHING, where meshes are so
-# coarse that they miss one another.
+# A state of pairs beside those of ``Surfaces.states``: NOTHING, but the meshes may be so coarse
+# that they miss each other.
 COARSE = 5
 
 _REASONS = {
@@ -87,17 +87,17 @@ class ContactBodies(NamedTuple):
     """The bodies of the geometries with hydroelastic properties."""
 
     version: int
-    ids: Indices  # (n,) of all geometries that proximity queries know
+    ids: Indices  # (n,) of all geometries with the proximity role
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
     likeness: Indices  # (n,) SAME, ROUND or OTHER
     paddings: Paddings | None
 
     def load_kernels(self) -> None:
-        """Compile what makes surfaces, or load it from the cache; nothing without a body."""
+        """Compile the kernels for surfaces, or load them from the cache; no-op without bodies."""
         if (self.body_of < 0).all():
             return
-        # Only who may ask for surfaces loads their kernels, and those of solids behind them.
+        # Imported here: other scenes need not load these kernels, nor those of solids.
         from drake_geom_ros.geometry._contact_surfaces.asking import surfaces_of
 
         n = len(self.ids)
@@ -105,16 +105,16 @@ class ContactBodies(NamedTuple):
         surfaces_of(posed, np.zeros((0, 2), dtype=np.int64))
 
     def posed(self, R_WGs: Floats, p_WGs: Floats) -> Posed:
-        """Return the bodies as geometries with these poses (n, 3, 3), (n, 3), which may change."""
+        """Return the bodies as geometries that refer to pose arrays (n, 3, 3), (n, 3)."""
         from drake_geom_ros.geometry._contact_surfaces.asking import Posed
 
         return Posed(self.bodies, Geometries(self.ids, self.body_of, R_WGs, p_WGs))
 
     def judged(self, ids: Indices, states: Indices) -> Indices:
-        """Return what there is of pairs of ids (k, 2): of some that have NOTHING it is COARSE.
+        """Return states (k,) of pairs of ids (k, 2), with COARSE in place of some NOTHING.
 
-        If they overlap: of a round body, and of none that counts as its hull. Without such pairs
-        the same array is returned.
+        Meshes may miss each other in pairs with a ROUND body and no OTHER one. Without such
+        pairs the same array is returned.
         """
         nothing = np.flatnonzero(states == NOTHING)
         places = np.searchsorted(self.ids, ids[nothing])
@@ -125,16 +125,17 @@ class ContactBodies(NamedTuple):
         return states
 
     def padding_between(self, ids: Indices) -> Floats:
-        """Return by how much pairs of ids (k, 2) come nearer by their paddings [m]."""
+        """Return the sums of paddings (k,) [m] of pairs of ids (k, 2)."""
         if self.paddings is None:
             return np.zeros(len(ids))
         radii: Floats = self.paddings.radii[np.searchsorted(self.ids, ids)].sum(axis=1)
         return radii
 
     def why_not(self, M: Indices, N: Indices, states: Indices) -> Indices:
-        """Return why pairs (k,) that overlap, not both half spaces, have no surface: a NoSurface.
+        """Return the NoSurface (k,) of overlapping pairs that are not both half spaces.
 
-        By the places of geometries among ``ids``, and what ``Surfaces.states`` says of the pairs.
+        ``M`` and ``N`` (k,) are the places of geometries in ``ids``, ``states`` those of
+        ``Surfaces.states`` or COARSE.
         """
         rows = np.column_stack((self.body_of[M], self.body_of[N]))
         reasons = np.full(len(rows), NoSurface.BOTH_RIGID.value)
@@ -148,14 +149,14 @@ class ContactBodies(NamedTuple):
 def contact_bodies(
     model: Model, ids: Indices, paddings: Paddings | None, before: ContactBodies | None
 ) -> ContactBodies:
-    """Return the bodies of a model, those from before where nothing has changed since.
+    """Return the bodies of a model, or ``before`` if the model has not changed since.
 
-    ``ids`` (n,) are the values of those of all its geometries in proximity queries, ascending.
+    ``ids`` (n,) are the id values of all its geometries with the proximity role, ascending.
     """
     version = model.versions.proximity
     if before is not None and before.version == version and before.ids is ids:
         return before
-    parts, body_of = [packed_half_space(0.0)], []  # arrays need something to be joined of
+    parts, body_of = [packed_half_space(0.0)], []  # a first part, so that there is one to join
     likeness = []
     for value in ids.tolist():
         record = model.geometry(GeometryId(value))
@@ -171,7 +172,7 @@ def contact_bodies(
 
 
 def _likeness(record: GeometryRecord) -> int:
-    """Return what a geometry's body is beside the shape that all other queries see."""
+    """Return SAME, ROUND or OTHER: how a geometry's body relates to its shape in other queries."""
     if isinstance(record.shape, Mesh) and not is_solid(record):
         return OTHER
     is_round = isinstance(record.shape, (Sphere, Ellipsoid, Cylinder, Capsule))
@@ -179,7 +180,7 @@ def _likeness(record: GeometryRecord) -> int:
 
 
 def _packed(body: HydroelasticBody) -> PackedBody:
-    """Return a body as the kernels take it."""
+    """Return a body in the layout of the kernels."""
     if isinstance(body, CompliantBody):
         elements = body.mesh.element_array()
         beyond = neighbours_of(elements)

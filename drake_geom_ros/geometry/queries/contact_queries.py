@@ -1,4 +1,4 @@
-"""The queries for contact surfaces."""
+"""Queries for contact surfaces."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Indices = NDArray[np.int64]
 
 
 class Contacts(NamedTuple):
-    """Contact surfaces; and the pairs that overlap and have none, and why (p,): a NoSurface."""
+    """Contact surfaces, the overlapping pairs without one, and their NoSurface reasons (p,)."""
 
     surfaces: ContactSurfaceResults
     others: PenetrationResults
@@ -44,8 +44,8 @@ class Contacts(NamedTuple):
         return ids, int(self.reasons[k])
 
 
-class Found(NamedTuple):
-    """What was found of pairs (k, 2), by the places of geometries among ids (n,)."""
+class CandidateSurfaces(NamedTuple):
+    """Surfaces and states of candidate pairs (k, 2), given by places in ``all_ids`` (n,)."""
 
     all_ids: Indices
     pairs: Indices
@@ -58,11 +58,11 @@ class Found(NamedTuple):
         return np.sort(self.all_ids[self.pairs], axis=1)
 
     def states(self, bodies: ContactBodies, with_coarse: bool) -> Indices | None:
-        """Return what there is of each pair (k,), None where all of them press or have nothing.
+        """Return the state (k,) of each pair, None if each has a surface or NOTHING.
 
-        ``with_coarse`` those of which meshes may be too coarse to meet are told from the latter.
+        ``with_coarse`` marks the pairs of the latter whose meshes may be too coarse to meet.
         """
-        # Both counts are there already, and what follows takes as long as a small surface.
+        # Both counts are at hand; the code below costs as much as a small surface.
         count, answer = len(self.pairs), self.answer
         if with_coarse and answer.counts.surfaces + answer.left < count:
             states = bodies.judged(self.ids, answer.states)
@@ -72,57 +72,60 @@ class Found(NamedTuple):
 
 def contacts_of(
     bodies: ContactBodies,
-    found: Found,
+    candidates: CandidateSurfaces,
     endless: EndlessOverlaps,
     overlaps: Callable[[], PenetrationResults],
     with_coarse: bool = True,
 ) -> Contacts:
-    """Return the contacts of pairs by what was found of them, and those of half spaces.
+    """Return the contacts of candidate pairs, and those of half spaces.
 
-    ``overlaps`` are asked for where a pair may be without a surface.
+    ``overlaps`` is called only if a pair may lack a surface.
     """
     others, reasons = PenetrationResults(np.zeros((0, ANSWER_WIDTH))), np.zeros(0, dtype=np.int64)
-    states = found.states(bodies, with_coarse)
+    states = candidates.states(bodies, with_coarse)
     if states is not None:
-        others, reasons = _without_surface(bodies, found.ids, states, overlaps())
+        others, reasons = _without_surface(bodies, candidates.ids, states, overlaps())
     if len(endless.ids):
         others = with_endless(others, endless)
         endings = np.full(len(endless.ids), NoSurface.HALF_SPACES.value)
         order = np.lexsort((others.id_B, others.id_A))
         others, reasons = others.of(order), np.concatenate((reasons, endings))[order]
-    return Contacts(found.surfaces, others, reasons)
+    return Contacts(candidates.surfaces, others, reasons)
 
 
 def _without_surface(
     bodies: ContactBodies, ids: Indices, states: Indices, overlaps: PenetrationResults
 ) -> tuple[PenetrationResults, Indices]:
-    """Return the overlaps that have no surface, and why (p,): a NoSurface.
+    """Return the overlaps without a surface and their NoSurface reasons (p,).
 
-    Of pairs of ids (k, 2) by what there is of them (k,).
+    ``ids`` (k, 2) and ``states`` (k,) are those of the candidate pairs.
     """
     without = states >= UNABLE
     rows = zip(ids[without].tolist(), states[without].tolist(), strict=True)
     left = {tuple(pair): state for pair, state in rows}
     overlapping = np.column_stack((overlaps.id_A, overlaps.id_B))
-    found = np.array([left.get(tuple(pair), 0) for pair in overlapping.tolist()], np.int64)
-    # Padding is no part of a surface: what overlaps by it alone has been missed by no mesh.
+    overlap_states = np.array(
+        [left.get(tuple(pair), 0) for pair in overlapping.tolist()], np.int64
+    )
+    # Surfaces have no padding, so an overlap of paddings alone is not due to coarse meshes.
     bare = overlaps.depth + overlaps.error_bound > bodies.padding_between(overlapping)
-    kept = (found >= UNABLE) & ((found != COARSE) | bare)
-    return overlaps.of(kept), _reasons_of(bodies, overlapping[kept], found[kept])
+    lacking = (overlap_states >= UNABLE) & ((overlap_states != COARSE) | bare)
+    reasons = _reasons_of(bodies, overlapping[lacking], overlap_states[lacking])
+    return overlaps.of(lacking), reasons
 
 
 def _reasons_of(bodies: ContactBodies, ids: Indices, states: Indices) -> Indices:
-    """Return why pairs of ids (k, 2) of these states have no surface."""
+    """Return the NoSurface reasons of pairs of ids (k, 2) with ``states`` (k,)."""
     M, N = np.searchsorted(bodies.ids, ids).T
     return bodies.why_not(M, N, states)
 
 
 class ContactQueries:
-    """What a query object answers about contact surfaces; it has all other queries too."""
+    """Base of ``QueryObject`` with the queries for contact surfaces."""
 
     _state: ContextState
 
-    if TYPE_CHECKING:  # which a query object has
+    if TYPE_CHECKING:  # members of QueryObject
 
         def ComputePointPairPenetration(self) -> PenetrationResults:
             """Return the pairs that overlap."""
@@ -140,25 +143,32 @@ class ContactQueries:
 
         Pressures are those of the hydroelastic properties (Elandt, Drumwright, Sherman, Ruina, A
         pressure field model for fast, robust approximation of net contact force and moment, IROS
-        2019): a surface is where both are equal, or where a rigid one is in a compliant one.
-        Touching is no contact. Padding is no part of it. Sorted by (id_M, id_N).
+        2019). A surface is the set of points where both pressures are equal, or the part of a
+        rigid surface inside a compliant body. Touching is no contact. Padding is ignored. Sorted
+        by (id_M, id_N).
 
-        Raises GeometryError, which names the pair, where one overlaps that can have no surface:
-        one without hydroelastic properties, two rigid ones (their padding counts, as in
-        ComputePointPairPenetration), two half spaces, which overlap unless their normals are
-        opposed and they are apart; where one body is so deep within the other that
-        their pressures are equal nowhere; and where all faces are left out, as in Drake, because
-        a pressure does not grow along their normals. Collision filters leave pairs out, and
-        ``ComputeContactSurfacesWithFallback`` answers for them by points. As in Drake nothing is
-        raised where the meshes of round shapes are so coarse that they miss what the shapes touch.
+        Raises GeometryError, which names the pair, where an overlapping pair has no surface:
+
+        - one body has no hydroelastic properties;
+        - both are rigid (with padding, as in ComputePointPairPenetration);
+        - both are half spaces, which overlap unless their normals are opposed and they are apart;
+        - one body is so deep inside the other that their pressures are equal nowhere;
+        - all faces are left out, as in Drake, because a pressure does not grow along their
+          normals.
+
+        Exclude such pairs by collision filters, or use ``ComputeContactSurfacesWithFallback``,
+        which answers with point pairs. As in Drake, nothing is raised where the meshes of round
+        shapes are so coarse that they miss each other though the shapes touch.
         """
-        # Where only meshes miss one another nothing is raised, and it would take long to know.
-        contacts = self._contacts(self._found(representation), None, with_coarse=False)
+        # Coarse meshes raise nothing, and to detect them would take long.
+        contacts = self._contacts(
+            self._candidate_surfaces(representation), None, with_coarse=False
+        )
         self.refuse_others(contacts)
         return contacts.surfaces
 
     def refuse_others(self, contacts: Contacts) -> None:
-        """Raise GeometryError where pairs overlap that have no surface: see above."""
+        """Raise GeometryError where pairs overlap without a surface, as ComputeContactSurfaces."""
         refused = np.flatnonzero(contacts.reasons != NoSurface.TOO_COARSE)
         if len(refused):
             raise self._refusal('ComputeContactSurfaces', *contacts.pair(refused[0]))
@@ -169,17 +179,17 @@ class ContactQueries:
             HydroelasticContactRepresentation.kPolygon
         ),
     ) -> tuple[ContactSurfaceResults, list[PenetrationAsPointPair]]:
-        """Return the contact surfaces, and the penetration of pairs that overlap and have none.
+        """Return the contact surfaces, and the penetrations of overlapping pairs without one.
 
-        These are the pairs for which ``ComputeContactSurfaces`` raises. Of two half spaces that
-        overlap there is no penetration: for them this raises, too. Round ones that overlap though
-        the meshes which stand for them do not are told by ``contacts`` alone: see there.
+        These are the pairs for which ``ComputeContactSurfaces`` raises. Two half spaces that
+        overlap have no penetration: for them this raises, too. Only ``contacts`` reports round
+        shapes that overlap though their meshes do not.
         """
-        found = self._found(representation)
-        # Most scenes end here: what follows takes as long as a small surface.
-        if not found.answer.left and not len(self._state.endless_overlaps().ids):
-            return found.surfaces, []
-        contacts = self._contacts(found, None, with_coarse=False)
+        candidates = self._candidate_surfaces(representation)
+        # Most scenes end here: the code below costs as much as a small surface.
+        if not candidates.answer.left and not len(self._state.endless_overlaps().ids):
+            return candidates.surfaces, []
+        contacts = self._contacts(candidates, None, with_coarse=False)
         endless = np.flatnonzero(contacts.reasons == NoSurface.HALF_SPACES)
         if len(endless):
             raise self._refusal('ComputeContactSurfacesWithFallback', *contacts.pair(endless[0]))
@@ -192,23 +202,28 @@ class ContactQueries:
         ),
         overlaps: PenetrationResults | None = None,
     ) -> Contacts:
-        """Return what ComputeContactSurfacesWithFallback does, as arrays, with the reasons.
+        """Return the result of ComputeContactSurfacesWithFallback as arrays, with reasons.
 
-        And round shapes that overlap though the meshes which stand for them, within the shapes, do
-        not: there a finer ``resolution_hint`` gives a surface. To know that takes a third as long
-        as the surfaces of 20 bodies in a heap. Half spaces that overlap are among the others:
-        infinitely deep, and where they are opposed within rounding with an infinite error bound.
-        ``overlaps`` are those of ComputePointPairPenetration, where these are known already.
+        It also has round shapes that overlap though their inscribed meshes do not: a finer
+        ``resolution_hint`` gives them a surface. To detect them takes a third as long as the
+        surfaces of 20 bodies in a heap. Half spaces that overlap are among the others, infinitely
+        deep, with an infinite error bound where they are opposed within rounding. Pass the result
+        of ComputePointPairPenetration as ``overlaps`` if you have it.
         """
-        return self._contacts(self._found(representation), overlaps, with_coarse=True)
+        candidates = self._candidate_surfaces(representation)
+        return self._contacts(candidates, overlaps, with_coarse=True)
 
     def _contacts(
-        self, found: Found, overlaps: PenetrationResults | None, *, with_coarse: bool
+        self,
+        candidates: CandidateSurfaces,
+        overlaps: PenetrationResults | None,
+        *,
+        with_coarse: bool,
     ) -> Contacts:
         """Return the surfaces, and the pairs that overlap without one."""
         return contacts_of(
             self._state.contact_bodies(),
-            found,
+            candidates,
             self._state.endless_overlaps(),
             lambda: self.ComputePointPairPenetration() if overlaps is None else overlaps,
             with_coarse,
@@ -225,25 +240,26 @@ class ContactQueries:
             HydroelasticContactRepresentation.kPolygon
         ),
     ) -> ContactSurfaceResults:
-        """Return the surfaces of pairs that can have one; nothing is said of the others.
+        """Return the contact surfaces, and ignore pairs that can have none.
 
-        What ``ComputeContactSurfacesWithFallback`` returns first, without the work of the rest.
-        Raises GeometryError where two overlap and have none that could: see
-        ``ComputeContactSurfaces``.
+        This is the first part of ``ComputeContactSurfacesWithFallback``, without the cost of the
+        second. Raises GeometryError for an overlapping pair that could have a surface and has
+        none, see ``ComputeContactSurfaces``.
         """
-        found = self._found(representation)
-        if found.answer.left and (overlap := found.answer.states > UNABLE).any():
+        candidates = self._candidate_surfaces(representation)
+        answer = candidates.answer
+        if answer.left and (overlap := answer.states > UNABLE).any():
             at = int(np.argmax(overlap))
-            (reason,) = self._reasons(found.ids[at : at + 1], found.answer.states[at : at + 1])
-            raise self._refusal('contact_surfaces', found.ids[at], int(reason))
-        return found.surfaces
+            (reason,) = self._reasons(candidates.ids[at : at + 1], answer.states[at : at + 1])
+            raise self._refusal('contact_surfaces', candidates.ids[at], int(reason))
+        return candidates.surfaces
 
     def _reasons(self, ids: Indices, states: Indices) -> Indices:
-        """Return why pairs of ids (k, 2) of these states have no surface."""
+        """Return the NoSurface reasons of pairs of ids (k, 2) with ``states`` (k,)."""
         return _reasons_of(self._state.contact_bodies(), ids, states)
 
     def _refusal(self, call: str, pair: Indices, reason: int) -> GeometryError:
-        """Return what is raised for a pair of ids (2,) that overlaps and has no surface."""
+        """Return the error for a pair of ids (2,) that overlaps and has no surface."""
         names = ' and '.join(
             named(self._state.model.geometry(GeometryId(id))) for id in pair.tolist()
         )
@@ -255,13 +271,15 @@ class ContactQueries:
             f'the pair{instead}.'
         )
 
-    def _found(self, representation: HydroelasticContactRepresentation) -> Found:
-        """Return the surfaces of all candidates, and which of them can have none."""
-        # Only who asks for surfaces loads their kernels, and those of solids behind them.
+    def _candidate_surfaces(
+        self, representation: HydroelasticContactRepresentation
+    ) -> CandidateSurfaces:
+        """Return the surfaces of all candidate pairs, and the states of these."""
+        # Imported here: other queries need not load these kernels, nor those of solids.
         from drake_geom_ros.geometry._contact_surfaces.asking import surfaces_of
 
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
         world, pairs = self._candidates()
         answer = surfaces_of(self._state.posed_bodies(world), pairs)
         surfaces = ContactSurfaceResults(answer, representation)
-        return Found(world.geometries.ids, pairs, answer, surfaces)
+        return CandidateSurfaces(world.geometries.ids, pairs, answer, surfaces)

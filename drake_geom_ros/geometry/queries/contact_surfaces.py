@@ -1,4 +1,4 @@
-"""Contact surfaces: where the pressures of two bodies are equal, by pair, over arrays."""
+"""Contact surfaces, on which the pressures of two bodies are equal: records over arrays."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ Indices = NDArray[np.int64]
 
 
 class HydroelasticContactRepresentation(enum.Enum):
-    """What a surface's faces are: triangles about each polygon's centroid, or the polygons."""
+    """Kind of a surface's faces: triangles about each polygon's centroid, or the polygons."""
 
     kTriangle = 0
     kPolygon = 1
 
 
 class _Triangles(NamedTuple):
-    """The mesh of triangles, the pressure at its vertices, and which polygon each is of."""
+    """The mesh of triangles, the pressure at its vertices, and the polygon of each triangle."""
 
     mesh: TriangleSurfaceMesh
     pressures: Floats
@@ -59,10 +59,10 @@ class _Triangles(NamedTuple):
 
 
 class ContactSurface:
-    """Where two geometries M and N press each other: the pressures of both are equal there.
+    """Contact surface of two geometries M and N, on which the pressures of both are equal.
 
-    ``id_M() < id_N()``; normals point out of N into M. All is in World. Of a rigid geometry the
-    surface is its own, and it has no pressure gradient.
+    ``id_M() < id_N()``; normals point out of N into M. All is in World. If one of them is rigid
+    the surface is part of its own, and it has no pressure gradient.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class ContactSurface:
         return GeometryId(self._ids[1])
 
     def representation(self) -> HydroelasticContactRepresentation:
-        """Return what the faces are."""
+        """Return the kind of the faces."""
         return self._representation
 
     def is_triangle(self) -> bool:
@@ -98,11 +98,11 @@ class ContactSurface:
         return self._representation is HydroelasticContactRepresentation.kTriangle
 
     def num_faces(self) -> int:
-        """Return how many faces there are."""
+        """Return the number of faces."""
         return int(self._ends[-1]) if self.is_triangle() else len(self._ends)
 
     def num_vertices(self) -> int:
-        """Return how many vertices there are; each polygon has its own."""
+        """Return the number of vertices; each polygon has its own."""
         return len(self._points) + (len(self._ends) if self.is_triangle() else 0)
 
     def area(self, face_index: int) -> float:
@@ -176,7 +176,7 @@ class ContactSurface:
             and np.array_equal(self._faces, surface._faces)
         )
 
-    # Ours.
+    # Additions to pydrake.
 
     def force_on_M_W(self) -> Floats:
         """Return the force (3,) [N] that the pressure exerts on M; on N it is the opposite."""
@@ -240,13 +240,13 @@ class ContactSurface:
         return _Triangles(mesh, pressures, polygons)
 
     def _checked(self, face_index: int) -> int:
-        """Return a face that is there."""
+        """Return a valid face index; raises ArgumentError for others."""
         if not 0 <= face_index < self.num_faces():
             raise ArgumentError(f'face {face_index} was asked for; there are {self.num_faces()}')
         return face_index
 
     def _polygon_of(self, face_index: int) -> int:
-        """Return the polygon that a face is, or is of."""
+        """Return the polygon that a face is, or belongs to."""
         k = self._checked(face_index)
         return int(np.searchsorted(self._ends, k, 'right')) if self.is_triangle() else k
 
@@ -258,7 +258,7 @@ class ContactSurface:
         return self._faces[self._polygon_of(index), column : column + 3].copy()
 
     def _check_is(self, representation: HydroelasticContactRepresentation) -> None:
-        """Raise GeometryError for what another representation has."""
+        """Raise GeometryError if the surface has the other representation."""
         if self._representation is not representation:
             raise GeometryError(
                 f'{self!r} was made with {self._representation.name}; its mesh and field are '
@@ -267,12 +267,12 @@ class ContactSurface:
 
 
 class ContactSurfaceResults(Sequence[ContactSurface]):
-    """Contact surfaces, sorted by (id_M, id_N), over arrays; records are made when indexed.
+    """Contact surfaces, sorted by (id_M, id_N), as arrays; indexing makes records.
 
     ``id_M``, ``id_N`` (k,) are values of ids; ``areas`` (k,) [m^2], ``centroids`` (k, 3) [m],
     ``forces_on_M_W`` (k, 3) [N], ``torques_on_M_Wo_W`` (k, 3) [N m], ``centres_of_pressure``
-    (k, 3) [m]; ``face_offsets`` (k + 1,) of each surface's polygons. All in World, not to be
-    written to.
+    (k, 3) [m]; ``face_offsets`` (k + 1,) of each surface's polygons. All are in World and
+    read-only.
     """
 
     def __init__(self, answer: Answer, representation: HydroelasticContactRepresentation) -> None:
@@ -280,7 +280,7 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
 
     @cached_property
     def _surfaces(self) -> Surfaces:
-        """The arrays; many ask for one surface, or for their number, alone."""
+        """The arrays, made on first use: many callers need one surface or the count alone."""
         return self._answer.surfaces()
 
     @property
@@ -314,7 +314,7 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
 
     @cached_property
     def face_offsets(self) -> Indices:
-        """Where the polygons of each surface begin, and those of the last end (k + 1,)."""
+        """First polygon of each surface, and the end of the last one (k + 1,)."""
         offsets = np.concatenate(([0], self._surfaces.found[:, LAST]))
         offsets.setflags(write=False)
         return offsets
@@ -385,13 +385,13 @@ class ContactSurfaceResults(Sequence[ContactSurface]):
 
 
 def _means(sums: Floats, moment: int, weights: Floats) -> Floats:
-    """Return the moments (k, 3) over their weights (k,), not to be written to."""
+    """Return the moments (k, 3) divided by their weights (k,), read-only."""
     means: Floats = sums[:, moment : moment + 3] / weights[:, None]
     means.flags.writeable = False
     return means
 
 
 def _over(sums: Floats, moment: int, weight: int) -> Floats:
-    """Return a moment (3,) over its weight."""
+    """Return a moment (3,) divided by its weight."""
     mean: Floats = sums[moment : moment + 3] / sums[weight]
     return mean

@@ -1,4 +1,4 @@
-"""A context: a copy of the scene model, with poses, that queries are asked of."""
+"""``SceneGraphContext``: a copy of the scene model with poses, which queries run on."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _Context = TypeVar('_Context', bound='SceneGraphContext')
 
 
 class SceneGraphContext(SceneHolder):
-    """What a SceneGraph answers from: its own model, filters and poses.
+    """Model, filters and poses that queries run on.
 
     Made by ``SceneGraph.CreateDefaultContext()``. Changes of the SceneGraph's model do not reach
-    contexts that exist, and the reverse. While a frame never had a pose queries are refused, or,
-    with ``partial``, leave out what hangs on it.
+    existing contexts, and the reverse. While a frame has never received a pose, queries raise
+    PoseError, or, with ``partial``, leave out the geometry on it and on its descendants.
     """
 
-    scalar = 'float'  # of the poses: a query object is of the same
+    scalar = 'float'  # type of the poses' numbers; query objects have the same
     _state: ContextState
     _state_type = ContextState
 
@@ -38,7 +38,7 @@ class SceneGraphContext(SceneHolder):
         self._state = self._state_type(model, filters, accuracy, partial)
 
     def copy(self: _Context) -> _Context:
-        """Return a context that shares nothing that either could change."""
+        """Return an independent copy."""
         return self._of(self._state.copy())
 
     def Clone(self: _Context) -> _Context:
@@ -46,9 +46,9 @@ class SceneGraphContext(SceneHolder):
         return self.copy()
 
     def what_if(self: _Context) -> _Context:
-        """Return a snapshot that may be posed and queried, in another thread too, at little cost.
+        """Return a cheap snapshot to pose and query, also in another thread.
 
-        For queries only: the snapshots of one state of the model share a copy of it.
+        It is for queries only: the snapshots of one version of the model share a copy of it.
         """
         return self._of(self._state.snapshot())
 
@@ -59,11 +59,11 @@ class SceneGraphContext(SceneHolder):
         return other
 
     def narrowed(self: _Context, considered: NDArray[np.bool_]) -> _Context:
-        """Return a context that considers only some pairs: see ``QueryObject.narrowed``."""
+        """Return a context that considers some pairs only, see ``QueryObject.narrowed``."""
         return self._of(self._state.narrowed(considered))
 
     def set_default_accuracy(self, accuracy: str) -> None:
-        """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
+        """Set the default accuracy of queries: bound, fast, balanced or exact."""
         self._state.set_accuracy(accuracy)
 
     def set_detailed_effects(self, detailed: bool) -> None:
@@ -74,12 +74,12 @@ class SceneGraphContext(SceneHolder):
         self._state.engine.detailed = detailed
 
     def compile_kernels(self, tell: Tell | None = None, part: str = 'all') -> list[str]:
-        """Compile what queries of this scene run, or load it from the cache; return the kernels.
+        """Compile the kernels for this scene, or load them from the cache; return their names.
 
-        Queries compile what they miss; a node does it before its first cycle, and
+        Queries compile missing kernels themselves. A node calls this before its first cycle, and
         ``python -m drake_geom_ros compile`` for all scenes. ``tell(name, number, last)`` is called
-        before each part that the cache does not have. Of a ``part`` 'cycle' or 'kernels', two
-        processes may compile one each: what runs around the kernels, or these.
+        before each part that the cache lacks. Two processes may compile one ``part`` each:
+        'kernels', or 'cycle' for the code around them.
         """
         if part not in ('all', 'cycle', 'kernels'):
             raise ValueError(f"part '{part}' is none of 'all', 'cycle', 'kernels'")
@@ -93,15 +93,15 @@ class SceneGraphContext(SceneHolder):
         return kernels
 
     def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:
-        """Pose all frames of a source, or none.
+        """Set the poses of all frames of a source.
 
-        Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
-        its own; nothing changes then. Values are checked when ``poses`` is made.
+        Raises PoseError when ``poses`` lacks a frame of the source or has another source's; no
+        pose changes then. Values are checked when ``poses`` is made.
         """
         self._state.pose_source(source_id, poses)
 
     def UpdateFramePoses(self, poses: FramePoseVector) -> None:
-        """Pose the frames that ``poses`` names, of any source; the others keep their poses.
+        """Set the poses of the frames in ``poses``, of any source; other frames keep theirs.
 
         Raises PoseError when a frame does not exist; nothing changes then.
         """
@@ -110,13 +110,12 @@ class SceneGraphContext(SceneHolder):
     def X_WFs(self, ids: ArrayLike) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """Return R_WF (k, 3, 3) and p_WF (k, 3) [m] of frames by the values (k,) of their ids.
 
-        For many at once, as a picture needs them. The third array (k,) says which of them, and
-        all they hang on, have a pose; what stands for the others means nothing. Raises
-        UnknownIdError for what is no frame here.
+        The third array (k,) is True for frames that have a pose, as all their ancestors do; rows
+        of the others are meaningless. Raises UnknownIdError for an id that is no frame here.
         """
         return self._state.X_WFs(ids)
 
 
 def state_of(context: SceneGraphContext) -> ContextState:
-    """Return what a context holds, for the rooms that answer about it."""
+    """Return the state of a context, for the packages that answer queries on it."""
     return context._state

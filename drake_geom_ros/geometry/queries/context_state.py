@@ -1,4 +1,4 @@
-"""What a context holds: a posed scene, and an engine that answers about it."""
+"""State of a context: a posed scene, an engine, and caches of what queries derive from them."""
 
 from __future__ import annotations
 
@@ -37,32 +37,32 @@ if TYPE_CHECKING:  # with its kernels
     from drake_geom_ros.geometry._contact_surfaces.asking import Posed
 
 _State = TypeVar('_State', bound='ContextState')
-_MOST_USUAL = 16  # queries that are usual: distances may come without end
+_MAX_PREPARED = 16  # a limit, since callers may vary the distance without end
 
 
 class _WaitingPairs(NamedTuple):
-    """How many pairs wait for a pose, and when that was so."""
+    """Number of pairs that wait for a pose, and the versions it was counted at."""
 
     moment: object
     pairs: int
 
 
-class _KnownPaddings(NamedTuple):
-    """Paddings, and of which version of what takes part in proximity queries."""
+class _VersionedPaddings(NamedTuple):
+    """Paddings, and the version of the proximity geometry that they belong to."""
 
     version: int | None
     paddings: Paddings | None
 
 
 class _HalfSpaces(NamedTuple):
-    """The unfiltered pairs of half spaces (k, 2) by their places, and when they were so."""
+    """The unfiltered pairs of half spaces (k, 2) by places, and the versions they belong to."""
 
     moment: object
     pairs: NDArray[np.int64]
 
 
 class _PosedBodies(NamedTuple):
-    """Bodies of contact surfaces as geometries of a world, of which this is the handle."""
+    """Bodies of contact surfaces posed in a world, and the handle of that world."""
 
     bodies: ContactBodies | None
     world: Handle
@@ -73,9 +73,9 @@ _NO_POSED_BODIES = _PosedBodies(None, None, None)
 
 
 class ContextState(PosedScene):
-    """What the query objects, images and states of a context ask; see ``state_of``.
+    """State of a context, which its query objects, images and states share; see ``state_of``.
 
-    ``accuracy`` is that of queries that name none.
+    ``accuracy`` is the default accuracy of queries.
     """
 
     def __init__(
@@ -83,13 +83,13 @@ class ContextState(PosedScene):
     ) -> None:
         self.accuracy = accuracy
         self.engine = Engine()
-        # By renderer: what it shows, and of which version; see RenderEngineExact.
+        # By renderer: the packed scene and its version; see RenderEngineExact.
         self.packed_scenes: dict[str, Any] = {}
-        self._usual: dict[Hashable, Prepared] = {}
-        # What checks of motions prepared, shared with snapshots; see ``prepared_motions``.
+        self._prepared: dict[Hashable, Prepared] = {}  # by key, at the default accuracy
+        # Shared with snapshots; see ``prepared_motions``.
         self.prepared_motions = PreparedMotions()
         self._snapshot: Model | None = None
-        self._padded = _KnownPaddings(None, None)
+        self._padded = _VersionedPaddings(None, None)
         self._waiting_pairs = _WaitingPairs(None, 0)
         self._half_spaces = _HalfSpaces(None, NO_PAIRS)
         self._contact_bodies: ContactBodies | None = None
@@ -97,7 +97,7 @@ class ContextState(PosedScene):
         super().__init__(model, filters, partial)
 
     def copy(self: _State) -> _State:
-        """Return a state that shares nothing that either could change."""
+        """Return an independent copy."""
         other = self._about(self.model.copy())
         other.copied_from = self.mark()
         other._snapshot, other.packed_scenes = None, dict(self.packed_scenes)
@@ -105,95 +105,100 @@ class ContextState(PosedScene):
         return other
 
     def snapshot(self: _State) -> _State:
-        """Return a copy for queries and poses only: those of one state share a copy of the model.
+        """Return a copy for queries and poses only.
 
-        And what was packed for images, of which nothing ever changes.
+        Snapshots of one version of the model share a copy of it, and the packed scenes of
+        renderers, which are never changed.
         """
         if self._snapshot is None or self._snapshot.versions != self.model.versions:
             self._snapshot = self.model.copy()
         return self._about(self._snapshot)
 
     def narrowed(self: _State, considered: NDArray[np.bool_]) -> _State:
-        """Return a state of the same model and poses that considers some pairs (n, n) only."""
+        """Return a state of the same model and poses, for the pairs of a mask (n, n) only."""
         other, ids = copy(self), self.up_to_date_world().geometries.ids
         other.filters = self.filters.narrowed(ids, considered)
-        other.engine, other._usual = Engine(), {}
+        other.engine, other._prepared = Engine(), {}
         other.prepared_motions = PreparedMotions()
         return other
 
     def _about(self: _State, model: Model) -> _State:
-        """Return the same about a copy of the model, with an engine of its own, too."""
+        """Return this state with a copy of the model, and an engine of its own."""
         other = super()._about(model)
-        other.engine, other._usual = Engine(), {}
+        other.engine, other._prepared = Engine(), {}
         return other
 
     def __getstate__(self) -> dict[str, object]:
         return {
             **self.__dict__,
-            '_usual': {},
+            '_prepared': {},
             '_posed_bodies': _NO_POSED_BODIES,
-        }  # the arrays of a copy are elsewhere
+        }  # they refer to arrays by address, and a copy has others
 
     def set_accuracy(self, accuracy: str) -> None:
-        """Set the accuracy of queries that name none; raises ArgumentError for what is none."""
+        """Set the default accuracy; raises ArgumentError for an unknown name."""
         self.accuracy = checked_accuracy(accuracy)
-        self._usual.clear()
+        self._prepared.clear()
 
     def level(self, accuracy: str | None) -> str:
-        """Return the accuracy level to use; raises ArgumentError for a name that is none."""
+        """Return the accuracy level to use; raises ArgumentError for an unknown name."""
         return self.accuracy if accuracy is None else checked_accuracy(accuracy)
 
     def query(
-        self, usual: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
+        self, key: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
     ) -> Prepared:
-        """Return a query as the engine takes it: see ``Engine.prepared``.
+        """Return a prepared query for the engine: see ``Engine.prepared``.
 
-        Those at the default accuracy are kept by what is ``usual`` to be asked. Raises PoseError
-        if there are no poses that it must have.
+        Queries at the default accuracy are cached by ``key``. Raises PoseError if a pose that the
+        query needs is missing.
         """
         if accuracy is None:
-            known = self._usual.get(usual)
-            # Either number only grows.
+            cached = self._prepared.get(key)
+            # The sum identifies a state, since either number only grows.
             scene = self.model.versions.any + self.filters.version
-            if known is not None and known.scene == scene and known.handles is known.near.handles:
-                return known
+            if (
+                cached is not None
+                and cached.scene == scene
+                and cached.handles is cached.near.handles
+            ):
+                return cached
         level, world = self.level(accuracy), self.posed_world()
         query = self.engine.prepared(world, self.filters, level, cutoff, penetrating, mode)
         if accuracy is None:
-            if len(self._usual) == _MOST_USUAL:
-                self._usual.clear()
-            self._usual[usual] = query
+            if len(self._prepared) == _MAX_PREPARED:
+                self._prepared.clear()
+            self._prepared[key] = query
             query.scene = self.model.versions.any + self.filters.version
         return query
 
     def pointed_world(self) -> World:
-        """Return the world for a query about points, which knows what shapes are to them."""
+        """Return the world for a query about points, with the shapes that points measure to."""
         world = self.posed_world()
         know_point_shapes(world, self.model)
         return world
 
     def paddings(self) -> Paddings | None:
-        """Return the paddings of the geometries, None where there are none, which is quick."""
+        """Return the cached paddings of the geometries, None if there are none."""
         version = self.model.versions.proximity
         if self._padded.version != version:
             ids = self.up_to_date_world().geometries.ids
-            self._padded = _KnownPaddings(version, paddings_of(self.model, ids))
+            self._padded = _VersionedPaddings(version, paddings_of(self.model, ids))
         return self._padded.paddings
 
     def contact_bodies(self) -> ContactBodies:
-        """Return the bodies of geometries with hydroelastic properties, as they are now."""
+        """Return the bodies of geometries with hydroelastic properties, up to date."""
         ids = self.up_to_date_world().geometries.ids
         before = self._contact_bodies
         self._contact_bodies = contact_bodies(self.model, ids, self.paddings(), before)
         return self._contact_bodies
 
     def endless_overlaps(self) -> EndlessOverlaps:
-        """Return the unfiltered pairs of half spaces that overlap, as of the last query."""
+        """Return the unfiltered pairs of half spaces that overlap in the last query's world."""
         pairs = self._pairs_of_half_spaces()
         return endless_overlaps(self.world, pairs, self.paddings()) if len(pairs) else NONE_ENDLESS
 
     def half_space_gaps(self) -> HalfSpaceGaps:
-        """Return how far apart the unfiltered pairs of half spaces are now."""
+        """Return the gaps of the unfiltered pairs of half spaces at the current poses."""
         world, pairs = self.posed_world(), self.pairs_of_half_spaces()
         if not len(pairs):
             return NO_GAPS
@@ -206,7 +211,7 @@ class ContextState(PosedScene):
         return self._pairs_of_half_spaces()
 
     def _pairs_of_half_spaces(self) -> NDArray[np.int64]:
-        """Return them as of the world of the last query, which is quick."""
+        """Return them for the world of the last query, from a cache."""
         if not self.world.has_plane_pairs:
             return NO_PAIRS
         moment = self.built, self.filters.version
@@ -216,17 +221,17 @@ class ContextState(PosedScene):
         return self._half_spaces.pairs
 
     def posed_bodies(self, world: World) -> Posed:
-        """Return these bodies as the geometries of a world, where they are."""
-        known, bodies = self._posed_bodies, self.contact_bodies()
-        # A world that is another one, or a copy, has arrays, and a handle, of its own.
-        if known.bodies is not bodies or known.world is not world.handle:
+        """Return the contact bodies, posed as the geometries of a world."""
+        cached, bodies = self._posed_bodies, self.contact_bodies()
+        # Another world, or a copy, has arrays, and a handle, of its own.
+        if cached.bodies is not bodies or cached.world is not world.handle:
             posed = bodies.posed(world.R_WGs, world.p_WGs)
-            known = self._posed_bodies = _PosedBodies(bodies, world.handle, posed)
-        posed_bodies: Posed = known.posed
+            cached = self._posed_bodies = _PosedBodies(bodies, world.handle, posed)
+        posed_bodies: Posed = cached.posed
         return posed_bodies
 
     def count_waiting_pairs(self) -> int:
-        """Return how many unfiltered pairs have a geometry without a place."""
+        """Return the number of unfiltered pairs with a geometry that has no pose."""
         world = self.up_to_date_world()
         moment = self.built, world.placings, self.filters.version
         # Asked each cycle, and 20 ms of work where 1000 bodies wait.

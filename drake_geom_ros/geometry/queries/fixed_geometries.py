@@ -1,4 +1,4 @@
-"""All geometries of a scene, each fixed to its frame, and where that puts them in the world."""
+"""Poses X_FG of all geometries in their frames, and their poses in the world."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class FixedGeometries:
         self._p_FGs = np.array([X.translation() for X in X_FGs]).reshape(-1, 3)
 
     def X_WGs(self, context: SceneGraphContext) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """Return R_WG (k, 3, 3) and p_WG (k, 3) [m] of those k that have a place now.
+        """Return R_WG (k, 3, 3) and p_WG (k, 3) [m] of the k geometries that have a pose now.
 
-        The third array (n,) says which these are.
+        The third array (n,) is the mask of these.
         """
         R_WFs, p_WFs, placed = context.X_WFs(self.frames)
         of_frames = R_WFs[placed], p_WFs[placed]

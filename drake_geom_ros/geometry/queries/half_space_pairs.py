@@ -1,7 +1,7 @@
-"""Pairs of half spaces, which no kernel answers for: whether they overlap.
+"""Gaps and overlaps of pairs of half spaces, which no kernel answers.
 
-Two that are not exactly opposed overlap somewhere, however far away that is, and no translation
-parts them. Of opposed ones the gap tells. Where rounding hides which it is, they overlap.
+Two half spaces always intersect, except when they face each other with a gap (judged within
+rounding). Where they do not face each other, no translation separates them.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ Indices = NDArray[np.int64]
 
 
 class HalfSpaceGaps(NamedTuple):
-    """How far apart pairs of half spaces are, ``ids`` (k, 2), the lower one first, ascending.
+    """Distances of pairs of half spaces, ``ids`` (k, 2), the lower one first, ascending.
 
     Opposed ones have a distance, negative where they overlap. That of all others is minus
-    infinity: they cross somewhere, and no translation parts them.
+    infinity: they intersect, and no translation separates them.
     """
 
     ids: Indices
@@ -49,9 +49,9 @@ class HalfSpaceGaps(NamedTuple):
 
     @property
     def lower(self) -> Floats:
-        """What no pair is nearer than (k,) [m]: they overlap unless it is above 0."""
-        found: Floats = self.distance - self.error_bound
-        return found
+        """Certified lower bounds (k,) [m] of the distances: pairs overlap unless it is above 0."""
+        bounds: Floats = self.distance - self.error_bound
+        return bounds
 
     @property
     def overlapping(self) -> Indices:
@@ -66,8 +66,8 @@ class HalfSpaceGaps(NamedTuple):
 class EndlessOverlaps(NamedTuple):
     """Pairs of half spaces that overlap, ``ids`` (p, 2), the lower one first, ascending.
 
-    Their depth counts as infinite. ``error_bound`` (p,) [m] is of that: 0, and infinite where they
-    are opposed within rounding, and a translation may part them.
+    Their depth counts as infinite. Its ``error_bound`` (p,) [m] is 0, but infinite where they are
+    opposed within rounding, since a translation may then separate them.
     """
 
     ids: Indices
@@ -90,9 +90,9 @@ def pairs_of_half_spaces(world: World, filters: FilterState) -> Indices:
 
 
 def gaps_of(world: World, pairs: Indices, paddings: Paddings | None) -> HalfSpaceGaps:
-    """Return how far apart such pairs (k, 2) are in a world that is up to date.
+    """Return the gaps of such pairs (k, 2) in a world that is up to date.
 
-    Those that wait for a pose are left out.
+    Pairs that wait for a pose are left out.
     """
     pairs = pairs[~world.waiting[pairs].any(axis=1)]
     a, b = pairs.T
@@ -109,11 +109,11 @@ def gaps_of(world: World, pairs: Indices, paddings: Paddings | None) -> HalfSpac
 
 
 def endless_overlaps(world: World, pairs: Indices, paddings: Paddings | None) -> EndlessOverlaps:
-    """Return which of such pairs (k, 2) overlap in a world that is up to date.
+    """Return those of such pairs (k, 2) that overlap in a world that is up to date.
 
-    Those that wait for a pose are left out.
+    Pairs that wait for a pose are left out.
     """
-    if not len(pairs):  # as in most scenes, and what follows takes as long as a small surface
+    if not len(pairs):  # as in most scenes; the code below costs as much as a small surface
         return NONE_ENDLESS
     gaps = gaps_of(world, pairs, paddings)
     overlap = ~(gaps.lower > 0.0)
@@ -122,7 +122,7 @@ def endless_overlaps(world: World, pairs: Indices, paddings: Paddings | None) ->
 
 
 def with_endless(others: PenetrationResults, endless: EndlessOverlaps) -> PenetrationResults:
-    """Return pairs, and behind them those that are endless: without witness points or a normal."""
+    """Return ``others`` followed by ``endless`` ones, which lack witness points and a normal."""
     rows = np.full((len(endless.ids), BATCH_WIDTH), np.nan)
     rows[:, DISTANCE], rows[:, DEPTH] = -np.inf, np.inf
     rows[:, ERROR_BOUND], rows[:, PROMISED] = endless.error_bound, np.inf

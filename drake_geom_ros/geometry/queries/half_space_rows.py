@@ -1,4 +1,4 @@
-"""Answers about pairs of half spaces in the columns of other pairs, and in their order."""
+"""Rows of pairs of half spaces, in the columns and the order of those of other pairs."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def rows_of_gaps(gaps: HalfSpaceGaps, world: World, paddings: Paddings | None) -
     """Return the answers about pairs of half spaces in a world whose ids are places.
 
     Opposed ones have a normal, and a witness point on each plane. Those that cross are minus
-    infinity apart; their normals and witness points are 0. No normal is unique, for a turn by a
-    hair makes planes cross.
+    infinity apart; their normals and witness points are 0. No normal is unique, since the
+    slightest rotation makes planes cross.
     """
     rows = np.zeros((len(gaps.ids), BATCH_WIDTH))
     rows[:, DISTANCE], rows[:, ERROR_BOUND] = gaps.distance, gaps.error_bound
@@ -60,20 +60,20 @@ def rows_of_gaps(gaps: HalfSpaceGaps, world: World, paddings: Paddings | None) -
 def _of_bodies(
     world: World, bodies: tuple[Indices, Indices], witnesses: tuple[Floats, Floats]
 ) -> tuple[tuple[int, Floats], ...]:
-    """Return witness points (k, 3) in the geometries, and from the origins of their frames."""
-    found = []
+    """Return columns of witness points (k, 3) in geometries, and from the origins of frames."""
+    columns = []
     for g, p_WC, in_body, in_frame in zip(
         bodies, witnesses, (P_ACA, P_BCB), (P_FACA, P_FBCB), strict=True
     ):
         p_GC = np.einsum('kji,kj->ki', world.R_WGs[g], p_WC - world.p_WGs[g])
-        found += [(in_body, p_GC), (in_frame, p_WC - world.p_WFs[world.geometries.frames[g]])]
-    return tuple(found)
+        columns += [(in_body, p_GC), (in_frame, p_WC - world.p_WFs[world.geometries.frames[g]])]
+    return tuple(columns)
 
 
 def nearest_of(batch: PairBatch, others: PairBatch, max_distance: float, most: int) -> PairBatch:
-    """Return the pairs of the least lower bounds of both, in their order, at most so many.
+    """Return the ``most`` pairs of both batches with the smallest lower bounds, ascending.
 
-    Left out is what has a lower bound above ``max_distance`` [m].
+    Pairs with a lower bound above ``max_distance`` [m] are left out.
     """
     ids, rows = np.vstack((batch.ids, others.ids)), np.vstack((batch.rows, others.rows))
     lower = lower_ends(rows)

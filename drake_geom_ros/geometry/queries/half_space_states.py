@@ -24,38 +24,38 @@ Booleans = NDArray[np.bool_]
 
 
 class HalfSpaceStates:
-    """How far apart the pairs of half spaces of a packed scene are; ids are places in the scene.
+    """Gaps of the pairs of half spaces of a packed scene; ids are places in the scene.
 
-    ``chain`` poses the frames that the scene has as moved, where states are joint values. Python
-    does it, for hardly any scene has such a pair; ``of`` gives None of those that have none.
+    ``chain`` poses the scene's moved frames where states are joint values. It is done in Python,
+    since hardly any scene has such a pair; ``of`` returns None for a scene without one.
     """
 
     def __init__(self, scene: PackedScene, chain: JointChain | None = None) -> None:
         self._world, self._pairs = scene.world(), scene.half_spaces.copy()
         self._named = Named(self._world.frames.ids[scene.moved], scene.moved.copy())
         self._paddings = Paddings(scene.paddings, scene.meshes) if scene.paddings.any() else None
-        # (k,) which pairs may move against one another
+        # (k,) True for pairs whose bodies may move relative to each other
         carriers = scene.carriers()[scene.half_spaces]
         self.moves: Booleans = carriers[:, 0] != carriers[:, 1]
         self._chain = None if chain is None else chain._replace(X_WLs=chain.X_WLs.copy())
 
     @classmethod
     def of(cls, scene: PackedScene, chain: JointChain | None = None) -> HalfSpaceStates | None:
-        """Return those of a scene; None where it has no pair of half spaces."""
+        """Return the states of a scene, None if it has no pair of half spaces."""
         return cls(scene, chain) if len(scene.half_spaces) else None
 
     def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
-        """Put all frames where these rows (nf, 3, 3) and (nf, 3) [m] are, by their place."""
+        """Set the poses (nf, 3, 3) and (nf, 3) [m] of all frames, by place."""
         self._world.set_poses(np.arange(1, len(p_PFs)), R_PFs[1:], p_PFs[1:])
 
     def at_rows(self, X_PFs: Floats) -> HalfSpaceGaps:
-        """Return the gaps where the moved frames have poses (n, POSE_WIDTH)."""
+        """Return the gaps at poses (n, POSE_WIDTH) of the moved frames."""
         self._world.pose(self._named, X_PFs)
         self._world.update()
         return gaps_of(self._world, self._pairs, self._paddings)
 
     def at(self, poses: Floats) -> HalfSpaceGaps:
-        """Return the gaps in a state (n, 7); raises PoseError for what is none."""
+        """Return the gaps in a state (n, 7); raises PoseError for an invalid pose."""
         X_PFs = np.empty((len(poses), POSE_WIDTH))
         if read_poses(poses, X_PFs) < len(poses):
             raise PoseError('a state of half spaces has a pose that is none')
@@ -74,10 +74,10 @@ class HalfSpaceStates:
 
 
 class SpanOfHalfSpaces(NamedTuple):
-    """What is true of the pairs of half spaces over a motion: the worst one, by its places.
+    """Result for the pairs of half spaces over a motion, with the worst pair by its places.
 
-    One is told where the ``outcome`` is another than 'clear', with what it is at the start;
-    ``lower_bound`` [m] is the least that was proved, ``ignored`` how many pairs were left out.
+    A pair is reported unless the ``outcome`` is 'clear', with its distance at the start.
+    ``lower_bound`` [m] is the smallest proved one, ``ignored`` the number of omitted pairs.
     """
 
     outcome: str
@@ -96,12 +96,12 @@ def span_of(
     left_out: Booleans,
     min_distance: float,
 ) -> SpanOfHalfSpaces:
-    """Return what is true of pairs (k,) over a motion from a state to another.
+    """Return the result for pairs (k,) over a motion between two states.
 
-    Those that never move against one another stay as they are at the ``start``. Where no frame
-    turns, planes that are opposed stay so, and their gap is least at the start or the ``end``.
-    Where one does, ``end`` is None, and of those that ``moves`` names nothing is proved: they
-    cross as soon as they are not exactly opposed, and no bound on a speed holds that off.
+    Pairs whose bodies do not move relative to each other keep their gap at the ``start``. Where no
+    frame turns, opposed planes stay opposed, and their gap is smallest at the start or the
+    ``end``. Where a frame turns, ``end`` is None, and nothing is proved for pairs in ``moves``:
+    they cross as soon as they are not exactly opposed, which no bound on speeds excludes.
     """
     if end is None:
         lower = np.where(moves, -math.inf, start.lower)

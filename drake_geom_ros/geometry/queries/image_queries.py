@@ -1,4 +1,4 @@
-"""The queries for images."""
+"""Queries for images."""
 
 from __future__ import annotations
 
@@ -34,20 +34,19 @@ if TYPE_CHECKING:
 _KINDS = frozenset(('color', 'depth', 'label'))
 
 
-class _Kept(NamedTuple):
-    """What was packed of a scene, and by what it is known whether that holds still."""
+class _CachedScene(NamedTuple):
+    """A packed scene, and the key that it is valid for."""
 
     key: tuple[object, ...]
     packed: Packed
 
 
 class ImageQueries(PoseQueries):
-    """What a query object answers with images; it has all other queries too.
+    """Base of ``QueryObject`` with the queries for images.
 
     A camera's body C is posed by ``X_PC`` in a frame P. The camera looks along +z, x is to the
-    right and y down; see CameraInfo for which ray is a pixel's. Geometry with the perception role
-    is seen, if it accepts the camera's renderer: ``('renderer', 'accepting')``, a name or a set of
-    them.
+    right and y down; see CameraInfo for the rays of pixels. A renderer shows geometry with the
+    perception role that accepts it: ``('renderer', 'accepting')`` is a name or a set of names.
     """
 
     def RenderColorImage(
@@ -57,10 +56,10 @@ class ImageQueries(PoseQueries):
         X_PC: RigidTransform,
         show_window: bool = False,
     ) -> ImageRgba8U:
-        """Return what the camera sees, in the colours ('phong', 'diffuse') or those of mesh files.
+        """Return the colour image of a camera, with ('phong', 'diffuse') or colours of mesh files.
 
-        Raises GeometryError for a renderer or a frame that is not there, a camera that is none,
-        and ``show_window=True``.
+        Raises GeometryError for an unknown renderer or frame, for an object that is no camera, and
+        for ``show_window=True``.
         """
         refuse_window(show_window)
         image = self.render_images(camera, parent_frame, X_PC, ('color',)).color
@@ -73,10 +72,10 @@ class ImageQueries(PoseQueries):
         parent_frame: FrameId,
         X_PC: RigidTransform,
     ) -> ImageDepth32F:
-        """Return the depth [m] of what the camera sees: z in the sensor's frame.
+        """Return the depth image of a camera [m]: z in the sensor's frame.
 
-        0 below the camera's least depth, infinity above its largest and where nothing is. Raises
-        as RenderColorImage.
+        It is 0 below the camera's minimum depth, and infinity above its maximum and where there is
+        no geometry. Raises as RenderColorImage.
         """
         image = self.render_images(camera, parent_frame, X_PC, ('depth',)).depth
         assert image is not None
@@ -89,7 +88,7 @@ class ImageQueries(PoseQueries):
         X_PC: RigidTransform,
         show_window: bool = False,
     ) -> ImageLabel16I:
-        """Return the labels ('label', 'id') of what the camera sees; see RenderLabel.
+        """Return the label image of a camera, of the property ('label', 'id'); see RenderLabel.
 
         Raises as RenderColorImage.
         """
@@ -107,7 +106,7 @@ class ImageQueries(PoseQueries):
     ) -> RenderedImages:
         """Return several images of one camera, made in one pass: 'color', 'depth', 'label'.
 
-        A camera without a depth range tells all depths that it sees. Raises as RenderColorImage.
+        A camera without a depth range has depths of any size. Raises as RenderColorImage.
         """
         wanted = frozenset((want,) if isinstance(want, str) else want)
         if not wanted <= _KINDS:
@@ -133,22 +132,22 @@ class ImageQueries(PoseQueries):
         return images_of(engine, packed, bodies, core, X_WS, depth_range, wanted)
 
     def _packed(self, engine: RenderEngine, renderer_name: str) -> Packed:
-        """Return what a renderer shows, packed once a version of the geometry."""
-        # Only here: who makes no images imports nothing that does.
+        """Return the geometry of a renderer, packed once per version of the model."""
+        # Imported here: other queries need no renderer.
         from drake_geom_ros.geometry.render._packing import packed_of
 
         state, shown = self._state, shown_by(engine)
         versions = state.model.versions
         key = renderer_name, engine, versions.frames, versions.roles[shown.role]
-        # A snapshot shares what was packed; nothing of it ever changes.
-        kept: _Kept | None = state.packed_scenes.get(renderer_name)
-        if kept is None or kept.key != key:
-            kept = _Kept(key, packed_of(state.model, shown, renderer_name))
-            state.packed_scenes[renderer_name] = kept
-        return kept.packed
+        # Snapshots share packed scenes, which are never changed.
+        cached: _CachedScene | None = state.packed_scenes.get(renderer_name)
+        if cached is None or cached.key != key:
+            cached = _CachedScene(key, packed_of(state.model, shown, renderer_name))
+            state.packed_scenes[renderer_name] = cached
+        return cached.packed
 
     def image_state(self) -> bytes:
-        """Return what differs whenever an image of anything here may: of poses and geometry."""
+        """Return a digest of poses and geometry that changes whenever an image may change."""
         state = self._state
         world = state.up_to_date_world()
         world.update()
@@ -158,10 +157,10 @@ class ImageQueries(PoseQueries):
         return digest.digest()
 
     def render_legend(self, renderer_name: str) -> dict[GeometryId, int]:
-        """Return the label of each geometry that a renderer shows; raises GeometryError for none.
+        """Return the label of each geometry of a renderer; raises GeometryError for unknown names.
 
-        Labels of geometry without one of its own are the renderer's business: the default, or,
-        numbered, one for each.
+        Geometry without a label of its own gets the renderer's default, or, where the renderer
+        numbers them, a label of its own.
         """
         engine = Renderers(self._state.model).find(renderer_name, 'a legend')
         packed = self._packed(engine, renderer_name)

@@ -25,7 +25,7 @@ Indices = NDArray[np.int64]
 
 
 class JointKind(IntEnum):
-    """What a joint does along or about its axis."""
+    """Kind of motion of a joint along or about its axis."""
 
     FIXED = FIXED
     REVOLUTE = REVOLUTE
@@ -34,10 +34,10 @@ class JointKind(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class JointTree:
-    """Links that joints hold together, parents before children; the first link is the root.
+    """Tree of links and joints, parents before children; the first link is the root.
 
-    Joint j stands at ``multipliers[j] v + offsets[j]``, v being the value ``leaders[j]`` of a
-    configuration, or 0 where that is -1: a mimic joint has the leader of another one.
+    Joint j has the position ``multipliers[j] v + offsets[j]``. Here v is the value ``leaders[j]``
+    of a configuration, or 0 if that is -1: a mimic joint has the leader of another one.
     """
 
     leaders: Indices  # (m,)
@@ -50,12 +50,12 @@ class JointTree:
     children: Indices  # (m,) rows of links
 
     def still_links(self) -> NDArray[np.bool_]:
-        """Return which links (m + 1,) no joint value moves against the root."""
+        """Return the mask (m + 1,) of links that no joint value moves relative to the root."""
         moved: NDArray[np.bool_] = np.any(self.needs(), axis=1)
         return np.logical_not(moved)
 
     def needs(self) -> NDArray[np.bool_]:
-        """Return (m + 1, c): which links which joint values move against the root."""
+        """Return (m + 1, c), True where a joint value moves a link relative to the root."""
         columns = 1 + int(self.leaders.max(initial=-1))
         needs = np.zeros((len(self.parents) + 1, columns), dtype=np.bool_)
         held = (self.kinds == JointKind.FIXED) | (self.leaders < 0)
@@ -69,8 +69,8 @@ class JointTree:
     def link_twists(self, speeds: ArrayLike, X_WLs: Floats, V_WB: ArrayLike) -> Floats:
         """Return V_WL (m + 1, 6) of all links, [w, v] of the link's origin in World axes.
 
-        For joint speeds (c,) [rad/s] or [m/s] at the poses X_WLs (m + 1, 7), where the root moves
-        with V_WB (6,): each joint adds its own motion to that of its parent link.
+        Joint speeds (c,) are in [rad/s] or [m/s], the poses X_WLs (m + 1, 7), and V_WB (6,) is the
+        velocity of the root. Each joint adds its own motion to that of its parent link.
         """
         rates = np.asarray(speeds, dtype=np.float64)
         V_WLs = np.empty((len(self.parents) + 1, 6))
@@ -89,8 +89,8 @@ class JointTree:
     def link_poses(self, values: ArrayLike, X_WB: ArrayLike) -> Floats:
         """Return X_WL (N, m + 1, 7), x y z [m] qx qy qz qw, for joint values (N, c).
 
-        ``X_WB`` (7,) is the pose of the root. Each row is computed alone: how many there are
-        changes no bit of one.
+        ``X_WB`` (7,) is the pose of the root. Rows are independent, to the bit, of each other and
+        of their number.
         """
         rows = np.ascontiguousarray(values, dtype=np.float64)
         X_WLs = np.empty((len(rows), len(self.parents) + 1, 7))
@@ -101,16 +101,16 @@ class JointTree:
         self, values: Floats, X_WB: ArrayLike, links: Indices, X_WLs: Floats, first: int
     ) -> None:
         """Write the poses of some ``links`` (k,) to ``X_WLs`` (N, m, 7), from row ``first`` on."""
-        room = np.empty((len(self.parents) + 1, 7))
-        room[0] = X_WB
+        scratch = np.empty((len(self.parents) + 1, 7))
+        scratch[0] = X_WB
         joints = self.leaders, self.multipliers, self.offsets, self.kinds, self.axes, self.X_PJs
-        chain = *joints, self.parents, self.children, room, links
+        chain = *joints, self.parents, self.children, scratch, links
         pose_links(values, chain, first, X_WLs)
 
     def driven_by(self, columns: Indices, at_rest: Floats) -> JointTree:
-        """Return the tree for configurations in which value v stands in column ``columns[v]``.
+        """Return the tree for configurations that have value v in column ``columns[v]``.
 
-        Where that is -1 the value stays at ``at_rest[v]``.
+        If that is -1 the value stays at ``at_rest[v]``.
         """
         led = self.leaders >= 0
         leaders, still = np.full_like(self.leaders, -1), np.zeros_like(self.offsets)
@@ -127,9 +127,9 @@ class JointTree:
 def side_by_side(
     trees: Sequence[JointTree], X_WBs: Floats, links: Sequence[Indices]
 ) -> JointChain:
-    """Return trees, of the same columns, as one: their roots at X_WBs (k, 7), and their links.
+    """Return trees of the same columns as one chain, with their roots at X_WBs (k, 7).
 
-    ``links`` are those of each tree that count, in the order of its poses.
+    ``links`` has the rows of links of each tree whose poses are wanted, in their order.
     """
     sizes = [len(tree.parents) + 1 for tree in trees]
     firsts = np.concatenate(([0], np.cumsum(sizes)))[: len(trees)]

@@ -1,4 +1,4 @@
-"""The query for motions, and what it returns."""
+"""``CheckMotion``, the continuous collision query, and its result."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.motion_queries import (
     INTERPOLATIONS,
-    FoundMotion,
+    MotionAnswer,
     MotionQueries,
     MotionQuestion,
 )
@@ -29,34 +29,36 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class MotionCheck:
-    """What is true of a whole motion.
+    """Certified result for a whole motion.
 
     ``outcome`` is
 
     - ``'clear'``: every pair is certified to stay farther apart than ``min_distance``, and no
       pair comes nearer than ``lower_bound``; ``times`` are both the end;
-    - ``'contact'``: all is certified to be clear until ``times[0]``, and at ``times[1]`` the pair
-      is certified to be no farther apart than ``min_distance``. They are no farther apart than
-      the tolerance;
-    - ``'unknown'``: all is certified to be clear until ``times[0]``, and from there on nothing is
-      proved, because evaluations were spent, or because bodies touch and part, or come so slowly,
-      that rounding hides what is true. ``times[1]`` is the end, of a path that of the edge that
-      was looked at, or an earlier time at which they are certified to touch.
+    - ``'contact'``: the motion is certified to be clear until ``times[0]``, and at ``times[1]`` a
+      pair is certified to be no farther apart than ``min_distance``. The two times differ by no
+      more than the tolerance;
+    - ``'unknown'``: the motion is certified to be clear until ``times[0]``, and nothing is proved
+      after it. The evaluations were used up, or rounding hides the truth because bodies touch and
+      part, or come very slowly. ``times[1]`` is the end (of a path, that of the edge in question),
+      or an earlier time at which the pair is certified to touch.
 
-    Two half spaces that are not opposed overlap. A pair that no frame moves against one another is
-    what it is at the start; of others nothing is proved unless all frames of ``CheckMotion`` go
-    straight: planes that turn cross at once, so the outcome is 'unknown' from the start on and
-    names the pair. Where that does not count, filter it.
+    Two half spaces that are not opposed overlap. A pair of them whose bodies do not move relative
+    to each other is judged at the start. For other such pairs a proof needs that no frame turns:
+    planes that turn cross at once, so the outcome is 'unknown' from the start on and names the
+    pair. Filter the pair if that is not wanted.
 
-    ``id_A < id_B`` are the pair that is told, ``distance`` and ``error_bound`` its own at
-    ``time``, with the witness points ``p_WCa`` and ``p_WCb`` (3,) in World [m] (NaN of two half
-    spaces): of a contact the pair that touches, at ``times[1]``; of an unknown outcome the pair
-    that is not proved, at ``times[0]``; of a clear one the least distance that was seen. (Where no
-    pair had to be looked at, that is infinite and there are no ids: bounds alone proved that all
-    stay apart.)
-    ``lower_bound`` [m] is the least of all bounds that were proved. ``evaluations`` is how many
-    pairs were answered by kernels, ``ignored`` how many pairs were left out because they were not
-    clear at the start, as was asked for.
+    ``id_A < id_B`` is the reported pair, ``distance`` and ``error_bound`` are its values at
+    ``time``, with the witness points ``p_WCa`` and ``p_WCb`` (3,) in World [m] (NaN for two half
+    spaces). It depends on the outcome:
+
+    - contact: the pair that touches, at ``times[1]``;
+    - unknown: the pair without a proof, at ``times[0]``;
+    - clear: the pair with the smallest computed distance. If bounds alone proved that all pairs
+      stay apart, the distance is infinite and there are no ids.
+
+    ``lower_bound`` [m] is the smallest of all proved bounds. ``evaluations`` is the number of
+    kernel calls, ``ignored`` the number of pairs that ``ignore_start_contacts`` left out.
     """
 
     outcome: str
@@ -74,35 +76,35 @@ class MotionCheck:
 
     @property
     def last_free(self) -> float:
-        """The latest time until which all is proved to be clear."""
+        """The latest time until which the motion is proved to be clear."""
         return self.times[0]
 
     def __bool__(self) -> bool:
-        """Refuse to stand for yes or no: an unknown outcome is neither."""
+        """Raise TypeError, because an unknown outcome is neither true nor false."""
         raise TypeError("a MotionCheck is neither true nor false: ask whether outcome == 'clear'")
 
     @classmethod
-    def of(cls, found: FoundMotion, ids: NDArray[np.int64]) -> MotionCheck:
-        """Return what was found, with the ids (n,) of geometries by their place."""
-        both = sorted((int(ids[found.a]), int(ids[found.b]))) if found.a >= 0 else []
+    def of(cls, answer: MotionAnswer, ids: NDArray[np.int64]) -> MotionCheck:
+        """Return the result for an answer by places, with the ids (n,) of these."""
+        both = sorted((int(ids[answer.a]), int(ids[answer.b]))) if answer.a >= 0 else []
         return cls(
-            outcome=found.outcome,
-            times=found.times,
+            outcome=answer.outcome,
+            times=answer.times,
             id_A=GeometryId(both[0]) if both else None,
             id_B=GeometryId(both[1]) if both else None,
-            distance=found.distance,
-            error_bound=found.error_bound,
-            lower_bound=found.lower_bound,
-            time=found.time,
-            p_WCa=found.p_WCa,
-            p_WCb=found.p_WCb,
-            evaluations=found.evaluations,
-            ignored=found.ignored,
+            distance=answer.distance,
+            error_bound=answer.error_bound,
+            lower_bound=answer.lower_bound,
+            time=answer.time,
+            p_WCa=answer.p_WCa,
+            p_WCb=answer.p_WCb,
+            evaluations=answer.evaluations,
+            ignored=answer.ignored,
         )
 
 
 class MotionChecks:
-    """What a query object answers about motions; it has all other queries too."""
+    """Base of ``QueryObject`` with the query for motions."""
 
     _context: SceneGraphContext | None
     _state: ContextState
@@ -121,25 +123,31 @@ class MotionChecks:
     ) -> MotionCheck:
         """Return whether the whole motion to ``end_poses`` is clear, certified for all times.
 
-        Every frame of ``end_poses`` goes from its pose X_PF of now, at time 0, to that one, at
-        time 1; all others stay. By ``interpolation`` 'slerp' its position goes straight and its
-        rotation about one axis by the shorter way; by 'screw' both follow one screw. Clear is what
-        stays farther apart than ``min_distance`` [m], of all pairs that no filter leaves out, with
-        their paddings. ``time_tolerance`` is the longest span that may hold the first contact: 1
-        asks only whether there is one. Less than 2^-40 counts as that.
-        ``max_evaluations`` ends the search after so many pairs were answered (0: no limit).
-        ``ignore_start_contacts`` leaves out pairs that are not clear at the start, of every part
-        of the answer, and counts them in ``ignored``. ``lower_bound`` is only as large as the
-        proof needs; with a ``bound_tolerance`` [m] more is proved of a clear motion, until the
-        bound is no farther than that below the least distance that was seen, or rounding or the
-        budget ends it.
+        Every frame of ``end_poses`` moves from its current pose X_PF, at time 0, to that one, at
+        time 1; all others stay. Filters and paddings apply. A proof between two times shows that
+        no point moves far enough to close the distance (Schwarzer, Saha, Latombe, Exact collision
+        checking of robot paths, WAFR 2002), or that a plane separates the bodies, see
+        ``_proximity/motion/planes.py``.
 
-        Proved is what keeps two bodies apart between two times: that their points cannot come as
-        far as they are apart (Schwarzer, Saha, Latombe, Exact collision checking of robot paths,
-        WAFR 2002), or a plane between them, see ``_proximity/motion/planes.py``.
+        Args:
+            end_poses: Poses X_PF at time 1, of the frames that move.
+            min_distance: Pairs are clear while farther apart than this [m].
+            time_tolerance: Longest time span that may contain the first contact; 1 only asks
+                whether there is a contact. Smaller values than 2^-40 count as 2^-40.
+            interpolation: 'slerp' moves the position on a line and rotates about one axis by the
+                shorter way; 'screw' moves both on one screw.
+            max_evaluations: Limit of kernel calls, 0 for none.
+            accuracy: Accuracy level, '' for the default one.
+            ignore_start_contacts: Leave out pairs that are not clear at the start, and count them
+                in ``ignored``.
+            bound_tolerance: ``lower_bound`` is only as large as the proof needs. If the motion is
+                clear, go on to prove more until the bound is at most this [m] below the smallest
+                computed distance, or until rounding or ``max_evaluations`` ends it.
 
-        Raises ArgumentError for what cannot be asked, and where these frames carry nothing that
-        could collide; PoseError for frames that are not here or never had a pose.
+        Raises:
+            ArgumentError: An argument is out of range, or the frames carry nothing that could
+                collide.
+            PoseError: A frame is not in this scene or has never received a pose.
 
             >>> from drake_geom_ros.geometry import *
             >>> from drake_geom_ros.math import RigidTransform
@@ -164,7 +172,7 @@ class MotionChecks:
             >>> query.CheckMotion(end).outcome
             'clear'
         """
-        asked = MotionQuestion(
+        question = MotionQuestion(
             *(float(min_distance), float(time_tolerance), max_evaluations),
             *(ignore_start_contacts, float(bound_tolerance)),
         )
@@ -177,9 +185,9 @@ class MotionChecks:
         assert context is not None  # else it has no level
         ids, ends = arrays_of(end_poses)
         world = state.posed_world()  # raises where a frame has no pose
-        world.update()  # takes the poses that were given
-        # Whatever else changes in a state changes one of these; a frame that is posed away from
-        # where it is welded changes the filters of the state that poses it alone.
+        world.update()  # applies the latest poses
+        # Any other change of a state changes one of these. A frame that is posed away from its
+        # weld changes the filters of this state alone, hence the set.
         kind = (
             *(ids.tobytes(), level, state.model.versions.any, state.filters.version),
             frozenset(state.filters.welded),
@@ -191,13 +199,13 @@ class MotionChecks:
             queries.stand(world.R_PFs, world.p_PFs)
         rows = queries.moved
         starts = np.hstack((world.R_PFs[rows].reshape(-1, 9), world.p_PFs[rows]))
-        found = queries.move(asked, starts, np.ascontiguousarray(ends), interpolation)
+        answer = queries.move(question, starts, np.ascontiguousarray(ends), interpolation)
         state.prepared_motions.keep(kind, queries)
-        return MotionCheck.of(found, world.geometries.ids)
+        return MotionCheck.of(answer, world.geometries.ids)
 
 
 def _prepared(context: SceneGraphContext, ids: Indices, level: str) -> MotionQueries:
-    """Return queries about motions of frames (f,), by the values of their ids.
+    """Return queries about motions of the frames with these id values (f,).
 
     Raises PoseError and ArgumentError as ``CheckMotion`` does.
     """

@@ -1,4 +1,4 @@
-"""Queries about motions of a packed scene, and what is told of them."""
+"""Motion queries on a packed scene, by poses or joint values, and their answers."""
 
 from __future__ import annotations
 
@@ -50,13 +50,13 @@ OUTCOMES = {CLEAR: 'clear', CONTACT: 'contact', UNKNOWN: 'unknown'}
 
 @dataclass(frozen=True)
 class MotionQuestion:
-    """What is asked of a motion; raises ArgumentError for what cannot be asked."""
+    """Parameters of a motion query; raises ArgumentError for values out of range."""
 
-    min_distance: float = 0.0  # [m] clear is what stays farther apart
+    min_distance: float = 0.0  # [m] pairs are clear while farther apart
     time_tolerance: float = TIME_TOLERANCE  # the longest span that holds a first contact
     max_evaluations: int = 0  # of pairs by kernels; 0: no limit
     ignore_start_contacts: bool = False
-    # [m] how far the bound that is told of a clear motion may be below what was seen
+    # [m] largest gap from the reported bound of a clear motion to the smallest computed distance
     bound_tolerance: float = math.inf
 
     def __post_init__(self) -> None:
@@ -81,12 +81,12 @@ class MotionQuestion:
 
 
 @dataclass(frozen=True, eq=False)
-class FoundMotion:
-    """What was found of a motion; geometries by their place, -1 where there is none."""
+class MotionAnswer:
+    """Answer about a motion; geometries by their place, -1 for none."""
 
     outcome: str
     times: tuple[float, float]
-    time: float  # of the pair that is told
+    time: float  # at which the reported pair has its distance
     a: int
     b: int
     distance: float  # [m]
@@ -99,11 +99,11 @@ class FoundMotion:
 
 
 class MotionQueries:
-    """Answers about motions of a packed scene, without the GIL; each thread takes one of its own.
+    """Motion queries on a packed scene, without the GIL; each thread needs its own.
 
-    The frames that the scene has as moved go by poses or, of a chain, by joint values of so many
-    ``columns``. ``stop`` (1,) set to another number than 0, by another thread, ends a check early:
-    it raises InterruptedError then. Every answer depends on its motion and the question alone.
+    The scene's moved frames follow poses or, with a ``chain``, the joint values of ``columns``.
+    When another thread sets ``stop`` (1,) to a number other than 0, a check raises
+    InterruptedError. Every answer depends on its motion and its question alone.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class MotionQueries:
     ) -> None:
         self._half_spaces = HalfSpaceStates.of(scene, chain)
         if chain is not None:
-            chain = chain._replace(X_WLs=chain.X_WLs.copy())  # room, of this thread alone
+            chain = chain._replace(X_WLs=chain.X_WLs.copy())  # scratch of this thread alone
         self.moved = scene.moved
         self._world, self._padded = scene.world(), bool(scene.paddings.any())
         self._paddings = Paddings(scene.paddings, scene.meshes)
@@ -132,95 +132,95 @@ class MotionQueries:
         )
 
     def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
-        """Let the frames that stay have poses of these, X_PF (nf,) of all frames by their place.
+        """Set the poses of the frames that stay, from X_PF (nf,) of all frames by place.
 
-        Of queries without a chain.
+        For queries without a chain.
         """
         self._loops.stand(R_PFs, p_PFs)
         if self._half_spaces is not None:
             self._half_spaces.stand(R_PFs, p_PFs)
 
     def move(
-        self, asked: MotionQuestion, starts: Floats, ends: Floats, interpolation: str
-    ) -> FoundMotion:
-        """Return what is true of the motion between two poses (f, 12) of each moved frame.
+        self, question: MotionQuestion, starts: Floats, ends: Floats, interpolation: str
+    ) -> MotionAnswer:
+        """Return the answer about the motion between two poses (f, 12) of each moved frame.
 
         Rows are R_PF by its rows, then p_PF. Times go from 0 to 1.
         """
 
-        def once(asked: MotionQuestion, skipped: Booleans | None) -> FoundMotion:
-            self._ask(asked, skipped)
-            told = self._loops.move(starts, ends, INTERPOLATIONS[interpolation])
-            return self._found(told, np.zeros((2, 0)), 1.0)
+        def once(question: MotionQuestion, skipped: Booleans | None) -> MotionAnswer:
+            self._prepare(question, skipped)
+            row = self._loops.move(starts, ends, INTERPOLATIONS[interpolation])
+            return self._answer_of(row, np.zeros((2, 0)), 1.0)
 
-        found = self._closely(asked, once, None)
+        answer = self._with_close_bound(question, once, None)
         if self._half_spaces is None:
-            return found
+            return answer
         turns = bool((starts[:, :POSITION] != ends[:, :POSITION]).any())
         start = self._half_spaces.at_rows(starts)
         end = None if turns else self._half_spaces.at_rows(ends)
-        span = _span(asked, start, end, start, self._half_spaces.moves)
-        return _with_half_spaces(found, span, 0.0)
+        span = _span(question, start, end, start, self._half_spaces.moves)
+        return _with_half_spaces(answer, span, 0.0)
 
     def follow(
         self,
-        asked: MotionQuestion,
+        question: MotionQuestion,
         path: Floats,
         rows: tuple[int, int] | None = None,
         skipped: Booleans | None = None,
-    ) -> FoundMotion:
-        """Return what is true of a path (k, c) in joint space, in one piece, times by its rows.
+    ) -> MotionAnswer:
+        """Return the answer about a contiguous path (k, c) in joint space; times are row numbers.
 
-        Of a part of it from one row to another where ``rows`` are given, with pairs left out that
-        are ``skipped`` (n,).
+        ``rows`` limits it to the part from one row to another; pairs in the mask ``skipped`` (n,)
+        are left out.
         """
         way = path if len(path) > 1 else np.repeat(path, 2, axis=0)
         first, last = rows or (0, len(path) - 1)
 
-        def once(asked: MotionQuestion, skipped: Booleans | None) -> FoundMotion:
-            self._ask(asked, skipped)
-            told = self._loops.follow(way, first, max(last, first + 1))
-            return self._found(told, way, float(last))
+        def once(question: MotionQuestion, skipped: Booleans | None) -> MotionAnswer:
+            self._prepare(question, skipped)
+            row = self._loops.follow(way, first, max(last, first + 1))
+            return self._answer_of(row, way, float(last))
 
-        found = self._closely(asked, once, skipped)
+        answer = self._with_close_bound(question, once, skipped)
         if self._half_spaces is None:
-            return found
+            return answer
         at_joints, part = self._half_spaces.at_joints, way[first : last + 1]
         start = at_joints(way[first])
         end = None if (part != way[first]).any() else start
-        span = _span(asked, start, end, at_joints(way[0]), self._half_spaces.moves)
-        return _with_half_spaces(found, span, float(first))
+        span = _span(question, start, end, at_joints(way[0]), self._half_spaces.moves)
+        return _with_half_spaces(answer, span, float(first))
 
     def skipped(self) -> Booleans:
-        """Return which pairs (n,) the last answer left out: they were not clear at its start."""
+        """Return the mask (n,) of pairs that the last answer left out, not clear at its start."""
         return self._loops.skipped.copy()
 
-    def _closely(
+    def _with_close_bound(
         self,
-        asked: MotionQuestion,
-        once: Callable[[MotionQuestion, Booleans | None], FoundMotion],
+        question: MotionQuestion,
+        once: Callable[[MotionQuestion, Booleans | None], MotionAnswer],
         skipped: Booleans | None,
-    ) -> FoundMotion:
-        """Return what is found ``once``, of a clear motion with as close a bound as is asked for.
+    ) -> MotionAnswer:
+        """Return the answer of ``once``, with a bound within the tolerance if the motion is clear.
 
-        The bounds of a proof are only as large as it needs. So ever larger distances are asked
-        about: one just below what was seen first, and then by bisection.
+        The bounds of a proof are only as large as it needs. So it is repeated with larger minimum
+        distances: first one just below the computed distance, and then by bisection.
         """
-        found = once(asked, skipped)
-        if found.outcome != 'clear' or asked.bound_tolerance == math.inf:
-            return found
-        left_out, tolerance = self.skipped(), asked.bound_tolerance
-        low, high = found.lower_bound, found.distance
+        answer = once(question, skipped)
+        if answer.outcome != 'clear' or question.bound_tolerance == math.inf:
+            return answer
+        left_out, tolerance = self.skipped(), question.bound_tolerance
+        low, high = answer.lower_bound, answer.distance
         target = high - 0.5 * tolerance
         while high - low > tolerance:
             if not low < target < math.inf:
-                target = 0.5 * (low + min(high, 3.0 * low))  # as long as none was seen, farther
-            left = asked.max_evaluations - found.evaluations
-            if not low < target < high or (asked.max_evaluations > 0 and left <= 0):
+                target = 0.5 * (low + min(high, 3.0 * low))  # no distance yet: double the bound
+            left = question.max_evaluations - answer.evaluations
+            if not low < target < high or (question.max_evaluations > 0 and left <= 0):
                 break
-            tried = once(
+            attempt = once(
                 replace(
-                    asked,
+                    question,
                     min_distance=target,
                     time_tolerance=math.inf,
                     max_evaluations=max(left, 0),
@@ -228,105 +228,105 @@ class MotionQueries:
                 ),
                 left_out,
             )
-            seen = tried if tried.distance < found.distance else found
-            if tried.outcome == 'clear':
-                low = tried.lower_bound
-            found = replace(
-                seen,
+            nearest = attempt if attempt.distance < answer.distance else answer
+            if attempt.outcome == 'clear':
+                low = attempt.lower_bound
+            answer = replace(
+                nearest,
                 outcome='clear',
-                times=found.times,
+                times=answer.times,
                 lower_bound=low,
-                evaluations=found.evaluations + tried.evaluations,
-                ignored=found.ignored,
+                evaluations=answer.evaluations + attempt.evaluations,
+                ignored=answer.ignored,
             )
-            if tried.outcome == 'unknown':
+            if attempt.outcome == 'unknown':
                 break
-            high = min(high, found.distance)
-            target = high - 0.5 * tolerance if tried.outcome == 'clear' else -math.inf
+            high = min(high, answer.distance)
+            target = high - 0.5 * tolerance if attempt.outcome == 'clear' else -math.inf
         self._loops.skipped[:] = left_out
-        return found
+        return answer
 
-    def _ask(self, asked: MotionQuestion, skipped: Booleans | None) -> None:
+    def _prepare(self, question: MotionQuestion, skipped: Booleans | None) -> None:
         self._loops.skipped[:] = False if skipped is None else skipped
         self._loops.ask(
-            asked.min_distance,
-            asked.time_tolerance,
-            asked.max_evaluations,
-            ignores=asked.ignore_start_contacts,
+            question.min_distance,
+            question.time_tolerance,
+            question.max_evaluations,
+            ignores=question.ignore_start_contacts,
         )
 
-    def _found(self, told: Told, path: Floats, end: float) -> FoundMotion:
-        """Return what is told, with the pair that it is about; a motion ends at time ``end``."""
-        if told.verdict == STOPPED:
-            raise InterruptedError(f'stopped in edge {told.edge} of a path')
-        if told.verdict == NO_POSE:
+    def _answer_of(self, row: Told, path: Floats, end: float) -> MotionAnswer:
+        """Return the answer for a row of the loops, about a motion that ends at time ``end``."""
+        if row.verdict == STOPPED:
+            raise InterruptedError(f'stopped in edge {row.edge} of a path')
+        if row.verdict == NO_POSE:
             raise PoseError(
-                f'The motion was refused: between {told.edge} and {told.edge + 1} of its time a '
+                f'The motion was refused: between {row.edge} and {row.edge + 1} of its time a '
                 'frame would be where no pose may be, too far away'
             )
         still = end == 0.0
-        pair, edge, time = told.seen_pair, told.seen_edge, told.seen_time
+        pair, edge, time = row.seen_pair, row.seen_edge, row.seen_time
         times = (end, end)
-        if told.verdict != CLEAR:
-            edge = told.edge
-            pair, time = told.pair, told.t1 if told.verdict == CONTACT else told.t0
-            times = _earlier(edge, told.t0), _later(edge, told.t1)
-        told_row = np.zeros(BATCH_WIDTH)
-        told_row[DISTANCE] = math.inf
+        if row.verdict != CLEAR:
+            edge = row.edge
+            pair, time = row.pair, row.t1 if row.verdict == CONTACT else row.t0
+            times = _earlier(edge, row.t0), _later(edge, row.t1)
+        pair_row = np.zeros(BATCH_WIDTH)
+        pair_row[DISTANCE] = math.inf
         a = b = -1
         if pair >= 0:
-            found = self._loops.row(path, edge, time, pair)
-            rows = found.rows
+            batch = self._loops.row(path, edge, time, pair)
+            rows = batch.rows
             if self._padded:
-                rows = padded_rows(rows, found.ids, self._paddings, self._world)
-            (told_row,), ((a, b),) = rows, found.ids.tolist()
-        return FoundMotion(
-            outcome=OUTCOMES[told.verdict],
+                rows = padded_rows(rows, batch.ids, self._paddings, self._world)
+            (pair_row,), ((a, b),) = rows, batch.ids.tolist()
+        return MotionAnswer(
+            outcome=OUTCOMES[row.verdict],
             times=(0.0, 0.0) if still else times,
             time=0.0 if still else edge + time,
             a=a,
             b=b,
-            distance=float(told_row[DISTANCE]),
-            error_bound=float(told_row[ERROR_BOUND]),
-            lower_bound=told.lower_bound,
-            p_WCa=told_row[WITNESS_A : WITNESS_A + 3].copy(),
-            p_WCb=told_row[WITNESS_B : WITNESS_B + 3].copy(),
-            evaluations=told.evaluations,
-            ignored=told.ignored,
+            distance=float(pair_row[DISTANCE]),
+            error_bound=float(pair_row[ERROR_BOUND]),
+            lower_bound=row.lower_bound,
+            p_WCa=pair_row[WITNESS_A : WITNESS_A + 3].copy(),
+            p_WCb=pair_row[WITNESS_B : WITNESS_B + 3].copy(),
+            evaluations=row.evaluations,
+            ignored=row.ignored,
         )
 
 
 def _span(
-    asked: MotionQuestion,
+    question: MotionQuestion,
     start: HalfSpaceGaps,
     end: HalfSpaceGaps | None,
     beginning: HalfSpaceGaps,
     moves: Booleans,
 ) -> SpanOfHalfSpaces:
-    """Return what is true of half spaces from ``start`` to ``end``; None: frames may turn.
+    """Return the result for half spaces from ``start`` to ``end``, None if frames may turn.
 
-    What is ignored is what was not clear at the ``beginning`` of the whole path.
+    Pairs that were not clear at the ``beginning`` of the whole path may be ignored.
     """
     left_out = np.zeros(len(moves), dtype=np.bool_)
-    if asked.ignore_start_contacts:
-        left_out = ~(beginning.lower > asked.min_distance)
-    return span_of(start, end, moves, left_out, asked.min_distance)
+    if question.ignore_start_contacts:
+        left_out = ~(beginning.lower > question.min_distance)
+    return span_of(start, end, moves, left_out, question.min_distance)
 
 
-def _with_half_spaces(found: FoundMotion, span: SpanOfHalfSpaces, start: float) -> FoundMotion:
-    """Return what is found of a motion that begins at time ``start``, pairs of half spaces too."""
-    ignored = found.ignored + span.ignored
+def _with_half_spaces(answer: MotionAnswer, span: SpanOfHalfSpaces, start: float) -> MotionAnswer:
+    """Return an answer about a motion from time ``start`` on, merged with that of half spaces."""
+    ignored = answer.ignored + span.ignored
     if span.outcome == 'clear':
         return replace(
-            found, lower_bound=min(found.lower_bound, span.lower_bound), ignored=ignored
+            answer, lower_bound=min(answer.lower_bound, span.lower_bound), ignored=ignored
         )
-    if found.outcome == 'contact' and found.times[0] <= start:
-        return replace(found, ignored=ignored)
+    if answer.outcome == 'contact' and answer.times[0] <= start:
+        return replace(answer, ignored=ignored)
     nowhere = np.full(3, np.nan)
     return replace(
-        found,
+        answer,
         outcome=span.outcome,
-        times=(start, start if span.outcome == 'contact' else found.times[1]),
+        times=(start, start if span.outcome == 'contact' else answer.times[1]),
         time=start,
         a=span.a,
         b=span.b,
@@ -340,12 +340,12 @@ def _with_half_spaces(found: FoundMotion, span: SpanOfHalfSpaces, start: float) 
 
 
 def _earlier(edge: int, t: float) -> float:
-    """Return no more than edge + t."""
+    """Return edge + t, rounded down."""
     time = edge + t
     return math.nextafter(time, -math.inf) if time - edge > t else time
 
 
 def _later(edge: int, t: float) -> float:
-    """Return no less than edge + t."""
+    """Return edge + t, rounded up."""
     time = edge + t
     return math.nextafter(time, math.inf) if time - edge < t else time

@@ -1,4 +1,4 @@
-"""What a query object has for a context that belongs to no scene."""
+"""Placeholder state of a default ``QueryObject``, which belongs to no scene."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drake_geom_ros.geometry.queries.context_state import ContextState
 
 
 class _NoScene:
-    """What a query object asks that has no context: whatever is asked of it is refused."""
+    """State without a scene: every attribute raises GeometryError."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith('__'):

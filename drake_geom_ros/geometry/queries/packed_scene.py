@@ -40,8 +40,8 @@ Indices = NDArray[np.int64]
 class PackedScene:
     """The proximity geometry of a context as arrays, which may go to another process.
 
-    Frames and geometries are known by their place; ids, which no other process shares, are left
-    out. So two scenes of the same content have the same ``digest``, whoever made them.
+    Places identify frames and geometries. There are no ids, which are valid in one process only,
+    so scenes of the same content have the same ``digest`` in every process.
     """
 
     parents: Indices  # (nf,) of the frames; the first is the world
@@ -54,19 +54,19 @@ class PackedScene:
     types: Indices  # (n,)
     starts: Indices  # (n + 1,) of the shapes' parameters
     pool: Floats
-    # What they are to points; of those who ask about none the same.
+    # The shapes that points measure to; without queries about points, those above.
     point_types: Indices
     point_starts: Indices
     point_pool: Floats
     pairs: Indices  # (k, 2) that no filter leaves out
     moved: Indices  # the frames whose poses make a state
-    paddings: Floats  # (n,) [m] of the geometries, and of which points take a mesh's surface
-    meshes: NDArray[np.bool_]  # (n,)
+    paddings: Floats  # (n,) [m] of the geometries
+    meshes: NDArray[np.bool_]  # (n,) True where points measure to the surface of a mesh
     half_spaces: Indices  # (m, 2) the pairs of them that no filter leaves out
-    # What they are to contact surfaces; of those who ask about none no body.
+    # The bodies of contact surfaces; without queries about these, none.
     body_of: Indices  # (n,) the row of each one's body; -1: it has none
     bodies: Bodies
-    likeness: Indices  # (n,) of the bodies to what other queries see: see ``contact_bodies``
+    likeness: Indices  # (n,) of the bodies to the shapes in other queries: see ``contact_bodies``
 
     @classmethod
     def of(
@@ -78,13 +78,13 @@ class PackedScene:
         about_points: bool = True,
         about_contacts: bool = False,
     ) -> tuple[PackedScene, Indices]:
-        """Return a context's scene of now, and its geometries' id values (n,) by their place.
+        """Return a context's current scene, and its geometries' id values (n,) by place.
 
-        ``frame_ids`` are values of the frames that states pose, ``still`` the poses X_PF (7,) of
-        those among them that have the same in each state: what is welded to the world stays so
-        there, and nowhere else. Only who asks ``about_points`` has to pack what meshes are to
-        these, and who asks ``about_contacts`` their bodies. Raises PoseError for one that is
-        not there or is there twice, and for other frames that never had a pose.
+        ``frame_ids`` are id values of the frames that states pose, ``still`` the poses X_PF (7,)
+        of those among them that are the same in each state: only such frames stay welded to the
+        world. ``about_points`` adds the shapes that points measure to, ``about_contacts`` the
+        contact bodies. Raises PoseError for a frame that is missing or listed twice, and for other
+        frames that have never received a pose.
         """
         state = state_of(context)
         world = state.up_to_date_world()
@@ -93,9 +93,9 @@ class PackedScene:
         world = world.copy()
         named = world.named(frame_ids)
         if named is None or len(np.unique(frame_ids)) < len(frame_ids):
-            known = world.has_frames(frame_ids)
-            bad = frame_ids[~known].tolist() or sorted(frame_ids.tolist())
-            problem = 'are not in this scene' if not known.all() else 'are not all different'
+            is_known = world.has_frames(frame_ids)
+            bad = frame_ids[~is_known].tolist() or sorted(frame_ids.tolist())
+            problem = 'are not in this scene' if not is_known.all() else 'are not all different'
             raise PoseError(f'States were refused: these frames {problem}: {state.describe(bad)}.')
         rows = named.rows
         world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows])
@@ -116,7 +116,7 @@ class PackedScene:
             contacts = state.contact_bodies()
             body_of, bodies, likeness = contacts.body_of, contacts.bodies, contacts.likeness
         paddings = state.paddings() or Paddings(none, none.astype(bool))
-        # What no state keeps is no part of the content.
+        # Each state replaces these poses, so they are no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
         R_PFs[rows], p_PFs[rows] = np.eye(3), 0.0
         scene = cls(
@@ -147,13 +147,13 @@ class PackedScene:
     @property
     def digest(self) -> str:
         """A name for the content: the SHA-256 of all arrays."""
-        found = hashlib.sha256()
+        digest = hashlib.sha256()
         for field in fields(self):
             value = getattr(self, field.name)
             for array in value if isinstance(value, Bodies) else (value,):
-                found.update(f'{field.name} {array.dtype.str} {array.shape}\n'.encode())
-                found.update(np.ascontiguousarray(array).tobytes())
-        return found.hexdigest()
+                digest.update(f'{field.name} {array.dtype.str} {array.shape}\n'.encode())
+                digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()
 
     def carriers(self) -> Indices:
         """Return the frame (n,) that states pose and that carries each geometry; 0: none does."""
@@ -165,12 +165,12 @@ class PackedScene:
         return carriers[self.frames]
 
     def has_moving_pairs(self) -> bool:
-        """Return whether any pair has a geometry that hangs on a frame which states pose."""
+        """Return whether any pair has a geometry on a frame that states pose, or a descendant."""
         pairs = np.concatenate((self.pairs, self.half_spaces))
         return bool((self.carriers()[pairs] > 0).any())
 
     def world(self) -> World:
-        """Return a world of its own, all frames with a pose."""
+        """Return a new world with a pose for every frame."""
         count = len(self.parents)
         world = World(
             FrameTable(np.arange(count), self.parents.copy()),
@@ -196,7 +196,7 @@ class PackedScene:
 def _unwelded(
     content: SceneContent, frame_ids: Indices, still: Mapping[int, Floats]
 ) -> FilterState:
-    """Return the filters where no frame that states move from its place is welded to the world."""
+    """Return the filters without the welds of frames that states move from their place."""
     filters = content.filters
     moved = [
         frame
@@ -211,7 +211,7 @@ def _unwelded(
 
 
 def _stays_welded(first: Floats | None, pose: Floats | None) -> bool:
-    """Tell whether a pose (7,) of all states is the first one that a welded frame had, if any."""
+    """Return whether a pose (7,) of all states equals the first one of a welded frame, if any."""
     if pose is None:
         return False
     _, (X_WF,) = arrays_of(FramePoseVector.FromArrays(np.ones(1, dtype=np.int64), pose[None]))

@@ -1,16 +1,16 @@
-"""Padded geometries: answers about bodies that are larger all around by a length.
+"""Padded geometries: answers about bodies that are enlarged on all sides by a length.
 
-The property ``('proximity', 'padding')`` [m] makes a body its Minkowski sum with a ball. What is
-as far as d from a body is as far as d - r from the padded one, and so is whatever convex body
-overlaps it: the Minkowski difference of the two is D + ball, and the depth of a point in a convex
-D grows by the radius. So answers about the bodies themselves, asked far enough out, become those
-about the padded ones by a shift along the normal.
+The property ``('proximity', 'padding')`` [m] replaces a body by its Minkowski sum with a ball of
+radius r. A distance d from the body becomes d - r, for overlapping convex bodies, too: their
+Minkowski difference D becomes D + ball, and the depth of a point in a convex D grows by the
+radius. So a query about the bodies themselves, with a larger cutoff, answers for the padded ones
+after a shift along the normal.
 
-Of a body that is not convex only the bound from one side is so. Say padded bodies overlap, and a
-translation t frees them. On the straight way there is a last place where the bodies themselves
-touch, as far as their depth at least, and from there to t their distance grows by no more than
-the way: the depth grows by the radius, or by more. How much more is bounded by parting the balls
-around both bodies.
+If a body is not convex this is a bound from one side only. Say padded bodies overlap, and a
+translation t separates them. On the straight line to t there is a last position where the bodies
+themselves touch, at least as far as their depth. From there to t their distance grows by no more
+than the length of the line. So the depth grows by the radius or by more. The translation that
+separates the bounding balls of both bodies limits how much more.
 """
 
 from __future__ import annotations
@@ -63,16 +63,16 @@ class Paddings(NamedTuple):
     """The paddings of geometries with the proximity role, by their place."""
 
     radii: Floats  # (n,) [m]
-    meshes: NDArray[np.bool_]  # (n,) whether points take it for a surface that is not convex
+    meshes: NDArray[np.bool_]  # (n,) True if points measure to a surface that is not convex
 
     @property
     def of_pair(self) -> float:
-        """The most that a pair comes nearer by [m]."""
+        """The largest sum of two paddings [m]."""
         return 2.0 * float(self.radii.max(initial=0.0))
 
 
 def paddings_of(model: Model, ids: Indices) -> Paddings | None:
-    """Return the paddings of geometries by their id values (n,); None where there are none."""
+    """Return the paddings of geometries by their id values (n,), None if all are 0."""
     by_value = {id.get_value(): record for id, record in model.geometries.items()}
     records = [by_value[value] for value in ids.tolist()]
     radii = np.array([padding_of(record) for record in records], dtype=np.float64)
@@ -85,9 +85,9 @@ def paddings_of(model: Model, ids: Indices) -> Paddings | None:
 def padded_pairs(
     batch: tuple[Indices, Floats], paddings: Paddings, world: World, cutoff: float
 ) -> PairBatch:
-    """Return answers about padded bodies within ``cutoff`` [m], made of those about the bodies.
+    """Return answers about padded bodies within ``cutoff`` [m], from those about the bodies.
 
-    Each row holds that about the bodies themselves behind its own columns.
+    Each row has that of the bodies themselves after its own columns.
     """
     ids, rows = batch[0], batch[1][:, :BATCH_WIDTH]
     places = world.geometry_rows(ids)
@@ -102,9 +102,9 @@ def padded_pairs(
 
 
 def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World) -> Floats:
-    """Return rows (k, BATCH_WIDTH) of pairs at ``places`` (k, 2) as those of the padded bodies.
+    """Return rows (k, BATCH_WIDTH) of pairs at ``places`` (k, 2), changed to the padded bodies.
 
-    But for the witness points in A and in B.
+    The witness points in A and in B are left unchanged.
     """
     radii = paddings.radii[places]
     total = radii.sum(axis=1)
@@ -120,11 +120,11 @@ def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World)
     padded[:, ERROR_BOUND] += slack
     padded[:, PROMISED] += slack
     types, outer = world.geometries.types[places], world.outer_radii[places]
-    # With a half space any body makes a half space, which is convex.
+    # The Minkowski sum of a half space and any body is a half space, which is convex.
     unknown = (types >= SOLID).any(axis=1) & ~(types == HALF_SPACE).any(axis=1)
     unknown &= (total > 0.0) & (distance - padded[:, ERROR_BOUND] < 0.0)
     if unknown.any():
-        # No more than it takes to part the balls around both.
+        # The translation that separates the bounding balls limits the depth.
         parting = outer.sum(axis=1) + total
         bound = np.maximum(padded[:, ERROR_BOUND], distance + parting + slack)
         padded[unknown, ERROR_BOUND] = bound[unknown]
@@ -136,13 +136,13 @@ def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World)
 
 
 def lower_ends(rows: Floats) -> Floats:
-    """Return what decides whether pairs are listed: no pair is nearer [m]."""
+    """Return the certified lower bounds [m] of distances, by which pairs are listed."""
     lower: Floats = rows[:, DISTANCE] - rows[:, ERROR_BOUND]
     return lower
 
 
 def _least_of(rows: Floats) -> Floats:
-    """Return what decides whether pairs overlap: the distance; of bounds alone the lower one."""
+    """Return the distance, or the lower bound for BOUND_ONLY: it decides whether pairs overlap."""
     by_bounds = rows[:, METHOD] == BOUND_ONLY
     least: Floats = rows[:, DISTANCE] - np.where(by_bounds, rows[:, ERROR_BOUND], 0.0)
     return least
@@ -151,7 +151,7 @@ def _least_of(rows: Floats) -> Floats:
 def padded_points(
     batch: PointBatch, paddings: Paddings, world: World, p_WQs: Floats, threshold: float
 ) -> PointBatch:
-    """Return distances to padded bodies up to ``threshold`` [m], made of those to the bodies."""
+    """Return distances to padded bodies up to ``threshold`` [m], from those to the bodies."""
     places = world.geometry_rows(batch.ids)
     rows, radii = padded_point_rows(batch.rows, places, paddings)
     grads = rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
@@ -159,7 +159,7 @@ def padded_points(
     rows[:, POINT_NEAREST : POINT_NEAREST + 3] += radii[:, None] * steps
     inside = (rows[:, POINT_DISTANCE] < 0.0) & paddings.meshes[places] & (radii > 0.0)
     if inside.any():
-        # Of what is not convex the way out may be longer: no longer than out of the ball around.
+        # The exit from a non-convex body may be longer, up to that from its bounding ball.
         away = np.linalg.norm(p_WQs[batch.points] - world.p_WGs[places], axis=1)
         out = world.outer_radii[places] + radii + away + rows[:, POINT_DISTANCE]
         rows[inside, POINT_ERROR_BOUND] = np.maximum(rows[:, POINT_ERROR_BOUND], out)[inside]

@@ -1,4 +1,4 @@
-"""What geometries are to points: a mesh that is a hull in pairs may be its surface to them."""
+"""Shapes that points measure to: the surface of a mesh, say, which is its hull in pairs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def pooled(packed: list[PackedShape]) -> tuple[Indices, Indices, Floats]:
 
 
 def know_point_shapes(world: World, model: Model) -> None:
-    """Have a world know what the geometries of its model are to points, if it does not."""
+    """Add the shapes that points measure to, if a world lacks them."""
     if world.has_point_shapes:
         return
     shapes = [

@@ -1,4 +1,4 @@
-"""The queries about where frames and geometries are, and what waits for its first pose."""
+"""Queries for poses of frames and geometries, and for frames that have never received a pose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 
 class PoseQueries:
-    """What a query object answers about places; it has all other queries too."""
+    """Base of ``QueryObject`` with the queries for poses."""
 
     _state: ContextState
 
@@ -29,16 +29,16 @@ class PoseQueries:
         frame_id: FrameId | None = None,
         geometry_id: GeometryId | None = None,
     ) -> RigidTransform:
-        """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
-        asked = only_id('GetPoseInWorld', id, frame_id, geometry_id)
-        return self.X_WG(asked) if isinstance(asked, GeometryId) else self.X_WF(asked)
+        """Return X_WF of a frame or X_WG of a geometry; raises for an unknown id."""
+        only = only_id('GetPoseInWorld', id, frame_id, geometry_id)
+        return self.X_WG(only) if isinstance(only, GeometryId) else self.X_WF(only)
 
     def GetPoseInParent(self, frame_id: FrameId) -> RigidTransform:
-        """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
+        """Return X_PF, the pose of a frame in its parent; raises for an unknown id."""
         return self.X_PF(frame_id)
 
     def X_WF(self, id: FrameId) -> RigidTransform:
-        """Return the pose of a frame in the world; raises for an id that is not here."""
+        """Return the pose of a frame in the world; raises for an unknown id."""
         world, row = self._state.placed_frame(id)
         world.update()
         return _transform(world.R_WFs[row], world.p_WFs[row])
@@ -46,16 +46,16 @@ class PoseQueries:
     def X_WFs(
         self, ids: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Return what ``SceneGraphContext.X_WFs`` does: poses of many frames, as arrays."""
+        """Return the poses of many frames as arrays, see ``SceneGraphContext.X_WFs``."""
         return self._state.X_WFs(ids)
 
     def X_PF(self, id: FrameId) -> RigidTransform:
-        """Return the pose of a frame in its parent; raises for an id that is not here."""
+        """Return the pose of a frame in its parent; raises for an unknown id."""
         world, row = self._state.placed_frame(id, in_world=False)
         return _transform(world.R_PFs[row], world.p_PFs[row])
 
     def X_WG(self, id: GeometryId) -> RigidTransform:
-        """Return the pose of a geometry in the world; raises for an id that is not here."""
+        """Return the pose of a geometry in the world; raises for an unknown id."""
         record = self._state.model.geometry(id)
         return self.X_WF(record.frame_id) @ record.X_FG
 
@@ -64,11 +64,11 @@ class PoseQueries:
         obb = self.inspector().GetObbInGeometryFrame(geometry_id)
         return obb and Obb(self.X_WG(geometry_id) @ obb.pose(), obb.half_width())
 
-    # What waits for its first pose: while anything does, other contexts refuse all queries, and
-    # partial ones leave it out.
+    # Frames without a first pose. As long as there are any, partial contexts leave out the
+    # geometry on them, and other contexts refuse all queries.
 
     def waiting_frames(self) -> list[FrameId]:
-        """Return the frames that never had a pose, parents first."""
+        """Return the frames that have never received a pose, parents first."""
         world = self._state.up_to_date_world()
         return [] if world.is_whole else [FrameId(v) for v in world.unposed_frames().tolist()]
 
@@ -79,25 +79,25 @@ class PoseQueries:
         return bool(world.placed[world.frame_rows(np.array([frame.get_value()]))[0]])
 
     def num_waiting_pairs(self) -> int:
-        """Return how many unfiltered pairs have a geometry that is not placed: at any distance."""
+        """Return the number of unfiltered pairs, at any distance, with a geometry not placed."""
         return self._state.count_waiting_pairs()
 
     def num_waiting_geometries(self) -> int:
-        """Return how many geometries with the proximity role are not placed."""
+        """Return the number of geometries with the proximity role that are not placed."""
         return int(np.count_nonzero(self._state.up_to_date_world().waiting))
 
     def X_WGs(self, ids: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return R_WG (k, 3, 3) and p_WG (k, 3) [m] of geometries by the values (k,) of their ids.
 
-        For many at once: ``X_WG`` of one takes a hundred times as long. Raises RoleError for what
-        has no proximity role here.
+        A call of ``X_WG`` costs a hundred times as much per geometry. Raises RoleError for ids of
+        geometries without the proximity role.
         """
         world = self._state.up_to_date_world()
         world.update()
-        values, known = np.asarray(ids, dtype=np.int64), world.geometries.ids
+        values, all_ids = np.asarray(ids, dtype=np.int64), world.geometries.ids
         rows = world.geometry_rows(values)
-        is_known = rows < len(known)
-        is_known[is_known] = known[rows[is_known]] == values[is_known]
+        is_known = rows < len(all_ids)
+        is_known[is_known] = all_ids[rows[is_known]] == values[is_known]
         if not is_known.all():
             unknown = sorted(set(values[~is_known].tolist()))[:5]
             raise RoleError(f'these ids belong to no geometry with the proximity role: {unknown}')

@@ -1,4 +1,4 @@
-"""A scene and where its frames are: who poses them, and what still waits for its first pose."""
+"""``PosedScene``: a model with its filters, and the poses of its frames."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _Scene = TypeVar('_Scene', bound='PosedScene')
-_MOST_SENDERS = 64  # who poses ever other frames must not fill the memory
+_MAX_FRAME_LISTS = 64  # a limit, since callers may pose different frames each time
 
 
 class ModelMark(NamedTuple):
@@ -34,16 +34,16 @@ class ModelMark(NamedTuple):
 
     @classmethod
     def of(cls, model: Model) -> ModelMark:
-        """Return that of now."""
+        """Return the mark of a model's current versions."""
         return cls(model.versions.frames, model.versions.proximity)
 
 
 class PosedScene(SceneContent):
-    """A model and filters, and the world of poses that queries are asked of.
+    """A model with its filters, and the world of poses that queries run on.
 
-    ``world`` is that of the last query; ``up_to_date_world()`` has what was registered since.
-    While a frame never had a pose queries are refused, or, with ``partial``, leave out what hangs
-    on it.
+    ``world`` is that of the last query; ``up_to_date_world()`` includes later registrations. While
+    a frame has never received a pose, queries are refused, or, with ``partial``, leave out the
+    geometry on it and on its descendants.
     """
 
     def __init__(self, model: Model, filters: FilterState, partial: bool) -> None:
@@ -51,15 +51,15 @@ class PosedScene(SceneContent):
         self.partial = partial
         self.world = World(*tables_of(model))
         self.built, self._seen = ModelMark.of(model), model.versions.any
-        # Who poses frames names the same ones each time: all lists of them, by the bytes of their
-        # ids, and those of sources by the values of theirs.
+        # Callers pose the same frames each time, so lists of frames are cached: by the bytes of
+        # their ids, and those of sources by the ids of these.
         self._named: dict[bytes, Named] = {}
         self._own: dict[int, Named] = {}
         if model.first_X_PFs:
             self.pose_frames(FramePoseVector(model.first_X_PFs))
 
     def _about(self: _Scene, model: Model) -> _Scene:
-        """Return the same about a copy of the model, with filters and a world of its own."""
+        """Return this scene with a copy of the model, and filters and a world of its own."""
         world = self.up_to_date_world()
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
@@ -68,7 +68,7 @@ class PosedScene(SceneContent):
         return other
 
     def up_to_date_world(self) -> World:
-        """Return the world, rebuilt, poses kept, if frames or shapes changed."""
+        """Return the world, rebuilt with the same poses if frames or shapes changed."""
         seen = self.model.versions.any
         if self._seen != seen:
             built = ModelMark.of(self.model)
@@ -80,7 +80,7 @@ class PosedScene(SceneContent):
         return self.world
 
     def posed_world(self) -> World:
-        """Return the world for a query; raises PoseError if it lacks poses that it must have."""
+        """Return the world for a query; raises PoseError if a pose that it needs is missing."""
         world = self.up_to_date_world()
         if not (world.is_whole or self.partial):
             waiting = world.unposed_frames().tolist()
@@ -96,8 +96,8 @@ class PosedScene(SceneContent):
     def placed_frame(self, id: FrameId, *, in_world: bool = True) -> tuple[World, int]:
         """Return the world and the row of a frame in it.
 
-        Raises UnknownIdError for one that is not here, and PoseError where it has no pose, or, to
-        be known ``in_world``, what it hangs on has none.
+        Raises UnknownIdError for an unknown frame, and PoseError if it has no pose, or if, with
+        ``in_world``, an ancestor has none.
         """
         record = self.model.frame(id)
         world = self.posed_world()
@@ -111,17 +111,17 @@ class PosedScene(SceneContent):
         return world, row
 
     def X_WFs(self, ids: ArrayLike) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """Return what ``SceneGraphContext.X_WFs`` does."""
+        """Return the result of ``SceneGraphContext.X_WFs``."""
         world = self.up_to_date_world()
         values = np.asarray(ids, dtype=np.int64)
         for value in values[~world.has_frames(values)].tolist():
-            self.model.frame(FrameId(value))  # the world, or an error that names it
+            self.model.frame(FrameId(value))  # raises for unknown ids; the world frame is known
         world.update()
         rows = world.frame_rows(values)
         return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
 
     def describe(self, values: list[int]) -> str:
-        """Name frames, by the values of their ids, for an error message."""
+        """Return the names of frames, by their id values, for an error message."""
         names = []
         for frame in map(FrameId, values[:5]):
             record = self.model.frames.get(frame)
@@ -132,21 +132,21 @@ class PosedScene(SceneContent):
     # Poses.
 
     def pose_source(self, source_id: SourceId, poses: FramePoseVector) -> None:
-        """Pose all frames of a source, or none: see ``SceneGraphContext.SetFramePoses``."""
+        """Set the poses of all frames of a source, see ``SceneGraphContext.SetFramePoses``."""
         world = self.up_to_date_world()
         own = self._own.get(source_id.get_value()) or self._source_frames(source_id)
-        given, X_PFs = arrays_of(poses)
+        ids, X_PFs = arrays_of(poses)
         # Mostly the frames come in the order of their ids.
-        if given is own.ids or own.is_of(given):
+        if ids is own.ids or own.is_of(ids):
             if self.filters.welded:
-                self._look_after_welds(given, X_PFs)
+                self._undo_moved_welds(ids, X_PFs)
             world.pose(own, X_PFs)
             return
-        if not np.array_equal(given := np.sort(given), own.ids):
+        if not np.array_equal(ids := np.sort(ids), own.ids):
             problems = []
-            if missing := np.setdiff1d(own.ids, given).tolist():
+            if missing := np.setdiff1d(own.ids, ids).tolist():
                 problems.append(f'these frames of it have no pose: {self.describe(missing)}')
-            if foreign := np.setdiff1d(given, own.ids).tolist():
+            if foreign := np.setdiff1d(ids, own.ids).tolist():
                 problems.append(f'these frames are not its own: {self.describe(foreign)}')
             raise PoseError(
                 f"Poses for source '{self.model.source_name(source_id)}' were refused, nothing "
@@ -155,30 +155,30 @@ class PosedScene(SceneContent):
         self.pose_frames(poses)
 
     def pose_frames(self, poses: FramePoseVector) -> None:
-        """Pose frames of any source: see ``SceneGraphContext.UpdateFramePoses``."""
+        """Set the poses of frames of any source, see ``SceneGraphContext.UpdateFramePoses``."""
         world = self.up_to_date_world()
         ids, X_PFs = arrays_of(poses)
         named = self._frames_named(ids.tobytes(), ids)
         if self.filters.welded:
-            self._look_after_welds(ids, X_PFs)
+            self._undo_moved_welds(ids, X_PFs)
         world.pose(named, X_PFs)
 
     def begin_at(self, frame: FrameRecord, X_PF: RigidTransform) -> None:
-        """Pose a frame that has another parent now, here and in what is made of this scene."""
+        """Pose a frame that got another parent, here and in later contexts of this scene."""
         super().begin_at(frame, X_PF)
         self.pose_frames(FramePoseVector({frame.id: X_PF}))
 
     def _source_frames(self, source_id: SourceId) -> Named:
-        """Return a source's frames by ascending ids, and note them."""
+        """Return a source's frames by ascending ids, and cache the list."""
         values = [frame.get_value() for frame in self.model.frames_of_source(source_id)]
         ids = np.array(sorted(values), dtype=np.int64)
         own = self._own[source_id.get_value()] = self._frames_named(ids.tobytes(), ids)
         return own
 
     def _frames_named(self, key: bytes, ids: Indices) -> Named:
-        """Return frames by the values (n,) of their ids, whose bytes are the key.
+        """Return the cached list of frames by id values (n,), whose bytes are the ``key``.
 
-        Raises PoseError when one does not exist.
+        Raises PoseError when a frame does not exist.
         """
         named = self._named.get(key)
         if named is None:
@@ -190,13 +190,13 @@ class PosedScene(SceneContent):
                     'Poses were refused, nothing was changed: these frames are not in this scene: '
                     f'{self.describe(sorted(unknown.tolist()))}.'
                 )
-            if len(self._named) == _MOST_SENDERS:
+            if len(self._named) == _MAX_FRAME_LISTS:
                 del self._named[next(iter(self._named))]
             self._named[key] = named
         return named
 
-    def _look_after_welds(self, ids: Indices, X_PFs: Floats) -> None:
-        """Undo the weld of a frame that is posed elsewhere than where its first pose put it."""
+    def _undo_moved_welds(self, ids: Indices, X_PFs: Floats) -> None:
+        """Undo the welds of frames whose new pose differs from their first one."""
         welded = self.filters.welded
         for frame, X_WF in zip(ids.tolist(), X_PFs, strict=True):
             if frame not in welded:

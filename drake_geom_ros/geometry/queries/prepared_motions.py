@@ -1,4 +1,4 @@
-"""What checks of motions prepared, kept for those of the same frames that follow."""
+"""Cache of prepared motion checks, for later checks of the same frames."""
 
 from __future__ import annotations
 
@@ -6,30 +6,30 @@ import threading
 from collections.abc import Hashable
 from typing import Any
 
-_MOST = 8  # kinds of motions: who moves ever other frames must not fill the memory
+_MAX_KINDS = 8  # a limit, since callers may move different frames each time
 
 
 class PreparedMotions:
-    """A few prepared things by what they are of; who takes one has it alone until it comes back.
+    """Thread-safe cache with one entry a kind; a caller owns an entry from ``take`` to ``keep``.
 
-    One of each kind is kept, those that were used last. Any number of threads may take.
+    It holds the entries that were used last.
     """
 
     def __init__(self) -> None:
-        self._kept: dict[Hashable, Any] = {}
+        self._entries: dict[Hashable, Any] = {}
         self._lock = threading.Lock()
 
     def __reduce__(self) -> tuple[type[PreparedMotions], tuple[()]]:
         return PreparedMotions, ()  # a copy begins with nothing
 
     def take(self, kind: Hashable) -> Any:
-        """Return what is kept of a kind, which nobody else gets meanwhile; None: nothing is."""
+        """Remove and return the entry of a kind, None if there is none."""
         with self._lock:
-            return self._kept.pop(kind, None)
+            return self._entries.pop(kind, None)
 
     def keep(self, kind: Hashable, prepared: Any) -> None:
-        """Take something back, or the first of its kind."""
+        """Store an entry, and drop the oldest one beyond the limit."""
         with self._lock:
-            self._kept[kind] = prepared
-            if len(self._kept) > _MOST:
-                del self._kept[next(iter(self._kept))]
+            self._entries[kind] = prepared
+            if len(self._entries) > _MAX_KINDS:
+                del self._entries[next(iter(self._entries))]

@@ -25,7 +25,7 @@ Booleans = NDArray[np.bool_]
 
 
 class Derivatives(NamedTuple):
-    """Gradients (k, 12) of the distances in some rows, and which of them are unique (k,)."""
+    """Gradients (k, 12) of the distances in some rows, and whether each is unique (k,)."""
 
     rows: Floats
     gradients: Floats
@@ -33,7 +33,7 @@ class Derivatives(NamedTuple):
 
 
 class PairGradients:
-    """The part of a sequence of pairs that is about derivatives, computed when first asked for."""
+    """Derivatives of a sequence of pairs, computed on first use."""
 
     _ids: Indices
     _rows: Floats
@@ -47,18 +47,18 @@ class PairGradients:
 
     @property
     def gradients(self) -> Floats:
-        """Derivatives (k, 12) of what the results report."""
+        """Derivatives (k, 12) of the reported depths or distances."""
         raise NotImplementedError
 
     @property
     def is_gradient_unique(self) -> Booleans:
-        """Whether each gradient (k,) is the only one: the distance has a derivative there.
+        """True (k,) where the gradient is unique: the distance has a derivative there.
 
-        False where normals are equally good, where faces or edges lie parallel, where corners
-        touch, for answers from bounds alone, and for solids that touch. Of solids that are apart
-        all parts are looked at that may be as near; of those that overlap it is False, too, where
-        nothing proves that no other way out is as short, and of sensed maps everywhere. Rounding
-        decides for what is so by less than about 1e-6 rad.
+        False where several normals are equally good, where faces or edges are parallel, where
+        corners touch, for answers from bounds alone, for solids that touch, and for sensed maps.
+        For solids that are apart all parts are compared that may be as near. For solids that
+        overlap it is False unless no other separating translation is proved to be as short. Within
+        about 1e-6 rad of such a case rounding decides.
         """
         return self._derivatives().unique
 
@@ -73,11 +73,11 @@ class PairGradients:
         return self._frames()[:, 1]
 
     def jacobian_by_frames(self, J_WFs: Mapping[FrameId, ArrayLike]) -> Floats:
-        """Return the derivatives (k, n) of what is reported by n coordinates, such as joints.
+        """Return the derivatives (k, n) of depths or distances by n coordinates, such as joints.
 
         ``J_WFs`` maps frames to their Jacobians d(V_WF)/d(qdot) (6, n), in the layout of
-        ``gradients``; frames that are not in it stay where they are. Raises ArgumentError for
-        other shapes and for an empty mapping.
+        ``gradients``; other frames do not move. Raises ArgumentError for other shapes and for an
+        empty mapping.
         """
         if not J_WFs:
             raise ArgumentError('jacobian_by_frames: J_WFs is empty; give at least one frame.')
@@ -88,19 +88,19 @@ class PairGradients:
             raise ArgumentError(
                 f'jacobian_by_frames: Jacobians have the shapes {shapes}, not (6, n)'
             )
-        known = np.array(sorted(Js), dtype=np.int64)
-        stacked = np.stack([*(Js[int(frame)] for frame in known), np.zeros(width)])
+        ids = np.array(sorted(Js), dtype=np.int64)
+        stacked = np.stack([*(Js[int(frame)] for frame in ids), np.zeros(width)])
         frames = self._frames()
-        at = np.searchsorted(known, frames).clip(max=len(known) - 1)
-        at[known[at] != frames] = len(known)
+        at = np.searchsorted(ids, frames).clip(max=len(ids) - 1)
+        at[ids[at] != frames] = len(ids)
         return self._jacobian(stacked[at[:, 0]], stacked[at[:, 1]])
 
     def _derivatives(self) -> Derivatives:
         """Return the derivatives of the distances; one compiled call."""
         if self._derived is None or self._derived.rows is not self._rows:
-            # Paddings change none: they are constants, and points move along the normal only.
-            found = gradients_of_pairs(self._scene, self._ids, self._surface_rows)
-            self._derived = Derivatives(self._rows, *found)
+            # Paddings are constants and move points along the normal: they change no gradient.
+            derivatives = gradients_of_pairs(self._scene, self._ids, self._surface_rows)
+            self._derived = Derivatives(self._rows, *derivatives)
         return self._derived
 
     @property
@@ -126,7 +126,7 @@ class PairGradients:
 
 
 class PointGradients:
-    """The part of distances to points that is about derivatives."""
+    """Derivatives of distances to points."""
 
     _arrays: PointBatch
     _kept_poses: KeptPoses | None
@@ -141,8 +141,9 @@ class PointGradients:
         """Derivatives (k, 6) of the distances by the motion of the frame F that carries G.
 
         By its spatial velocity V_WF = [w_WF, v_WFo], angular before linear, in World axes
-        [m/rad, -]: to move G one way is to move the point the other way. That by the point's own
-        position is ``grad_W``. Where ``is_grad_W_unique`` is False it belongs to that member.
+        [m/rad, -]; moving G is equivalent to moving the point the other way. ``grad_W`` is the
+        derivative by the point's position. Where ``is_grad_W_unique`` is False, this one belongs
+        to the reported ``grad_W``.
         """
         grads = self._arrays.rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
         scene = self._scene
@@ -155,7 +156,7 @@ class PointGradients:
 
         ``J_Gs`` (k, 6, n), or (6, n) for all, are d(V_WF)/d(qdot) of the frames that carry G, in
         the layout of ``gradients``; ``J_Qs`` (k, 3, n) or (3, n) are those of the points, which
-        stay where they are without. Raises ArgumentError for other shapes.
+        do not move without it. Raises ArgumentError for other shapes.
         """
         count = len(self._arrays.rows)
         total: Floats = (self.gradients[:, None] @ _checked(J_Gs, count))[:, 0]
@@ -167,38 +168,38 @@ class PointGradients:
 
 
 class PairEvidence(NamedTuple):
-    """What the derivatives of k pairs are made of."""
+    """Data that the derivatives of k pairs are computed from."""
 
     ids: Indices  # (k, 2)
-    rows: Floats  # what is reported
+    rows: Floats  # the reported answers
     surface_rows: Floats  # the same about the bodies themselves, without their paddings
     scene: PosedWorld
 
 
 class PointEvidence(NamedTuple):
-    """What the derivatives of distances to points are made of."""
+    """Data that the derivatives of distances to points are computed from."""
 
     p_WQs: Floats  # (m, 3) [m]
     scene: PosedWorld
 
 
-def pair_evidence(found: PairGradients) -> PairEvidence:
-    """Return what results of one state rest on; raises GeometryError for those of many."""
-    return PairEvidence(found._ids, found._rows, found._surface_rows, found._scene)
+def pair_evidence(pairs: PairGradients) -> PairEvidence:
+    """Return the data behind results of one state; raises GeometryError for many states."""
+    return PairEvidence(pairs._ids, pairs._rows, pairs._surface_rows, pairs._scene)
 
 
-def point_evidence(found: PointGradients) -> PointEvidence:
-    """Return what results of one state rest on; raises GeometryError for those of many."""
-    return PointEvidence(found._p_WQs, found._scene)
+def point_evidence(points: PointGradients) -> PointEvidence:
+    """Return the data behind results of one state; raises GeometryError for many states."""
+    return PointEvidence(points._p_WQs, points._scene)
 
 
-def distance_gradients(found: PairGradients) -> Floats:
-    """Return the gradients (k, 12) of the distances, of results of many states as well."""
-    return gradients_of_rows(found._rows)
+def distance_gradients(pairs: PairGradients) -> Floats:
+    """Return the gradients (k, 12) of distances, also for results of many states."""
+    return gradients_of_rows(pairs._rows)
 
 
 def _posed(kept_poses: KeptPoses | None) -> PosedWorld:
-    """Return the shapes as they were when the query was answered."""
+    """Return the shapes at the poses of the query."""
     if kept_poses is None:
         raise GeometryError(
             'Derivatives of results of many states were asked for, which keep no orientations: '
@@ -208,7 +209,7 @@ def _posed(kept_poses: KeptPoses | None) -> PosedWorld:
 
 
 def _checked(J: ArrayLike, count: int, height: int = 6) -> Floats:
-    """Return a Jacobian as (k, height, n), or (height, n); raises ArgumentError for others."""
+    """Return a Jacobian (k, height, n) or (height, n); raises ArgumentError for other shapes."""
     matrix = np.asarray(J, dtype=float)
     fits = matrix.ndim in (2, 3) and matrix.shape[-2] == height
     if not fits or (matrix.ndim == 3 and len(matrix) != count):

@@ -1,4 +1,4 @@
-"""The queries: penetration, signed distance, candidates, and where things are."""
+"""``QueryObject``: queries for penetration, signed distance and collision candidates."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ from drake_geom_ros.math.tolerances import FARTHEST
 
 
 class QueryObject(ImageQueries, MotionChecks, ContactQueries):
-    """Answers geometry queries about a context.
+    """Geometry queries on a context.
 
-    The one that a SceneGraph's query port gives is live: it sees later poses and changes of its
-    context. A copy of it (``copy.copy``) is baked: it keeps answering for the moment of the copy.
-    Queries raise PoseError, which names them, while frames never had a pose.
+    The query object of a SceneGraph's query port is live: it sees later poses and changes of its
+    context. A copy of it (``copy.copy``) is baked: it keeps the poses and the model of the moment
+    of the copy. Queries raise PoseError, with the names of frames that have never received a pose.
 
-    Each query takes ``accuracy``, one of ``bound``, ``fast``, ``balanced``, ``exact``; without it
-    the SceneGraph's default holds.
+    Each query takes ``accuracy``, one of ``bound``, ``fast``, ``balanced``, ``exact``; the
+    SceneGraph's default applies without it.
     """
 
     def __init__(self, context: SceneGraphContext | None = None) -> None:
@@ -60,19 +60,18 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         __getattr__ = refuse_missing_member
 
     def effects(self) -> Effects:
-        """Return what the last query did and what it skipped, with counts and seconds."""
+        """Return the steps that the last query ran and skipped, with counts and seconds."""
         return self._state.engine.effects
 
     def cost_of_levels(
         self, max_distance: float = math.inf, *, samples: int = 64, seed: int = 0
     ) -> tuple[dict[str, float], int]:
-        """Return what a pair costs now at each accuracy level [s], and how many were sampled.
+        """Return the time [s] per pair at each accuracy level, and the number of sampled pairs.
 
         Measured on at most ``samples`` of the pairs for which a signed distance within
-        ``max_distance`` [m] would be computed, chosen by ``seed``, each as if it were seen for the
-        first time: a cycle that knows the last answer starts from it and is faster. Empty and 0
-        where no pair is near. Nothing is carried over to later queries. Raises ArgumentError for a
-        max_distance that is NaN.
+        ``max_distance`` [m] would be computed, chosen by ``seed``. Each is computed without a warm
+        start, so a cycle is faster. Empty and 0 where no pair is near. Later queries are not
+        affected. Raises ArgumentError for a max_distance that is NaN.
         """
         reach = _checked_distance('max_distance', max_distance)
         state = self._state
@@ -80,10 +79,10 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         return seconds_a_pair(world, state.filters, reach, samples, seed)
 
     def narrowed(self, considered: ArrayLike) -> QueryObject:
-        """Return a query object that considers the pairs of a matrix (n, n), and no other.
+        """Return a query object that considers only the pairs of a matrix (n, n).
 
-        Its rows are those of ``inspector().candidate_matrix()``, whose filters hold, too. It sees
-        later poses, as this one does, until shapes or filters change: then make another one.
+        Its rows are those of ``inspector().candidate_matrix()``; filters apply, too. It sees later
+        poses, as this one does. After a change of shapes or filters, make another one.
         """
         flags = np.asarray(considered, dtype=np.bool_)
         count = len(self._state.up_to_date_world().geometries.ids)
@@ -103,12 +102,12 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
 
         Touching is not penetrating: the depth must exceed ``TOUCHING_DEPTH`` times the pair's
         size, see ``_proximity/tolerances.py``. Sorted by (id_A, id_B), and ``id_A < id_B``. Two
-        half spaces have no depth and are left out: HasCollisions tells of them.
+        half spaces have no depth and are left out; HasCollisions includes them.
 
-        Pairs that were answered from bounds alone (method BOUND_ONLY: by the level, or left by
-        the ``time_budget``) are reported where they may overlap: none that does is missing. Where
-        they may be apart, too, the depth is half of the largest possible one, and the error bound
-        so wide that minus the signed distance is within it of the depth.
+        Pairs answered from bounds alone (method BOUND_ONLY, because of the level or of the
+        ``time_budget``) are reported if they may overlap, so no overlap is missing. If they may
+        also be apart, the depth is half of the largest possible one, and the interval of the error
+        bound contains minus the signed distance.
 
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
@@ -118,7 +117,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         query = state.query('penetrations', accuracy, 0.0, True, ANSWERS)
         budget = _checked_budget(time_budget)
         answers = state.engine.answer_of(query, budget)
-        # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
+        # Kernels decide every pair, and to look for undecided ones costs as much as 50 balls.
         if query.is_bound or budget > 0.0:
             return PenetrationResults(batch_of(answers).penetrating(), query.world.kept_poses())
         return PenetrationResults(answers, query.world.kept_poses())
@@ -126,25 +125,24 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether any unfiltered pair overlaps; stops at the first.
 
-        Those are the pairs that ComputePointPairPenetration reports, and those of half spaces that
-        overlap, which no list has: all but opposed ones that are apart by more than rounding.
+        Counts the pairs that ComputePointPairPenetration reports, and overlapping half spaces,
+        which it does not report: all but opposed ones with a gap above rounding.
 
-        Where sizes, distances or coordinates are so large, from about 1e11 m on, that rounding
-        hides contacts deeper than a millimetre, a pair counts as colliding when the certified
-        interval of its distance reaches below 0: there a contact is possible.
+        From about 1e11 m on, rounding may hide contacts deeper than a millimetre. There a pair
+        counts as colliding if the certified interval of its distance reaches below 0.
         """
         state = self._state
         if paddings := state.paddings():
-            found = len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
+            overlaps = len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
         else:
             query = state.query('contact', accuracy, 0.0, True, CONTACT)
-            found = state.engine.finds_overlap(query)
-        if found or not state.world.has_plane_pairs:
-            return found
+            overlaps = state.engine.finds_overlap(query)
+        if overlaps or not state.world.has_plane_pairs:
+            return overlaps
         return len(state.endless_overlaps().ids) > 0
 
     def half_space_gaps(self) -> HalfSpaceGaps:
-        """Return how far apart the unfiltered pairs of half spaces are, which no list has."""
+        """Return the gaps of unfiltered pairs of half spaces, which other queries leave out."""
         return self._state.half_space_gaps()
 
     def ComputeSignedDistancePairwiseClosestPoints(
@@ -159,12 +157,11 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         Overlapping pairs have the negative of the penetration depth as distance. Sorted by
         (id_A, id_B), and ``id_A < id_B``. Two half spaces have no distance and are left out.
 
-        ``time_budget`` [s] limits the narrow phase (None or 0: no limit). Every near pair is
-        bounded first; then kernels answer the nearest pairs, by these bounds, while time lasts,
-        and at least a few. The rest keep their certified bounds, with method BOUND_ONLY and the
-        half width of the interval as ``error_bound``: asked again, they are refined. Of pairs
-        answered from bounds, by the budget or by the level, all are reported that may be near
-        enough.
+        ``time_budget`` [s] limits the narrow phase (None or 0: no limit). Every candidate pair is
+        bounded first. Then kernels answer the nearest pairs, by these bounds, while time lasts,
+        and at least a few. The others keep their certified bounds, with method BOUND_ONLY and half
+        of the interval's width as ``error_bound``; a later query refines them. Pairs answered from
+        bounds, because of the budget or the level, are reported if they may be near enough.
 
         Raises ArgumentError for a max_distance that is NaN and a time_budget that is negative or
         NaN.
@@ -200,8 +197,8 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
 
         ``id_A`` and ``id_B`` are older names of the arguments.
 
-        Raises GeometryError for an id that is not here, a geometry without the proximity role, a
-        filtered pair, and two half spaces.
+        Raises GeometryError for an unknown id, a geometry without the proximity role, a filtered
+        pair, and two half spaces.
         """
         first = only_id('geometry_id_A', geometry_id_A, id_A)
         second = only_id('geometry_id_B', geometry_id_B, id_B)
@@ -217,23 +214,23 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     ) -> SignedDistanceResults:
         """Return ComputeSignedDistancePairClosestPoints as a result sequence of one pair.
 
-        ``hint`` (3,) is the nhat_BA_W from which an iteration starts, of an earlier answer with
-        the ids in ascending order. A good one saves time; the certificate holds whatever it is.
+        ``hint`` (3,) is the normal from which an iteration starts: nhat_BA_W of an earlier answer
+        with the ids in ascending order. A good one saves time; the certificate holds for any.
         """
         state = self._state
         records = [state.model.geometry(g) for g in (geometry_id_A, geometry_id_B)]
         records.sort(key=lambda record: record.id)
-        asked = 'The signed distance of ' + ' and '.join(f"'{r.name}' ({r.id!r})" for r in records)
+        what = 'The signed distance of ' + ' and '.join(f"'{r.name}' ({r.id!r})" for r in records)
         for record in records:
             if record.proximity is None:
                 raise RoleError(
-                    f"{asked} was asked for, but '{record.name}' has no proximity role: "
+                    f"{what} was asked for, but '{record.name}' has no proximity role: "
                     'assign it with SceneGraph.AssignRole.'
                 )
         keys = [record.id.get_value() for record in records]
         if reasons := state.filters.explain(keys[0], keys[1]):
             raise FilterError(
-                f'{asked} was asked for, but the pair is filtered: {", ".join(reasons)}. '
+                f'{what} was asked for, but the pair is filtered: {", ".join(reasons)}. '
                 + how_to_allow(reasons)
             )
         for record in records:
@@ -244,7 +241,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         batch = state.engine.distance_of_pair(world, pair, state.level(accuracy), start)
         if not len(batch.ids):
             why = unsupported(*world.geometries.types[pair[0]].tolist())
-            raise GeometryError(f'{asked} was asked for: {why}.')
+            raise GeometryError(f'{what} was asked for: {why}.')
         if (paddings := state.paddings()) is not None:
             batch = padded_pairs(batch, paddings, world, math.inf)
         return SignedDistanceResults(batch, world.kept_poses())
@@ -252,10 +249,10 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
     def FindCollisionCandidates(
         self, *, accuracy: str | None = None
     ) -> list[tuple[GeometryId, GeometryId]]:
-        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids.
+        """Return the unfiltered pairs that bounding volumes do not separate, sorted by ids.
 
-        Two half spaces are kept apart where they are opposed, by a gap above rounding.
-        They are the same at each ``accuracy``; a name that is none raises ArgumentError.
+        Two half spaces are separated if they are opposed with a gap above rounding. The pairs are
+        the same at each ``accuracy``; an unknown name raises ArgumentError.
         """
         self._state.level(accuracy)
         ids_A, ids_B = self.collision_candidates().T.tolist()
@@ -271,13 +268,13 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         return ids[np.lexsort((ids[:, 1], ids[:, 0]))]
 
     def _candidates(self) -> tuple[World, NDArray[np.int64]]:
-        """Return the world, brought up to date, and FindCollisionCandidates by places in it.
+        """Return the up-to-date world, and FindCollisionCandidates by places in it.
 
-        But for those of two half spaces.
+        Pairs of two half spaces are left out.
         """
         state = self._state
         reach = paddings.of_pair if (paddings := state.paddings()) else 0.0
-        # Whatever the level is; that of the context is kept prepared.
+        # The level does not matter; the query at the default one is cached.
         query = state.query(('candidates', reach), None, reach, False, CANDIDATES)
         return query.world, state.engine.candidates_of(query)
 
@@ -288,15 +285,15 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
 
         A point is (3,), or a column (3, 1).
         Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
-        (point_index, id_G). Answers are exact at each accuracy level, whatever the shape is.
+        (point_index, id_G). Answers are exact at each accuracy level, for every shape.
         On an edge or a corner of a box and on a rim of a cylinder, within rounding, the gradient
-        is the mean of the outward normals that adjoin there, at unit length.
+        is the normalised mean of the adjoining outward normals.
         Raises ArgumentError for points that are not finite, not of these shapes or beyond 1e302 m,
         and for a threshold that is NaN.
         """
         reach = _checked_distance('threshold', threshold)
         self._state.level(accuracy)
-        p_WQs = np.array(p_WQ, dtype=np.float64, order='C', ndmin=2)  # the results keep it
+        p_WQs = np.array(p_WQ, dtype=np.float64, order='C', ndmin=2)  # the results refer to it
         if p_WQs.shape == (3, 1):
             p_WQs = p_WQs.reshape(1, 3)
         if p_WQs.ndim != 2 or p_WQs.shape[1] != 3:
@@ -316,7 +313,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
 
 
 def _checked_distance(name: str, value: float) -> float:
-    """Return a distance as a float: kernels know no whole numbers."""
+    """Return a distance as a float, since kernels take no integers."""
     if math.isnan(value):
         raise ArgumentError(f'{name} must be a distance in metres or infinity, but is NaN.')
     return float(value)
@@ -341,7 +338,7 @@ def _checked_hint(hint: ArrayLike) -> NDArray[np.float64]:
 
 
 def _why_refused(p_WQs: NDArray[np.float64]) -> str:
-    """Return why points are refused, one of which is not finite or beyond FARTHEST."""
+    """Return the error text for points of which one is not finite or beyond FARTHEST."""
     finite = np.isfinite(p_WQs).all(axis=-1)
     if not finite.all():
         return (

@@ -1,4 +1,4 @@
-"""What queries say of one pair, or of one geometry and a point: records as pydrake has them."""
+"""Records of one pair, or of one geometry and a point, with the fields of pydrake's records."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _no_id() -> GeometryId:
 
 
 class _Record:
-    """Records are the same if all their numbers are."""
+    """Base of records: they are equal if all their fields are."""
 
     __slots__ = ()
 
@@ -29,18 +29,19 @@ class _Record:
         if type(other) is not type(self):
             return NotImplemented
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return all(np.array_equal(mine, its) for mine, its in pairs)
+        return all(np.array_equal(value, other_value) for value, other_value in pairs)
 
     __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(kw_only=True, eq=False)
 class PenetrationAsPointPair(_Record):
-    """Two overlapping geometries, by the pair of points that most deeply penetrate each other.
+    """Two overlapping geometries, with the pair of points of deepest penetration.
 
     ``depth = (p_WCb - p_WCa) . nhat_BA_W`` [m], positive; -1 in a default record.
-    ``nhat_BA_W`` is unit and points out of B into A. ``|depth - true depth| <= error_bound``; the
-    true depth of bodies that are apart, which bounds alone may report, is minus their distance.
+    ``nhat_BA_W`` is unit and points out of B into A. ``|depth - true depth| <= error_bound``. An
+    answer from bounds alone may report bodies that are apart; their true depth is minus their
+    distance.
     """
 
     id_A: GeometryId = field(default_factory=_no_id)
@@ -55,7 +56,7 @@ class PenetrationAsPointPair(_Record):
 
 @dataclass(kw_only=True, eq=False)
 class SignedDistancePair(_Record):
-    """The signed distance of two geometries and the points that witness it.
+    """The signed distance of two geometries, with its witness points.
 
     ``p_ACa`` and ``p_BCb`` are measured and expressed in the geometries' own frames [m],
     ``nhat_BA_W`` is the gradient of the distance with respect to a translation of A, out of B
@@ -79,7 +80,7 @@ class SignedDistancePair(_Record):
 
         With the spatial velocities V_WF = [w_WF, v_WFo] (rotational first, as in Drake, in World)
         the distance changes at the rate ``gradient[0] . V_WFa + gradient[1] . V_WFb``: the
-        surface points move with v + w x p, and only their parting along the normal counts
+        surface points move with v + w x p, and only their separation along the normal counts
         (envelope theorem). Valid where the normal is unique.
         """
         n = self.nhat_BA_W

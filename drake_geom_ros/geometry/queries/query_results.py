@@ -1,4 +1,4 @@
-"""What queries return about pairs and points: see ``result_sequence``."""
+"""Result sequences of pairs and points, see ``result_sequence``."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ from drake_geom_ros.geometry.queries.query_records import (
 )
 from drake_geom_ros.geometry.queries.result_sequence import Record, ResultSequence
 
-# Of columns, made once: to write them as slices takes a third of the time of a view.
+# Slices of columns, made once, since making them takes a third of the time of a view.
 _FIRST, _SECOND, _IDS = np.s_[:, 0], np.s_[:, 1], np.s_[:, IDS:]
 _INT64, _Array = np.dtype(np.int64), np.ndarray
 _NORMALS = np.s_[:, NORMAL : NORMAL + 3]
@@ -57,17 +57,17 @@ Ids = NDArray[np.int64]
 
 
 def _vector(row: Floats, column: int) -> Floats:
-    """Return three numbers of a row as an array of its own."""
+    """Return a copy of three numbers of a row."""
     return row[column : column + 3].copy()
 
 
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
-    """What both pair results share: ids, normals, bounds, methods and derivatives."""
+    """Base of results of pairs: ids, normals, bounds, methods and derivatives."""
 
     def __init__(self, answers: Floats | PairBatch, kept_poses: KeptPoses | None = None) -> None:
-        """Have answers (k, ANSWER_WIDTH), which nobody changes, or a batch.
+        """Refer to answers (k, ANSWER_WIDTH), which must not change, or to a batch.
 
-        Without a ``kept_poses``, of pairs of many states, there are no derivatives.
+        Without ``kept_poses``, as for pairs of many states, there are no derivatives.
         """
         if type(answers) is _Array:
             self._ids, self._rows = answers.view(_INT64)[_IDS], answers
@@ -84,7 +84,7 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
 
     @property
     def is_padded(self) -> bool:
-        """Whether paddings are in the answers: see ``queries.padding``."""
+        """True if the answers include paddings, see ``queries.padding``."""
         return bool(self._rows.shape[1] == 2 * BATCH_WIDTH)
 
     @property
@@ -128,14 +128,14 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
 
     @property
     def promised_error_bound(self) -> Floats:
-        """What the accuracy level promises of each error bound (k,) [m]; see ``breaks_promise``.
+        """Largest error bounds (k,) [m] that the accuracy level allows; see ``breaks_promise``.
 
         Infinite where bounds alone answered (METHOD_BOUND_ONLY) and for overlapping solids.
         """
         return self._rows[:, PROMISED]
 
     def breaks_promise(self) -> NDArray[np.bool_]:
-        """Return which answers (k,) are not finite or less sharp than their level promises."""
+        """Return the mask (k,) of answers that are not finite or exceed the promised bound."""
         return self._batch.broken()
 
     @property
@@ -162,11 +162,11 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
         return self._jacobian(J_As, J_Bs)
 
     def of(self, which: NDArray[np.bool_] | Ids) -> PenetrationResults:
-        """Return those of these pairs that a mask (k,) names, or places, in their order."""
+        """Return the pairs of a mask (k,), or of places in their order."""
         return type(self)(PairBatch(self._ids[which], self._rows[which]), self._kept_poses)
 
     def and_others(self, batch: PairBatch) -> PenetrationResults:
-        """Return these pairs and behind them others of a batch, with as many columns as it has."""
+        """Return these pairs followed by those of a batch, with the batch's columns."""
         ids = np.vstack((self._ids, batch.ids))
         rows = np.vstack((self._rows[:, : batch.rows.shape[1]], batch.rows))
         return type(self)(PairBatch(ids, rows), self._kept_poses)
@@ -190,7 +190,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
     """The signed distances of pairs, sorted by (id_A, id_B)."""
 
     def penetrations(self) -> PenetrationResults:
-        """Return those of these pairs that ComputePointPairPenetration would report.
+        """Return the pairs among these that ComputePointPairPenetration would report.
 
         One narrow phase serves both answers of a cycle.
         """
@@ -209,8 +209,8 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
         that carries A, angular before linear, in World axes, the linear part that of the frame's
         origin [m/rad, -]; the other six by V_WFb likewise: ``gradients[k] @ [V_WFa, V_WFb]`` is
         the rate of distance k [m/s]. For geometry on the world frame it is that frame's motion.
-        Where ``is_gradient_unique`` is False it is a member of Clarke's generalised gradient: that
-        of the witness points and the normal in the row. It is as exact as the normal, which
+        Where ``is_gradient_unique`` is False it is the member of Clarke's generalised gradient
+        that belongs to the row's witness points and normal. It is as exact as the normal, which
         depends on the accuracy level.
         """
         return self._derivatives().gradients
@@ -225,7 +225,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 
     @property
     def is_nhat_BA_W_unique(self) -> NDArray[np.bool_]:
-        """Whether each normal is the only one (k,)."""
+        """True (k,) where the normal is unique."""
         return self._rows[:, UNIQUE].astype(np.bool_)
 
     @property
@@ -266,7 +266,7 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
         p_WQs: Floats | None = None,
         is_padded: bool = False,
     ) -> None:
-        """Without a ``kept_poses``, of points in many states, there are no derivatives."""
+        """Without ``kept_poses``, as for points in many states, there are no derivatives."""
         self.is_padded = is_padded
         self._take(batch)
         self._kept_poses = kept_poses
@@ -287,7 +287,7 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
 
     @property
     def point_index(self) -> NDArray[np.uint32]:
-        """Which point (k,) each answer is for."""
+        """Index (k,) of each answer's point."""
         return self._batch.points
 
     @property
@@ -302,7 +302,7 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
 
     @property
     def is_grad_W_unique(self) -> NDArray[np.bool_]:
-        """Whether each gradient is the only one (k,)."""
+        """True (k,) where the gradient is unique."""
         return self._rows[:, POINT_UNIQUE].astype(np.bool_)
 
     @property

@@ -1,7 +1,7 @@
-"""Sequences of records, which are made when indexed, over arrays.
+"""Sequences over arrays that make records when they are indexed.
 
-A record costs about 1 us of Python, for all pairs of a large scene more than the whole query. So
-a query returns a read-only sequence of arrays, which makes a record when somebody asks for it.
+A record costs about 1 us of Python; records of all pairs of a large scene would cost more than the
+query. So a query returns a read-only sequence of arrays, and indexing makes a record.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ Batch = TypeVar('Batch', PairBatch, PointBatch)
 
 
 class ResultSequence(Sequence[Record], Generic[Record, Batch]):
-    """A sequence of records over arrays; subclasses name the arrays.
+    """Read-only sequence of records over arrays; subclasses name the arrays.
 
-    Nothing in it can be changed but the order, by ``sort``, which the arrays follow. It compares
-    with lists of records, and adds to them as one; the sum is a list.
+    Only the order can be changed, by ``sort``, which also sorts the arrays. It can be compared
+    with lists of records and added to them; the sum is a list.
     """
 
     _rows: Floats
@@ -35,7 +35,7 @@ class ResultSequence(Sequence[Record], Generic[Record, Batch]):
         raise NotImplementedError
 
     def _take(self, batch: Batch) -> None:
-        """Have these arrays."""
+        """Replace the arrays."""
         raise NotImplementedError
 
     def __len__(self) -> int:

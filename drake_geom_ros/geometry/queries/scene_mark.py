@@ -1,4 +1,4 @@
-"""Telling whether a scene is still the one that something was prepared of."""
+"""``SceneMark``: detects whether a scene has changed since something was prepared from it."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Indices = NDArray[np.int64]
 
 
 class SceneMark:
-    """What answers about a scene depend on beside the poses that are asked about.
+    """State of a scene that answers depend on, apart from the poses of the queried states.
 
-    That is what is in it, which pairs are filtered, and where the frames are that no state poses.
-    ``frame_ids`` (n,) are values of those that states do pose.
+    That is its content, its filters, and the poses of the frames that no state poses.
+    ``frame_ids`` (n,) are id values of the frames that states pose.
     """
 
     def __init__(self, scene: SceneHolder, frame_ids: Indices) -> None:
@@ -25,16 +25,13 @@ class SceneMark:
         self._lock = threading.Lock()
         self._posed = self._content if isinstance(self._content, PosedScene) else None
         if self._posed is not None:
-            self._posed.up_to_date_world().update()  # so that a query moves nothing
+            self._posed.up_to_date_world().update()  # so that a query changes no revision
             self._still = self._poses(self._posed)
         self._seen = self._now()
-        self._kept = self._place()  # so that no other object gets its id
+        self._pose_holder = self._place()  # a reference, so that no other object gets its id
 
     def is_of_now(self) -> bool:
-        """Return whether all of it is the same now.
-
-        Of contexts, poses that were given anew are looked at: only others are a change.
-        """
+        """Return whether the scene is unchanged; setting equal poses again is no change."""
         if self._now() == self._seen:
             return True
         with self._lock:
@@ -47,11 +44,11 @@ class SceneMark:
         if not np.array_equal(self._poses(self._posed), self._still):
             return False
         self._posed.up_to_date_world().update()
-        self._seen, self._kept = self._now(), self._place()
+        self._seen, self._pose_holder = self._now(), self._place()
         return True
 
     def _now(self) -> tuple[object, ...]:
-        """Return what changes when something may have changed; the first three surely have."""
+        """Return values that differ after a possible change, the first three after a sure one."""
         model, filters = self._content.model, self._content.filters
         versions = (model.versions.frames, model.versions.proximity, filters.version)
         place = id(self._place())
@@ -61,7 +58,7 @@ class SceneMark:
         return *versions, place, world.revision, world.is_stale
 
     def _place(self) -> object:
-        """Return what has the poses, which is another object when they may have changed."""
+        """Return the holder of the poses, another object if they may have changed."""
         if self._posed is None:
             return self._content.model.first_X_PFs
         return self._posed.world

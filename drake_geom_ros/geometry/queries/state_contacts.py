@@ -1,4 +1,4 @@
-"""Contact surfaces of many states, one after another: what a context of each would tell."""
+"""Contact surfaces of many states, one after another, as contexts of each would answer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.world.world import Named
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies
-from drake_geom_ros.geometry.queries.contact_queries import Contacts, Found, contacts_of
+from drake_geom_ros.geometry.queries.contact_queries import (
+    CandidateSurfaces,
+    Contacts,
+    contacts_of,
+)
 from drake_geom_ros.geometry.queries.contact_surfaces import (
     ContactSurfaceResults,
     HydroelasticContactRepresentation,
@@ -25,7 +29,7 @@ Indices = NDArray[np.int64]
 
 
 class StateContacts:
-    """Contacts of states of a world of its own, for one thread; ids are places in the scene.
+    """Contacts of states in a private world, for one thread; ids are places in the scene.
 
     A state is a pose (7,) in its parent of each frame of ``rows`` (n,); all others stay.
     """
@@ -43,9 +47,9 @@ class StateContacts:
     def of(
         self, pose: Floats, pairs: Indices, overlaps: Callable[[], PenetrationResults]
     ) -> Contacts:
-        """Return the contacts of a state (n, 7) among pairs (k, 2), all that may overlap.
+        """Return the contacts of a state (n, 7) among ``pairs`` (k, 2), all that may overlap.
 
-        ``overlaps`` are asked for where a pair may be without a surface.
+        ``overlaps`` is called only if a pair may lack a surface.
         """
         from drake_geom_ros.geometry._contact_surfaces.asking import surfaces_of
 
@@ -57,4 +61,6 @@ class StateContacts:
         answer = surfaces_of(self._posed, pairs)
         surfaces = ContactSurfaceResults(answer, HydroelasticContactRepresentation.kPolygon)
         endless = endless_overlaps(world, self._half_spaces, bodies.paddings)
-        return contacts_of(bodies, Found(bodies.ids, pairs, answer, surfaces), endless, overlaps)
+        return contacts_of(
+            bodies, CandidateSurfaces(bodies.ids, pairs, answer, surfaces), endless, overlaps
+        )

@@ -1,4 +1,4 @@
-"""Queries about many states of a scene, and who answers them."""
+"""Queries about many states of a packed scene."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ from drake_geom_ros.geometry.queries.state_contacts import StateContacts
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-# Found pairs or points of a block of states: how many each state has (N,), and all of them.
-Found = tuple[Indices, SignedDistanceResults | PointDistanceResults]
+# Answers about a block of states: the number that each state has (N,), and all of them.
+BlockAnswers = tuple[Indices, SignedDistanceResults | PointDistanceResults]
 
 
 def default_accuracy(context: SceneGraphContext) -> str:
-    """Return the accuracy of queries of a context that name none."""
+    """Return the default accuracy of a context's queries."""
     return state_of(context).accuracy
 
 
 class StateQueries:
-    """Answers about states of a packed scene, without the GIL; each thread takes one of its own.
+    """Queries about states of a packed scene, without the GIL; each thread needs its own.
 
-    A state is the pose X_PF, x y z [m] qx qy qz qw, of each frame that the scene has as moved.
-    What is found names geometries by their place in the scene. Every answer is, to the bit, that
-    of a QueryObject of a context that was never asked before. ``stop`` (1,) set to another number
-    than 0, by another thread, ends a call early: it raises InterruptedError then.
+    A state is the pose X_PF, x y z [m] qx qy qz qw, of each moved frame of the scene. Answers
+    identify geometries by their place in the scene. Every answer equals, to the bit, that of the
+    first query of a new context. When another thread sets ``stop`` (1,) to a number other than 0,
+    a call raises InterruptedError.
     """
 
     def __init__(self, scene: PackedScene) -> None:
@@ -66,21 +66,21 @@ class StateQueries:
     def has_collisions(
         self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None
     ) -> NDArray[np.bool_]:
-        """Return HasCollisions of each state (N, n, 7); with a margin [m] whether a pair is in it.
+        """Return HasCollisions of each state (N, n, 7), or whether a pair is within a margin [m].
 
-        That is so unless every pair is certified to be farther apart than the margin.
+        With a margin it is True unless every pair is certified to be farther apart.
         """
-        found = self._collide(poses, accuracy, stop, margin)
+        collides = self._collide(poses, accuracy, stop, margin)
         if self._half_spaces is not None:
-            for k in np.flatnonzero(~found).tolist():
+            for k in np.flatnonzero(~collides).tolist():
                 _check_done(k if stop[0] else len(poses), poses, stop)
-                found[k] = not self._half_spaces.at(poses[k]).are_beyond(margin or 0.0)
-        return found
+                collides[k] = not self._half_spaces.at(poses[k]).are_beyond(margin or 0.0)
+        return collides
 
     def _collide(
         self, poses: Floats, accuracy: str, stop: Indices, margin: float | None
     ) -> NDArray[np.bool_]:
-        """Return ``has_collisions`` as if there were no pairs of half spaces."""
+        """Return ``has_collisions`` without the pairs of half spaces."""
         if self._paddings is not None:
             counts, rows = self._padded(poses, accuracy, margin or 0.0, stop)
             near = rows[:, OVERLAPS] > 0.0
@@ -88,20 +88,20 @@ class StateQueries:
                 near = lower_ends(rows) <= margin
             return _any_of_each(counts, near)
         if margin is None:
-            done, found = self._loops.overlaps(poses, GAPS_OF_LEVELS[accuracy], stop)
+            done, collides = self._loops.overlaps(poses, GAPS_OF_LEVELS[accuracy], stop)
         else:
-            done, found = self._loops.near(poses, GAPS_OF_LEVELS[accuracy], margin, stop)
+            done, collides = self._loops.near(poses, GAPS_OF_LEVELS[accuracy], margin, stop)
         _check_done(done, poses, stop)
-        return found
+        return collides
 
     def nearest(
         self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
-    ) -> Found:
-        """Return the pairs of the least lower bounds of each state (N, n, 7), at most so many.
+    ) -> BlockAnswers:
+        """Return the ``most`` pairs with the smallest lower bounds of each state (N, n, 7).
 
-        In their order, a lower bound being distance minus error bound. Left out is what has a
-        higher one than the last of so many, or one above ``max_distance`` [m]. Two half spaces
-        are as far apart as their gap where they are opposed, else minus infinity.
+        They are sorted by the lower bound, distance minus error bound. Pairs with one above
+        ``max_distance`` [m] are left out. The distance of two half spaces is their gap if they are
+        opposed, else minus infinity.
         """
         if self._paddings is not None:
             counts, batch = self._padded_nearest(poses, accuracy, max_distance, most, stop)
@@ -116,7 +116,9 @@ class StateQueries:
             )
         return counts, SignedDistanceResults(batch)
 
-    def within(self, poses: Floats, accuracy: str, max_distance: float, stop: Indices) -> Found:
+    def within(
+        self, poses: Floats, accuracy: str, max_distance: float, stop: Indices
+    ) -> BlockAnswers:
         """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
         if self._paddings is not None:
             return self._padded_within(poses, accuracy, max_distance, stop)
@@ -134,10 +136,10 @@ class StateQueries:
         stop: Indices,
         *,
         shared: bool = False,
-    ) -> Found:
+    ) -> BlockAnswers:
         """Return ComputeSignedDistanceToPoint of points (m, 3) in each state (N, n, 7).
 
-        The points of a single state may be ``shared`` out to all threads.
+        The points of a single state may be ``shared`` among all threads.
         """
         paddings = self._paddings
         if paddings is not None and (paddings.meshes & (paddings.radii > 0)).any():
@@ -156,7 +158,7 @@ class StateQueries:
         return _count_of_each(counts, keep), PointDistanceResults(batch)
 
     def contacts(self, poses: Floats, accuracy: str, stop: Indices) -> Iterator[Contacts]:
-        """Yield what QueryObject.contacts tells of each state (N, n, 7), overlaps at a level.
+        """Yield QueryObject.contacts of each state (N, n, 7), with overlaps at a level.
 
         Raises GeometryError where no geometry has hydroelastic properties.
         """
@@ -177,14 +179,14 @@ class StateQueries:
 
     def _penetrations(self, state: Floats, accuracy: str, stop: Indices) -> PenetrationResults:
         """Return ComputePointPairPenetration of a state (1, n, 7)."""
-        _, found = self.within(state, accuracy, 0.0, stop)
-        assert isinstance(found, SignedDistanceResults)
-        return found.penetrations()
+        _, pairs = self.within(state, accuracy, 0.0, stop)
+        assert isinstance(pairs, SignedDistanceResults)
+        return pairs.penetrations()
 
     def _padded(
         self, poses: Floats, accuracy: str, reach: float, stop: Indices
     ) -> tuple[Indices, Floats]:
-        """Return how many pairs each state has near, and all rows, of the padded bodies."""
+        """Return the number of near pairs of each state, and all rows, for the padded bodies."""
         counts, _, rows = self._padded_rows(poses, accuracy, reach, stop)
         return counts, rows
 
@@ -199,7 +201,7 @@ class StateQueries:
 
     def _padded_within(
         self, poses: Floats, accuracy: str, max_distance: float, stop: Indices
-    ) -> Found:
+    ) -> BlockAnswers:
         counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
         keep = lower_ends(rows) <= max_distance
         return _count_of_each(counts, keep), SignedDistanceResults(
@@ -215,8 +217,8 @@ class StateQueries:
         order = np.lexsort((lower, state))
         ranks = np.arange(len(order)) - np.repeat(np.cumsum(counts) - counts, counts)
         order = order[(ranks < most) & (lower[order] <= max_distance)]
-        kept = np.bincount(state[order], minlength=len(counts))
-        return kept, PairBatch(ids[order], rows[order])
+        near_counts = np.bincount(state[order], minlength=len(counts))
+        return near_counts, PairBatch(ids[order], rows[order])
 
 
 def _with_half_spaces(
@@ -227,30 +229,30 @@ def _with_half_spaces(
     most: int,
     stop: Indices,
 ) -> tuple[Indices, PairBatch]:
-    """Return the nearest pairs of states (N, n, 7), those of half spaces among the others."""
+    """Return the nearest pairs of states (N, n, 7), half spaces included."""
     counts, (ids, rows) = others
-    found, last = [], np.cumsum(counts)
+    batches, last = [], np.cumsum(counts)
     for k in range(len(poses)):
         _check_done(k if stop[0] else len(poses), poses, stop)
         own = slice(last[k] - counts[k], last[k])
         answers = half_spaces.answers_at(poses[k])
-        found.append(nearest_of(PairBatch(ids[own], rows[own]), answers, max_distance, most))
-    if not found:
+        batches.append(nearest_of(PairBatch(ids[own], rows[own]), answers, max_distance, most))
+    if not batches:
         return others
-    batch = PairBatch(*(np.vstack(columns) for columns in zip(*found, strict=True)))
-    return np.array([len(some.ids) for some in found]), batch
+    batch = PairBatch(*(np.vstack(columns) for columns in zip(*batches, strict=True)))
+    return np.array([len(some.ids) for some in batches]), batch
 
 
 def _count_of_each(counts: Indices, keep: NDArray[np.bool_]) -> Indices:
-    """Return how many of the rows of each state are kept."""
+    """Return the number of rows of each state that ``keep`` selects."""
     state = np.repeat(np.arange(len(counts)), counts)
     return np.bincount(state[keep], minlength=len(counts))
 
 
 def _any_of_each(counts: Indices, keep: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which states have a row that is kept."""
-    found: NDArray[np.bool_] = _count_of_each(counts, keep) > 0
-    return found
+    """Return the mask of states with a row that ``keep`` selects."""
+    any_kept: NDArray[np.bool_] = _count_of_each(counts, keep) > 0
+    return any_kept
 
 
 def _check_done(done: int, poses: Floats, stop: Indices) -> None:
@@ -267,7 +269,7 @@ def _check_done(done: int, poses: Floats, stop: Indices) -> None:
 
 
 class StateError(PoseError):
-    """A state that is none; ``number`` is which one."""
+    """Raised for an invalid state; ``number`` is its index."""
 
     def __init__(self, reason: str, number: int) -> None:
         super().__init__(reason)

@@ -1,4 +1,4 @@
-"""A model as the tables of frames and geometries that a world is made of."""
+"""Tables of frames and geometries of a model, from which a world is built."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
     """Pack a model: frames with parents first, proximity geometry by ascending id."""
-    # Registration order puts a parent before its children, for it must exist by then.
+    # A parent must exist when its child is registered, so registration order is parents first.
     rows = {frame: row for row, frame in enumerate(model.frames)}
     records = list(model.frames.values())
     frames = FrameTable(
@@ -42,14 +42,14 @@ def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
 
 
 def _roundings(model: Model, geometries: list[GeometryRecord]) -> Floats:
-    """Return turn [-] and shift [m] (n, 2) of X_FG; that of a geometry on a geometry is a product.
+    """Return rounding of X_FG (n, 2), turn [-] and shift [m]; for a child geometry, of a product.
 
     See ``_proximity/pose_rounding``.
     """
     rotations = np.array([g.X_PG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3)
     roundings = taken_roundings(rotations)
     for row, geometry in zip(roundings, geometries, strict=True):
-        # From the geometry on the frame to the one that is asked for.
+        # From the geometry on the frame to this one.
         line = [geometry]
         while line[0].parent_id is not None:
             line.insert(0, model.geometries[line[0].parent_id])
@@ -59,7 +59,7 @@ def _roundings(model: Model, geometries: list[GeometryRecord]) -> Floats:
 
 
 def _rounding_of_line(line: list[GeometryRecord]) -> tuple[float, float]:
-    """Return turn [-] and shift [m] of X_FG of the last of geometries, each on the one before."""
+    """Return turn [-] and shift [m] of X_FG of the last geometry in a chain of parents."""
     turn = shift = reach = 0.0
     for geometry in line:
         p_PG, p_FG = geometry.X_PG.translation(), geometry.X_FG.translation()

@@ -141,7 +141,7 @@ def test_each_of_many_senders_is_looked_up_once(scene, monkeypatch, by_source):
 
 def test_senders_without_end_do_not_fill_the_memory(scene, monkeypatch):
     scene.context.UpdateFramePoses(poses((scene.upper, 1), (scene.lower, 2)))
-    monkeypatch.setattr(posed_scene, '_MOST_SENDERS', 2)
+    monkeypatch.setattr(posed_scene, '_MAX_FRAME_LISTS', 2)
     one = [[scene.upper], [scene.lower], [scene.upper, scene.lower], [scene.lower, scene.upper]]
     for turn in range(3):
         for k, frames in enumerate(one):
