@@ -1,4 +1,4 @@
-"""Changes of a model: sources and frames that go with what is theirs, whom frames follow."""
+"""Removal of sources and frames from a model, and attachment of frames to others."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from drake_geom_ros.geometry.model._records import (
 
 
 class Removed(NamedTuple):
-    """What went with a source, or with a frame."""
+    """Frames and geometries that were removed with a source or a frame."""
 
     frames: list[FrameId]
     geometries: list[GeometryRecord]
 
 
 def remove_source(model: Model, source_id: SourceId) -> Removed:
-    """Remove a source, its frames, and its geometries, anchored ones as well.
+    """Remove a source with its frames and its geometries, anchored ones included.
 
     Raises GeometryError for the source of the world frame, and OwnershipError while frames of
     other sources are attached to its frames, or mounted on them.
@@ -52,8 +52,8 @@ def remove_source(model: Model, source_id: SourceId) -> Removed:
 def remove_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> Removed:
     """Remove a frame and the geometries on it.
 
-    Raises OwnershipError for a frame that is not the source's, and GeometryError while other
-    frames hang on it.
+    Raises OwnershipError for a frame that is not the source's, and GeometryError while it has
+    child frames.
     """
     frame = model.owned_frame(source_id, frame_id)
     hanging = [named(other) for other in model.frames.values() if other.parent_id == frame_id]
@@ -66,7 +66,7 @@ def remove_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> Remove
 
 
 def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord]) -> Removed:
-    """Remove frames, on which nothing else hangs, and geometries, with what is known of them."""
+    """Remove frames without other children, and geometries, with all that refers to them."""
     for record in geometries:
         model.children.pop(record.id, None)
         for role in record.roles():
@@ -86,10 +86,10 @@ def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord])
 def attach_frame(
     model: Model, source_id: SourceId, frame_id: FrameId, parent_id: FrameId, *, is_part: bool
 ) -> FrameRecord:
-    """Let a frame follow another one, of any source, as a part of it or not; return its record.
+    """Attach a frame to one of any source, as a part of it or not, and return its record.
 
-    Raises OwnershipError for a frame that is not the source's, ArgumentError where the other one
-    is the world or hangs on the frame itself.
+    Raises OwnershipError for a frame that is not the source's, ArgumentError if the other one is
+    the world or a descendant of the frame.
     """
     frame, parent = model.owned_frame(source_id, frame_id), model.frame(parent_id)
     if parent_id == WORLD_FRAME_ID:
@@ -106,10 +106,10 @@ def attach_frame(
 
 
 def mount_frame(model: Model, source_id: SourceId, frame_id: FrameId, parent_id: FrameId) -> None:
-    """Let a frame hang on one of any source from now on, as if it had been registered on it.
+    """Give a frame a parent of any source, as if it had been registered on it.
 
     Raises OwnershipError for a frame that is not the source's, GeometryError for one that is
-    attached, and ArgumentError where the other one hangs on the frame itself.
+    attached, and ArgumentError if the new parent is a descendant of the frame.
     """
     frame, parent = model.owned_frame(source_id, frame_id), model.frame(parent_id)
     if frame.home_id is not None:
@@ -119,7 +119,7 @@ def mount_frame(model: Model, source_id: SourceId, frame_id: FrameId, parent_id:
 
 
 def detach_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> FrameRecord:
-    """Put a frame back on the one that it was registered on; return its record.
+    """Return a frame to the parent that it was registered on, and return its record.
 
     Raises OwnershipError for a frame that is not the source's, and GeometryError for one that is
     not attached.
@@ -132,24 +132,24 @@ def detach_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> FrameR
     return frame
 
 
-def _refuse_ring(model: Model, frame: FrameRecord, parent: FrameRecord, asked: str) -> None:
-    """Raise ArgumentError where a frame is to follow one that hangs on it."""
+def _refuse_ring(model: Model, frame: FrameRecord, parent: FrameRecord, call: str) -> None:
+    """Raise ArgumentError if the new parent is a descendant of the frame."""
     above = parent
     while above.id != WORLD_FRAME_ID:
         if above.id == frame.id:
             raise ArgumentError(
-                f'{asked}: {named(parent)} hangs on {named(frame)}, which cannot follow it'
+                f'{call}: {named(parent)} hangs on {named(frame)}, which cannot follow it'
             )
         above = model.frames[above.parent_id]
 
 
 def _refusal(model: Model, name: str, guests: list[FrameRecord]) -> str:
-    """Return why a source cannot go: frames of others hang on it."""
-    told = []
+    """Return the error text for a source with child frames of other sources."""
+    reasons = []
     attached = [frame for frame in guests if frame.home_id is not None]
     if attached:
         them = 'it' if len(attached) == 1 else 'them'
-        told.append(
+        reasons.append(
             f'{", ".join(map(named, attached))} of other sources '
             f'{"is" if len(attached) == 1 else "are"} attached to its frames; detach {them} first '
             '(DetachFrame)'
@@ -157,22 +157,22 @@ def _refusal(model: Model, name: str, guests: list[FrameRecord]) -> str:
     mounted = [frame for frame in guests if frame.home_id is None]
     if mounted:
         sources = dict.fromkeys(model.source_name(frame.source_id) for frame in mounted)
-        told.append(
+        reasons.append(
             f'{counted(len(mounted), "frame")} of {", ".join(map(repr, sources))} '
             f'{are(len(mounted))} mounted on its frames; remove {", ".join(map(repr, sources))} '
             'first'
         )
-    return f'RemoveSource of {name!r}: {", and ".join(told)}'
+    return f'RemoveSource of {name!r}: {", and ".join(reasons)}'
 
 
 def _hang_on(model: Model, frame: FrameRecord, parent_id: FrameId) -> None:
-    """Give a frame another parent; it comes after that one, and what hangs on it after it."""
+    """Give a frame another parent, and move it and its descendants behind that one."""
     frame.parent_id = parent_id
     below = {frame.id}
     for id, other in model.frames.items():
         if other.parent_id in below and id != WORLD_FRAME_ID:
             below.add(id)
-    # Registration order put a parent before its children, and this keeps it so.
+    # Frames are ordered parents first, and must stay so.
     for id in [id for id in model.frames if id in below]:
         model.frames[id] = model.frames.pop(id)
     model.first_X_PFs.pop(frame.id, None)

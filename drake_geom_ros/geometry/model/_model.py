@@ -1,7 +1,7 @@
-"""The topology of a scene and the rules of registering it: what is there, whose, and on what.
+"""``Model``: sources, frames and geometries of a scene, and the rules of their registration.
 
-No poses of frames and no filters: ``SceneGraphContext`` has the ones, ``FilterState`` the others.
-Every change checks all first, then commits all.
+Poses of frames are in ``SceneGraphContext``, filters in ``FilterState``. Every change checks all
+its conditions first and then commits.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from drake_geom_ros.math import RigidTransform
 
 
 class Model:
-    """Sources, frames and geometries, by id, with the names that are taken."""
+    """Sources, frames and geometries by id, with the names in use."""
 
     def __init__(self) -> None:
         internal = SourceId.get_new_id()
@@ -53,9 +53,9 @@ class Model:
         self.world_frame_id = WORLD_FRAME_ID
         self.sources, self.frames = {internal: INTERNAL_SOURCE_NAME}, {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
-        self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
+        self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # poses that contexts begin with
         self.renderers: dict[str, Renderer] = {}
-        self.config = HeldConfig()  # a new one where it changes
+        self.config = HeldConfig()  # immutable: a change replaces it
         self.versions = Versions()
         self.source_names = {INTERNAL_SOURCE_NAME}
         self.frame_names = {(internal, WORLD_NAME)}
@@ -64,7 +64,7 @@ class Model:
         self.children: dict[GeometryId, list[GeometryId]] = {}  # registered on a geometry
 
     def copy(self) -> Model:
-        """Return a model that shares nothing that either could change."""
+        """Return an independent copy."""
         other = Model.__new__(Model)
         other.world_frame_id = self.world_frame_id
         other.sources = dict(self.sources)
@@ -83,7 +83,7 @@ class Model:
         other.children = {parent: list(children) for parent, children in self.children.items()}
         return other
 
-    # Look-ups: each raises RuntimeError for an id of the wrong kind or one that is not here.
+    # Look-ups: each raises RuntimeError for an id of the wrong kind or an unknown one.
 
     def source_name(self, source_id: SourceId) -> str:
         """Return the name of a source."""
@@ -101,13 +101,13 @@ class Model:
         return self.frames[frame_id]
 
     def geometry(self, geometry_id: GeometryId) -> GeometryRecord:
-        """Return a geometry, by its id or, as arrays of results have it, the value of that."""
+        """Return a geometry by its id, or by the value of that, as in arrays of results."""
         geometry_id = geometry_id_of(geometry_id)
         if geometry_id not in self.geometries:
             raise UnknownIdError(
                 f'Referenced geometry {geometry_id!r} is not a geometry of this scene, which has '
                 f'{len(self.geometries)}; see SceneGraphInspector.GetAllGeometryIds. '
-                f'{self._removed.told_of(geometry_id)}'
+                f'{self._removed.sentence_on(geometry_id)}'
             )
         return self.geometries[geometry_id]
 
@@ -137,7 +137,7 @@ class Model:
     def resolve(self, geometry_set: GeometrySet, role: Role | None = None) -> list[GeometryId]:
         """Return the geometries of a set, those on its frames included, ascending.
 
-        Only those with ``role``, when that is given; an id that is not here raises UnknownIdError.
+        ``role`` selects those with that role. Raises UnknownIdError for an unknown id.
         """
         checked_type(geometry_set, GeometrySet, 'geometry_set')
         geometry_ids, frame_ids = members_of(geometry_set)
@@ -226,7 +226,7 @@ class Model:
     def remove_geometry(
         self, source_id: SourceId, geometry_id: GeometryId
     ) -> list[GeometryRecord]:
-        """Remove a geometry, and all that was registered on it; return what was removed."""
+        """Remove a geometry and all that was registered on it; return the removed ones."""
         removed = [self.owned_geometry(source_id, geometry_id)]
         for parent in removed:
             removed += [self.geometries[id] for id in self.children.get(parent.id, [])]
@@ -251,7 +251,7 @@ class Model:
         properties: GeometryProperties,
         assign: RoleAssign,
     ) -> GeometryRecord:
-        """Give a geometry a role, or replace the properties of one that it has."""
+        """Assign a role to a geometry, or replace the properties of one that it has."""
         record = self.owned_geometry(source_id, geometry_id)
         role = ROLE_OF_PROPERTIES.get(type(properties))
         if role is None:
@@ -274,7 +274,7 @@ class Model:
     def remove_role(
         self, source_id: SourceId, of: FrameId | GeometryId, role: Role
     ) -> list[GeometryRecord]:
-        """Take a role from a geometry or from a source's geometries on a frame; return these."""
+        """Remove a role of a geometry, or of a source's geometries on a frame; return these."""
         if isinstance(of, GeometryId):
             records = [self.owned_geometry(source_id, of)]
         else:
@@ -283,7 +283,7 @@ class Model:
                 self.owned_frame(source_id, of)
             records = [r for r in self.geometries_on(of) if r.source_id == source_id]
         losing = [record for record in records if record.properties(role) is not None]
-        for record in losing:  # kUnassigned nothing can lose
+        for record in losing:  # none for kUnassigned
             changed: dict[str, None] = {ROLE_FIELDS[role]: None}
             del self.geometry_names[record.frame_id, role, record.name]
             self.geometries[record.id] = record.changed(**changed)
@@ -298,7 +298,7 @@ class Model:
         shape: Shape,
         X_FG: RigidTransform | None,
     ) -> None:
-        """Give a geometry another shape, and another pose in its frame if that is given."""
+        """Replace the shape of a geometry, and optionally its pose in the frame."""
         record = self.owned_geometry(source_id, geometry_id)
         checked_type(shape, Shape, 'ChangeShape: shape')
         pose = record.X_FG if X_FG is None else checked_pose(X_FG, 'ChangeShape: X_FG')
@@ -309,7 +309,7 @@ class Model:
             self._repose(self.geometries[geometry_id], pose)
 
     def rename_frame(self, frame_id: FrameId, name: str) -> None:
-        """Give a frame another name."""
+        """Rename a frame."""
         frame = self.frame(frame_id)
         new_name = canonical_name(name, 'RenameFrame')
         if frame_id == WORLD_FRAME_ID:
@@ -322,7 +322,7 @@ class Model:
             self.changed(frames=True)
 
     def rename_geometry(self, geometry_id: GeometryId, name: str) -> None:
-        """Give a geometry another name."""
+        """Rename a geometry."""
         record = self.geometry(geometry_id)
         new_name = canonical_name(name, 'RenameGeometry')
         if new_name != record.name:
@@ -336,14 +336,14 @@ class Model:
     def _store(
         self, record: GeometryRecord, roles: Collection[Role] | None = None, names: bool = True
     ) -> None:
-        """Keep a record and the names it takes; ``roles`` are those that change, None for all."""
+        """Store a record and its names; ``roles`` are those that change, None for all."""
         self.geometries[record.id] = record
         for role in record.roles():
             self.geometry_names[record.frame_id, role, record.name] = record.id
         self.changed(roles=record.roles() if roles is None else roles, names=names)
 
     def _repose(self, record: GeometryRecord, X_FG: RigidTransform) -> None:
-        """Move a geometry in its frame; what was registered on it keeps its pose in it."""
+        """Move a geometry in its frame, with the geometries that were registered on it."""
         X_PG = X_FG
         if record.parent_id is not None:
             X_PG = self.geometries[record.parent_id].X_FG.InvertAndCompose(X_FG)
@@ -354,7 +354,7 @@ class Model:
     def changed(
         self, frames: bool = False, roles: Collection[Role] = (), names: bool = True
     ) -> None:
-        """Count a change of frames, or of what has these roles; not of ``names``: of shapes."""
+        """Count a change of frames or of geometries with these roles; not ``names``: of shapes."""
         self.versions.any += 1
         if names:
             self.versions.names = self.versions.any
@@ -363,7 +363,7 @@ class Model:
         self.versions.roles.update((role, fresh_number()) for role in roles)
 
     def role_versions(self, filters: int) -> dict[Role, int]:
-        """Return the number of each role, given the version of the filters."""
+        """Return the version number of each role, given the version of the filters."""
         if self.versions.filters != filters:
             self.versions.filters = filters
             self.versions.roles[Role.kProximity] = fresh_number()

@@ -1,4 +1,4 @@
-"""What a model holds: one record a frame, one a geometry."""
+"""Records of a model: one per frame, one per geometry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from drake_geom_ros.geometry.model.properties import (
     Role,
     frozen,
 )
-from drake_geom_ros.geometry.shapes.from_meshes import Mesh, tell_if_open
+from drake_geom_ros.geometry.shapes.from_meshes import Mesh, warn_if_open
 from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape, for_queries
 from drake_geom_ros.geometry.shapes.sensed import FARTHEST_CELL, SensedMap
 from drake_geom_ros.math import RigidTransform
@@ -31,8 +31,8 @@ from drake_geom_ros.math.tolerances import FARTHEST
 WORLD_FRAME_ID = FrameId.get_new_id()
 WORLD_NAME = 'world'
 INTERNAL_SOURCE_NAME = 'SceneGraphInternal'  # the source that owns the world frame
-PADDING = ('proximity', 'padding')  # by which a body is larger all around [m]
-MARGIN = ('map', 'margin')  # by which each cell of a sensed map is [m]
+PADDING = ('proximity', 'padding')  # enlarges a body on all sides [m]
+MARGIN = ('map', 'margin')  # enlarges each cell of a sensed map on all sides [m]
 WORLD_FRAME_GROUP = -1  # no GeometryFrame can have it
 
 # The field of a GeometryRecord that holds the properties of a role.
@@ -49,18 +49,18 @@ ROLE_OF_PROPERTIES = {
 
 
 class Renderer(Protocol):
-    """What makes images of a model, which only keeps it by a name: a ``RenderEngine``."""
+    """Interface of a ``RenderEngine`` to the model, which only stores it by name."""
 
     def Clone(self) -> Renderer:
-        """Return a renderer that does the same."""
+        """Return a copy of the renderer."""
 
 
 @dataclass
 class FrameRecord:
     """A registered frame; the world is its own parent.
 
-    ``geometry_ids`` are its geometries in the order of their registration: a dictionary for the
-    sake of quick removal, of which only the keys count.
+    ``geometry_ids`` are its geometries in the order of their registration: the keys of a
+    dictionary, for quick removal.
     """
 
     id: FrameId
@@ -69,7 +69,7 @@ class FrameRecord:
     parent_id: FrameId
     frame_group: int
     home_id: FrameId | None = None  # of an attached frame: the parent that it was registered on
-    is_part: bool = False  # an attached frame that counts as part of what carries it
+    is_part: bool = False  # an attached frame that counts as part of its parent
     geometry_ids: dict[GeometryId, None] = field(default_factory=dict)
 
 
@@ -95,18 +95,18 @@ class GeometryRecord:
 
     @cached_property
     def queried_shape(self) -> QueriedShape:
-        """What the shape is to proximity queries, with the properties that it has.
+        """The shape as proximity queries use it, with the geometry's properties.
 
-        Raises GeometryError where queries could not answer for it. It lives as long as the record:
-        however many meshes a scene has, none is read again because another one came.
+        Raises GeometryError if queries cannot support it. Cached in the record, so that a new mesh
+        in a scene does not cause others to be read again.
         """
         return for_queries(self.shape, is_solid(self), margin_of(self))
 
     @cached_property
     def hydroelastic_body(self) -> HydroelasticBody | None:
-        """What the geometry is to contact surfaces, None where its properties say nothing of it.
+        """The body for contact surfaces, None without hydroelastic properties.
 
-        Raises GeometryError where they say what the shape cannot be.
+        Raises GeometryError for properties that the shape cannot have.
         """
         if self.proximity is None:
             return None
@@ -122,7 +122,7 @@ class GeometryRecord:
         return body_of(self.shape, material, named(self))
 
     def changed(self, **fields: Any) -> GeometryRecord:
-        """Return the record with other values in some fields; the shape stays packed if it can."""
+        """Return the record with other values in some fields, and its packed shape if possible."""
         other = replace(self, **fields)
         if other.shape is self.shape and other.proximity is self.proximity:
             vars(other).update({k: v for k, v in vars(self).items() if k == 'hydroelastic_body'})
@@ -134,14 +134,14 @@ class GeometryRecord:
         return other
 
     def filled(self, config: HeldConfig) -> GeometryRecord:
-        """Return the record with the properties that a context gives; the same one to the next."""
+        """Return the record with a context's default properties; contexts share it."""
         if self.proximity is None:
             return self
-        known: tuple[HeldConfig, GeometryRecord] | None = vars(self).get('_filled')
-        if known is None or known[0] != config:
-            known = config, self.changed(proximity=frozen(config.filled(self.proximity)))
-            vars(self)['_filled'] = known
-        return known[1]
+        cached: tuple[HeldConfig, GeometryRecord] | None = vars(self).get('_filled')
+        if cached is None or cached[0] != config:
+            cached = config, self.changed(proximity=frozen(config.filled(self.proximity)))
+            vars(self)['_filled'] = cached
+        return cached[1]
 
     def properties(self, role: Role) -> GeometryProperties | None:
         """Return the properties of a role, or None."""
@@ -151,7 +151,7 @@ class GeometryRecord:
         return properties
 
     def roles(self) -> list[Role]:
-        """Return the roles that the geometry has; an empty list is what kUnassigned means."""
+        """Return the roles of the geometry; an empty list means kUnassigned."""
         return [role for role in ROLE_FIELDS if self.properties(role) is not None]
 
     def has_role(self, role: Role) -> bool:
@@ -161,17 +161,17 @@ class GeometryRecord:
 
 @dataclass
 class Versions:
-    """Numbers that grow with every change of a kind."""
+    """Version numbers, each of which grows with every change of a kind."""
 
     frames: int = 0  # a frame was registered or renamed
-    proximity: int = 0  # what takes part in proximity queries, its shape or its X_FG
+    proximity: int = 0  # the geometries with the proximity role, a shape or X_FG of one changed
     any: int = 0
-    names: int = 0  # that of ``any`` when what is there, its name or its roles changed last
+    names: int = 0  # ``any`` at the last change of the set of objects, of names or of roles
     roles: dict[Role, int] = field(default_factory=fresh_marks)  # see GeometryVersion
-    filters: int = 0  # the version of the filters that ``roles`` know of
+    filters: int = 0  # the version of the filters that ``roles`` include
 
     def copy(self) -> Versions:
-        """Return numbers that grow on their own."""
+        """Return an independent copy."""
         return replace(self, roles=dict(self.roles))
 
 
@@ -189,23 +189,23 @@ def is_solid(record: GeometryRecord) -> bool:
 
 
 def padding_of(record: GeometryRecord) -> float:
-    """Return the property ('proximity', 'padding') [m], 0 where there is none.
+    """Return the property ('proximity', 'padding') [m], 0 without it.
 
-    Raises GeometryError for what is no length.
+    Raises GeometryError for a value that is no length.
     """
     return _length_of(record, PADDING, FARTHEST)
 
 
 def margin_of(record: GeometryRecord) -> float:
-    """Return the property ('map', 'margin') [m] of a sensed map, 0 where there is none.
+    """Return the property ('map', 'margin') [m] of a sensed map, 0 without it.
 
-    Raises GeometryError for what is no length.
+    Raises GeometryError for a value that is no length.
     """
     return _length_of(record, MARGIN, FARTHEST_CELL) if is_map(record) else 0.0
 
 
 def is_map(record: GeometryRecord) -> bool:
-    """Tell whether the shape is one that sensors see."""
+    """Return whether the shape is a sensed map."""
     return isinstance(record.shape, SensedMap)
 
 
@@ -225,11 +225,11 @@ def _length_of(record: GeometryRecord, name: tuple[str, str], most: float) -> fl
 
 
 def check_for_queries(record: GeometryRecord) -> None:
-    """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
+    """Raise GeometryError if queries cannot support a geometry with the proximity role."""
     if record.proximity is None:
         return
     padding_of(record)
     _ = record.queried_shape
     _ = record.hydroelastic_body
     if isinstance(record.shape, Mesh) and not is_solid(record):
-        tell_if_open(record.shape)
+        warn_if_open(record.shape)

@@ -1,4 +1,4 @@
-"""What is to be said about pairs: a list of statements, later ones win."""
+"""Declarations of collision filters: lists of statements about pairs, of which later ones win."""
 
 from __future__ import annotations
 
@@ -17,31 +17,33 @@ from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 
 
 class CollisionFilterScope(enum.Enum):
-    """The geometries a declaration affects; without deformable ones both mean the same."""
+    """The geometries that a declaration affects; without deformable ones both are the same."""
 
     kAll = 0
     kOmitDeformable = 1
 
 
-class Given(NamedTuple):
-    """What a GeometrySet held when it was given, as plain numbers that need no hashing again."""
+class SetSnapshot(NamedTuple):
+    """Snapshot of a GeometrySet as plain numbers, which need no hashing again."""
 
     geometries: tuple[int, ...]  # ascending
     frames: tuple[FrameId, ...]
 
     @staticmethod
-    def of(geometry_set: GeometrySet, argument: str) -> Given:
-        """Return what a set holds; ArgumentTypeError for what is no GeometrySet."""
+    def of(geometry_set: GeometrySet, argument: str) -> SetSnapshot:
+        """Return the snapshot of a set; raises ArgumentTypeError for other types."""
         checked_type(geometry_set, GeometrySet, f'CollisionFilterDeclaration: {argument}')
         geometry_ids, frame_ids = members_of(geometry_set)
-        return Given(tuple(sorted([id.get_value() for id in geometry_ids])), tuple(frame_ids))
+        return SetSnapshot(
+            tuple(sorted([id.get_value() for id in geometry_ids])), tuple(frame_ids)
+        )
 
 
 class CollisionFilterDeclaration:
     """A change of the candidate pairs C, for ``CollisionFilterManager`` to apply.
 
-    Its statements are taken in order. Sets are copied when they are given, and resolved against
-    a scene when the declaration is applied. Each method returns the declaration itself, so that
+    Its statements are applied in order. Sets are copied at the call, and resolved against a scene
+    when the declaration is applied. Each method returns the declaration itself, so that
     statements can be chained:
 
         >>> from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet
@@ -52,16 +54,16 @@ class CollisionFilterDeclaration:
     __slots__ = ('_scope', '_statements')
 
     def __init__(self, scope: CollisionFilterScope = CollisionFilterScope.kAll) -> None:
-        """Make a declaration that says nothing yet; RuntimeError for what is no scope."""
+        """Make a declaration without statements; raises RuntimeError for an invalid scope."""
         self._scope = checked_type(scope, CollisionFilterScope, 'scope')
-        self._statements: list[tuple[int, Given, Given]] = []
+        self._statements: list[tuple[int, SetSnapshot, SetSnapshot]] = []
 
     def AllowBetween(self, set_A: GeometrySet, set_B: GeometrySet) -> CollisionFilterDeclaration:
-        """Put the pairs (a, b) of the two sets into C, but for invariant ones; return self."""
+        """Put the pairs (a, b) of the two sets into C, except invariant ones; return self."""
         return self._between(ALLOW_BETWEEN, set_A, set_B)
 
     def AllowWithin(self, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
-        """Put all pairs of the set into C, but for invariant ones; return self."""
+        """Put all pairs of the set into C, except invariant ones; return self."""
         return self._within(ALLOW_WITHIN, geometry_set)
 
     def ExcludeBetween(self, set_A: GeometrySet, set_B: GeometrySet) -> CollisionFilterDeclaration:
@@ -75,11 +77,11 @@ class CollisionFilterDeclaration:
     def _between(
         self, operation: int, set_A: GeometrySet, set_B: GeometrySet
     ) -> CollisionFilterDeclaration:
-        given = Given.of(set_A, 'set_A'), Given.of(set_B, 'set_B')
-        self._statements.append((operation, *given))
+        snapshots = SetSnapshot.of(set_A, 'set_A'), SetSnapshot.of(set_B, 'set_B')
+        self._statements.append((operation, *snapshots))
         return self
 
     def _within(self, operation: int, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
-        given = Given.of(geometry_set, 'geometry_set')
-        self._statements.append((operation, given, given))
+        snapshot = SetSnapshot.of(geometry_set, 'geometry_set')
+        self._statements.append((operation, snapshot, snapshot))
         return self

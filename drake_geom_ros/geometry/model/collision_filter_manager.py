@@ -1,4 +1,4 @@
-"""Changing which pairs may be reported, and asking why one is not."""
+"""``CollisionFilterManager``: declares, removes and explains collision filters."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.collision_filter_declaration import (
     CollisionFilterDeclaration,
-    Given,
+    SetSnapshot,
 )
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.properties import Role
@@ -37,7 +37,7 @@ _OPERATIONS = {
 class FilterStatement(NamedTuple):
     """A statement of a persistent declaration, resolved to geometries."""
 
-    operation: str  # the method of CollisionFilterDeclaration that says it
+    operation: str  # the name of the method of CollisionFilterDeclaration
     set_A: list[GeometryId]
     set_B: list[GeometryId]  # empty for ExcludeWithin and AllowWithin
 
@@ -59,20 +59,20 @@ class CollisionFilterManager:
 
     G are the geometries with the proximity role, A x A the pairs of anchored ones (on the world
     frame, or on one that is welded to it: ``WeldToWorld``), F those on one frame, I those of a
-    geometry with itself. Pairs of the last three can never be put into
-    C; to try is no error and does nothing. Beyond that
+    geometry with itself. Pairs of the last three can never be put into C; a declaration that tries
+    has no effect on them. Further rules:
 
-    - the last word about a pair counts: declarations, groups and cliques follow one another in
-      the persistent base, and transient declarations follow these in the order of their ids;
-    - a frame in a set stands for the geometries with the proximity role that it has now; later
-      ones start unfiltered, and geometries without the role are ignored;
-    - the base cannot change while there are transient declarations, or a change might show no
-      effect: remove them, or ``Flatten``. ``Activate`` and ``Deactivate`` have their effect
-      above all declarations, so they are always possible;
-    - an id that the scene does not have raises RuntimeError, and nothing changes.
+    - The last statement about a pair wins. Declarations, groups and cliques follow one another in
+      the persistent base; transient declarations follow these in the order of their ids.
+    - A frame in a set stands for its current geometries with the proximity role; later ones start
+      unfiltered, and geometries without the role are ignored.
+    - The base cannot change while there are transient declarations, since a change might have no
+      effect: remove them, or ``Flatten``. ``Activate`` and ``Deactivate`` override all
+      declarations, so they are always possible.
+    - An unknown id raises RuntimeError, and nothing changes.
 
     Source of these rules: Drake's CollisionFilterManager. Groups, cliques, activation, flatten
-    and explanations are ours, and so is that a group or clique can be changed after loading.
+    and explanations are additions of this package, as are changes of groups after loading.
     """
 
     def __init__(self, model: Model, filters: FilterState) -> None:
@@ -90,7 +90,7 @@ class CollisionFilterManager:
         self._filters.apply(self._statements(declaration, 'Apply'))
 
     def ApplyTransient(self, declaration: CollisionFilterDeclaration) -> FilterId:
-        """Apply a declaration on top of all others and return the id to remove it by.
+        """Apply a declaration on top of all others, and return the id for its removal.
 
         Raises UnknownIdError for ids.
         """
@@ -102,7 +102,7 @@ class CollisionFilterManager:
     def RemoveDeclaration(self, filter_id: FilterId) -> bool:
         """Remove a transient declaration, and return whether it was active.
 
-        C becomes what it were if the declaration had never been made.
+        C becomes as if the declaration had never been made.
         """
         return self.IsActive(filter_id) and self._filters.remove_declaration(filter_id.get_value())
 
@@ -115,13 +115,12 @@ class CollisionFilterManager:
         """Return whether there are transient declarations."""
         return self._filters.has_transient_history
 
-    # Ours: the history and what is switched off.
+    # Additions to pydrake: the history, and deactivated geometries.
 
     def RemoveDeclarations(self, filter_ids: Iterable[FilterId]) -> list[FilterId]:
         """Remove transient declarations at once, and return those that were active.
 
-        C becomes what ``RemoveDeclaration`` of each would make it, in one pass over the history
-        instead of one for each.
+        The effect is that of ``RemoveDeclaration`` for each, in one pass over the history.
         """
         values = [filter_id.get_value() for filter_id in filter_ids if self.IsActive(filter_id)]
         return [FilterId(value) for value in self._filters.remove_declarations(values)]
@@ -131,20 +130,20 @@ class CollisionFilterManager:
         self._filters.flatten()
 
     def Activate(self, geometry_set: GeometrySet) -> None:
-        """Let geometries be reported again, in the pairs in which they would have been."""
+        """Undo ``Deactivate``: geometries are reported again, as far as declarations allow."""
         self._filters.activate(self._keys(geometry_set))
 
     def Deactivate(self, geometry_set: GeometrySet) -> None:
-        """Keep geometries out of all pairs until they are activated, whatever is declared."""
+        """Exclude geometries from all pairs until they are activated; overrides declarations."""
         self._filters.deactivate(self._keys(geometry_set))
 
     def WeldToWorld(self, frame_ids: Iterable[FrameId]) -> None:
         """Count geometries on frames, now and later, among the anchored ones.
 
-        For what fixed joints hold to the world: it keeps its frame, and the first pose says where
-        it is. A pose elsewhere, by more than 1e-6 m or in R, ends the weld in that context, and
-        the pairs are reported from then on. Raises UnknownIdError for a frame that does not
-        exist, ArgumentError for one that hangs on another frame than the world.
+        For links that fixed joints connect to the world: they keep their frames, and the first
+        pose defines their place. A later pose that differs by more than 1e-6, in metres or in R,
+        ends the weld in that context, and the pairs are reported from then on. Raises
+        UnknownIdError for an unknown frame, ArgumentError for one whose parent is not the world.
         """
         frames = [self._model.frame(frame_id) for frame_id in frame_ids]
         for frame in frames:
@@ -165,10 +164,10 @@ class CollisionFilterManager:
         return _ids(self._filters.deactivated())
 
     def active_filter_ids(self) -> list[FilterId]:
-        """Return the ids of the transient declarations, in the order in which they count."""
+        """Return the ids of the transient declarations, in the order of their application."""
         return [FilterId(value) for value in self._filters.active_ids]
 
-    # Ours: groups and cliques.
+    # Additions to pydrake: groups and cliques.
 
     @staticmethod
     def universal_group_name() -> str:
@@ -182,8 +181,8 @@ class CollisionFilterManager:
 
         Pairs of a member and a member of a group that it ignores are taken out of C. All
         geometries belong to the group ``universal``: the members of a group that ignores it are
-        in no pair, not even with geometries that are added later. A group that does not exist
-        can be ignored; it counts from its definition on.
+        in no pair, not even with geometries that are added later. A group may ignore one that does
+        not exist yet; this takes effect with the definition of the latter.
 
         Raises ArgumentError for a bad name, UnknownIdError for a member that does not exist,
         FilterError while there are transient declarations.
@@ -230,12 +229,12 @@ class CollisionFilterManager:
         """Return the members of each clique by its name."""
         return {name: _ids(members) for name, members in self._filters.cliques().items()}
 
-    # Ours: what holds, and why.
+    # Additions to pydrake: explanations.
 
     def explain(self, geometry_id_A: GeometryId, geometry_id_B: GeometryId) -> list[str]:
-        """Return why a pair is not in C, an empty list if it is.
+        """Return the reasons why a pair is not in C, an empty list if it is.
 
-        Each reason would do alone: ``self``, ``anchored``, ``same frame``, ``deactivated``,
+        Each reason is sufficient: ``self``, ``anchored``, ``same frame``, ``deactivated``,
         ``group NAME``, ``clique NAME``, ``persistent declaration N`` (counted from 0 in the
         order of ``Apply``) and ``transient declaration ID``. Raises UnknownIdError, or
         RoleError for a geometry without the proximity role.
@@ -243,14 +242,14 @@ class CollisionFilterManager:
         return self._filters.explain(self._key(geometry_id_A), self._key(geometry_id_B))
 
     def num_filtered_pairs(self) -> int:
-        """Return how many pairs are not in C without being ones that can never be."""
+        """Return the number of pairs that are not in C but could be."""
         return self._filters.filtered_pairs()
 
     def declarations(self) -> list[list[FilterStatement]]:
-        """Return persistent declarations that, after the groups and cliques, lead to the base.
+        """Return persistent declarations that, after the groups and cliques, produce the base.
 
-        What a group or a clique took out after the first declaration is said again in its
-        place. Declarations of which nothing is left in force may be missing.
+        Exclusions by a group or a clique after the first declaration are repeated in their place.
+        Declarations without any remaining effect may be missing.
         """
         return [
             [FilterStatement(_OPERATIONS[what], _ids(a), _ids(b)) for what, a, b in statements]
@@ -268,18 +267,18 @@ class CollisionFilterManager:
             )
 
     def _statements(self, declaration: CollisionFilterDeclaration, what: str) -> list[Statement]:
-        """Resolve a declaration; UnknownIdError for an id that is not there."""
+        """Return the statements of a declaration, resolved; UnknownIdError for an unknown id."""
         checked_type(declaration, CollisionFilterDeclaration, f'{what}: declaration')
         return [
             (operation, self._resolved(set_A), self._resolved(set_B))
             for operation, set_A, set_B in declaration._statements
         ]
 
-    def _resolved(self, given: Given) -> tuple[int, ...]:
-        if not given.frames and self._filters.knows(given.geometries):
-            return given.geometries  # the common case, a tenth of the time of looking at each
-        ids = [GeometryId(value) for value in given.geometries]
-        return self._keys(GeometrySet(ids, given.frames))
+    def _resolved(self, members: SetSnapshot) -> tuple[int, ...]:
+        if not members.frames and self._filters.knows(members.geometries):
+            return members.geometries  # the common case, ten times as fast as resolving each
+        ids = [GeometryId(value) for value in members.geometries]
+        return self._keys(GeometrySet(ids, members.frames))
 
     def _keys(self, geometry_set: GeometrySet) -> tuple[int, ...]:
         ids = self._model.resolve(geometry_set, Role.kProximity)
@@ -299,7 +298,7 @@ def _ids(keys: Iterable[int]) -> list[GeometryId]:
     return [GeometryId(key) for key in keys]
 
 
-# Why a pair is filtered for good; see ``FilterState.explain``.
+# Reasons that no declaration can override; see ``FilterState.explain``.
 _FOR_GOOD = {
     'self': 'a geometry has no distance from itself',
     'anchored': 'both stand on the world, and never move against each other',
@@ -308,7 +307,7 @@ _FOR_GOOD = {
 
 
 def how_to_allow(reasons: list[str]) -> str:
-    """Return whether a pair that is filtered for these reasons may be allowed, and how."""
+    """Return advice on how to allow a pair that is filtered for these reasons, if possible."""
     for reason, why in _FOR_GOOD.items():
         if reason in reasons:
             return f'No filter can allow it: {why}.'

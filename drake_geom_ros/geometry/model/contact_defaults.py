@@ -1,4 +1,4 @@
-"""What contexts give to geometries whose proximity properties say nothing of contact."""
+"""Default contact properties, which contexts add to geometries that lack them."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from drake_geom_ros.geometry.model.scene_graph_config import COMPLIANCE_TYPES, S
 
 @dataclass(frozen=True)
 class HeldConfig:
-    """The settings of a model, and whether its geometries get the defaults: those of contexts do.
+    """The settings of a model; the geometries of contexts get the defaults.
 
-    ``is_shared``: a context sees the changes of this very model, so that it can get none.
+    ``is_shared``: a context sees the changes of this very model, so it gets no defaults.
     """
 
     config: SceneGraphConfig = field(default_factory=SceneGraphConfig)
@@ -31,11 +31,11 @@ class HeldConfig:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is nothing to give: the default compliance type is 'undefined'."""
+        """True if there are no defaults: the default compliance type is 'undefined'."""
         return self.config.default_proximity_properties.compliance_type == 'undefined'
 
     def filled(self, properties: GeometryProperties) -> Any:
-        """Return the properties, those of proximity with what they lack and contexts give."""
+        """Return the properties, with missing defaults added to proximity properties."""
         if not self.gives or self.is_empty or not isinstance(properties, ProximityProperties):
             return properties
         defaults = self.config.default_proximity_properties

@@ -1,4 +1,4 @@
-"""Properties of contact, by the names that Drake's models of contact look for."""
+"""Contact material properties, with the names that Drake's contact models use."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ def AddContactMaterial(
     point_stiffness: float | None = None,
     friction: Any = None,
 ) -> None:
-    """Add to ``properties``, in the group ``material``, the given properties of a material.
+    """Add properties of a contact material to ``properties``, in the group ``material``.
 
     ``dissipation`` [s/m] >= 0 (Hunt and Crossley), ``point_stiffness`` [N/m] > 0, ``friction`` an
     object with ``static_friction()`` and ``dynamic_friction()``, as pydrake's CoulombFriction.
-    No answer of this package depends on them. Raises RuntimeError for other values, and where a
+    No answer of this package depends on them. Raises RuntimeError for other values, and if a
     property exists already.
 
         >>> properties = ProximityProperties()
@@ -36,14 +36,14 @@ def AddContactMaterial(
         raise ArgumentError(f'AddContactMaterial: point_stiffness = {point_stiffness} must be > 0')
     if friction is not None and not hasattr(friction, 'dynamic_friction'):
         raise ArgumentTypeError(f'AddContactMaterial: friction = {friction!r} has no coefficients')
-    given = {
+    values = {
         'hunt_crossley_dissipation': dissipation,
         'point_contact_stiffness': point_stiffness,
         'coulomb_friction': friction,
     }
-    for name, value in given.items():
+    for name, value in values.items():
         if value is not None and properties.HasProperty(MATERIAL, name):
             raise ArgumentError(f'AddContactMaterial: there is a {name} already')
-    for name, value in given.items():
+    for name, value in values.items():
         if value is not None:
             properties.AddProperty(MATERIAL, name, value)

@@ -1,4 +1,4 @@
-"""Poses of frames, by id."""
+"""``FramePoseVector``: poses of frames by id."""
 
 from __future__ import annotations
 
@@ -29,10 +29,9 @@ from drake_geom_ros.math.tolerances import FARTHEST
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 _INT64, _FLOAT64 = np.dtype(np.int64), np.dtype(np.float64)
-# Names of a call that has to be short: see ``FromArrays``.
+# Local names for a hot path, see ``FromArrays``.
 _new, _empty, _Array = object.__new__, np.empty, np.ndarray
-# Ids that rose strictly when they were given last, which nobody changes: who gives the same ones
-# again shares them, and they need not be copied.
+# The last strictly ascending ids, read-only: a call with equal ids shares them without a copy.
 _rising = [np.zeros(0, dtype=np.int64)]
 
 # Id values (n,) of frames, and their poses (n, POSE_WIDTH): see ``_proximity.poses``.
@@ -40,10 +39,10 @@ _Arrays: TypeAlias = tuple[Indices, Floats]
 
 
 class FramePoseVector:
-    """X_PF, the pose in its parent, of each of some frames.
+    """Poses X_PF of frames in their parents.
 
-    Filled one by one as in pydrake, or made of arrays by ``FromArrays``, in which case nothing of
-    it is done frame by frame: the two forms are turned into each other only when asked for.
+    It is filled one by one, as in pydrake, or made from arrays by ``FromArrays``, without work per
+    frame. One form is converted to the other only when needed.
 
         >>> poses = FramePoseVector({FrameId(2): RigidTransform([0, 0, 1])})
         >>> poses.set_value(FrameId(3), RigidTransform())
@@ -66,12 +65,11 @@ class FramePoseVector:
         """Return the poses (n, 7), x y z [m] qx qy qz qw, of n frames.
 
         ``frame_ids`` are ids or, quicker, an array of their values. Quaternions are normalised.
-        Raises RuntimeError for another shape, a number that is not finite, a quaternion that is
-        off unit length by more than 1e-3, a coordinate beyond 1e302 m, or a frame that is named
-        twice.
+        Raises RuntimeError for another shape, a number that is not finite, a quaternion whose
+        length differs from 1 by more than 1e-3, a coordinate beyond 1e302 m, or a duplicate frame.
         """
-        # In the first cycle after other work code comes from memory, so every step counts here:
-        # what more there is to be known of such arrays compiled code sees.
+        # After 10 ms of other work each step here is a cache miss, so compiled code checks all
+        # else about these arrays.
         vector: FramePoseVector = _new(cls)
         vector._values = None
         if (
@@ -80,18 +78,18 @@ class FramePoseVector:
             and frame_ids.dtype is _INT64
             and poses.dtype is _FLOAT64
         ):
-            known = _rising[0]
+            ids = _rising[0]
             try:
                 X_PFs = _empty((len(frame_ids), POSE_WIDTH))
-                told = FRAME_POSES.call(frame_ids, known, poses, X_PFs)
+                status = FRAME_POSES.call(frame_ids, ids, poses, X_PFs)
             except TypeError:  # of another number of dimensions
-                told = REFUSED
-            if told == KNOWN:
-                vector._arrays = known, X_PFs
+                status = REFUSED
+            if status == KNOWN:
+                vector._arrays = ids, X_PFs
                 return vector
-            if told == RISING:
-                _rising[0] = known = frame_ids.astype(_INT64)  # a copy
-                vector._arrays = known, X_PFs
+            if status == RISING:
+                _rising[0] = ids = frame_ids.astype(_INT64)  # a copy
+                vector._arrays = ids, X_PFs
                 return vector
         ids = _id_values(frame_ids)
         vector._arrays = ids, _poses_of(ids, poses)
@@ -105,17 +103,17 @@ class FramePoseVector:
         self._arrays = None
 
     def value(self, id: FrameId) -> RigidTransform:
-        """Return X_PF of a frame; raises RuntimeError if it has none here."""
+        """Return X_PF of a frame; raises RuntimeError without a pose of it."""
         if id not in self._by_id():
             raise UnknownIdError(f'FramePoseVector: no pose of {id!r} among {self.size()} frames')
         return RigidTransform(self._by_id()[id])
 
     def has_id(self, id: FrameId) -> bool:
-        """Return whether the frame has a pose here."""
+        """Return whether the vector has a pose of the frame."""
         return id in self._by_id()
 
     def ids(self) -> list[FrameId]:
-        """Return the ids of the frames, in the order in which they were given."""
+        """Return the ids of the frames, in the order of the poses."""
         if self._values is None:
             return [FrameId(value) for value in self._ids.tolist()]
         return list(self._values)
@@ -125,17 +123,17 @@ class FramePoseVector:
         return self.ids()
 
     def id_values(self) -> Indices:
-        """Return the values of the frames' ids (n,), in the order in which they were given."""
+        """Return the id values (n,) of the frames, in the order of the poses; read-only."""
         values = self._ids.view()
-        values.flags.writeable = False  # others may have the same ones
+        values.flags.writeable = False  # other vectors may share them
         return values
 
     def size(self) -> int:
-        """Return how many frames have a pose here."""
+        """Return the number of poses."""
         return len(self)
 
     def clear(self) -> None:
-        """Forget all poses."""
+        """Remove all poses."""
         self._values, self._arrays = {}, None
 
     def __len__(self) -> int:
@@ -160,7 +158,7 @@ class FramePoseVector:
         return positions_of(self._as_arrays()[1])
 
     def _by_id(self) -> dict[FrameId, RigidTransform]:
-        """Return the poses as a dictionary, made of the arrays when there is none."""
+        """Return the poses as a dictionary, converted from the arrays if necessary."""
         if self._values is None:
             poses = zip(self._R_PFs, self._p_PFs, strict=True)
             self._values = {
@@ -170,7 +168,7 @@ class FramePoseVector:
         return self._values
 
     def _as_arrays(self) -> _Arrays:
-        """Return the poses as arrays, made of the dictionary when there are none."""
+        """Return the poses as arrays, converted from the dictionary if necessary."""
         if self._arrays is None:
             X_PFs = list(self._by_id().values())
             Rs = np.array([X.rotation().matrix() for X in X_PFs]).reshape(-1, 3, 3)
@@ -180,19 +178,19 @@ class FramePoseVector:
 
 
 def arrays_of(poses: FramePoseVector) -> _Arrays:
-    """Return id values (n,) and poses (n, POSE_WIDTH), which nobody changes."""
+    """Return id values (n,) and poses (n, POSE_WIDTH), read-only by convention."""
     return poses._arrays or poses._as_arrays()
 
 
 def _poses_of(ids: Indices, poses: ArrayLike) -> Floats:
-    """Return the rows (n, POSE_WIDTH) of the poses (n, 7) of as many different frames.
+    """Return the rows (n, POSE_WIDTH) of the poses (n, 7) of n different frames.
 
-    Raises PoseError for what is no pose, another number of poses, and a frame that is there twice.
+    Raises PoseError for an invalid pose, another number of poses, and a duplicate frame.
     """
-    told, X_PFs = REFUSED, np.empty((len(ids), POSE_WIDTH))
+    status, X_PFs = REFUSED, np.empty((len(ids), POSE_WIDTH))
     if isinstance(poses, np.ndarray) and poses.shape == (len(ids), 7) and poses.dtype.kind == 'f':
-        told = FRAME_POSES.call(ids, ids[:0], poses.astype(np.float64), X_PFs)
-    if told == REFUSED:  # whatever the compiled code does not take is named
+        status = FRAME_POSES.call(ids, ids[:0], poses.astype(np.float64), X_PFs)
+    if status == REFUSED:  # read again in Python, for an error that names the fault
         X_PFs = packed_poses(*_read_slowly(poses))
     if len(ids) != len(X_PFs):
         raise PoseError(f'FramePoseVector.FromArrays: {len(ids)} frame_ids for {len(X_PFs)} poses')
@@ -204,7 +202,7 @@ def _poses_of(ids: Indices, poses: ArrayLike) -> Floats:
 
 
 def _read_slowly(poses: ArrayLike) -> tuple[Floats, Floats]:
-    """Return R (n, 3, 3) and p (n, 3) of poses (n, 7); raises PoseError for what is no pose."""
+    """Return R (n, 3, 3) and p (n, 3) of poses (n, 7); raises PoseError for an invalid pose."""
     try:
         Rs, ps = matrices_from_poses(poses)
     except RuntimeError as error:

@@ -1,4 +1,4 @@
-"""Sets of geometries, named one by one or by the frames they are on."""
+"""``GeometrySet``: geometries by their own ids or by the frames they are on."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from drake_geom_ros.geometry.ids import FrameId, GeometryId
 class GeometrySet:
     """Geometry ids, and frame ids that stand for all geometries on the frame.
 
-    Made of one id, of a sequence of ids (both kinds may be mixed), or of both kinds by keyword.
-    What a frame stands for is determined when the set is used; nothing is checked
-    against a scene before that.
+    Made from one id, from a sequence of ids (both kinds may be mixed), or from both kinds by
+    keyword. A frame is resolved to geometries when the set is used; ids are not checked before.
 
         >>> finger, thumb, palm = GeometryId(1), GeometryId(2), FrameId(3)
         >>> hand = GeometrySet(geometry_ids=[finger, thumb], frame_ids=[palm])
@@ -46,7 +45,7 @@ class GeometrySet:
         geometry_id: GeometryId | None = None,
         frame_id: FrameId | None = None,
     ) -> None:
-        """Add ids; RuntimeError, and nothing is added, if any is of another kind."""
+        """Add ids; raises RuntimeError and adds none if one is of another kind."""
         mixed = [ids] if isinstance(ids, (FrameId, GeometryId)) else _listed(ids)
         geometries = _listed(geometry_ids) + ([] if geometry_id is None else [geometry_id])
         frames = _listed(frame_ids) + ([] if frame_id is None else [frame_id])
@@ -68,12 +67,12 @@ class GeometrySet:
 
 
 def members_of(geometry_set: GeometrySet) -> tuple[set[GeometryId], set[FrameId]]:
-    """Return the ids that a set holds; they are its own."""
+    """Return the ids of a set, by reference."""
     return geometry_set._geometry_ids, geometry_set._frame_ids
 
 
 def _listed(ids: Any) -> list[Any]:
-    """Return the ids as a list; RuntimeError if they cannot be listed."""
+    """Return the ids as a list; raises RuntimeError if they are not iterable."""
     try:
         return list(ids)
     except TypeError:

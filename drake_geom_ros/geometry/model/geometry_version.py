@@ -1,4 +1,4 @@
-"""Telling whether the geometry of a role has changed."""
+"""``GeometryVersion``: detects changes of the geometry of a role."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from collections.abc import Mapping
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.model.properties import Role
 
-# Never the same number twice in a process, whatever scene or context takes it.
+# Numbers are unique within the process, over all scenes and contexts.
 _numbers = itertools.count(1)
 
 
 def fresh_number() -> int:
-    """Return a number that no version has."""
+    """Return a number that no version has yet."""
     return next(_numbers)
 
 
 class GeometryVersion:
     """The version of the geometry of each role at the time of ``geometry_version()``.
 
-    Marks are the same only while nothing of that role was registered, removed or changed (a new
+    Versions are the same as long as nothing of that role is registered, removed or changed (a new
     name is no change; collision filters count for the proximity role). A context starts with the
-    marks of its scene. A mark that is made without a scene is the same as itself only.
+    version of its scene. A version made without a scene equals itself only.
     """
 
     __slots__ = ('_numbers',)
@@ -38,12 +38,12 @@ class GeometryVersion:
 
 
 def version_of(numbers: Mapping[Role, int]) -> GeometryVersion:
-    """Return the mark of these numbers."""
+    """Return the version with these numbers."""
     version = GeometryVersion.__new__(GeometryVersion)
     version._numbers = dict(numbers)
     return version
 
 
 def fresh_marks() -> dict[Role, int]:
-    """Return numbers of its own for each role."""
+    """Return a new number for each role."""
     return {role: fresh_number() for role in Role if role is not Role.kUnassigned}

@@ -1,4 +1,4 @@
-"""Properties by which a geometry takes part in hydroelastic contact, as pydrake names them."""
+"""Properties of hydroelastic contact, with pydrake's names."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ def AddRigidHydroelasticProperties(
     resolution_hint: float | ProximityProperties | None = None,
     properties: ProximityProperties | None = None,
 ) -> None:
-    """Add to ``(resolution_hint, properties)`` or ``(properties)`` what makes a geometry rigid.
+    """Add the properties of a rigid geometry: call it with or without the ``resolution_hint``.
 
-    ``resolution_hint`` [m] > 0 is about how long the edges are of what is cut into facets; a half
-    space, a Convex and a Mesh need none. Raises RuntimeError for another value, and where one of
-    the properties exists already.
+    ``resolution_hint`` [m] > 0 is the approximate edge length of facets; a half space, a Convex
+    and a Mesh need none. The calls are ``(resolution_hint, properties)`` and ``(properties)``.
+    Raises RuntimeError for another value, and if one of the properties exists already.
 
         >>> properties = ProximityProperties()
         >>> AddRigidHydroelasticProperties(0.01, properties)
@@ -41,11 +41,11 @@ def AddRigidHydroelasticProperties(
 def AddCompliantHydroelasticProperties(
     resolution_hint: float, hydroelastic_modulus: float, properties: ProximityProperties
 ) -> None:
-    """Add to ``properties`` what makes a geometry compliant: p = modulus times extent.
+    """Add the properties of a compliant geometry, with the pressure p = modulus times extent.
 
     The extent grows from 0 on the surface to 1 at the innermost points. ``resolution_hint`` [m]
-    > 0 is about how long the edges are, ``hydroelastic_modulus`` [Pa] > 0. Raises RuntimeError for
-    other values, and where one of the properties exists already.
+    > 0 is the approximate edge length, ``hydroelastic_modulus`` [Pa] > 0. Raises RuntimeError for
+    other values, and if one of the properties exists already.
 
         >>> properties = ProximityProperties()
         >>> AddCompliantHydroelasticProperties(0.01, 1e6, properties)
@@ -59,10 +59,10 @@ def AddCompliantHydroelasticProperties(
 def AddCompliantHydroelasticPropertiesForHalfSpace(
     slab_thickness: float, hydroelastic_modulus: float, properties: ProximityProperties
 ) -> None:
-    """Add to ``properties`` what makes a half space compliant: a slab over a rigid core.
+    """Add the properties of a compliant half space: a slab over a rigid core.
 
-    ``slab_thickness`` [m] > 0 is how deep the pressure is ``hydroelastic_modulus`` [Pa] > 0.
-    Raises RuntimeError for other values, and where one of the properties exists already.
+    ``slab_thickness`` [m] > 0 is the depth at which the pressure is ``hydroelastic_modulus`` [Pa]
+    > 0. Raises RuntimeError for other values, and if one of the properties exists already.
 
         >>> properties = ProximityProperties()
         >>> AddCompliantHydroelasticPropertiesForHalfSpace(0.02, 1e6, properties)
@@ -76,7 +76,7 @@ def AddCompliantHydroelasticPropertiesForHalfSpace(
 def _add_compliant(
     call: str, properties: ProximityProperties, values: Mapping[str, object]
 ) -> None:
-    """Add what makes a geometry compliant, all or none."""
+    """Add the properties of a compliant geometry, all or none."""
     _add(call, properties, {COMPLIANCE: HydroelasticType.kCompliant, **values})
 
 
@@ -99,10 +99,10 @@ def _add(call: str, properties: ProximityProperties | None, values: dict[str, ob
 
 
 def material_of(properties: ProximityProperties, what: str) -> HydroelasticMaterial | None:
-    """Return how a geometry takes part, None where it does not.
+    """Return the hydroelastic material of a geometry, None without one.
 
-    Raises GeometryError, which begins with ``what``, for a compliance type that is none, and for a
-    margin, which is not there yet.
+    Raises GeometryError, which begins with ``what``, for an unknown compliance type, and for a
+    margin, which is not supported.
     """
     compliance = properties.GetPropertyOrDefault(GROUP, COMPLIANCE, None)
     if compliance is None or compliance is HydroelasticType.kUndefined:

@@ -1,4 +1,4 @@
-"""What is handed to ``SceneGraph`` for registration: frames and geometries."""
+"""``GeometryFrame`` and ``GeometryInstance``: definitions for registration in ``SceneGraph``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drake_geom_ros.math import RigidTransform
 class GeometryFrame:
     """The definition of a frame: a name, unique within its source, and a group number >= 0.
 
-    It gets its id when it is made; registered, the frame has the same id.
+    It gets its id when it is made, and the registered frame has the same id.
     """
 
     __slots__ = ('_frame_group', '_id', '_name')
@@ -52,8 +52,8 @@ class GeometryInstance:
     """The definition of a geometry: pose X_PG in its parent, shape, name and properties by role.
 
     The parent P is a frame or another geometry. The name is trimmed of spaces and tabs; an empty
-    one raises RuntimeError. It gets its id when it is made; registered, the geometry has the same
-    id.
+    one raises RuntimeError. It gets its id when it is made, and the registered geometry has the
+    same id.
 
         >>> ball = GeometryInstance(RigidTransform([0, 0, 1]), Sphere(0.1), 'ball')
         >>> ball.set_proximity_properties(ProximityProperties())
@@ -71,7 +71,7 @@ class GeometryInstance:
         self._perception: PerceptionProperties | None = None
 
     def __copy__(self) -> GeometryInstance:
-        """Return an instance of the same id that shares nothing that either could change."""
+        """Return an independent copy with the same id."""
         other = GeometryInstance.__new__(GeometryInstance)
         for name in GeometryInstance.__slots__:
             setattr(other, name, getattr(self, name))
@@ -92,7 +92,7 @@ class GeometryInstance:
         return self._name
 
     def set_name(self, name: str) -> None:
-        """Take another name."""
+        """Set the name."""
         self._name = canonical_name(name, 'GeometryInstance')
 
     def pose(self) -> RigidTransform:
@@ -100,7 +100,7 @@ class GeometryInstance:
         return RigidTransform(self._X_PG)
 
     def set_pose(self, X_PG: RigidTransform) -> None:
-        """Take another pose in the parent."""
+        """Set the pose in the parent."""
         self._X_PG = checked_pose(X_PG, 'GeometryInstance: X_PG')
 
     def shape(self) -> Shape:
@@ -112,15 +112,15 @@ class GeometryInstance:
         return self._shape
 
     def set_proximity_properties(self, properties: ProximityProperties) -> None:
-        """Take a copy of the properties: registered, the geometry has the proximity role."""
+        """Copy the properties; the registered geometry has the proximity role."""
         self._proximity = _copied(properties, ProximityProperties)
 
     def set_illustration_properties(self, properties: IllustrationProperties) -> None:
-        """Take a copy of the properties: registered, the geometry has the illustration role."""
+        """Copy the properties; the registered geometry has the illustration role."""
         self._illustration = _copied(properties, IllustrationProperties)
 
     def set_perception_properties(self, properties: PerceptionProperties) -> None:
-        """Take a copy of the properties: registered, the geometry has the perception role."""
+        """Copy the properties; the registered geometry has the perception role."""
         self._perception = _copied(properties, PerceptionProperties)
 
     def proximity_properties(self) -> ProximityProperties | None:
@@ -149,6 +149,6 @@ class GeometryInstance:
 
 
 def _copied(properties: Any, kind: type[_T]) -> _T:
-    """Return a copy of properties of the right role."""
+    """Return a copy of properties; raises an error for those of another role."""
     checked: Any = checked_type(properties, kind, 'GeometryInstance: properties')
     return kind(checked)  # type: ignore[call-arg]

@@ -1,4 +1,4 @@
-"""The geometries of a role by the frame that carries them: what viewers load."""
+"""Geometries of a role, grouped by frame, for viewers to load."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspec
 
 
 class Link(NamedTuple):
-    """A frame as the visualiser knows it."""
+    """A frame with its geometries, as Drake's visualiser loads it."""
 
     frame: FrameId
     name: str
@@ -18,7 +18,7 @@ class Link(NamedTuple):
 
 
 def links_of(inspector: SceneGraphInspector, role: Role) -> list[Link]:
-    """Return the frames other than the world that carry geometry of a role."""
+    """Return the frames with geometry of a role, without the world."""
     world = inspector.world_frame_id()
     return [
         Link(

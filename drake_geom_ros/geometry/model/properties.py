@@ -1,4 +1,4 @@
-"""Roles, and the properties that a geometry has in each of them."""
+"""Roles of geometries, and the properties for each role."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Role(_PydrakeEnum):
 
 
 class RoleAssign(_PydrakeEnum):
-    """Whether a role is given for the first time, or its properties are replaced."""
+    """Mode of ``AssignRole``: a new role, or new properties of an existing one."""
 
     kNew = 0
     kReplace = 1
@@ -43,10 +43,9 @@ class RoleAssign(_PydrakeEnum):
 class GeometryProperties:
     """Values by group and name: the base of the properties of each role.
 
-    Made of nothing, or as a copy of the properties of any role. Values are copied in and copied
-    out. The type of a value is fixed when it is added. Properties
-    that came out of a scene are read only: assign changed copies with ``AssignRole`` and
-    ``RoleAssign.kReplace``.
+    It is empty, or a copy of the properties of any role. Values are copied in and copied out. The
+    type of a value is fixed when it is added. Properties from a scene are read-only: assign
+    changed copies with ``AssignRole`` and ``RoleAssign.kReplace``.
 
         >>> properties = ProximityProperties()
         >>> properties.AddProperty('material', 'friction', 0.5)
@@ -67,15 +66,15 @@ class GeometryProperties:
 
     @staticmethod
     def default_group_name() -> str:
-        """Return the name of the group that is always there."""
+        """Return the name of the group that always exists."""
         return _DEFAULT_GROUP
 
     def HasGroup(self, group_name: str) -> bool:
-        """Return whether there is such a group."""
+        """Return whether the group exists."""
         return group_name in self._groups
 
     def num_groups(self) -> int:
-        """Return how many groups there are, the default group included."""
+        """Return the number of groups, the default group included."""
         return len(self._groups)
 
     def GetGroupNames(self) -> set[str]:
@@ -83,9 +82,9 @@ class GeometryProperties:
         return set(self._groups)
 
     def GetPropertiesInGroup(self, group_name: str) -> dict[str, AbstractValue]:
-        """Return names and values of a group, each value in a box: ``get_value()``.
+        """Return names and values of a group, each as an ``AbstractValue`` with ``get_value()``.
 
-        Raises RuntimeError if there is none such.
+        Raises RuntimeError if the group does not exist.
         """
         if group_name not in self._groups:
             raise ArgumentError(
@@ -102,9 +101,9 @@ class GeometryProperties:
         """Return the value; raises RuntimeError if there is no such property."""
         if not self.HasProperty(group_name, name):
             group = self._groups.get(group_name)
-            known = f'groups {list(self._groups)}' if group is None else f'names {list(group)}'
+            existing = f'groups {list(self._groups)}' if group is None else f'names {list(group)}'
             raise ArgumentError(
-                f'GetProperty: there is no property ({group_name!r}, {name!r}); {known} exist'
+                f'GetProperty: there is no property ({group_name!r}, {name!r}); {existing} exist'
             )
         return copy.deepcopy(self._groups[group_name][name])
 
@@ -142,12 +141,12 @@ class GeometryProperties:
         self._groups.setdefault(group_name, {})[name] = stored
 
     def RemoveProperty(self, group_name: str, name: str) -> bool:
-        """Remove a property, and return whether it was there; its group stays."""
+        """Remove a property, and return whether it existed; its group stays."""
         self._check_writable()
-        found = self.HasProperty(group_name, name)
-        if found:
+        existed = self.HasProperty(group_name, name)
+        if existed:
             del self._groups[group_name][name]
-        return found
+        return existed
 
     def _check_writable(self) -> None:
         """Raise RuntimeError for properties that belong to a scene."""
@@ -207,7 +206,7 @@ def MakePhongIllustrationProperties(diffuse: ArrayLike) -> IllustrationPropertie
 
 
 def frozen(properties: _P) -> _P:
-    """Return a read-only copy for a scene to hold, and to share between its contexts."""
+    """Return a read-only copy, which a scene can share with its contexts."""
     copy = type(properties)(properties)
     copy._read_only = True
     return copy

@@ -1,4 +1,4 @@
-"""Colours."""
+"""``Rgba``: colours with alpha."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from drake_geom_ros.geometry.errors import ArgumentError
 
 
 class Rgba:
-    """A colour: red, green, blue and alpha, each in [0, 1]; white when nothing is given.
+    """A colour: red, green, blue and alpha, each in [0, 1]; white without arguments.
 
-    Values outside raise RuntimeError, and leave the colour as it was.
+    Values outside raise RuntimeError and do not change the colour.
     """
 
     __slots__ = ('_rgba',)
-    # What ``pydrake.common.yaml`` looks at to read and write a colour.
+    # ``pydrake.common.yaml`` uses this to read and write a colour.
     __fields__ = (SimpleNamespace(name='rgba', type=np.ndarray),)
 
     def __init__(self, r: float = 1.0, g: float = 1.0, b: float = 1.0, a: float = 1.0) -> None:
@@ -57,7 +57,7 @@ class Rgba:
         *,
         rgba: ArrayLike | None = None,
     ) -> None:
-        """Become the colour r, g, b, a, or that of one array of three or four of them."""
+        """Set the colour to r, g, b, a, or to an array of three or four of them."""
         if r is not None and g is not None and b is not None and rgba is None:
             self._rgba = _checked(r, g, b, a)
             return
@@ -73,9 +73,9 @@ class Rgba:
         b: float | None = None,
         a: float | None = None,
     ) -> None:
-        """Change the channels that are given."""
-        given = zip((r, g, b, a), self._rgba, strict=True)
-        self._rgba = _checked(*(old if new is None else new for new, old in given))
+        """Set some channels; those that are None stay."""
+        channels = zip((r, g, b, a), self._rgba, strict=True)
+        self._rgba = _checked(*(old if new is None else new for new, old in channels))
 
     def scale_rgb(self, scale: float) -> Rgba:
         """Return the colour of r, g, b times ``scale`` >= 0, at most 1, and the same alpha."""

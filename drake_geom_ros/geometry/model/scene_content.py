@@ -1,4 +1,4 @@
-"""What a scene is made of, and who holds it."""
+"""``SceneContent``: the model and the filters behind a scene graph or a context."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class ContentMark(NamedTuple):
-    """A model, and the versions that it and its filters were at."""
+    """A model, with its version and that of its filters."""
 
     model: Model
     versions: Versions
@@ -22,9 +22,9 @@ class ContentMark(NamedTuple):
 
 
 class SceneContent:
-    """A model and the filters of its pairs: what rooms hand around behind a scene or a context.
+    """A model and the filters of its pairs, shared by the classes behind a scene or a context.
 
-    ``copied_from`` is what a content that is a copy was copied from, as that was then.
+    ``copied_from`` is the mark of the original of a copy, at the time of the copy.
     """
 
     copied_from: ContentMark | None = None
@@ -34,49 +34,49 @@ class SceneContent:
         self.filters = filters
 
     def mark(self) -> ContentMark:
-        """Return what this content is now."""
+        """Return the mark of the current content."""
         return ContentMark(self.model, self.model.versions.copy(), self.filters.version)
 
     def take_over(self, copy: SceneContent) -> bool:
-        """Become what a copy has become that nobody uses from now on, if this is as it was.
+        """Adopt the state of a copy that is no longer used, unless this content has changed.
 
-        Return whether it was.
+        Return whether it did.
         """
         if copy.copied_from is None or copy.copied_from.model is not self.model:
             return False
         if copy.copied_from != self.mark():
             return False
-        vars(self.model).update(vars(copy.model))  # for all who hold this very model
+        vars(self.model).update(vars(copy.model))  # in place: others refer to this model
         self.filters.become(copy.filters)
         return True
 
     def copy(self) -> SceneContent:
-        """Return a content that shares nothing that either could change."""
+        """Return an independent copy."""
         return SceneContent(self.model.copy(), self.filters.copy())
 
     def begin_at(self, frame: FrameRecord, X_PF: RigidTransform) -> None:
-        """Pose a frame that has another parent now, and end its weld to the world."""
+        """Set the first pose of a frame in its new parent, and end its weld to the world."""
         self.model.first_X_PFs[frame.id] = X_PF
         if frame.id.get_value() in self.filters.welded:
             self.unweld(frame.id.get_value())
 
     def unweld(self, frame: int) -> None:
-        """End the weld of a frame, by the value of its id, to the world."""
+        """End the weld to the world of a frame, by its id value."""
         self.filters.unweld(frame, proximity_keys_on(self.model, FrameId(frame)))
 
 
 def proximity_keys_on(model: Model, frame_id: FrameId) -> list[int]:
-    """Return the id values of the geometries on a frame that take part in proximity queries."""
+    """Return the id values of the geometries with the proximity role on a frame."""
     on_it = model.geometries_on(frame_id)
     return [record.id.get_value() for record in on_it if record.proximity is not None]
 
 
 class SceneHolder:
-    """Who holds a scene: a scene graph, or a context with a copy of it."""
+    """Base of holders of a scene: a scene graph, or a context with a copy of it."""
 
     _state: SceneContent
 
 
 def content_of(holder: SceneHolder) -> SceneContent:
-    """Return what a scene graph or a context holds, for the rooms that act on it."""
+    """Return the content of a scene graph or a context, for the packages that work on it."""
     return holder._state

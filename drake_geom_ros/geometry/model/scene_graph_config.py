@@ -1,4 +1,4 @@
-"""What a scene gives to geometries whose properties say nothing of contact."""
+"""``SceneGraphConfig``: the default contact properties of a scene's geometries."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ COMPLIANCE_TYPES = {
 
 @dataclass
 class DefaultProximityProperties:
-    """Values for geometries that have none of their own, with pydrake's defaults; None: no value.
+    """Default properties for geometries that lack them, as in pydrake; None for no default.
 
     ``compliance_type`` is 'undefined' (no hydroelastic contact), 'rigid' or 'compliant';
     ``hydroelastic_modulus`` [Pa], ``resolution_hint`` [m], ``slab_thickness`` [m] of half spaces.
     ``dynamic_friction``, ``static_friction`` [-], ``hunt_crossley_dissipation`` [s/m],
-    ``relaxation_time`` [s] and ``point_stiffness`` [N/m] are kept; no answer depends on them.
+    ``relaxation_time`` [s] and ``point_stiffness`` [N/m] are stored; no answer depends on them.
     """
 
     compliance_type: str = 'undefined'
@@ -80,9 +80,9 @@ def checked_config(config: SceneGraphConfig) -> SceneGraphConfig:
 
 
 def _checked_number(name: str, value: object) -> float | None:
-    """Return a default property as a float, None where there is no value.
+    """Return a default property as a float, None without a value.
 
-    Raises ArgumentError for a value that it cannot have.
+    Raises ArgumentError for a value that is not allowed.
     """
     if value is None:
         return None
@@ -99,7 +99,7 @@ def _checked_number(name: str, value: object) -> float | None:
 
 
 def _check_friction(static: float | None, dynamic: float | None) -> None:
-    """Raise ArgumentError for one coefficient alone, and where dynamic is more than static."""
+    """Raise ArgumentError for a single coefficient, and if dynamic exceeds static."""
     if (static is None) != (dynamic is None):
         raise ArgumentError(
             f"SceneGraphConfig: 'static_friction' is {static} and 'dynamic_friction' {dynamic}; "

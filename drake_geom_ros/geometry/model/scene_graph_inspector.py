@@ -1,4 +1,4 @@
-"""What a scene consists of: everything about it that does not depend on poses of frames."""
+"""``SceneGraphInspector``: the content of a scene, without poses of frames."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ from drake_geom_ros.math.missing import refuse_missing_member
 
 
 class SceneGraphInspector:
-    """A view of a scene's model, or of a context's copy of it, which it always sees as it is now.
+    """A live view of a scene's model, or of a context's copy of it.
 
-    Comes from ``SceneGraph.model_inspector()`` or ``QueryObject.inspector()``. Lists of ids are in
-    ascending order. Every method raises RuntimeError for an id that the scene does not hold. Where
-    an id may be of several kinds it has a keyword for each kind, and ``id`` for any of them.
+    ``SceneGraph.model_inspector()`` and ``QueryObject.inspector()`` return it. Lists of ids are
+    ascending. Every method raises RuntimeError for an unknown id. Where an id may be of several
+    kinds there is a keyword for each kind, and ``id`` for any of them.
     """
 
     def __init__(self, model: Model, filters: FilterState) -> None:
@@ -54,7 +54,7 @@ class SceneGraphInspector:
     # Sources.
 
     def num_sources(self) -> int:
-        """Return how many sources there are, the scene's own included."""
+        """Return the number of sources, the scene's own included."""
         return len(self._model.sources)
 
     def GetAllSourceIds(self) -> list[SourceId]:
@@ -64,7 +64,7 @@ class SceneGraphInspector:
     def SourceIsRegistered(
         self, source_id: SourceId | None = None, *, id: SourceId | None = None
     ) -> bool:
-        """Return whether there is a source of that id."""
+        """Return whether a source of that id exists."""
         return only_id('SourceIsRegistered', source_id, id) in self._model.sources
 
     def GetSourceName(
@@ -74,7 +74,7 @@ class SceneGraphInspector:
         return self._model.source_name(only_id('GetSourceName', source_id, id))
 
     def NumFramesForSource(self, source_id: SourceId) -> int:
-        """Return how many frames a source has."""
+        """Return the number of frames of a source."""
         return len(self._model.frames_of_source(source_id))
 
     def FramesForSource(self, source_id: SourceId) -> set[FrameId]:
@@ -92,8 +92,8 @@ class SceneGraphInspector:
         """Return whether a frame or a geometry belongs to a source."""
         source: SourceId = only_id('BelongsToSource: source_id', source_id)
         self._model.source_name(source)
-        asked = only_id('BelongsToSource', id, frame_id, geometry_id)
-        return self._record(asked).source_id == source
+        only = only_id('BelongsToSource', id, frame_id, geometry_id)
+        return self._record(only).source_id == source
 
     def GetOwningSourceId(
         self,
@@ -113,8 +113,8 @@ class SceneGraphInspector:
         geometry_id: GeometryId | None = None,
     ) -> str:
         """Return the name of the source that a frame or a geometry belongs to."""
-        asked = only_id('GetOwningSourceName', id, frame_id, geometry_id)
-        return self._model.source_name(self._record(asked).source_id)
+        only = only_id('GetOwningSourceName', id, frame_id, geometry_id)
+        return self._model.source_name(self._record(only).source_id)
 
     # Frames.
 
@@ -123,7 +123,7 @@ class SceneGraphInspector:
         return self._model.world_frame_id
 
     def num_frames(self) -> int:
-        """Return how many frames there are, the world included."""
+        """Return the number of frames, the world included."""
         return len(self._model.frames)
 
     def GetAllFrameIds(self) -> list[FrameId]:
@@ -131,7 +131,7 @@ class SceneGraphInspector:
         return sorted(self._model.frames)
 
     def FramesParentsFirst(self) -> list[FrameId]:
-        """Return the ids of all frames, each behind the one that it hangs on; the world first."""
+        """Return the ids of all frames, parents before children, the world first."""
         return list(self._model.frames)
 
     def all_frame_ids(self) -> list[FrameId]:
@@ -139,23 +139,23 @@ class SceneGraphInspector:
         return self.GetAllFrameIds()
 
     def GetParentFrame(self, frame_id: FrameId) -> FrameId:
-        """Return the frame that a frame hangs on; the world is its own.
+        """Return the parent of a frame; the world is its own.
 
-        It was registered on it, or is attached to it: see ``GetHomeFrame``.
+        The frame was registered on its parent, or is attached to it: see ``GetHomeFrame``.
         """
         return self._model.frame(frame_id).parent_id
 
     def GetHomeFrame(self, frame_id: FrameId) -> FrameId:
-        """Return the frame that a frame was registered on, whatever it is attached to."""
+        """Return the parent that a frame was registered on, also while it is attached."""
         frame = self._model.frame(frame_id)
         return frame.parent_id if frame.home_id is None else frame.home_id
 
     def IsAttached(self, frame_id: FrameId) -> bool:
-        """Return whether a frame is attached to another one: see ``SceneGraph.AttachFrame``."""
+        """Return whether a frame is attached to another one, see ``SceneGraph.AttachFrame``."""
         return self._model.frame(frame_id).home_id is not None
 
     def IsPartOfParent(self, frame_id: FrameId) -> bool:
-        """Return whether a frame is attached and counts as part of the frame that carries it."""
+        """Return whether a frame is attached and counts as part of its parent."""
         return self._model.frame(frame_id).is_part
 
     def GetFrameGroup(self, frame_id: FrameId) -> int:
@@ -163,15 +163,15 @@ class SceneGraphInspector:
         return self._model.frame(frame_id).frame_group
 
     def NumGeometriesForFrame(self, frame_id: FrameId) -> int:
-        """Return how many geometries are on a frame."""
+        """Return the number of geometries on a frame."""
         return len(self._model.frame(frame_id).geometry_ids)
 
     def NumGeometriesForFrameWithRole(self, frame_id: FrameId, role: Role) -> int:
-        """Return how many geometries with a role are on a frame."""
+        """Return the number of geometries with a role on a frame."""
         return len(self.GetGeometries(frame_id, role))
 
     def GetGeometries(self, frame_id: FrameId, role: Role | None = None) -> list[GeometryId]:
-        """Return the geometries on a frame, those with a role when it is given."""
+        """Return the geometries on a frame, or those with a ``role``."""
         return _with_role(self._model.geometries_on(frame_id), role)
 
     def GetGeometryIdByName(self, frame_id: FrameId, role: Role, name: str) -> GeometryId:
@@ -182,41 +182,41 @@ class SceneGraphInspector:
         frame = self._model.frame(frame_id)
         wanted = canonical_name(name, 'GetGeometryIdByName')
         records = [r for r in self._model.geometries_on(frame_id) if _has_role(r, role)]
-        found = [record.id for record in records if record.name == wanted]
-        if len(found) != 1:
+        matches = [record.id for record in records if record.name == wanted]
+        if len(matches) != 1:
             raise GeometryError(
-                f"GetGeometryIdByName: the frame '{frame.name}' ({frame_id!r}) has {len(found)} "
+                f"GetGeometryIdByName: the frame '{frame.name}' ({frame_id!r}) has {len(matches)} "
                 f'geometries of the name {wanted!r} and the role {role.name}; the names with '
                 f'this role are {sorted(record.name for record in records)}'
             )
-        return found[0]
+        return matches[0]
 
     # Geometries.
 
     def num_geometries(self) -> int:
-        """Return how many geometries there are."""
+        """Return the number of geometries."""
         return len(self._model.geometries)
 
     def NumAnchoredGeometries(self) -> int:
-        """Return how many geometries are on the world frame."""
+        """Return the number of geometries on the world frame."""
         return self.NumGeometriesForFrame(self._model.world_frame_id)
 
     def NumDynamicGeometries(self) -> int:
-        """Return how many geometries are on other frames than the world."""
+        """Return the number of geometries on other frames than the world."""
         return self.num_geometries() - self.NumAnchoredGeometries()
 
     def NumGeometriesWithRole(self, role: Role) -> int:
-        """Return how many geometries have a role; of kUnassigned, how many have none."""
+        """Return the number of geometries with a role, for kUnassigned of those without any."""
         return len(self.GetAllGeometryIds(role))
 
     def GetAllGeometryIds(self, role: Role | None = None) -> list[GeometryId]:
-        """Return the ids of all geometries, those with a role when it is given."""
+        """Return the ids of all geometries, or of those with a ``role``."""
         return _with_role(self._model.geometries.values(), role)
 
     def GetGeometryIds(
         self, geometry_set: GeometrySet, role: Role | None = None
     ) -> set[GeometryId]:
-        """Return the geometries that a GeometrySet means now, those with a role when given."""
+        """Return the geometries that a GeometrySet resolves to, or those with a ``role``."""
         return set(self._model.resolve(geometry_set, role))
 
     def GetFrameId(self, geometry_id: GeometryId) -> FrameId:
@@ -235,10 +235,10 @@ class SceneGraphInspector:
     def maybe_get_hydroelastic_mesh(
         self, geometry_id: GeometryId
     ) -> VolumeMesh | TriangleSurfaceMesh | None:
-        """Return the mesh, in G, that stands for a geometry in contact surfaces.
+        """Return the mesh of a geometry for contact surfaces, in G.
 
-        Tetrahedra of a compliant one, the surface of a rigid one; None for a half space, and for a
-        geometry without hydroelastic properties.
+        It has tetrahedra if the geometry is compliant, and is a surface if rigid. None for a half
+        space, and without hydroelastic properties.
         """
         body = self._model.geometry(geometry_id).hydroelastic_body
         return body.mesh if isinstance(body, (CompliantBody, RigidBody)) else None
@@ -255,7 +255,7 @@ class SceneGraphInspector:
         return CalcObb(self._model.geometry(geometry_id).shape)
 
     def geometry_version(self) -> GeometryVersion:
-        """Return the mark of the geometries as they are now."""
+        """Return the current version of the geometries."""
         return version_of(self._model.role_versions(self._filters.version))
 
     def GetPoseInFrame(self, geometry_id: GeometryId) -> RigidTransform:
@@ -263,7 +263,7 @@ class SceneGraphInspector:
         return RigidTransform(self._model.geometry(geometry_id).X_FG)
 
     def GetPoseInParent(self, geometry_id: GeometryId) -> RigidTransform:
-        """Return X_PG, the pose of a geometry in what it was registered on, frame or geometry."""
+        """Return X_PG, the pose of a geometry in the frame or geometry it was registered on."""
         return RigidTransform(self._model.geometry(geometry_id).X_PG)
 
     def GetProperties(self, geometry_id: GeometryId, role: Role) -> GeometryProperties | None:
@@ -284,7 +284,7 @@ class SceneGraphInspector:
         return self._model.geometry(geometry_id).perception
 
     def CloneGeometryInstance(self, geometry_id: GeometryId) -> GeometryInstance:
-        """Return a new instance, of a new id, of a geometry's X_FG, shape, name and roles."""
+        """Return an instance with a new id and a geometry's X_FG, shape, name and roles."""
         record = self._model.geometry(geometry_id)
         instance = GeometryInstance(record.X_FG, record.shape, record.name)
         if record.proximity is not None:
@@ -306,10 +306,10 @@ class SceneGraphInspector:
         geometry_id: GeometryId | None = None,
     ) -> str:
         """Return the name of a source, a frame or a geometry."""
-        asked = only_id('GetName', id, source_id, frame_id, geometry_id)
-        if isinstance(asked, SourceId):
-            return self._model.source_name(asked)
-        return self._record(asked).name
+        only = only_id('GetName', id, source_id, frame_id, geometry_id)
+        if isinstance(only, SourceId):
+            return self._model.source_name(only)
+        return self._record(only).name
 
     def GetNameByFrameId(self, frame_id: FrameId) -> str:
         """Return the name of a frame, by the older name of ``GetName``."""
@@ -322,7 +322,7 @@ class SceneGraphInspector:
     def full_name(self, id: SourceId | FrameId | GeometryId) -> str:
         """Return ``source``, ``source::frame`` or ``source::frame/geometry``; ``world`` alone.
 
-        What stands on the world is ``source::world/geometry``.
+        A geometry on the world is ``source::world/geometry``.
         """
         if isinstance(id, SourceId):
             return self._model.source_name(id)
@@ -335,18 +335,18 @@ class SceneGraphInspector:
         return f'{source}::{self._model.frame(record.frame_id).name}/{record.name}'
 
     def full_names(self, geometry_ids: Iterable[GeometryId | int] | NDArray[Any]) -> list[str]:
-        """Return ``full_name`` of geometries by ids, or by their values as arrays of results hold.
+        """Return ``full_name`` of geometries by ids, or by id values as in arrays of results.
 
-        Nothing for 0, which names no geometry.
+        The name for 0, which is no geometry, is empty.
         """
         ids = [id if isinstance(id, GeometryId) else GeometryId(id) for id in geometry_ids]
-        known = {id: self.full_name(id) for id in set(ids) if id.is_valid()}
-        return [known.get(id, '') for id in ids]
+        names = {id: self.full_name(id) for id in set(ids) if id.is_valid()}
+        return [names.get(id, '') for id in ids]
 
     # Collision filters.
 
     def CollisionFiltered(self, geometry_id1: GeometryId, geometry_id2: GeometryId) -> bool:
-        """Return whether a pair is left out of pairwise queries, for whatever reason.
+        """Return whether a pair is left out of pairwise queries for any reason.
 
         Raises RuntimeError unless both have the proximity role.
         """
@@ -366,9 +366,9 @@ class SceneGraphInspector:
         return {(ids[a], ids[b]) for a, b in zip(rows.tolist(), columns.tolist(), strict=True)}
 
     def candidate_matrix(self) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return GetCollisionCandidates as a symmetric matrix (n, n).
+        """Return the id values (n,), and GetCollisionCandidates as a symmetric matrix (n, n).
 
-        And the id values (n,), ascending, of its rows: of all that have the proximity role.
+        The ids are those of all geometries with the proximity role, ascending.
         """
         ids = self.GetAllGeometryIds(Role.kProximity)
         values = np.array([id.get_value() for id in ids], dtype=np.int64)
@@ -380,7 +380,7 @@ class SceneGraphInspector:
         """Return the record of a frame or a geometry."""
         if isinstance(id, FrameId):
             return self._model.frame(id)
-        # A number may be of a frame, too, where either kind would do.
+        # Plain numbers are refused where both kinds are allowed, since one may be of either.
         return self._model.geometry(checked_type(id, GeometryId, 'id'))
 
 
@@ -389,10 +389,10 @@ def _has_role(record: GeometryRecord, role: Role) -> bool:
 
 
 def model_version(inspector: SceneGraphInspector) -> int:
-    """Return the number that grows with every change of what is inspected, but for filters."""
+    """Return the version number of an inspected model; filters do not change it."""
     return inspector._model.versions.any
 
 
 def _with_role(records: Any, role: Role | None) -> list[GeometryId]:
-    """Return the ids of those records that have a role, of all without one, ascending."""
+    """Return the ids of the records with a role, or of all for None, ascending."""
     return sorted(record.id for record in records if role is None or _has_role(record, role))

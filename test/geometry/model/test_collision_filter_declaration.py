@@ -4,7 +4,7 @@ from drake_geom_ros.geometry.ids import FrameId, GeometryId
 from drake_geom_ros.geometry.model.collision_filter_declaration import (
     CollisionFilterDeclaration,
     CollisionFilterScope,
-    Given,
+    SetSnapshot,
 )
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 
@@ -19,7 +19,7 @@ def test_methods_chain_and_keep_the_order():
         .AllowWithin(b)
     )
     assert returned is declaration
-    A, B = Given((1,), ()), Given((), (FrameId(2),))
+    A, B = SetSnapshot((1,), ()), SetSnapshot((), (FrameId(2),))
     assert declaration._statements == [(1, A, A), (4, A, B), (2, B, A), (3, B, B)]
 
 
