@@ -1,4 +1,4 @@
-"""Arguments as they come in: of the right type, a canonical name, a pose that is one."""
+"""Checks of arguments: types, canonical names, numbers and poses."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _T = TypeVar('_T')
 
 
 def canonical_name(name: str, what: str) -> str:
-    """Return the name trimmed of spaces and tabs; RuntimeError if nothing is left, or for NUL.
+    """Return the name without surrounding spaces and tabs; RuntimeError if empty or with NUL.
 
-    A string of a ROS message ends at its first NUL: two names that differ behind it would be one.
+    A string of a ROS message ends at its first NUL: names that differ after it would be equal.
     """
     trimmed = checked_type(name, str, f'{what}: name').strip(' \t')
     if not trimmed:
@@ -29,16 +29,16 @@ def canonical_name(name: str, what: str) -> str:
 
 
 def checked_type(value: Any, kind: type[_T], what: str) -> _T:
-    """Return the value; RuntimeError (and TypeError), saying what it is, if of another kind."""
+    """Return the value; raises RuntimeError (also a TypeError) if it is of another kind."""
     if not isinstance(value, kind):
         raise ArgumentTypeError(f'{what} = {value!r} must be of type {kind.__name__}')
     return value
 
 
 def as_number(value: object) -> float | None:
-    """Return a number, of numpy too, as a float; None for what is none, such as a bool.
+    """Return a number, also one of NumPy, as a float; None for other values, such as a bool.
 
-    One that is too large for a float is infinite.
+    A number too large for a float becomes infinite.
     """
     if isinstance(value, bool) or not isinstance(value, Real):  # np.bool is no Real
         return None
@@ -49,7 +49,7 @@ def as_number(value: object) -> float | None:
 
 
 def checked_pose(X: RigidTransform, what: str) -> RigidTransform:
-    """Return a copy of the pose: one that the caller cannot change, and not beyond FARTHEST."""
+    """Return a copy of the pose; raises an error for one beyond FARTHEST."""
     pose = RigidTransform(checked_type(X, RigidTransform, what))
     if (np.abs(pose.translation()) > FARTHEST).any():
         raise ArgumentError(

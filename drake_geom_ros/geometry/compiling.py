@@ -1,4 +1,4 @@
-"""What compiles code of rooms outside ``geometry``: with its options, in its cache."""
+"""Access to the compiler and its cache for packages outside ``geometry``."""
 
 from drake_geom_ros.geometry._proximity.runtime.compiled import Entry, compiled, given, like
 

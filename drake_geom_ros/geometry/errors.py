@@ -3,13 +3,13 @@
 ::
 
     RuntimeError                 what pydrake raises
-        GeometryError            any refusal of ours: catch this one
+        GeometryError            any error of this package: catch this one
             ArgumentError        a value that is not allowed (also a ValueError)
             ArgumentTypeError    a value of the wrong kind (also a TypeError)
             UnknownIdError       an id that the scene does not hold
             OwnershipError       something of another source
             DuplicateError       a name or an id that is taken
-            RoleError            a role that is there already, or is not there
+            RoleError            a role that exists already, or does not exist
             PoseError            frame poses that were refused as a whole
             FilterError          a collision filter declaration that was refused
             MeshFileError        a file that holds no usable mesh
@@ -19,7 +19,7 @@ A refused call changes nothing.
 
 
 class GeometryError(RuntimeError):
-    """Any refusal by ``drake_geom_ros.geometry``."""
+    """Base of the errors that ``drake_geom_ros.geometry`` raises."""
 
 
 class ArgumentError(GeometryError, ValueError):

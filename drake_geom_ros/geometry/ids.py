@@ -1,4 +1,4 @@
-"""Identifiers: a number with a type, so that a frame is never taken for a geometry."""
+"""Typed identifiers, so that the id of a frame cannot be used for a geometry."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ _Id = TypeVar('_Id', bound='Identifier')
 
 
 class Identifier:
-    """A number that names one thing of one kind in this process; 0 names nothing.
+    """A number that identifies one object of one kind in this process; 0 is invalid.
 
     Ids of a kind are hashable and ordered by their values; ids of different kinds are never
-    equal. ``FrameId(7)`` wraps a value that came out of ``get_value``, for instance by way of a
-    message; new ones come from ``get_new_id``.
+    equal. ``get_new_id`` returns new ones. ``FrameId(7)`` wraps a value from ``get_value``, for
+    instance after it was sent in a message.
     """
 
     __slots__ = ('_value',)
@@ -47,13 +47,13 @@ class Identifier:
         return cls(value)
 
     def get_value(self) -> int:
-        """Return the number; raises RuntimeError for an id that names nothing."""
+        """Return the number; raises RuntimeError for an invalid id."""
         if not self._value:
             raise GeometryError(f'{type(self).__name__}: an invalid id has no value')
         return self._value
 
     def is_valid(self) -> bool:
-        """Return whether the id names something at all (its scene may no longer hold it)."""
+        """Return whether the id is valid (its scene may no longer have the object)."""
         return self._value != 0
 
     def __eq__(self, other: object) -> bool:
@@ -79,18 +79,18 @@ class Identifier:
 
 
 def only_id(what: str, *ids: Any) -> Any:
-    """Return the one id that was given; ArgumentTypeError where it is none, or several."""
-    given = [id for id in ids if id is not None]
-    if len(given) != 1:
-        raise ArgumentTypeError(f'{what}: give one id, not {len(given)}')
-    return given[0]
+    """Return the only id that is not None; raises ArgumentTypeError for none or several."""
+    present = [id for id in ids if id is not None]
+    if len(present) != 1:
+        raise ArgumentTypeError(f'{what}: give one id, not {len(present)}')
+    return present[0]
 
 
 def begin_ids_at(value: int) -> None:
-    """Let new ids of each kind be ``value`` or more, and greater than all so far.
+    """Make new ids of each kind at least ``value``, and greater than all so far.
 
-    For a process whose ids are kept by others, who may take them to the process that comes after
-    it: where that begins at a number that none has reached before, an old id names nothing in it.
+    Clients may store ids of a process and use them with its successor. If the successor begins at
+    a number that no earlier id has reached, such ids are unknown to it.
     """
     with Identifier._lock:
         for kind in (SourceId, FrameId, GeometryId, FilterId):
@@ -98,31 +98,31 @@ def begin_ids_at(value: int) -> None:
 
 
 class SourceId(Identifier):
-    """Names a geometry source: who registered, and therefore owns, frames and geometries."""
+    """Id of a geometry source, which registers and owns frames and geometries."""
 
     __slots__ = ()
 
 
 class FrameId(Identifier):
-    """Names a frame."""
+    """Id of a frame."""
 
     __slots__ = ()
 
 
 class GeometryId(Identifier):
-    """Names a geometry."""
+    """Id of a geometry."""
 
     __slots__ = ()
 
 
 class FilterId(Identifier):
-    """Names a transient collision filter declaration."""
+    """Id of a transient collision filter declaration."""
 
     __slots__ = ()
 
 
 def geometry_id_of(value: object) -> GeometryId:
-    """Return an id itself, or that of a number as arrays of results hold; no bool, no text."""
+    """Return an id, or the id of a value from an array of results; no bool, no text."""
     if isinstance(value, GeometryId):
         return value
     if isinstance(value, bool) or not hasattr(value, '__index__'):

@@ -1,4 +1,4 @@
-"""Cutting a body of convex cells into tetrahedra that fit together."""
+"""Cuts a body of convex cells into tetrahedra with matching faces."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class CutBody(NamedTuple):
 
 
 def body_of_cells(cells: Iterable[Sequence[Loop]], p_MVs: Floats, extents: Floats) -> CutBody:
-    """Return the body that convex cells fill, each given by its flat faces.
+    """Return the body that convex cells fill; each cell is a sequence of flat faces.
 
-    Corners of a face may coincide (the same index twice); a face of fewer than three is none. Each
-    cell is cut into pyramids over its lowest vertex, each face into triangles about its own lowest
-    one, so that two cells cut the face that they share in the same way (a pulling triangulation;
-    De Loera, Rambau, Santos, Triangulations, 4.3.2). Where the extent is linear in each cell it is
-    the same function however the cells are cut.
+    Corners of a face may coincide (the same index twice); a face of fewer than three is ignored.
+    Each cell is cut into pyramids over its lowest vertex, each face into triangles about its own
+    lowest one, so that two cells cut a shared face in the same way (a pulling triangulation; De
+    Loera, Rambau, Santos, Triangulations, 4.3.2). If the extent is linear in each cell, the cut
+    does not change it.
     """
     rows: list[tuple[int, int, int, int]] = []
     for cell in cells:
@@ -46,9 +46,9 @@ def body_of_cells(cells: Iterable[Sequence[Loop]], p_MVs: Floats, extents: Float
 
 
 def oriented(elements: Indices, p_MVs: Floats, extents: Floats) -> CutBody:
-    """Return tetrahedra turned as a VolumeMesh has them, of the vertices that they use.
+    """Return tetrahedra with the orientation of a VolumeMesh, and the vertices that they use.
 
-    Raises GeometryError where one has no volume.
+    Raises GeometryError if one has no volume.
     """
     volumes = signed_volumes(elements, p_MVs)
     if not np.abs(volumes).min() > 0.0:
@@ -65,7 +65,7 @@ def oriented(elements: Indices, p_MVs: Floats, extents: Floats) -> CutBody:
 
 
 def _corners(loop: Loop) -> list[int]:
-    """Return a face's corners, each once, from the lowest on."""
+    """Return the distinct corners of a face, starting at the lowest."""
     once = [v for i, v in enumerate(loop) if v not in loop[:i]]
     at = once.index(min(once)) if once else 0
     return once[at:] + once[:at]

@@ -1,8 +1,8 @@
-"""Shapes as tetrahedra around their innermost points, where the extent is 1.
+"""Tetrahedral meshes of shapes around their innermost points, where the extent is 1.
 
-The sizes follow what pydrake 1.51 answers (``maybe_get_hydroelastic_mesh``); where the vertices
-are the same the extent is, too. It grows linearly from 0 on the surface to 1 on the medial axis,
-or at the middle of what has a round or many-sided surface.
+The sizes follow those of pydrake 1.51 (``maybe_get_hydroelastic_mesh``); for equal vertices the
+extents are equal. The extent grows linearly from 0 on the surface to 1 on the medial axis, or at
+the centre of bodies with a round or many-sided surface.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _EIGHTHS = [(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]
 
 
 def ellipsoid_body(semi_axes: Floats, resolution_hint: float) -> CutBody:
-    """Return a ball or an ellipsoid: triangles of an octahedron, cut in four, about its centre.
+    """Return a ball or an ellipsoid: pyramids over a subdivided octahedron.
 
-    So often that the chords of a great circle that the octahedron's edges are on, of a ball as
-    large as the longest semi-axis, are no longer than the hint.
+    Triangles are cut in four until, on a ball with the radius of the longest semi-axis, the chords
+    of the great circles of the octahedron's edges are no longer than the hint.
     """
     radius, levels = float(semi_axes.max()), 0
     while (chord := _chord(radius, levels)) > resolution_hint:
@@ -45,12 +45,12 @@ def ellipsoid_body(semi_axes: Floats, resolution_hint: float) -> CutBody:
 
 
 def _chord(radius: float, levels: int) -> float:
-    """Return the chord [m] of a quarter of a circle halved so many times."""
+    """Return the chord [m] of a quarter of a circle after ``levels`` halvings."""
     return 2.0 * radius * math.sin(0.25 * math.pi / 2.0**levels)
 
 
 def _cut_in_four(points: Floats, triangles: Indices) -> tuple[Floats, Indices]:
-    """Return triangles of the unit sphere cut at the middles of their edges, put onto it."""
+    """Return triangles of the unit sphere, each cut in four, with new vertices on the sphere."""
     a, b, c = triangles.T
     edges = np.sort(np.concatenate([np.column_stack(pair) for pair in ((a, b), (b, c), (c, a))]))
     edges, at = np.unique(edges, axis=0, return_inverse=True)
@@ -69,10 +69,10 @@ def pyramids(points: Floats, triangles: Indices, apex: Floats) -> CutBody:
 
 
 def box_body(half: Floats) -> CutBody:
-    """Return a box: what is nearest to each face is a cell, cut about the face's middle.
+    """Return a box of six cells, each the points nearest to a face, cut about the face's centre.
 
-    Between the cells is the rectangle, the segment or the point of the medial axis where all sides
-    are as far as the shortest half side.
+    The cells meet at the rectangle, the segment or the point of the medial axis that is farthest
+    from the surface, by the shortest half size.
     """
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     middles = np.vstack((-np.eye(3), np.eye(3)))
@@ -93,7 +93,7 @@ def box_body(half: Floats) -> CutBody:
 
 
 def _box_cell(middle: int, around: list[int], inner_of: Indices) -> list[Loop]:
-    """Return the faces of a box's cell; its outer face is a fan about its middle."""
+    """Return the faces of a box's cell; its outer face is a fan about the centre."""
     outer = [6 + corner for corner in around]
     inner = [14 + int(inner_of[corner]) for corner in around]
     faces: list[Loop] = [inner]
@@ -105,10 +105,10 @@ def _box_cell(middle: int, around: list[int], inner_of: Indices) -> list[Loop]:
 
 
 def cylinder_body(radius: float, half_length: float, resolution_hint: float) -> CutBody:
-    """Return a cylinder: sectors, each of a part nearest to the side, and one to either end.
+    """Return a cylinder of sectors, each with a part nearest to the side and one for either end.
 
-    Between them is the medial axis: a segment of a long cylinder, a point, or a disc of a flat
-    one, as far from the ends as from the side.
+    The parts meet at the medial axis: a segment for a long cylinder, a disc for a flat one, or a
+    point.
     """
     count = _around(2.0 * math.pi * radius, math.ceil, resolution_hint, MOST_AROUND)
     round_ = _circle(count)
@@ -132,7 +132,7 @@ def cylinder_body(radius: float, half_length: float, resolution_hint: float) -> 
 
 
 def capsule_body(radius: float, half_length: float, resolution_hint: float) -> CutBody:
-    """Return a capsule: its facets over the ends of its segment, or over the segment itself."""
+    """Return a capsule: its facets joined to the ends of its segment, or to the segment."""
     count = _around(2.0 * math.pi * radius, math.floor, resolution_hint, MOST_AROUND_CAPSULE)
     rings = count // 2
     angles = 0.5 * math.pi * np.arange(rings) / rings
@@ -162,7 +162,7 @@ def capsule_body(radius: float, half_length: float, resolution_hint: float) -> C
 
 
 def _insets(half: Floats) -> Floats:
-    """Return by how much half sizes exceed the least; nothing where that is a rounding or so."""
+    """Return by how much half sizes exceed the smallest one, 0 within rounding."""
     insets = half - half.min()
     return np.where(insets > SAME_HALF * half.min(), insets, 0.0)
 
@@ -188,7 +188,7 @@ def _at(points: Floats, z: float) -> Floats:
 
 
 def _unique(points: Floats, size: float) -> tuple[Floats, Indices]:
-    """Return points, each once, and which of them each is; equal are those that round alike."""
+    """Return distinct points and the index of each input among them; equal after rounding."""
     rounded = np.round(points / size, 12) + 0.0
     _, first, same = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     return points[first], same.ravel()
@@ -197,7 +197,7 @@ def _unique(points: Floats, size: float) -> tuple[Floats, Indices]:
 def _around(
     circumference: float, rounded: Callable[[float], int], resolution_hint: float, most: int
 ) -> int:
-    """Return how many vertices are put around, 3 or more; raises GeometryError for too many."""
+    """Return the number of vertices around, at least 3; raises GeometryError for too many."""
     wanted = rounded(circumference / resolution_hint)
     if wanted > most:
         raise _too_fine(resolution_hint, circumference / most)

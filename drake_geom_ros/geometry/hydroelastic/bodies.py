@@ -1,4 +1,4 @@
-"""What a shape is to hydroelastic contact: tetrahedra with pressures, a surface, a half space."""
+"""Hydroelastic bodies of shapes: tetrahedra with pressures, rigid surfaces, half spaces."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ Floats = NDArray[np.float64]
 
 
 class HydroelasticType(enum.Enum):
-    """What a geometry is to hydroelastic contact: nothing, rigid, or compliant."""
+    """Compliance type of a geometry in hydroelastic contact: undefined, rigid or compliant."""
 
     kUndefined = 0
     kRigid = 1
@@ -55,10 +55,10 @@ class HydroelasticType(enum.Enum):
 
 
 class HydroelasticMaterial(NamedTuple):
-    """How a geometry takes part, by the properties that it has.
+    """Hydroelastic properties of a geometry.
 
     ``resolution_hint`` [m], ``hydroelastic_modulus`` [Pa] and ``slab_thickness`` [m] are None
-    where a property is missing, which is refused where the shape needs it.
+    without a property; an error is raised if the shape needs it.
     """
 
     compliance: HydroelasticType
@@ -68,7 +68,7 @@ class HydroelasticMaterial(NamedTuple):
 
     @property
     def is_compliant(self) -> bool:
-        """Whether it gives way."""
+        """True for a compliant material, False for a rigid one."""
         return self.compliance is HydroelasticType.kCompliant
 
 
@@ -82,7 +82,7 @@ class CompliantBody:
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
-    """The surface in the geometry's frame, what is closed of it turned outward."""
+    """The surface in the geometry's frame; its closed pieces are oriented outward."""
 
     mesh: TriangleSurfaceMesh
 
@@ -98,11 +98,11 @@ HydroelasticBody = CompliantBody | RigidBody | HalfSpaceBody
 
 
 def body_of(shape: Shape, material: HydroelasticMaterial, what: str) -> HydroelasticBody:
-    """Return what a shape of a material is to hydroelastic contact.
+    """Return the hydroelastic body of a shape with a material.
 
-    Raises GeometryError, which begins with ``what``, where the material lacks what the shape needs
-    and where the shape has no such body: a point, a mesh with the property ('mesh', 'solid') that
-    is compliant, a rigid mesh of which neighbours are turned opposite ways, a hint too fine.
+    Raises GeometryError, which begins with ``what``, if the material lacks a property that the
+    shape needs, or the shape has no such body: a point, a compliant mesh with the property
+    ('mesh', 'solid'), a rigid mesh with neighbours of opposite orientation, a hint too fine.
     """
     try:
         if material.compliance is HydroelasticType.kRigid:
@@ -160,10 +160,10 @@ def _cut(shape: Shape, material: HydroelasticMaterial) -> CutBody:
 def _by_distance(mesh: VolumeMesh) -> CutBody:
     """Return tetrahedra with extents that grow with the distance to their boundary.
 
-    As Drake's MakeVolumeMeshPressureField has it: 1 where the distance is the largest. Otherwise
-    than there, nothing may overlap another body and look free: a tetrahedron that has all corners
-    on the boundary has no pressure, so no surface with anything, and is cut first; and of several
-    pieces one can be within another body while others are not, so they are refused.
+    The extent is 1 at the largest distance, as in Drake's MakeVolumeMeshPressureField. Unlike
+    there, no overlap may remain unnoticed. A tetrahedron with all corners on the boundary would
+    have no pressure and so no contact surface: it is cut first. Meshes of several pieces are
+    refused, because one piece may be inside another body while others are not.
     """
     check_elements(mesh, 'its tetrahedra as scaled')
     if on_boundary(mesh)[mesh.element_array()].all(axis=1).any():
@@ -191,7 +191,7 @@ def _hull_body(vertices: Floats, triangles: NDArray[np.int64]) -> CutBody:
 
 
 def _moderate(value: float | None, name: str, shape: Shape) -> float:
-    """Return a property of pressures: so moderate that products of a few stay within float64."""
+    """Return a property of pressures, in a range where products of a few stay within float64."""
     number = _needed(value, name, shape)
     if not LEAST_STIFF <= number <= MOST_STIFF:
         raise GeometryError(

@@ -1,4 +1,4 @@
-"""Boxes around things: along the axes of a frame, and oriented."""
+"""Bounding boxes: axis-aligned (``Aabb``) and oriented (``Obb``)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _B = TypeVar('_B', bound='_BoundingBox')
 
 
 class _BoundingBox:
-    """A box with centre Bo and axes B, posed in the frame H of what it bounds."""
+    """A box with centre Bo and axes B, posed in the frame H of the bounded object."""
 
     __slots__ = ('_X_HB', '_half_width')
 
@@ -70,8 +70,8 @@ class _BoundingBox:
     ) -> bool:
         """Return whether a box of a frame G overlaps a box of H, which is posed in G.
 
-        Touching counts. Or whether a box of H overlaps a half space or a plane, in whose frame H
-        is posed: ``HasOverlap(bv_H, hs_C, X_CH)``, ``HasOverlap(bv_H, plane_P, X_PH)``.
+        Touching counts. Also returns whether a box of H overlaps a half space or a plane in whose
+        frame H is posed: ``HasOverlap(bv_H, hs_C, X_CH)``, ``HasOverlap(bv_H, plane_P, X_PH)``.
         """
         box = _only(_BoundingBox, a_G, obb_G, aabb_G, bv_H)
         other = _only((_BoundingBox, HalfSpace, Plane), b_H, obb_H, aabb_H, hs_C, plane_P)
@@ -109,11 +109,11 @@ class Aabb(_BoundingBox):
         super().__init__(RigidTransform(as_vector(p_HoBo, 'Aabb: p_HoBo')), half_width)
 
     def lower(self) -> Floats:
-        """Return the corner (3,) [m] of least coordinates, in H."""
+        """Return the corner (3,) [m] with the smallest coordinates, in H."""
         return self.center() - self._half_width
 
     def upper(self) -> Floats:
-        """Return the corner (3,) [m] of largest coordinates, in H."""
+        """Return the corner (3,) [m] with the largest coordinates, in H."""
         return self.center() + self._half_width
 
     def __repr__(self) -> str:
@@ -122,14 +122,16 @@ class Aabb(_BoundingBox):
 
 def _only(kind: Any, *values: Any) -> Any:
     """Return the value that is not None; ArgumentTypeError unless there is one of that kind."""
-    given = [value for value in values if value is not None]
-    if len(given) != 1 or not isinstance(given[0], kind):
-        raise ArgumentTypeError(f'HasOverlap: {given} is not a box, a half space, a plane, a pose')
-    return given[0]
+    present = [value for value in values if value is not None]
+    if len(present) != 1 or not isinstance(present[0], kind):
+        raise ArgumentTypeError(
+            f'HasOverlap: {present} is not a box, a half space, a plane, a pose'
+        )
+    return present[0]
 
 
 def _boxes_overlap(X_AB: RigidTransform, a: Floats, b: Floats) -> bool:
-    """Return whether boxes of half sizes a, b (3,) [m] overlap: no axis of the 15 parts them.
+    """Return whether boxes of half sizes a, b (3,) [m] overlap: none of 15 axes separates them.
 
     Source: Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996.
     """

@@ -1,4 +1,4 @@
-"""The shapes that a mesh describes: Convex and Mesh."""
+"""Shapes that a mesh describes: ``Convex`` and ``Mesh``."""
 
 from __future__ import annotations
 
@@ -61,15 +61,15 @@ class _FromMesh(Shape):
     ) -> None:
         kind = type(self).__name__
         values = (filename, mesh_data, source, absolute_filename)
-        given = [value for value in values if value is not None]
-        if len(given) != 1:
+        present = [value for value in values if value is not None]
+        if len(present) != 1:
             raise ArgumentTypeError(f'{kind}: give one of filename, mesh_data, source')
-        mesh = _mesh_of(kind, given[0])
+        mesh = _mesh_of(kind, present[0])
         self._measures = mesh, _scales(kind, scale if scale3 is None else scale3)
 
     @classmethod
     def FromMeshData(cls: type[_M], data: MeshData, scale: ArrayLike = 1.0) -> _M:
-        """Return the shape of a mesh that is given by numbers."""
+        """Return the shape of a mesh in arrays."""
         shape = cls.__new__(cls)
         shape._measures = data, _scales(cls.__name__, scale)
         return shape
@@ -83,7 +83,7 @@ class _FromMesh(Shape):
 
     @property
     def _mesh(self) -> MeshGiven:
-        """What the shape was made of."""
+        """The path or the mesh that the shape was made from."""
         mesh: MeshGiven = self._measures[0]
         return mesh
 
@@ -94,7 +94,7 @@ class _FromMesh(Shape):
         return scales
 
     def source(self) -> MeshSource:
-        """Return where the mesh comes from; numbers are an .obj file in memory."""
+        """Return the source of the mesh; arrays are an .obj file in memory."""
         mesh = self._mesh
         if isinstance(mesh, MeshData):
             text = obj_text(mesh.vertices, mesh.triangles)
@@ -102,12 +102,12 @@ class _FromMesh(Shape):
         return MeshSource(mesh)
 
     def mesh_data(self) -> MeshData | None:
-        """Return the numbers, unscaled, of a mesh that is in memory; None where it is a file."""
+        """Return the unscaled arrays of a mesh in memory; None for a file."""
         mesh = self._mesh
         return None if isinstance(mesh, str) else numbers_of(mesh)
 
     def filename(self) -> str:
-        """Return the absolute path of the file; raises RuntimeError where there is none."""
+        """Return the absolute path of the file; raises RuntimeError without one."""
         mesh = self._mesh
         if not isinstance(mesh, str):
             raise GeometryError(f'{type(self).__name__}: not made of a file; see mesh_data()')
@@ -131,7 +131,7 @@ class _FromMesh(Shape):
         return np.array(self._scales)
 
     def hull_surface(self) -> tuple[Floats, NDArray[np.int64]]:
-        """Return vertices (n, 3) [m] and triangles (m, 3) of the convex hull, as queries see it.
+        """Return vertices (n, 3) [m] and triangles (m, 3) of the convex hull, as queries use it.
 
         Triangles are indices of vertices, counter-clockwise from outside. Raises MeshFileError
         for a file that is not a mesh with a volume.
@@ -139,7 +139,7 @@ class _FromMesh(Shape):
         return hull_surface(self._mesh, self.scale3())
 
     def GetConvexHull(self) -> PolygonSurfaceMesh:
-        """Return the convex hull, scaled, as polygons: triangles in one plane are united.
+        """Return the scaled convex hull as polygons: triangles in one plane are merged.
 
         Raises MeshFileError for a file that is not a mesh with a volume.
         """
@@ -154,8 +154,8 @@ class _FromMesh(Shape):
 class Convex(_FromMesh):
     """The convex hull of a mesh, scaled by ``scale``: one number, or one for each axis.
 
-    The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. Of ``points``
-    (3, n) [m] with a ``label`` of one line, for messages, a file in memory is made.
+    The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. ``points``
+    (3, n) [m] become a file in memory, with a ``label`` of one line for messages.
     """
 
     __slots__ = ()
@@ -190,11 +190,12 @@ class Convex(_FromMesh):
 class Mesh(_FromMesh):
     """The triangle mesh in a file, scaled by ``scale``: one number, or one for each axis.
 
-    Of a .vtk file it is the boundary of its tetrahedra, which contact surfaces take.
-    The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. In proximity
-    queries it counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that
-    its surface encloses. To points it is that body either way, if it bounds one; else it is its
-    hull to them too, and a warning says so when it is registered.
+    The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. For a .vtk
+    file it is the boundary of the tetrahedra, and contact surfaces use the tetrahedra.
+
+    In pairs it counts as its convex hull, or, with the property ('mesh', 'solid'), as the body
+    that its surface encloses. Points always measure to that body, if the surface encloses one. If
+    not, they measure to the hull, and registration warns of this.
     """
 
     __slots__ = ()
@@ -203,13 +204,13 @@ class Mesh(_FromMesh):
     def surface(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return vertices (n, 3) [m] and triangles (m, 3) of the mesh itself, scaled.
 
-        Triangles are indices of vertices, turned as in the file. Raises MeshFileError for a file
-        that is not a mesh.
+        Triangles are indices of vertices, with the orientation of the file. Raises MeshFileError
+        for a file that is not a mesh.
         """
         return surface(self._mesh, self.scale3())
 
     def volume_mesh(self) -> VolumeMesh | None:
-        """Return the tetrahedra of a .vtk file, scaled; None of a mesh that is a surface alone.
+        """Return the scaled tetrahedra of a .vtk file; None for a surface mesh.
 
         Raises MeshFileError for a file that is not a mesh.
         """
@@ -222,13 +223,13 @@ class Mesh(_FromMesh):
         return QueriedShape(hull, functools.partial(self._to_points, hull))
 
     def _as_solid(self) -> PackedShape:
-        # Only scenes that have solids, or ask points of meshes, load what packs them.
+        # Imported here: only solids, and queries about points near meshes, need it.
         from drake_geom_ros.geometry.meshes._solids import solid_of
 
         return PackedShape(*solid_of(self._mesh, self._scales))
 
     def weldings(self) -> tuple[str, ...]:
-        """Return what has to be welded for the surface to be closed, in words; mostly nothing.
+        """Return descriptions of the welds that close the surface, mostly none.
 
         Raises MeshFileError for a mesh that bounds no solid, or is no mesh.
         """
@@ -237,7 +238,7 @@ class Mesh(_FromMesh):
         return weldings_of(self._mesh, self._scales)
 
     def _to_points(self, hull: PackedShape) -> PackedShape:
-        """Return the solid that the surface bounds, else the hull, and warn of that."""
+        """Return the solid that the surface bounds; otherwise warn and return the hull."""
         try:
             return self._as_solid()
         except MeshFileError as problem:
@@ -246,12 +247,12 @@ class Mesh(_FromMesh):
 
 
 def mesh_of(shape: Convex | Mesh) -> MeshGiven:
-    """Return what a shape was made of."""
+    """Return the path or the mesh that a shape was made from."""
     return shape._mesh
 
 
-def tell_if_open(shape: Mesh) -> None:
-    """Warn of a mesh that is not closed: it is no solid to points either."""
+def warn_if_open(shape: Mesh) -> None:
+    """Warn if a mesh is not closed, since points then measure to its hull."""
     from drake_geom_ros.geometry.meshes._welding import closed_surface
 
     source = mesh_source(shape._mesh)
@@ -267,15 +268,15 @@ def _warn_of_points(problem: MeshFileError) -> None:
     )
 
 
-def _mesh_of(kind: str, given: object) -> MeshGiven:
-    """Return the absolute path or the mesh in memory of what a shape was made of."""
-    if isinstance(given, MeshSource):
-        given = given.path() if given.is_path() else given.in_memory()
-    if isinstance(given, InMemoryMesh):
-        return given
-    if not isinstance(given, (str, os.PathLike)) or not given:
-        raise ArgumentTypeError(f'{kind}: filename = {given!r} is not the path of a file')
-    return os.path.abspath(given)
+def _mesh_of(kind: str, source: object) -> MeshGiven:
+    """Return the absolute path or the mesh in memory of a shape's source."""
+    if isinstance(source, MeshSource):
+        source = source.path() if source.is_path() else source.in_memory()
+    if isinstance(source, InMemoryMesh):
+        return source
+    if not isinstance(source, (str, os.PathLike)) or not source:
+        raise ArgumentTypeError(f'{kind}: filename = {source!r} is not the path of a file')
+    return os.path.abspath(source)
 
 
 def _of_points(points: ArrayLike, label: str | None) -> InMemoryMesh:

@@ -1,4 +1,4 @@
-"""Volume and oriented box of a shape."""
+"""Volumes and bounding boxes of shapes and meshes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 
 
 def CalcVolume(shape: Shape) -> float:
-    """Return the volume [m^3] of a shape: infinite for a half space, of a Convex its hull's.
+    """Return the volume [m^3] of a shape: infinite for a half space, the hull's for a Convex.
 
     For a Mesh, it is the volume that a closed surface encloses; an open one has none. Raises
     MeshFileError for a file that cannot be read, and ArgumentError for a sensed map.
@@ -71,9 +71,8 @@ def CalcVolume(shape: Shape) -> float:
 def CalcObb(shape: Shape) -> Obb | None:
     """Return the oriented box around a shape, in its frame; None for a half space.
 
-    That of a Mesh or a Convex has a side in a face of the hull, and is the smallest such; that of
-    a sensed map lies along its axes. Raises
-    MeshFileError for a file that cannot be read.
+    For a Mesh or a Convex it is the smallest box with a side in a face of the hull; for a sensed
+    map it is axis-aligned. Raises MeshFileError for a file that cannot be read.
     """
     checked_type(shape, Shape, 'CalcObb: shape')
     if isinstance(shape, HalfSpace):
@@ -103,22 +102,22 @@ def CalcObb(shape: Shape) -> Obb | None:
 
 
 def ComputeAabbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Aabb:
-    """Return the box along M's axes around some vertices of a mesh, by their indices."""
+    """Return the axis-aligned box, in M, of the vertices of a mesh with these indices."""
     return _box_along_axes(_some(mesh_M, vertices))
 
 
 def ComputeObbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Obb:
-    """Return a smallest oriented box around some vertices of a mesh, by their indices."""
+    """Return a smallest oriented box of the vertices of a mesh with these indices."""
     return _around(_some(mesh_M, vertices))
 
 
 def ComputeAabbForVolumeMesh(mesh_M: VolumeMesh, vertices: Iterable[int]) -> Aabb:
-    """Return what ``ComputeAabbForTriangleMesh`` does, of a mesh of tetrahedra."""
+    """Return the result of ``ComputeAabbForTriangleMesh`` for a mesh of tetrahedra."""
     return _box_along_axes(_some(mesh_M, vertices))
 
 
 def ComputeObbForVolumeMesh(mesh_M: VolumeMesh, vertices: Iterable[int]) -> Obb:
-    """Return what ``ComputeObbForTriangleMesh`` does, of a mesh of tetrahedra."""
+    """Return the result of ``ComputeObbForTriangleMesh`` for a mesh of tetrahedra."""
     return _around(_some(mesh_M, vertices))
 
 
@@ -141,7 +140,7 @@ def _around(p_GVs: Floats) -> Obb:
     R_GB = RotationMatrix.ProjectToRotationMatrix(tight_box(p_GVs))
     p_BVs = p_GVs @ R_GB.matrix()
     low, high = p_BVs.min(axis=0), p_BVs.max(axis=0)
-    # Three products and their sums, and as many again for who turns the points back.
+    # Three products and their sums, and the same again for the rotation back to G.
     rounding = 16.0 * EPS * float(np.abs(p_GVs).max())
     X_GB = RigidTransform(R_GB, R_GB @ (0.5 * (low + high)))
     return Obb(X_GB, 0.5 * (high - low) + rounding)

@@ -1,4 +1,4 @@
-"""What a mesh turned out to be: how large, whether closed, and what was done to its numbers."""
+"""Facts of a mesh: its size, whether it is closed, and remarks on its file."""
 
 from __future__ import annotations
 

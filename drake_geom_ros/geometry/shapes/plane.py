@@ -1,4 +1,4 @@
-"""Planes."""
+"""``Plane``: a plane with a normal."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class Plane:
         return self._normal.copy()
 
     def reference_point(self) -> Floats:
-        """Return the point (3,) [m] on the plane that it was made of, in F."""
+        """Return the point (3,) [m] that defines the plane, in F."""
         return self._point.copy()
 
     def CalcHeight(self, point: ArrayLike) -> float:
-        """Return how far [m] a point (3,) of F is from the plane, along the normal."""
+        """Return the signed distance [m] of a point (3,) of F from the plane, along the normal."""
         return float(self._normal @ (as_vector(point, 'CalcHeight: point') - self._point))
 
     def BoxOverlaps(
@@ -53,7 +53,7 @@ class Plane:
         box_center_in_plane: ArrayLike,
         box_orientation_in_plane: RotationMatrix,
     ) -> bool:
-        """Return whether the plane meets a box, posed in F, of half sizes (3,) [m]."""
+        """Return whether the plane intersects a box, posed in F, of half sizes (3,) [m]."""
         axes = box_orientation_in_plane.matrix()
         reach = np.abs(self._normal @ axes) @ as_vector(half_width, 'BoxOverlaps: half_width')
         return bool(abs(self.CalcHeight(box_center_in_plane)) <= reach)

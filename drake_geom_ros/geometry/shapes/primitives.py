@@ -32,33 +32,33 @@ _S = TypeVar('_S', bound='Shape')
 
 
 class PackedShape(NamedTuple):
-    """What compiled code is told of a shape, as ``_proximity.kernels`` lays it out."""
+    """A shape in the layout of ``_proximity.kernels``, for compiled code."""
 
     kind: int  # a number of ``_proximity.kinds``
     parameters: Floats
 
 
 class QueriedShape:
-    """What a shape is to proximity queries: in pairs of geometries, and to points.
+    """The packed shapes of a geometry in proximity queries: in pairs, and to points.
 
-    What it is to points may take long to pack, and is packed when somebody asks about points.
+    The shape to points may take long to pack, so it is packed on first use.
     """
 
     def __init__(
         self, in_pairs: PackedShape, to_points: Callable[[], PackedShape] | None = None
     ) -> None:
-        """Without ``to_points`` it is the same to them."""
+        """Without ``to_points``, both are the same."""
         self.in_pairs = in_pairs
         self._pack = to_points
 
     @cached_property
     def to_points(self) -> PackedShape:
-        """The shape that points are about."""
+        """The shape that points measure to."""
         return self.in_pairs if self._pack is None else self._pack()
 
 
 class Shape:
-    """What all shapes share: values that compare, hash and print by their measures."""
+    """Base of all shapes: immutable values that compare, hash and print by their measures."""
 
     __slots__ = ('_measures',)
     _TYPE: ClassVar[int] = 0  # as the constants of the Shape message
@@ -70,15 +70,15 @@ class Shape:
         self._measures: tuple[Any, ...] = ()
 
     def Clone(self: _S) -> _S:
-        """Return another object that is the same shape."""
+        """Return a copy of the shape."""
         return copy.copy(self)
 
     def _for_queries(self, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
-        """Return what the shape is to proximity queries: the one place that says so."""
+        """Return the packed shapes for proximity queries; subclasses define them here only."""
         return QueriedShape(PackedShape(self._TYPE, self._lengths()))
 
     def _lengths(self) -> Floats:
-        """Return the lengths [m] that kernels work with, half of those that people measure."""
+        """Return the lengths [m] that kernels use: half of the measures of the shape."""
         return np.array(self._measures, dtype=np.float64)
 
     def __eq__(self, other: object) -> bool:
@@ -95,17 +95,17 @@ class Shape:
 
 
 def for_queries(shape: Shape, is_solid: bool = False, margin: float = 0.0) -> QueriedShape:
-    """Return what a shape is to proximity queries.
+    """Return the packed shapes of a shape for proximity queries.
 
-    ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds, and ``margin`` [m] is
-    ('map', 'margin'), of a sensed map. Raises GeometryError for what cannot have the proximity
-    role.
+    ``is_solid`` is the property ('mesh', 'solid') of a Mesh, and ``margin`` [m] is ('map',
+    'margin') of a sensed map; other shapes ignore them. Raises GeometryError for a shape that
+    cannot have the proximity role.
     """
     return shape._for_queries(is_solid, margin)
 
 
 class Sphere(Shape):
-    """A ball of ``radius`` [m]; 0 is allowed, and makes a point."""
+    """A ball of ``radius`` [m]; a radius of 0 makes a point."""
 
     __slots__ = ()
     _TYPE = SPHERE
@@ -124,7 +124,7 @@ class Sphere(Shape):
 class Box(Shape):
     """A box of ``width``, ``depth`` and ``height`` [m] along x, y and z, all > 0.
 
-    ``Box([1, 2, 3])`` and ``Box(measures=[1, 2, 3])`` take the three at once.
+    ``Box([1, 2, 3])`` and ``Box(measures=[1, 2, 3])`` take all three in one argument.
     """
 
     __slots__ = ()
@@ -162,7 +162,7 @@ class Box(Shape):
 
 
 class _Swept(Shape):
-    """A shape of a radius and a length along z."""
+    """Base of shapes with a radius and a length along z."""
 
     __slots__ = ()
     _NAMES = ('radius', 'length')

@@ -1,4 +1,4 @@
-"""Shapes that sensors see: cells of a grid that are occupied, and points that were measured."""
+"""Shapes of sensed maps: occupied cells of a grid, and measured points."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FARTHEST_CELL = 1e9  # [m] the largest cell, and how far one may be
 
 
 class SensedMap(Shape):
-    """A union of equal cells: what the shapes of sensed maps share."""
+    """Base of the shapes of sensed maps: a union of equal cells."""
 
     __slots__ = ('_packed',)
 
@@ -29,7 +29,7 @@ class SensedMap(Shape):
         self._packed: dict[float, PackedShape] = {}  # by the margin
 
     def count(self) -> int:
-        """Return how many cells there are."""
+        """Return the number of cells."""
         return len(self._positions)
 
     @property
@@ -49,15 +49,14 @@ class SensedMap(Shape):
         return QueriedShape(self._prepared(margin))
 
     def prepare(self, margin: float = 0.0) -> None:
-        """Make what queries need, for a ('map', 'margin') [m], and keep it.
+        """Pack the shape for queries with a ('map', 'margin') [m], and cache the result.
 
-        It is made anyhow when the shape is registered. Made before, whoever holds a scene then
-        does not wait for it.
+        Registration does this if necessary. Call it earlier to hold the lock of a scene shorter.
         """
         self._prepared(margin)
 
     def _prepared(self, margin: float) -> PackedShape:
-        # Only scenes that have maps load what packs them.
+        # Imported here: only scenes with maps need it.
         from drake_geom_ros.geometry._proximity.kernels.sensed.packing import map_parameters
 
         packed = self._packed.get(margin)
@@ -68,8 +67,8 @@ class SensedMap(Shape):
         return packed
 
     def box(self) -> tuple[Floats, Floats]:
-        """Return the least and the largest coordinates (3,), (3,) [m] of the union."""
-        columns = self._positions.T  # along the other axis NumPy takes ten times as long
+        """Return the smallest and the largest coordinates (3,), (3,) [m] of the union."""
+        columns = self._positions.T  # NumPy is ten times as fast along this axis
         low, high = np.array([(c.min(), c.max()) for c in columns]).T
         return low - self._cell(0.0), high + self._cell(0.0)
 
@@ -90,7 +89,7 @@ class SensedMap(Shape):
         return number
 
     def _checked_positions(self, positions: ArrayLike) -> Floats:
-        """Return positions (n, 3) as an array that nobody changes, or raise what is wrong."""
+        """Return positions (n, 3) as a read-only array, or raise ArgumentError."""
         kind, name = type(self).__name__, self._NAMES[1]
         try:
             array = np.array(positions, dtype=np.float64, order='C')
@@ -132,12 +131,12 @@ class SensedMap(Shape):
 
 
 class OccupiedCells(SensedMap):
-    """Cubes of a grid, along the axes of the geometry's frame, that are occupied.
+    """Occupied cubes of a grid, along the axes of the geometry's frame.
 
-    ``resolution`` [m] is their edge, ``centres`` (n, 3) [m] where they are; they need not lie on
-    a grid, may touch, overlap and coincide. To all queries it is one body, the union of the cubes;
-    the property ('map', 'margin') [m] makes each larger by so much on every side. Raises
-    ArgumentError for no cells, too many, and positions that are not finite.
+    ``resolution`` [m] is their edge length, ``centres`` (n, 3) [m] their positions. They need not
+    lie on a grid, and may touch, overlap and coincide. Queries treat their union as one body; the
+    property ('map', 'margin') [m] enlarges each cube on all sides. Raises ArgumentError for no
+    cells, too many cells, and positions that are not finite.
 
     >>> cells = OccupiedCells(resolution=0.1, centres=[[0.05, 0.05, 0.05], [0.15, 0.05, 0.05]])
     >>> cells.count(), cells.resolution()
@@ -156,7 +155,7 @@ class OccupiedCells(SensedMap):
         return self._size
 
     def centres(self) -> Floats:
-        """Return the centres (n, 3) [m] as they were given; nobody can change them."""
+        """Return the centres (n, 3) [m] in their original order, as a read-only array."""
         return self._positions
 
     def _cell(self, margin: float) -> float:
@@ -165,19 +164,19 @@ class OccupiedCells(SensedMap):
     def surface(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return vertices (n, 3) [m] and triangles (m, 3) that draw the cubes, without any margin.
 
-        Triangles are counter-clockwise from outside. Of cubes on one grid faces between two are
-        left out.
+        Triangles are counter-clockwise from outside. Faces between two cubes of one grid are left
+        out.
         """
         return surface_of_cells(self._positions, self._size)
 
 
 class PointCloud(SensedMap):
-    """Points that were measured, each as a ball around it.
+    """Measured points, each enlarged to a ball.
 
-    ``radius`` [m] is that of the balls, ``positions`` (n, 3) [m] where they are; they may overlap
-    and coincide. To all queries it is one body, the union of the balls; the property ('map',
-    'margin') [m] is added to the radius. Raises ArgumentError for no points, too many, and
-    positions that are not finite.
+    ``radius`` [m] is that of the balls, ``positions`` (n, 3) [m] are their centres; they may
+    overlap and coincide. Queries treat their union as one body; the property ('map', 'margin') [m]
+    is added to the radius. Raises ArgumentError for no points, too many points, and positions that
+    are not finite.
 
     >>> cloud = PointCloud(radius=0.01, positions=[[0.0, 0.0, 1.0]])
     >>> cloud.count(), cloud.radius()
@@ -196,7 +195,7 @@ class PointCloud(SensedMap):
         return self._size
 
     def positions(self) -> Floats:
-        """Return the positions (n, 3) [m] as they were given; nobody can change them."""
+        """Return the positions (n, 3) [m] in their original order, as a read-only array."""
         return self._positions
 
     def _cell(self, margin: float) -> float:
@@ -205,6 +204,6 @@ class PointCloud(SensedMap):
     def surface(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return vertices (n, 3) [m] and triangles (m, 3) that draw the balls, without any margin.
 
-        Triangles are counter-clockwise from outside, of polyhedra whose corners lie on the balls.
+        Triangles are counter-clockwise from outside; they form polyhedra inscribed in the balls.
         """
         return surface_of_balls(self._positions, self._size)

@@ -1,4 +1,4 @@
-"""Sensed maps as triangles, for what draws: the faces of cells, and balls as polyhedra."""
+"""Triangles of sensed maps, for drawing: the faces of cells, and balls as polyhedra."""
 
 from __future__ import annotations
 
@@ -53,14 +53,14 @@ def _ball(fine: bool) -> tuple[Floats, Indices]:
 def surface_of_cells(centres: Floats, edge: float) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) [m] and triangles (m, 3), from outside, of the faces of cubes.
 
-    Of cubes that lie on one grid, faces that two of them share are left out, and the corners where
-    the others meet are the same numbers: no ray slips between two.
+    If the cubes lie on one grid, faces that two of them share are left out, and shared corners
+    have identical coordinates, so that no ray passes between two faces.
     """
     cells, half = _cells_of_one_grid(centres, edge), 0.5 * edge
     if cells is None:
         faces = [centres[:, None] + half * _square(side) for side in _SIDES]
     else:
-        # From whole numbers: from their middles, cubes would round a corner that they share apart.
+        # From integers: computed from their centres, shared corners would differ by rounding.
         numbers = _number(cells)
         bare = [~np.isin(_number(cells + side), numbers, assume_unique=True) for side in _SIDES]
         faces = [
@@ -73,7 +73,7 @@ def surface_of_cells(centres: Floats, edge: float) -> tuple[Floats, Indices]:
 
 
 def _cells_of_one_grid(centres: Floats, edge: float) -> Indices | None:
-    """Return where cubes are [edges] (n, 3) from the first, each once; None: not on one grid."""
+    """Return offsets [edges] (n, 3) of distinct cubes from the first; None if not on one grid."""
     places = (centres - centres[0]) / edge
     cells = np.rint(places)
     if not (np.abs(places - cells) <= ON_GRID).all() or not np.abs(cells).max() < 2**20:
@@ -83,7 +83,7 @@ def _cells_of_one_grid(centres: Floats, edge: float) -> Indices | None:
 
 
 def _square(side: Indices) -> Indices:
-    """Return the corners (4, 3) of a side of a cube [half edges], seen from outside."""
+    """Return the corners (4, 3) of a side of a cube [half edges], counter-clockwise outside."""
     k = int(np.argmax(np.abs(side)))
     u, v = np.roll(np.eye(3, dtype=np.int64), -k - 1, axis=0)[:2]
     if side[k] < 0:
@@ -93,6 +93,6 @@ def _square(side: Indices) -> Indices:
 
 
 def _number(cells: Indices) -> Indices:
-    """Return one number for each cell (n, 3) of a grid, whose numbers are below 2^20 - 1."""
+    """Return a unique number for each cell (n, 3) of a grid with indices below 2^20 - 1."""
     numbers: Indices = ((cells + 2**20) * np.array([1, 2**21, 2**42])).sum(axis=1)
     return numbers
