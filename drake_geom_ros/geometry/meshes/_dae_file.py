@@ -1,7 +1,7 @@
 """Collada files (.dae): the triangles of their scene in metres, by their ``<unit>``.
 
-``<up_axis>`` is not applied, as in RViz: robots in use have been modelled by what it shows. What
-bends a mesh, and references that lead nowhere or to other files, are refused.
+``<up_axis>`` is not applied, as in RViz, since robots in use were modelled to look right there.
+Deformations of meshes, dangling references and references to other files are errors.
 """
 
 from __future__ import annotations
@@ -23,10 +23,9 @@ MOST_INSTANCES = 100_000  # nodes that name one another multiply
 
 
 def parse_dae(data: bytes) -> ParsedMesh:
-    """Return the mesh of a file's scene, each geometry where its nodes put it.
+    """Return the mesh of a file's scene, each geometry at the pose of its nodes.
 
-    Raises ValueError, or what comes of a document of another structure, for a file that is not
-    read.
+    Raises ValueError, or another error for a document of another structure.
     """
     root = ElementTree.fromstring(data)
     for element in root.iter():
@@ -71,13 +70,13 @@ class _DaeReader:
 
     def _target(self, url: str | None) -> Element:
         """Return the element that a reference within the file names."""
-        found = self._by_id.get((url or '').removeprefix('#'))
-        if found is None or not (url or '').startswith('#'):
+        element = self._by_id.get((url or '').removeprefix('#'))
+        if element is None or not (url or '').startswith('#'):
             raise ValueError(f'{url!r} names nothing in it; other files are not opened')
-        return found
+        return element
 
     def _walk(self, node: Element, T_FN: Floats, above: tuple[Element, ...]) -> None:
-        """Add what is in a node, at its pose in the file, and below."""
+        """Add the geometries of a node and its descendants, at their poses in the file."""
         self._instances += 1
         if node in above or self._instances > MOST_INSTANCES:
             raise ValueError(f'<node id={node.get("id")!r}> is in itself, or there are too many')
@@ -107,20 +106,22 @@ class _DaeReader:
             raise ValueError(f'<geometry id={geometry.get("id")!r}> is {kinds}; <mesh> is read')
         for primitive in mesh:
             inputs = primitive.findall('input')
-            given = next((each for each in inputs if each.get('semantic') == 'VERTEX'), None)
-            if given is None:
+            vertex_input = next(
+                (each for each in inputs if each.get('semantic') == 'VERTEX'), None
+            )
+            if vertex_input is None:
                 continue
-            positions = self._positions(self._target(given.get('source')))
+            positions = self._positions(self._target(vertex_input.get('source')))
             stride = 1 + max(int(each.get('offset', '0')) for each in inputs)
-            first = int(given.get('offset', '0'))
+            first = int(vertex_input.get('offset', '0'))
             yield positions, _triangles(primitive, stride, first, positions)
 
     def _positions(self, vertices: Element) -> Floats:
         """Return the positions (n, 3) that a <vertices> names."""
-        given = vertices.find("input[@semantic='POSITION']")
-        if given is None:
+        position_input = vertices.find("input[@semantic='POSITION']")
+        if position_input is None:
             raise ValueError(f'<vertices id={vertices.get("id")!r}> has no POSITION')
-        source = self._target(given.get('source'))
+        source = self._target(position_input.get('source'))
         accessor = source.find('technique_common/accessor')
         if accessor is None:
             raise ValueError(f'<source id={source.get("id")!r}> has no <accessor>')
@@ -156,29 +157,29 @@ def _triangles(primitive: Element, stride: int, first: int, positions: Floats) -
     if primitive.tag not in ('triangles', 'polylist', 'polygons'):
         return none  # lines
     counts = np.array([len(loop) for loop in loops], dtype=np.int64)
-    told = int(primitive.get('count', len(counts)))
+    stated_count = int(primitive.get('count', len(counts)))
     if primitive.tag == 'triangles':
-        counts = np.full(told, 3)
+        counts = np.full(stated_count, 3)
     elif primitive.tag == 'polylist':
         counts = np.array((primitive.findtext('vcount') or '').split(), dtype=np.int64)
-    if counts.sum() != len(corners) or len(counts) != told:
+    if counts.sum() != len(corners) or len(counts) != stated_count:
         raise ValueError(
-            f'<{primitive.tag}> tells of {told} faces of {counts.sum()} corners, and has '
+            f'<{primitive.tag}> tells of {stated_count} faces of {counts.sum()} corners, and has '
             f'{len(corners)}'
         )
     if (counts == 3).all():
         return corners.reshape(-1, 3)
     ends = np.cumsum(counts)
-    found: list[tuple[int, int, int]] = []
+    triangles: list[tuple[int, int, int]] = []
     for end, count in zip(ends.tolist(), counts.tolist(), strict=True):
         names = corners[end - count : end].tolist()
         if count >= 3:
-            found += triangulate(names, [tuple(positions[k].tolist()) for k in names])
-    return np.array(found, dtype=np.int64).reshape(-1, 3)
+            triangles += triangulate(names, [tuple(positions[k].tolist()) for k in names])
+    return np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
 
 def _transform(node: Element) -> Floats:
-    """Return where a node is in its parent (4, 4): its transforms one after the other."""
+    """Return the pose (4, 4) of a node in its parent, the product of its transforms."""
     T = np.eye(4)
     for child in node:
         if child.tag in ('matrix', 'translate', 'rotate', 'scale'):

@@ -1,4 +1,4 @@
-"""What all surfaces of flat faces share: areas, normals, centroids."""
+"""Base of surfaces with flat faces: areas, normals, centroids."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ class _Measures(NamedTuple):
 
 
 class FacetMesh:
-    """A surface in a frame M: vertices, and faces that are turned counter-clockwise from outside.
+    """A surface in a frame M: vertices, and faces that are counter-clockwise from outside.
 
-    Raises RuntimeError for an index of no vertex or of no face.
+    Raises RuntimeError for an invalid index of a vertex or face.
     """
 
     __slots__ = ('_faces', '_p_MVs')
 
     def _set(self, faces: Sequence[Indices] | Indices, p_MVs: Floats) -> None:
-        """Take arrays that are ours, once the indices are checked."""
+        """Store arrays, without a copy, after a check of the indices."""
         used = np.concatenate(faces) if len(faces) else np.zeros(0, dtype=np.int64)
         if used.size and not 0 <= used.min() <= used.max() < len(p_MVs):
             astray = (not 0 <= f.min() <= f.max() < len(p_MVs) for f in faces)
@@ -44,11 +44,11 @@ class FacetMesh:
         self._faces, self._p_MVs = faces, p_MVs
 
     def num_vertices(self) -> int:
-        """Return how many vertices there are."""
+        """Return the number of vertices."""
         return len(self._p_MVs)
 
     def num_elements(self) -> int:
-        """Return how many faces there are."""
+        """Return the number of faces."""
         return len(self._faces)
 
     def vertex(self, v: int) -> Floats:
@@ -59,7 +59,7 @@ class FacetMesh:
         return position
 
     def vertex_array(self) -> Floats:
-        """Return the positions (n, 3) [m] of the vertices, not to be written to."""
+        """Return the positions (n, 3) [m] of the vertices, read-only."""
         return self._p_MVs
 
     def total_area(self) -> float:
@@ -112,8 +112,8 @@ class FacetMesh:
     def _measures(self, faces: Sequence[Indices] | Indices) -> _Measures:
         """Return the measures of faces.
 
-        Of the triangles of each face's fan about its first corner, each by its signed area; of a
-        face without area, the mean of its corners.
+        They are sums over the fan of triangles about the first corner, by signed area. A face
+        without area has the mean of its corners as centroid.
         """
         fans, owners = _fans(faces)
         a, b, c = (self._p_MVs[fans[:, i]] for i in range(3))
@@ -131,7 +131,7 @@ class FacetMesh:
 
 
 def _fans(faces: Sequence[Indices] | Indices) -> tuple[Indices, Indices]:
-    """Return the triangles (t, 3) of all faces' fans, and which face (t,) each is of."""
+    """Return the triangles (t, 3) of all faces' fans, and the face (t,) of each."""
     if isinstance(faces, np.ndarray):
         return faces, np.arange(len(faces))
     fans = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
@@ -152,7 +152,7 @@ class Facet:
             )
 
     def num_vertices(self) -> int:
-        """Return how many vertices the face has."""
+        """Return the number of vertices of the face."""
         return len(self._vertices)
 
     def vertex(self, i: int) -> int:
@@ -174,7 +174,7 @@ def vertices_of(triangles: Sequence[Facet]) -> Indices:
 
 
 def positions(vertices: ArrayLike, what: str) -> Floats:
-    """Return positions (n, 3) [m] as an array of our own; ArgumentError where they are none."""
+    """Return a copy of positions (n, 3) [m]; raises ArgumentError for invalid ones."""
     p_MVs = np.array(vertices, dtype=np.float64)
     if p_MVs.size == 0:
         p_MVs = p_MVs.reshape(-1, 3)

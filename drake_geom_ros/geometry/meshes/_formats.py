@@ -1,7 +1,7 @@
-"""The formats of mesh files, a list that is tested, and reading a file of one of them.
+"""Table of mesh file formats, and the function that parses any of them.
 
-Lengths are metres, up is what RViz takes for it: glTF is turned Z up, Collada's ``<unit>`` is
-applied and its ``<up_axis>`` is not, the others have neither.
+Lengths are metres, and the up axis is as in RViz: glTF is rotated to Z up, Collada's ``<unit>`` is
+applied and its ``<up_axis>`` is not; the others have neither.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ VOLUME_FORMATS = ('vtk',)  # those of tetrahedra
 def parse_mesh(data: bytes, kind: str, filename: str) -> ParsedMesh:
     """Return the mesh in a file's content; ``kind`` is its suffix.
 
-    No other file is opened, whatever this one names. Raises MeshFileError for another format, and
-    for content that cannot be read whole.
+    Files that it refers to are not opened. Raises MeshFileError for another format, and for
+    content that cannot be read completely.
     """
     if reason := stand_in(data):
         raise MeshFileError(f'{filename!r} cannot be read: {reason}')
@@ -51,5 +51,5 @@ def parse_mesh(data: bytes, kind: str, filename: str) -> ParsedMesh:
     except (ValueError, ParseError, GeometryError) as error:
         raise MeshFileError(f'{filename!r} cannot be read: {error}') from None
     except Exception as error:
-        # What a document of another structure leads to: errors of many kinds.
+        # A document of another structure leads to errors of many kinds.
         raise MeshFileError(f'{filename!r} holds no mesh that can be read: {error!r}') from None

@@ -1,7 +1,8 @@
-"""glTF 2.0 files, as text (.gltf) and binary (.glb): the triangles of their scene, turned Z up.
+"""glTF 2.0 files, as text (.gltf) and binary (.glb): the triangles of their scene, with Z up.
 
-glTF has its lengths in metres and its y axis up (its specification, 3.4). As in Drake and RViz its
-(x, y, z) becomes (x, -z, y). What bends or packs a mesh, such as skins and Draco, is refused.
+glTF has lengths in metres and its y axis up (its specification, 3.4). As in Drake and RViz its
+(x, y, z) becomes (x, -z, y). Deformed or compressed meshes, such as with skins or Draco, are
+errors.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ _COMPONENTS = {5120: '<i1', 5121: '<u1', 5122: '<i2', 5123: '<u2', 5125: '<u4', 
 _WIDTHS = {'SCALAR': 1, 'VEC2': 2, 'VEC3': 3, 'VEC4': 4}
 _STRIP, _FAN = 5, 6
 _SURFACES = (4, _STRIP, _FAN)  # the other modes are points and lines
-# What a file may require: where triangles are is none of their business, but for the last, whose
-# numbers are accessors of whole numbers.
+# Extensions that a file may require. They do not affect triangles, except the last one, which
+# allows accessors of integers.
 _HARMLESS = (
     *('KHR_materials_', 'KHR_texture_', 'EXT_texture_', 'MSFT_texture_', 'KHR_lights_'),
     *('EXT_lights_', 'KHR_mesh_quantization'),
@@ -32,10 +33,10 @@ _HARMLESS = (
 
 
 def parse_gltf(data: bytes) -> ParsedMesh:
-    """Return the mesh of a file's scene, each mesh where its nodes put it.
+    """Return the mesh of a file's scene, each mesh at the pose of its nodes.
 
-    Points and lines give vertices without triangles. Raises ValueError, or what comes of a
-    document of another structure, for a file that is not read.
+    Points and lines give vertices without triangles. Raises ValueError, or another error for a
+    document of another structure.
     """
     tree, binary = _document(data)
     version = str(tree['asset']['version'])
@@ -48,7 +49,7 @@ def parse_gltf(data: bytes) -> ParsedMesh:
 
 
 def _document(data: bytes) -> tuple[Any, bytes | None]:
-    """Return the tree of a file, and the buffer that a binary one carries."""
+    """Return the tree of a file, and the buffer in a binary one."""
     if data[:4] != b'glTF':
         return json.loads(data), None
     version, length = struct.unpack_from('<II', data, 4)
@@ -99,14 +100,14 @@ class _GltfReader:
         return ParsedMesh(p_GVs, triangles, colours, ('turned from y up to z up',))
 
     def _item(self, kind: str, index: Any) -> Any:
-        """Return an item of the document; -1 and the like are none."""
+        """Return an item of the document; raises an error for negative indices, too."""
         items = self._tree.get(kind, [])
         if not isinstance(index, int) or not 0 <= index < len(items):
             raise ValueError(f'there is no {kind}[{index}]')
         return items[index]
 
     def _roots(self) -> list[int]:
-        """Return the nodes that the default scene begins with; all roots where none is given."""
+        """Return the root nodes of the default scene, or all roots without one."""
         if self._tree.get('scenes'):
             roots: list[int] = self._item('scenes', self._tree.get('scene', 0)).get('nodes', [])
             return roots
@@ -134,7 +135,7 @@ class _GltfReader:
                 )
 
     def _triangles(self, primitive: Any, count: int) -> Indices:
-        """Return the triangles (m, 3) of a primitive with so many vertices."""
+        """Return the triangles (m, 3) of a primitive with ``count`` vertices."""
         mode = primitive.get('mode', 4)
         if mode not in _SURFACES:
             return np.zeros((0, 3), dtype=np.int64)
@@ -150,7 +151,7 @@ class _GltfReader:
         return order.reshape(-1, 3)
 
     def _values(self, index: Any, width: int = 0) -> Floats:
-        """Return the numbers (n, width) of an accessor, whole ones from -1 to 1 if it says so."""
+        """Return the numbers (n, width) of an accessor, normalised to [-1, 1] if it says so."""
         accessor = self._item('accessors', index)
         if 'sparse' in accessor or 'bufferView' not in accessor:
             raise ValueError(f'accessors[{index}] is sparse or packed, which is not read')
@@ -185,28 +186,28 @@ def fan(order: Indices) -> Indices:
     return np.column_stack((hub, order[1:-1], order[2:]))
 
 
-def _buffer(given: Any, binary: bytes | None) -> bytes:
+def _buffer(buffer: Any, binary: bytes | None) -> bytes:
     """Return the bytes of a buffer that is in the file."""
-    uri = given.get('uri')
+    uri = buffer.get('uri')
     if uri is None:
-        found = binary
+        content = binary
     elif uri.startswith('data:'):
         header, _, text = uri.partition(',')
         raw = unquote_to_bytes(text)
-        found = base64.b64decode(raw) if header.endswith(';base64') else raw
+        content = base64.b64decode(raw) if header.endswith(';base64') else raw
     else:
         raise ValueError(
             f'its buffer {uri!r} is another file, which is not opened: embed it, or use .glb'
         )
-    if found is None or len(found) < given['byteLength']:
+    if content is None or len(content) < buffer['byteLength']:
         raise ValueError(
-            f'a buffer has {len(found or b"")} bytes of {given["byteLength"]}: it is truncated'
+            f'a buffer has {len(content or b"")} bytes of {buffer["byteLength"]}: it is truncated'
         )
-    return found
+    return content
 
 
 def _transform(node: Any) -> Floats:
-    """Return where a node is in its parent (4, 4)."""
+    """Return the pose (4, 4) of a node in its parent."""
     if 'matrix' in node:
         return np.array(node['matrix'], dtype=np.float64).reshape(4, 4).T
     T = np.eye(4)

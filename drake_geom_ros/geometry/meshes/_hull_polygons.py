@@ -1,4 +1,4 @@
-"""The faces of a convex hull as polygons: its triangles, united where they lie in one plane."""
+"""The faces of a convex hull as polygons: its triangles, merged where they lie in one plane."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Indices = NDArray[np.int64]
 
 
 def united(vertices: Floats, triangles: Indices) -> list[list[int]]:
-    """Return the polygons, counter-clockwise from outside, that triangles (m, 3) of a hull make.
+    """Return the polygons of a hull's triangles (m, 3), counter-clockwise from outside.
 
-    A face is what can be reached from a triangle without leaving its plane by more than rounding;
-    it stays in triangles where it is not a convex polygon, for its plane is not one to rounding.
+    A face consists of a triangle and the neighbours in its plane, within rounding. If they form no
+    convex polygon, because rounding hides the plane, they stay triangles.
     """
     noise = COPLANAR * EPS * float(np.abs(vertices).max())
     edges = {
@@ -27,7 +27,7 @@ def united(vertices: Floats, triangles: Indices) -> list[list[int]]:
     normals /= 2.0 * areas[:, None]
     free = np.ones(len(triangles), dtype=np.bool_)
     polygons = []
-    # From the largest triangle on, whose plane is known best.
+    # Start at the largest triangle, whose plane is the most precise.
     for seed in np.argsort(-areas, kind='stable').tolist():
         if not free[seed]:
             continue
@@ -44,13 +44,13 @@ def united(vertices: Floats, triangles: Indices) -> list[list[int]]:
 
 
 def _neighbours(corners: list[int], edges: dict[tuple[int, int], int]) -> list[int]:
-    """Return the triangles beyond the edges of one: three, but for slivers that were left out."""
+    """Return the triangles beyond the edges of one: three, except where slivers were left out."""
     twins = [(corners[i - 2], corners[i]) for i in range(3)]
     return [edges[twin] for twin in twins if twin in edges]
 
 
 def _joined(vertices: Floats, face: Indices, normal: Floats, area: float) -> list[list[int]]:
-    """Return triangles (k, 3) as the convex polygon of their area [m^2], or as they are.
+    """Return triangles (k, 3) as the convex polygon of their area [m^2], or unchanged.
 
     The polygon has their vertices in the order of their angles around a unit normal (3,).
     """
@@ -62,5 +62,5 @@ def _joined(vertices: Floats, face: Indices, normal: Floats, area: float) -> lis
     side = np.cross(normal, arms[0])
     order = np.argsort(np.arctan2(arms @ side, arms @ np.cross(side, normal)))
     around = arms[order]
-    found = 0.5 * float(np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0) @ normal)
-    return [names[order].tolist()] if abs(found - area) <= SAME_VOLUME * area else triangles
+    polygon_area = 0.5 * float(np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0) @ normal)
+    return [names[order].tolist()] if abs(polygon_area - area) <= SAME_VOLUME * area else triangles

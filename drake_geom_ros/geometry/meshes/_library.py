@@ -1,6 +1,7 @@
-"""What trimesh does for us: convex hulls, connected pieces. Nobody else imports it.
+"""Functions that use trimesh: convex hulls, smallest boxes, clusters, connected pieces.
 
-It takes 2 s to import, and most scenes have no mesh.
+They import it when called, since the import takes 2 s and most scenes have no mesh. Only this file
+imports it.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 from drake_geom_ros.geometry.errors import MeshFileError
 
-HULL_EXPONENT = 24  # hulls are made of points brought to about 2^24
+HULL_EXPONENT = 24  # points are scaled to about 2^24 for hulls
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -37,8 +38,8 @@ def tight_box(points: Floats) -> Floats:
 def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
     """Return vertices and triangles, counter-clockwise from outside, of the convex hull of points.
 
-    Points that lie in a face or on an edge of the hull, to rounding, are none of its vertices.
-    ``name`` is for the error. Raises MeshFileError where the hull has no volume.
+    Points inside a face or an edge of the hull, within rounding, are not among its vertices.
+    ``name`` is for the error. Raises MeshFileError if the hull has no volume.
     """
     extents = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1]
     if len(extents) < 3 or extents[2] <= FLAT_HULL * extents[0]:
@@ -54,20 +55,20 @@ def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
 
 
 def near_one_another(points: Floats, apart: float) -> list[Indices]:
-    """Return groups of points (n, 3), by number: of each there is one of its group that near [m].
+    """Return clusters of points (n, 3), by index: each has another within ``apart`` [m].
 
-    Points that are near nobody are in no group.
+    Isolated points are in no cluster.
     """
     import trimesh
 
-    found: list[Indices] = list(
+    groups: list[Indices] = list(
         trimesh.grouping.clusters(points, apart)  # type: ignore[no-untyped-call]
     )
-    return found
+    return groups
 
 
 def connected_pieces(triangles: Indices, count: int) -> list[Indices]:
-    """Return the triangles of each piece, joined by vertices, of a surface of ``count`` ones."""
+    """Return the triangles of each piece, joined by any of its ``count`` vertices."""
     from trimesh.graph import connected_component_labels as labelled
 
     edges = triangles[:, [[0, 1], [1, 2]]].reshape(-1, 2)
@@ -80,8 +81,8 @@ def connected_pieces(triangles: Indices, count: int) -> list[Indices]:
 def _hull(points: Floats) -> tuple[Floats, Indices]:
     import trimesh
 
-    # trimesh merges vertices within 1e-8 and drops triangles below 1e-14: at this size that is
-    # rounding. A power of two, so that the points stay what they are.
+    # trimesh merges vertices within 1e-8 and drops triangles below 1e-14, which is rounding at
+    # this size. Scaling by a power of two is exact.
     exponent = HULL_EXPONENT - math.frexp(float(np.abs(points).max()))[1]
     hull = trimesh.Trimesh(np.ldexp(points, exponent), process=False).convex_hull
     vertices = np.ldexp(np.array(hull.vertices, dtype=np.float64), -exponent)
@@ -89,16 +90,16 @@ def _hull(points: Floats) -> tuple[Floats, Indices]:
 
 
 def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:
-    """Return which vertices of a hull are corners, seen from where faces are not all in a line.
+    """Return the mask of vertices of a hull that are proper corners.
 
-    A vertex is none if it is no farther than rounding from the planes of all faces around it, or
-    from the segment between two vertices that it shares edges with.
+    A vertex is not one if it lies, within rounding, in the planes of all faces around it, or on
+    the segment between two vertices that it shares edges with.
     """
     noise = COPLANAR * EPS * float(np.ptp(vertices, axis=0).max())
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1)
-    # Of a triangle without area, which hulls have where corners are in a line, it is zero.
+    # It is zero for triangles without area, which hulls have where corners are collinear.
     normals = np.divide(
         normals, areas[:, None], out=np.zeros_like(normals), where=areas[:, None] > 0.0
     )
@@ -110,7 +111,7 @@ def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:
         around = order[ends[vertex] : ends[vertex + 1]] // 3
         ring = np.setdiff1d(triangles[around], [vertex])
         if not keep[ring].all():
-            continue  # of two that need each other one stays until the next hull
+            continue  # if two depend on each other, one stays until the next hull
         arms = vertices[ring] - vertices[vertex]
         largest = around[np.argmax(areas[around])]
         flat = np.abs(arms @ normals[largest]).max() <= noise
@@ -121,7 +122,7 @@ def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:
 def _beside_flat_edges(
     vertices: Floats, triangles: Indices, normals: Floats, noise: float
 ) -> Indices:
-    """Return the vertices on an edge whose two triangles lie in one plane: no others can go."""
+    """Return the vertices on an edge between two coplanar triangles: only these may be dropped."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     order = np.lexsort((edges[:, 1], edges[:, 0]))[: len(edges) // 2 * 2]
     first, second = order[::2], order[1::2]

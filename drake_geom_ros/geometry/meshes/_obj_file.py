@@ -1,8 +1,8 @@
 """Wavefront .obj files: vertices and faces, faces cut into triangles, objects merged.
 
-Of the format this reads ``v`` and ``f``, of all objects and groups, and skips normals, textures
-and materials. Curved surfaces and what names other files are refused. There is no unit: numbers
-are metres, as in RViz and Drake.
+The reader uses ``v`` and ``f`` of all objects and groups, and skips normals, textures and
+materials. Curved surfaces and references to other files are errors. There is no unit: numbers are
+metres, as in RViz and Drake.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ Indices = NDArray[np.int64]
 Point = tuple[float, ...]
 _Flat = tuple[float, float]
 
-# Corners of a polygon that are cut off though none is an ear; what is left then becomes a fan.
+# Corners of a polygon that are cut off though none is an ear; the remainder becomes a fan.
 _MOST_LOST = 100
 
-# Surfaces that are no polygons, and the statements of another file.
+# Surfaces that are no polygons, and statements that refer to another file.
 _NOT_READ = ('surf', 'bzp', 'bsp', 'call', 'csh')
 
 
 class _Polygon(NamedTuple):
-    """A face as it stands in the file: vertices counted from 0, and where it was found."""
+    """A face in the file: vertices counted from 0, and its location."""
 
     vertices: list[int]
     where: str
@@ -40,8 +40,8 @@ class _Polygon(NamedTuple):
 def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) and triangles (m, 3), indices counted from 0, of an .obj file.
 
-    Raises MeshFileError, naming file and line, if it cannot be read, has a number that is none or
-    an index of no vertex, or has no faces.
+    Raises MeshFileError with file and line if it cannot be read, has an invalid number or index,
+    or has no faces.
     """
     try:
         text = Path(filename).read_text(encoding='utf-8-sig', errors='replace')
@@ -62,12 +62,12 @@ def obj_text(points: Floats, triangles: Indices | None = None) -> str:
 
 
 def _shortest(x: float) -> str:
-    """Return the shortest text that is read as the same number."""
+    """Return the shortest text that parses to the same number."""
     return repr(x).removesuffix('.0')
 
 
 def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
-    """Return what ``read_obj`` does of a file's text, which may have no faces."""
+    """Return the result of ``read_obj`` for a file's text, which may have no faces."""
     points: list[Point] = []
     polygons: list[_Polygon] = []
     for number, words in _statements(text):
@@ -93,10 +93,10 @@ def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indi
 
 
 def triangulate(names: list[int], corners: list[Point]) -> list[tuple[int, int, int]]:
-    """Return the triangles that a plane polygon is made of, turning the same way as it does.
+    """Return the triangles of a plane polygon, with its orientation.
 
     Ears are clipped off (Meisters, American Mathematical Monthly 82(6), 1975); a convex polygon
-    becomes a fan about its first corner. ``names`` are what the corners are called in the answer.
+    becomes a fan about its first corner. ``names`` are the indices of the corners in the result.
     """
     if len(names) == 3:
         return [(names[0], names[1], names[2])]
@@ -120,7 +120,7 @@ def triangulate(names: list[int], corners: list[Point]) -> list[tuple[int, int, 
 
 
 def _statements(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and words of each statement, comments and blank lines left out."""
+    """Yield line number and words of each statement, without comments and blank lines."""
     pending: list[str] = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.split('#', 1)[0].split()
@@ -131,7 +131,7 @@ def _statements(text: str) -> Iterator[tuple[int, list[str]]]:
         pending = []
         if statement:
             yield number, statement
-    if pending := [word for word in pending if word]:  # the last line goes on in none
+    if pending := [word for word in pending if word]:  # a last line that is continued by none
         yield number, pending
 
 
@@ -147,7 +147,7 @@ def _point(words: list[str], where: str) -> Point:
 
 
 def _corners(words: list[str], count: int, where: str) -> list[int]:
-    """Return the vertices of a face, counted from 0, when ``count`` have been read so far."""
+    """Return the vertices of a face, counted from 0, after ``count`` vertices were read."""
     if len(words) < 3:
         raise MeshFileError(f'{where}: a face needs at least three vertices, given {words}')
     corners = []
@@ -183,7 +183,7 @@ def _around(loop: list[int], k: int, flat: list[_Flat]) -> tuple[_Flat, _Flat, _
 def _is_ear(corner: tuple[_Flat, _Flat, _Flat], inward: Floats) -> bool:
     """Return whether a corner can be cut off: it is convex, and no other corner is in it.
 
-    If any is, so is one of those that point inwards (k, 2).
+    If another corner is in it, so is one of the reflex corners ``inward`` (k, 2).
     """
     a, b, c = corner
     if _turn(a, b, c) <= 0.0:
@@ -194,5 +194,5 @@ def _is_ear(corner: tuple[_Flat, _Flat, _Flat], inward: Floats) -> bool:
 
 
 def _turn(a: _Flat, b: _Flat, c: Any) -> Any:
-    """Return twice the area of the triangle a b c, positive when it turns left; of many c each."""
+    """Return twice the area of the triangle a b c, positive for a left turn; c may be many."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -1,4 +1,4 @@
-"""Surfaces turned outward, piece by piece; those of which nobody can tell are refused."""
+"""Outward orientation of surfaces, piece by piece; ambiguous ones are refused."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from drake_geom_ros.geometry.meshes._welding import closed_surface, merged
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_SAMPLES = 32  # vertices of a piece that tell whether it is within another
-# Of a turn around a vertex: within another piece there is 1, outside 0, and where both touch what
-# is inside of the other, at a corner little.
+_SAMPLES = 32  # vertices of a piece that are tested for being inside another
+# Winding number above which a vertex is inside: it is 1 inside another piece, 0 outside, and where
+# both touch a fraction, which is small at a corner.
 _WITHIN = 0.05
 
 
 def turned_outward(vertices: Floats, triangles: Indices, name: str) -> tuple[Floats, Indices]:
-    """Return a surface with each closed piece turned outward, and what is within it with it.
+    """Return a surface with each closed piece oriented outward, together with pieces inside it.
 
-    So a cavity, a piece within another that is turned the other way, stays one. Triangles are of
-    one piece that have an edge for themselves. A piece that is not closed stays as it is. Raises
-    MeshFileError where two triangles alone at an edge are turned opposite ways.
+    So a cavity, a piece inside another with the opposite orientation, stays one. Triangles that
+    share an edge with no third belong to one piece. An open piece is not changed. Raises
+    MeshFileError if the only two triangles at an edge have opposite orientations.
     """
     try:
         clean = closed_surface(vertices, triangles, name)
@@ -44,7 +44,7 @@ def turned_outward(vertices: Floats, triangles: Indices, name: str) -> tuple[Flo
 
 
 def _pieces(vertices: Floats, triangles: Indices, name: str) -> Indices:
-    """Return the piece (m,) of each triangle: those next to each other at an edge of no third."""
+    """Return the piece (m,) of each triangle: neighbours at an edge of exactly two share one."""
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     low, high = edges.min(axis=1), edges.max(axis=1)
     _, at, counts = np.unique(low * len(vertices) + high, return_inverse=True, return_counts=True)
@@ -66,7 +66,7 @@ def _pieces(vertices: Floats, triangles: Indices, name: str) -> Indices:
 
 
 def _inverted(vertices: Floats, triangles: Indices, piece_of: Indices) -> NDArray[np.bool_]:
-    """Return which pieces (k,) are to be turned: the outermost one around them is inside out."""
+    """Return the mask (k,) of pieces to reverse: the outermost one around them is inside out."""
     corners = vertices[triangles]
     origin, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
     a, b, c = np.moveaxis(corners - origin, 1, 0)
@@ -93,7 +93,7 @@ def _inverted(vertices: Floats, triangles: Indices, piece_of: Indices) -> NDArra
 
 
 def _open(triangles: Indices, piece_of: Indices, count: int) -> Indices:
-    """Return the pieces of which some edge is matched by no other of the same piece."""
+    """Return the open pieces, with an edge that no other edge of the piece matches."""
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     low, high = edges.min(axis=1), edges.max(axis=1)
     _, at = np.unique(low * (int(triangles.max()) + 1) + high, return_inverse=True)
@@ -103,9 +103,9 @@ def _open(triangles: Indices, piece_of: Indices, count: int) -> Indices:
 
 
 def _goes_around(corners: Floats, points: Floats) -> bool:
-    """Return whether a closed surface of triangles (m, 3, 3) goes around a piece's points (n, 3).
+    """Return whether a closed surface of triangles (m, 3, 3) encloses a piece's points (n, 3).
 
-    Around all of some: a piece that it crosses has points on either side.
+    Several points are tested, since a piece that it crosses has points on either side.
     """
     chosen = np.linspace(0, len(points) - 1, _SAMPLES).astype(np.int64)
     for point in points[np.unique(chosen)]:

@@ -1,4 +1,4 @@
-"""What a reader of mesh files returns, and what all of them share."""
+"""The result of mesh file readers, and the collection of a scene's pieces."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Indices = NDArray[np.int64]
 
 
 class ParsedMesh(NamedTuple):
-    """Vertices (n, 3) [m] and triangles (m, 3) of them, as a file's own rules place them.
+    """Vertices (n, 3) [m] and triangles (m, 3) of them, after a file's own transforms.
 
-    ``colours`` (m, 3) from 0 to 1 of the triangles, None where the file has none; ``remarks`` say
-    in words what was done to the numbers of the file, and what was not. ``volume`` are the
-    tetrahedra that the triangles are the boundary of, None where the file has none.
+    ``colours`` (m, 3) from 0 to 1 are those of the triangles, None if the file has none.
+    ``remarks`` describe the conversions of the file's numbers, applied or not. ``volume`` are the
+    tetrahedra with the triangles as boundary, None if the file has none.
     """
 
     vertices: Floats
@@ -29,7 +29,7 @@ class ParsedMesh(NamedTuple):
 
 
 class Pieces:
-    """Collects the pieces of a scene, each moved to its place."""
+    """Collects the pieces of a scene, each transformed to its place."""
 
     def __init__(self) -> None:
         self._vertices: list[Floats] = [np.zeros((0, 3))]
@@ -37,12 +37,12 @@ class Pieces:
         self._count = 0
 
     def add(self, T: Floats, vertices: Floats, triangles: Indices) -> None:
-        """Add a piece by its transform (4, 4); raises ValueError for an index of no vertex."""
+        """Add a piece with a transform (4, 4); raises ValueError for an invalid index."""
         if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
             raise ValueError(
                 f'a triangle has the vertex {triangles.max()}; there are {len(vertices)}'
             )
-        # A mirror image turns every triangle around.
+        # A reflection reverses the orientation of triangles.
         turned = triangles[:, ::-1] if np.linalg.det(T[:3, :3]) < 0.0 else triangles
         self._vertices.append(vertices @ T[:3, :3].T + T[:3, 3])
         self._triangles.append(turned + self._count)

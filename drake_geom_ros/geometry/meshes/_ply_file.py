@@ -33,7 +33,7 @@ _END = b'end_header'
 
 
 class _Property(NamedTuple):
-    """A column of an element; of a list the number of its members is of the kind ``size``."""
+    """A column of an element; a list has a number of members of the type ``size``."""
 
     name: str
     kind: str
@@ -41,7 +41,7 @@ class _Property(NamedTuple):
 
 
 class _Element(NamedTuple):
-    """A table of the file, as its header tells of it."""
+    """A table of the file, as described by its header."""
 
     name: str
     rows: int
@@ -53,19 +53,19 @@ Lists = dict[str, tuple[Indices, Indices]]
 
 
 class _TruncatedError(Exception):
-    """There are fewer numbers than were told of."""
+    """Raised if the file has fewer numbers than its header states."""
 
 
 class _PlyBody(Protocol):
-    """The numbers after the header, read one after the other."""
+    """Reader of the numbers after the header, in their order."""
 
     position: int
 
     def table(self, kinds: list[str], rows: int) -> Floats:
-        """Return numbers (rows, len(kinds)); raises _TruncatedError where they are too few."""
+        """Return numbers (rows, len(kinds)); raises _TruncatedError if there are too few."""
 
     def left(self) -> str:
-        """Return what is left over, in words; empty for nothing."""
+        """Return a description of the unread remainder; empty for none."""
 
 
 class _Text:
@@ -95,9 +95,9 @@ class _Binary:
         row = np.dtype([(str(k), self._order + kind) for k, kind in enumerate(kinds)])
         if len(self._body) - self.position < rows * row.itemsize:
             raise _TruncatedError
-        found = np.frombuffer(self._body, row, rows, self.position)
+        table = np.frombuffer(self._body, row, rows, self.position)
         self.position += rows * row.itemsize
-        columns = [found[str(k)].astype(np.float64) for k in range(len(kinds))]
+        columns = [table[str(k)].astype(np.float64) for k in range(len(kinds))]
         return np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
 
     def left(self) -> str:
@@ -106,7 +106,7 @@ class _Binary:
 
 
 def parse_ply(data: bytes) -> ParsedMesh:
-    """Return the mesh in a PLY file; raises ValueError for one that is truncated or none."""
+    """Return the mesh in a PLY file; raises ValueError for a truncated or other file."""
     end = data.find(_END)
     if not data.startswith(b'ply') or end < 0:
         raise ValueError("it does not begin as a PLY file: 'ply' and a header up to 'end_header'")
@@ -146,7 +146,7 @@ def parse_ply(data: bytes) -> ParsedMesh:
 
 
 def _header(text: str) -> tuple[str, list[_Element]]:
-    """Return the kind of the file, and its elements."""
+    """Return the format of the file, and its elements."""
     order, elements = '', list[_Element]()
     for line in text.splitlines()[1:]:
         words = line.split()
@@ -170,7 +170,7 @@ def _header(text: str) -> tuple[str, list[_Element]]:
 
 
 def _refuse_doubles(what: str, names: list[str]) -> None:
-    """Raise ValueError for a name that is there twice: which of its columns counts is unknown."""
+    """Raise ValueError for a duplicate name, since it is ambiguous."""
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f'its header has the {what} {name!r} twice; it must be there once')
@@ -180,10 +180,10 @@ def _read(body: _PlyBody, element: _Element) -> tuple[Columns, Lists]:
     """Return the columns (rows,) of an element, and its lists: their members and their lengths."""
     start = body.position
     try:
-        found = _alike(body, element)
-        if found is None:
+        blocks = _alike(body, element)
+        if blocks is None:
             body.position = start
-            found = [_row(body, element.properties) for _ in range(element.rows)]
+            blocks = [_row(body, element.properties) for _ in range(element.rows)]
     except _TruncatedError:
         raise ValueError(
             f'its header tells of {element.rows} rows of {element.name!r}: it is truncated'
@@ -191,7 +191,7 @@ def _read(body: _PlyBody, element: _Element) -> tuple[Columns, Lists]:
     columns: Columns = {}
     lists: Lists = {}
     for k, each in enumerate(element.properties):
-        parts = [row[k] for row in found]
+        parts = [row[k] for row in blocks]
         members = np.concatenate([np.zeros(0), *(part.ravel() for part in parts)])
         if each.size:
             lengths = [np.full(len(part), part.shape[1], dtype=np.int64) for part in parts]
@@ -204,17 +204,17 @@ def _read(body: _PlyBody, element: _Element) -> tuple[Columns, Lists]:
 
 def _row(body: _PlyBody, properties: list[_Property]) -> list[Floats]:
     """Return the values (1, members) of each property in the next row."""
-    found = []
+    values = []
     for each in properties:
         members = int(body.table([each.size], 1)[0, 0]) if each.size else 1
-        found.append(body.table([each.kind] * members, 1))
-    return found
+        values.append(body.table([each.kind] * members, 1))
+    return values
 
 
 def _alike(body: _PlyBody, element: _Element) -> list[list[Floats]] | None:
-    """Return the values (rows, members) of each property, if all rows are as the first one is.
+    """Return the values (rows, members) of each property, or None if lists differ in length.
 
-    They are as a rule; others are read one by one, which takes long.
+    Usually all rows have the lengths of the first one; other tables are read row by row, slowly.
     """
     if not element.rows:
         return []
@@ -238,12 +238,12 @@ def _alike(body: _PlyBody, element: _Element) -> list[list[Floats]] | None:
 
 
 def _triangles(corners: Indices, counts: Indices, vertices: Floats) -> tuple[Indices, Indices]:
-    """Return the triangles (m, 3) that faces of so many corners make, and the face of each."""
+    """Return the triangles (m, 3) of faces with ``counts`` corners, and the face of each."""
     if len(corners) and not 0 <= corners.min() <= corners.max() < len(vertices):
         raise ValueError(f'a face has the vertex {corners.max()}; there are {len(vertices)}')
     if (counts == 3).all():
         return corners.reshape(-1, 3), np.arange(len(counts))
-    found: list[tuple[int, int, int]] = []
+    triangles: list[tuple[int, int, int]] = []
     faces: list[int] = []
     ends = np.cumsum(counts).tolist()
     for face, (end, count) in enumerate(zip(ends, counts.tolist(), strict=True)):
@@ -252,9 +252,9 @@ def _triangles(corners: Indices, counts: Indices, vertices: Floats) -> tuple[Ind
         names = corners[end - count : end].tolist()
         x, y, z = vertices[names].T.tolist()
         made = triangulate(names, list(zip(x, y, z, strict=True)))
-        found += made
+        triangles += made
         faces += [face] * len(made)
-    return np.array(found, dtype=np.int64).reshape(-1, 3), np.array(faces, dtype=np.int64)
+    return np.array(triangles, dtype=np.int64).reshape(-1, 3), np.array(faces, dtype=np.int64)
 
 
 def _colours(element: _Element, columns: Columns) -> Floats | None:

@@ -1,12 +1,13 @@
-"""Meshes as solids: what a mesh must be for that, and the kernel parameters of those that are.
+"""Conditions for meshes to be solids, and the kernel parameters of solids.
 
-A surface is taken for the boundary of a solid if every edge of a triangle is matched by one that
-runs the other way, no two triangles cross, and its pieces bound a body together: one within
-another is a cavity and turned the other way. Vertices in the same place are one (``_welding``
-says what is the same); triangles that
-have two corners in one place are left out, and so are two that lie back to back; a mesh that is
-turned inside out as a whole is turned back. Triangles without area belong to no surface: they tell
-that edges match which others have cut up (T-junctions), and are left out then.
+A surface is the boundary of a solid if every edge of a triangle is matched by one in the opposite
+direction, no two triangles cross, and its pieces bound one body: a piece inside another is a
+cavity with the opposite orientation.
+
+- Vertices in the same place are merged (see ``_welding``).
+- Triangles with two corners in one place are left out, and so are two that lie back to back.
+- A mesh that is inside out as a whole is reversed.
+- Triangles without area match edges at T-junctions; after this they are left out.
 """
 
 from __future__ import annotations
@@ -52,14 +53,14 @@ from drake_geom_ros.geometry.meshes.source import (
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Faces of the hull that are tried as ways out: each costs a look at all vertices of the hull.
+# Faces of the hull that are tried as separating directions: each visits all vertices of the hull.
 MOST_PLANES = 64
 
 
 def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
     """Return the type number and the kernel parameters of a mesh as a solid.
 
-    One that is convex counts as its hull. Raises MeshFileError for a mesh that bounds no solid.
+    A convex mesh is replaced by its hull. Raises MeshFileError for a mesh that bounds no solid.
     """
     return _solid(mesh_source(mesh), scale)
 
@@ -91,10 +92,10 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
         return CONVEX, hull_parameters(hull_vertices, hull_triangles)
     hull = unlisted_parameters(hull_vertices, hull_triangles)
     planes = planes_of(hull_vertices, hull_triangles)
-    kept = np.cumsum(live) - 1  # the number of each among those that are kept
-    largest = kept[largest_triangles(corners, pieces)]
+    live_number = np.cumsum(live) - 1  # index of each triangle among those with an area
+    largest = live_number[largest_triangles(corners, pieces)]
     crowded = at_crowded_edges(triangles)
-    crowded = kept[crowded[live[crowded]]]
+    crowded = live_number[crowded[live[crowded]]]
     parameters, numbers = solid_parameters(hull, corners[live], largest, planes)
     check_simple(parameters, numbers[largest], numbers[crowded], name)
     parameters = with_boxes(parameters)
@@ -102,7 +103,7 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     return SOLID, parameters
 
 
-@functools.lru_cache(maxsize=4)  # what was welded is asked for right after it was packed
+@functools.lru_cache(maxsize=4)  # small: welds are queried directly after packing
 def _closed(source: MeshKey, scale: tuple[float, ...]) -> ClosedSurface:
     vertices, triangles = triangles_of(source)
     factors = np.array(scale)
@@ -110,12 +111,12 @@ def _closed(source: MeshKey, scale: tuple[float, ...]) -> ClosedSurface:
 
 
 def weldings_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[str, ...]:
-    """Return what was welded to make a solid of a mesh, in words; raises as ``solid_of``."""
+    """Return descriptions of the welds that make a mesh a solid; raises as ``solid_of``."""
     return _closed(mesh_source(mesh), scale).remarks()
 
 
 def check_size(vertices: Floats, factors: Floats, name: str) -> None:
-    """Raise MeshFileError for a scaled mesh of which products of three lengths leave float64."""
+    """Raise MeshFileError if products of three lengths of a scaled mesh exceed float64."""
     with np.errstate(over='ignore', under='ignore'):
         farthest = float(np.abs(vertices * factors).max(initial=0.0))
         size = float((np.ptp(vertices, axis=0) * np.abs(factors)).max()) if len(vertices) else 1.0
@@ -128,15 +129,15 @@ def check_size(vertices: Floats, factors: Floats, name: str) -> None:
 
 
 def volume(corners: Floats) -> float:
-    """Return the volume [m^3] within a closed surface of triangles (n, 3, 3)."""
+    """Return the volume [m^3] inside a closed surface of triangles (n, 3, 3)."""
     a, b, c = (corners - corners[0, 0]).transpose(1, 0, 2)
     return float((a * np.cross(b, c)).sum()) / 6.0
 
 
 def have_area(corners: Floats) -> NDArray[np.bool_]:
-    """Return which triangles (n, 3, 3) have an area: corners in a line, to rounding, have none.
+    """Return the mask of triangles (n, 3, 3) with an area: not collinear within rounding.
 
-    A corner that belongs on a line may be beside it by as much as its coordinates are rounded.
+    The rounding is that of the corners' coordinates.
     """
     sides = corners - np.roll(corners, 1, axis=1)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
@@ -149,9 +150,9 @@ def is_convex(vertices: Floats, triangles: Indices, live: NDArray[np.bool_], siz
     """Return whether a closed surface of one piece is convex: at every edge, to rounding.
 
     A closed surface that is convex everywhere about its points bounds a convex body (van
-    Heijenoort, Communications on Pure and Applied Mathematics 5 (3), 1952). ``live`` (n,) tells
-    which triangles have an area. The edges of those that have none hide which triangles meet
-    there, so beside them all vertices have to be beneath a triangle.
+    Heijenoort, Communications on Pure and Applied Mathematics 5 (3), 1952). ``live`` (n,) is the
+    mask of triangles with an area. Edges of the others hide the triangles that meet there, so
+    triangles beside them must have all vertices beneath them.
     """
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     codes = np.sort(edges, axis=1) @ np.array([len(vertices), 1])
@@ -165,7 +166,7 @@ def is_convex(vertices: Floats, triangles: Indices, live: NDArray[np.bool_], siz
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
     apex = vertices[triangles[second // 3, (second % 3 + 2) % 3]]
     rises = ((apex - vertices[edges[first, 0]]) * normals[first // 3]).sum(axis=1)
-    # Two flat sides back to back are level at their edges too: their normals differ.
+    # Two flat sides back to back pass the test at their edges, but their normals differ.
     folded = (normals[first // 3] * normals[second // 3]).sum(axis=1) <= -0.5
     level = np.abs(rises) <= COPLANAR * EPS * size
     if (rises > COPLANAR * EPS * size).any() or (folded & level).any():
@@ -191,14 +192,14 @@ def planes_of(vertices: Floats, triangles: Indices) -> Floats:
 
 
 def largest_triangles(corners: Floats, pieces: list[Indices]) -> Indices:
-    """Return the number (c,) of each piece's triangle of largest area, of corners (n, 3, 3)."""
+    """Return the index (c,) of the largest triangle of each piece, of corners (n, 3, 3)."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(normals, axis=1)
     return np.array([piece[np.argmax(areas[piece])] for piece in pieces], dtype=np.int64)
 
 
 def at_crowded_edges(triangles: Indices) -> Indices:
-    """Return the numbers of the triangles at edges that more than two have in common."""
+    """Return the indices of the triangles at edges that more than two share."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     codes = edges[:, 0] * (int(triangles.max()) + 1) + edges[:, 1]
     _, at, counts = np.unique(codes, return_inverse=True, return_counts=True)
@@ -206,12 +207,11 @@ def at_crowded_edges(triangles: Indices) -> Indices:
 
 
 def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: str) -> None:
-    """Raise MeshFileError where triangles cross or pieces do not bound a body together.
+    """Raise MeshFileError if triangles cross or pieces do not bound one body.
 
-    ``pieces`` (c,) has a triangle of each piece. Two surfaces may cross along edges of one or of
-    both, where no triangle goes through another: of the triangles that touch others there, and of
-    the ``crowded`` ones (k,), some lie in a body then. All are named by their numbers in the
-    parameters.
+    ``pieces`` (c,) has a triangle of each piece. Two surfaces may cross along edges, where no
+    triangle goes through another. Then some of the triangles that touch others there, or of the
+    ``crowded`` ones (k,), lie inside a body. All are indices in the parameters.
     """
     crossing = np.empty((2, 3, 3))
     touching = np.zeros(tree_of(SOLID, parameters).triangles, dtype=np.bool_)
@@ -232,7 +232,7 @@ def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: st
 
 
 def _astray(parameters: Floats, triangles: Indices) -> Indices:
-    """Return which of the triangles have another body beneath them, or above."""
+    """Return the mask of triangles with another body beneath or above them."""
     flags = np.empty(len(triangles), dtype=np.bool_)
     find_astray(parameters, triangles, flags)
     return triangles[flags]

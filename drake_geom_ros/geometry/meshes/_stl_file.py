@@ -12,10 +12,10 @@ _FACET = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('attribute
 
 
 def parse_stl(data: bytes) -> ParsedMesh:
-    """Return the mesh in an STL file; raises ValueError for one that is truncated or none."""
-    told = int.from_bytes(data[80:_HEADER], 'little')
-    if len(data) == _HEADER + told * _FACET.itemsize and len(data) >= _HEADER:
-        corners = np.frombuffer(data, _FACET, told, _HEADER)['corners']
+    """Return the mesh in an STL file; raises ValueError for a truncated or other file."""
+    stated_count = int.from_bytes(data[80:_HEADER], 'little')
+    if len(data) == _HEADER + stated_count * _FACET.itemsize and len(data) >= _HEADER:
+        corners = np.frombuffer(data, _FACET, stated_count, _HEADER)['corners']
     elif data.lstrip()[:5].lower() == b'solid' and b'\0' not in data:
         corners = _corners_in(data.decode(errors='replace'))
     elif len(data) < _HEADER:
@@ -23,14 +23,14 @@ def parse_stl(data: bytes) -> ParsedMesh:
             f'{len(data)} bytes are no STL file, whose header alone has {_HEADER}: it is truncated'
         )
     else:
-        found = (len(data) - _HEADER) // _FACET.itemsize
-        beyond = len(data) - _HEADER - told * _FACET.itemsize
+        actual_count = (len(data) - _HEADER) // _FACET.itemsize
+        beyond = len(data) - _HEADER - stated_count * _FACET.itemsize
         reason = 'it is truncated, or no STL file'
         if beyond > 0:
             reason = f'it is too long by {beyond} bytes: damaged, or no STL file'
         raise ValueError(
-            f'its header tells of {told} triangles, and {found} are found in {len(data)} bytes: '
-            f'{reason}'
+            f'its header tells of {stated_count} triangles, and {actual_count} are found in '
+            f'{len(data)} bytes: {reason}'
         )
     if not len(corners):
         raise ValueError('it has no triangles')

@@ -1,4 +1,4 @@
-"""How far points are from a surface of triangles."""
+"""Distances of points from a surface of triangles."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_AT_ONCE = 2_000_000  # spheres around triangles that are looked at together: some 50 MB
+_AT_ONCE = 2_000_000  # spheres around triangles that are processed together: some 50 MB
 
 
 def distances_to_surface(points: Floats, vertices: Floats, triangles: Indices) -> Floats:
     """Return the distances (n,) [m] of points (n, 3) to the nearest of triangles (m, 3).
 
-    Each triangle has an area. Of a point only those triangles are looked at whose sphere, about
-    the centroid, reaches as near as the nearest sphere's far side.
+    Each triangle must have an area. A point is compared only with the triangles whose sphere,
+    about the centroid, begins before the nearest end of any sphere.
     """
     corners = vertices[triangles]
     middles = corners.mean(axis=1)
     radii = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
-    found = np.empty(len(points))
+    nearest = np.empty(len(points))
     step = max(1, _AT_ONCE // max(1, len(triangles)))
     for first in range(0, len(points), step):
         some = points[first : first + step]
@@ -28,16 +28,16 @@ def distances_to_surface(points: Floats, vertices: Floats, triangles: Indices) -
         near = gaps - radii <= (gaps + radii).min(axis=1, keepdims=True)
         of, triangle = np.nonzero(near)
         distances = _to_triangles(some[of], corners[triangle])
-        found[first : first + step] = np.minimum.reduceat(
+        nearest[first : first + step] = np.minimum.reduceat(
             distances, np.searchsorted(of, np.arange(len(some)))
         )
-    return found
+    return nearest
 
 
 def _to_triangles(points: Floats, corners: Floats) -> Floats:
     """Return the distance (k,) of each point (k, 3) to its triangle (k, 3, 3).
 
-    To the plane where the point is above the triangle, else to the nearest side.
+    It is that to the plane if the point projects into the triangle, else that to the nearest side.
     """
     sides = np.roll(corners, -1, axis=1) - corners
     arms = points[:, None] - corners

@@ -1,7 +1,7 @@
-"""Legacy .vtk files of tetrahedra. Meshio reads them; nobody else imports it.
+"""Legacy .vtk files of tetrahedra, parsed by meshio, which only this file imports.
 
-Of the format this reads an ASCII UNSTRUCTURED_GRID whose cells are all tetrahedra (type 10); data
-of points and cells are skipped. There is no unit: numbers are metres, as in Drake.
+Supported is an ASCII UNSTRUCTURED_GRID whose cells are all tetrahedra (type 10); data of points
+and cells are skipped. There is no unit: numbers are metres, as in Drake.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ _LAYOUT = (
     'CELLS must be rows of 4 and four vertices, or in version 5.1, and no other, OFFSETS and '
     'CONNECTIVITY'
 )
-_HEAD = 2000  # [bytes] the lines that tell what a file is are in
+_HEAD = 2000  # [bytes] the lines that identify the format are within these
 _ANNOUNCED = re.compile(rb'^\s*CELL_TYPES\s+(\d+)', re.IGNORECASE | re.MULTILINE)
 
 
 def parse_vtk(data: bytes) -> ParsedMesh:
-    """Return the boundary of a file's tetrahedra, and these: see ``ParsedMesh.volume``.
+    """Return the boundary of a file's tetrahedra, and these as ``ParsedMesh.volume``.
 
-    Vertices of no tetrahedron are left out. Raises ValueError, or what meshio raises, for another
-    content, and for tetrahedra that have no volume, are inside out, or overlap at a face.
+    Unused vertices are left out. Raises ValueError, or an error of meshio, for other content, and
+    for tetrahedra that have no volume, are inside out, or overlap at a face.
     """
     _check_kind(data)
     read = _read(data)
@@ -50,7 +50,7 @@ def parse_vtk(data: bytes) -> ParsedMesh:
     if not kinds:
         raise ValueError(f'it has no cells; {_TETRAHEDRA}')
     elements = np.concatenate([np.asarray(block.data, dtype=np.int64) for block in read.cells])
-    # meshio leaves out cells behind the last type of a file that ends early.
+    # meshio drops the cells after the last type of a truncated file.
     if declared is None or len(elements) != int(declared[1]):
         raise ValueError(f'it ends early: {len(elements)} cells of those that it announces')
     volume = VolumeMesh.FromArrays(elements, np.asarray(read.points, dtype=np.float64))
@@ -62,7 +62,7 @@ def parse_vtk(data: bytes) -> ParsedMesh:
 
 
 def vtk_text(mesh: VolumeMesh) -> str:
-    """Return a file that ``parse_vtk`` reads as this mesh, to the bit."""
+    """Return the text of a file that ``parse_vtk`` reads as this mesh, to the bit."""
     elements, points = mesh.element_array().tolist(), mesh.vertex_array().tolist()
     lines = [
         '# vtk DataFile Version 3.0',
@@ -80,7 +80,7 @@ def vtk_text(mesh: VolumeMesh) -> str:
 
 
 def _check_kind(data: bytes) -> None:
-    """Raise ValueError for what is no legacy file in ASCII of an unstructured grid."""
+    """Raise ValueError unless it is a legacy ASCII file of an unstructured grid."""
     lines = [line.strip().upper() for line in data[:_HEAD].splitlines()]
     if not lines or not lines[0].startswith(b'# VTK DATAFILE VERSION'):
         raise ValueError("it does not begin with '# vtk DataFile Version', as legacy files do")
@@ -92,9 +92,9 @@ def _check_kind(data: bytes) -> None:
 
 
 def _read(data: bytes) -> Any:
-    """Return what meshio makes of a file, which it takes from a disk only.
+    """Return meshio's mesh of a file, by way of the disk, since it reads only files there.
 
-    Raises ValueError for what it cannot read.
+    Raises ValueError for a file that it cannot read.
     """
     try:
         from meshio import vtk
@@ -105,13 +105,13 @@ def _read(data: bytes) -> Any:
         path.write_bytes(data)
         try:
             return vtk.read(path)
-        except Exception as problem:  # of many kinds, and some without a word
+        except Exception as problem:  # of many kinds, and some without a message
             said = f' ({problem})' if str(problem) else ''
             raise ValueError(f'meshio makes nothing of it{said}; {_LAYOUT}') from None
 
 
 def _used(mesh: VolumeMesh) -> VolumeMesh:
-    """Return the mesh with those of its vertices that an element has."""
+    """Return the mesh without the vertices of no element."""
     used, elements = np.unique(mesh.element_array(), return_inverse=True)
     rows: NDArray[np.int64] = elements.reshape(-1, 4)
     return VolumeMesh.FromArrays(rows, mesh.vertex_array()[used])

@@ -1,8 +1,8 @@
-"""Surfaces made closed: vertices in one place are one, and so are, if need be, those beside it.
+"""Closes surfaces: merges vertices in one place and, if necessary, welds nearly equal ones.
 
 Exporters that write rounded numbers, or numbers of several bodies, leave equal vertices a last
-digit apart: each edge between them is open. Where a surface is open, and closed once vertices are
-welded that are nearer than a hundred-millionth of its size, it is taken for that, and told.
+digit apart, and each edge between them is open. If an open surface is closed after vertices within
+a hundred-millionth of its size are welded, they are welded, with a remark.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hul
 
 
 class ClosedSurface(NamedTuple):
-    """Vertices (n, 3) [m] and triangles (m, 3) of which every edge is matched by another.
+    """Vertices (n, 3) [m] and triangles (m, 3) with every edge matched by another.
 
-    ``welded`` vertices were put where others are, none of them farther than ``farthest`` [m].
+    ``welded`` is the number of vertices moved onto others, by at most ``farthest`` [m].
     """
 
     vertices: Floats
@@ -34,7 +34,7 @@ class ClosedSurface(NamedTuple):
     farthest: float = 0.0
 
     def remarks(self) -> tuple[str, ...]:
-        """Return what was done to it, in words."""
+        """Return descriptions of the changes."""
         if not self.welded:
             return ()
         return (
@@ -44,7 +44,7 @@ class ClosedSurface(NamedTuple):
 
 
 def closed_surface(vertices: Floats, triangles: Indices, name: str) -> ClosedSurface:
-    """Return the closed surface of a mesh; raises MeshFileError where it has none."""
+    """Return the closed surface of a mesh; raises MeshFileError if it has none."""
     surface = ClosedSurface(*merged(vertices, triangles))
     try:
         check_closed(surface.triangles, name)
@@ -64,10 +64,10 @@ def _is_closed(triangles: Indices) -> bool:
 
 
 def _welded(surface: ClosedSurface) -> ClosedSurface:
-    """Return a surface whose vertices that are nearly in one place are in one, the least of them.
+    """Return a surface with nearly equal vertices moved onto the first of them.
 
-    Vertices in a row, each near the next, would be drawn together over any distance: where one
-    would go farther than two neighbours may be apart, nothing is welded.
+    A row of vertices, each near the next, could collapse over any distance. So nothing is welded
+    if a vertex would move farther than the tolerance between neighbours.
     """
     vertices = surface.vertices
     apart = WELDED_APART * float(np.ptp(vertices, axis=0).max(initial=0.0))
@@ -83,7 +83,7 @@ def _welded(surface: ClosedSurface) -> ClosedSurface:
 
 
 def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
-    """Return a mesh with one vertex a place, without triangles that have two corners in one."""
+    """Return a mesh without duplicate vertices, and without triangles with two equal corners."""
     rows = vertices + 0.0  # -0.0 is 0.0
     order = np.lexsort(rows.T)
     fresh = np.ones(len(rows), dtype=np.bool_)
@@ -97,7 +97,7 @@ def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
 
 
 def without_walls(triangles: Indices) -> Indices:
-    """Return the triangles but those that lie back to back: the wall between two bodies."""
+    """Return the triangles without pairs that lie back to back, as a wall between two bodies."""
     corners = np.sort(triangles, axis=1)
     order = np.lexsort(corners.T)
     fresh = np.ones(len(triangles), dtype=np.bool_)
@@ -107,12 +107,12 @@ def without_walls(triangles: Indices) -> Indices:
     a, b, c = triangles.T
     turn = np.where((a < b) ^ (b < c) ^ (c < a), 1.0, -1.0)
     alone = (np.bincount(of) != 2) | (np.bincount(of, turn) != 0.0)
-    kept: Indices = triangles[alone[of]]
-    return kept
+    remaining: Indices = triangles[alone[of]]
+    return remaining
 
 
 def check_closed(triangles: Indices, name: str) -> None:
-    """Raise MeshFileError unless every edge is matched by one that runs the other way."""
+    """Raise MeshFileError unless every edge is matched by one in the opposite direction."""
     if len(triangles) == 0:
         raise MeshFileError(f'{name}: no triangles, so it bounds no solid')
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""Where a mesh comes from, with pydrake's names: a file on disk, or files in memory."""
+"""Sources of meshes, with pydrake's names: a file on disk, or files in memory."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from drake_geom_ros.geometry.errors import ArgumentTypeError, GeometryError
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class InMemoryMesh:
-    """A mesh file that is held in memory, and files that it refers to, by their names in it.
+    """A mesh file in memory, and the files that it refers to, by their names in it.
 
-    ``supporting_files`` are kept for drawing; queries read only ``mesh_file``.
+    ``supporting_files`` are for drawing; queries read only ``mesh_file``.
     """
 
     mesh_file: MemoryFile = field(default_factory=MemoryFile)
@@ -35,7 +35,7 @@ class InMemoryMesh:
 
 
 class MeshSource:
-    """The path of a mesh file, or an ``InMemoryMesh``; an empty one of these without arguments."""
+    """The path of a mesh file, or an ``InMemoryMesh``, which is empty without arguments."""
 
     __slots__ = ('_source',)
 
@@ -46,10 +46,10 @@ class MeshSource:
         mesh: InMemoryMesh | None = None,
         other: MeshSource | None = None,
     ) -> None:
-        given = [value for value in (path, mesh, other) if value is not None]
-        if len(given) > 1:
+        sources = [value for value in (path, mesh, other) if value is not None]
+        if len(sources) > 1:
             raise ArgumentTypeError('MeshSource: give one of path, mesh, other')
-        source = given[0] if given else InMemoryMesh()
+        source = sources[0] if sources else InMemoryMesh()
         if isinstance(source, MeshSource):
             source = source._source
         elif isinstance(source, (str, os.PathLike)):
@@ -67,13 +67,13 @@ class MeshSource:
         return isinstance(self._source, InMemoryMesh)
 
     def path(self) -> Path:
-        """Return the path of the file; raises RuntimeError where there is none."""
+        """Return the path of the file; raises RuntimeError without one."""
         if isinstance(self._source, Path):
             return self._source
         raise GeometryError(f'MeshSource.path: {self!r} is in memory; see in_memory()')
 
     def in_memory(self) -> InMemoryMesh:
-        """Return the mesh in memory; raises RuntimeError where there is none."""
+        """Return the mesh in memory; raises RuntimeError without one."""
         if isinstance(self._source, InMemoryMesh):
             return self._source
         raise GeometryError(f'MeshSource.in_memory: {self!r} is a file; see path()')

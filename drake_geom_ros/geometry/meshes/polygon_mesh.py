@@ -20,7 +20,7 @@ class SurfacePolygon(Facet):
 class PolygonSurfaceMesh(FacetMesh):
     """A surface of plane polygons in a frame M; empty without arguments.
 
-    ``face_data`` is for each polygon the number of its vertices and then their indices,
+    ``face_data`` has, for each polygon, the number of its vertices and then their indices,
     counter-clockwise from outside; ``vertices`` are positions (n, 3) [m].
 
         >>> square = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]
@@ -49,7 +49,7 @@ class PolygonSurfaceMesh(FacetMesh):
     def FromPolygons(
         cls, polygons: Sequence[Sequence[int]], vertices: ArrayLike
     ) -> PolygonSurfaceMesh:
-        """Return the mesh of polygons, each its vertices' indices, and positions (n, 3) [m]."""
+        """Return the mesh of polygons, each as indices of vertices, and positions (n, 3) [m]."""
         return cls([n for polygon in polygons for n in (len(polygon), *polygon)], vertices)
 
     def element(self, e: int) -> SurfacePolygon:
@@ -57,7 +57,7 @@ class PolygonSurfaceMesh(FacetMesh):
         return SurfacePolygon(self._face(e).tolist())
 
     def num_faces(self) -> int:
-        """Return how many polygons there are."""
+        """Return the number of polygons."""
         return self.num_elements()
 
     def area(self, f: int) -> float:
@@ -73,5 +73,5 @@ class PolygonSurfaceMesh(FacetMesh):
         return self._middle(e)
 
     def face_data(self) -> list[int]:
-        """Return for each polygon the number of its vertices and then their indices."""
+        """Return, for each polygon, the number of its vertices and then their indices."""
         return [n for face in self._faces for n in (len(face), *face.tolist())]

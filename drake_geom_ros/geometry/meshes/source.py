@@ -1,4 +1,4 @@
-"""Meshes: files, in memory or numbers, each known by its content; surfaces and convex hulls."""
+"""Meshes from files, memory or arrays, identified by content; their surfaces and hulls."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.math.tolerances import FARTHEST
 
-# A file is read whole, and its numbers need some ten times its size; a scan of 2 million triangles
-# as binary STL has 100 MB.
+# A file is read at once, and its numbers need some ten times its size; a scan of 2 million
+# triangles as binary STL has 100 MB.
 MAX_MESH_BYTES = 200_000_000
 
 Floats = NDArray[np.float64]
@@ -29,10 +29,10 @@ Indices = NDArray[np.int64]
 
 
 class MeshData:
-    """A mesh given by numbers, not by a file; it compares and hashes by its content.
+    """A mesh in arrays; it compares and hashes by its content.
 
-    ``vertices`` (n, 3) [m] and ``triangles`` (m, 3), indices of vertices, are not to be written
-    to. Raises ArgumentError for other shapes, numbers that are not finite and wrong indices.
+    ``vertices`` (n, 3) [m] and ``triangles`` (m, 3), indices of vertices, are read-only. Raises
+    ArgumentError for other shapes, numbers that are not finite and invalid indices.
     """
 
     __slots__ = ('_key', 'triangles', 'vertices')
@@ -68,9 +68,9 @@ class MeshData:
 
 
 class MeshFile:
-    """A mesh file in the state that it was found in: compared and hashed by its content.
+    """A mesh file with its state at a time; it compares and hashes by its content.
 
-    Two paths of the same bytes are the same mesh, if their suffix names the same format. Raises
+    Two paths with the same bytes and the same format by suffix are the same mesh. Raises
     MeshFileError for a file that is missing or too large.
     """
 
@@ -96,7 +96,7 @@ class MeshFile:
         return os.path.splitext(self.filename)[1].lower().lstrip('.')
 
     def content(self) -> bytes:
-        """Return the bytes; raises MeshFileError if they are others by now."""
+        """Return the bytes; raises MeshFileError if they have changed."""
         data = Path(self.filename).read_bytes()
         if hashlib.sha256(data).digest() != self._key[0]:
             raise MeshFileError(f'{self.filename!r} changed while it was read')
@@ -112,36 +112,36 @@ class MeshFile:
         return repr(self.filename)
 
 
-# What a shape holds, and what meshes are known by.
+# The mesh of a shape, and the key that identifies its content.
 MeshGiven = str | MeshData | InMemoryMesh
 MeshKey = MeshData | MeshFile | InMemoryMesh
 
 
 @functools.lru_cache(maxsize=1024)
 def _digest(filename: str, mtime_ns: int, size: int) -> bytes:
-    """Return the digest of a file in the state that its stamp and size tell."""
+    """Return the digest of a file; its time stamp and size are part of the cache key."""
     return hashlib.sha256(Path(filename).read_bytes()).digest()
 
 
 def mesh_source(mesh: MeshGiven) -> MeshKey:
-    """Return what a mesh is known by: numbers, a file in memory, or one on disk as it is."""
+    """Return the key of a mesh: arrays, a file in memory, or a file on disk as it is now."""
     return MeshFile(mesh) if isinstance(mesh, str) else mesh
 
 
 def name_of(source: MeshKey) -> str:
-    """Return how messages name a mesh."""
+    """Return the name of a mesh for messages."""
     if isinstance(source, InMemoryMesh):
         return f'the mesh in memory {source.mesh_file.filename_hint()!r}'
     return 'a mesh given as numbers' if isinstance(source, MeshData) else repr(source)
 
 
 def numbers_of(mesh: MeshData | InMemoryMesh) -> MeshData:
-    """Return a mesh in memory as numbers, unscaled."""
+    """Return a mesh in memory as unscaled arrays."""
     return mesh if isinstance(mesh, MeshData) else MeshData(*triangles_of(mesh))
 
 
 def check_extension(extension: str, name: str) -> None:
-    """Raise MeshFileError for an extension that no mesh file has."""
+    """Raise MeshFileError for an extension of no supported format."""
     if extension.lstrip('.') not in FORMATS:
         raise MeshFileError(
             f'GetConvexHull: MakeConvexHull only applies to {", ".join(FORMATS)} files; '
@@ -152,8 +152,8 @@ def check_extension(extension: str, name: str) -> None:
 def hull_vertices(mesh: MeshGiven, scale3: Floats) -> Floats:
     """Return the vertices (n, 3) [m] of the convex hull of a mesh, scaled along x, y, z.
 
-    ``mesh`` is as a shape holds it. Raises MeshFileError for a file that is missing, holds no mesh
-    or numbers that are not finite, or where the hull has no volume.
+    ``mesh`` is that of a shape. Raises MeshFileError for a file that is missing, has no mesh or
+    numbers that are not finite, or if the hull has no volume.
     """
     source = mesh_source(mesh)
     return _scaled(hull_of(source).vertices, scale3, source)
@@ -174,17 +174,17 @@ def surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
 
 
 def volume(mesh: MeshGiven, scale3: Floats) -> VolumeMesh | None:
-    """Return the tetrahedra of a mesh, scaled along x, y, z; None where it is a surface alone."""
+    """Return the tetrahedra of a mesh, scaled along x, y, z; None for a surface mesh."""
     source = mesh_source(mesh)
     if _kind_of(source) not in VOLUME_FORMATS:
-        return None  # and no file is read for that
+        return None  # without reading a file
     assert not isinstance(source, MeshData)
-    found = _parsed(source).volume
-    assert found is not None
-    elements = found.element_array()
-    if np.prod(np.sign(scale3)) < 0.0:  # a mirror image turns every one inside out
+    tetrahedra = _parsed(source).volume
+    assert tetrahedra is not None
+    elements = tetrahedra.element_array()
+    if np.prod(np.sign(scale3)) < 0.0:  # a reflection turns every one inside out
         elements = elements[:, [1, 0, 2, 3]]
-    return VolumeMesh.FromArrays(elements, _scaled(found.vertex_array(), scale3, source))
+    return VolumeMesh.FromArrays(elements, _scaled(tetrahedra.vertex_array(), scale3, source))
 
 
 def _scaled(vertices: Floats, scale3: Floats, source: MeshKey) -> Floats:
@@ -200,12 +200,12 @@ def _scaled(vertices: Floats, scale3: Floats, source: MeshKey) -> Floats:
 
 
 def turned(triangles: Indices, scale3: Floats) -> Indices:
-    """Return the triangles of a scaled mesh: a mirror image turns every one around."""
+    """Return the triangles of a scaled mesh, reversed if the scale is a reflection."""
     return triangles[:, ::-1] if np.prod(np.sign(scale3)) < 0.0 else triangles
 
 
 def _kind_of(source: MeshKey) -> str:
-    """Return the format of a file, empty of numbers."""
+    """Return the format of a file; empty for arrays."""
     if isinstance(source, InMemoryMesh):
         return source.mesh_file.extension().lstrip('.')
     return '' if isinstance(source, MeshData) else source.kind
@@ -228,7 +228,7 @@ class Triangles(NamedTuple):
 
 @functools.lru_cache(maxsize=8)
 def _parsed(source: MeshFile | InMemoryMesh) -> ParsedMesh:
-    """Return what a file holds, not to be written to."""
+    """Return the parsed content of a file, read-only."""
     parsed = parse_mesh(*_content(source))
     count = len(parsed.vertices)
     if count == 0 or not np.isfinite(parsed.vertices).all():
@@ -240,29 +240,29 @@ def _parsed(source: MeshFile | InMemoryMesh) -> ParsedMesh:
 
 
 def triangles_of(source: MeshKey) -> Triangles:
-    """Return vertices and triangles of a source, unscaled; not to be written to."""
+    """Return vertices and triangles of a source, unscaled and read-only."""
     mesh = source if isinstance(source, MeshData) else _parsed(source)
     return Triangles(mesh.vertices, mesh.triangles)
 
 
 @functools.lru_cache(maxsize=32)
 def _colours_of(source: MeshKey) -> NDArray[np.float32] | None:
-    """Return the colours of a source's triangles, not to be written to, or None."""
+    """Return the colours of a source's triangles, read-only, or None."""
     return None if isinstance(source, MeshData) else _parsed(source).colours
 
 
 def facet_colours(mesh: MeshGiven) -> NDArray[np.float32] | None:
-    """Return the colours (m, 3) from 0 to 1 of a mesh's triangles, None where it has none.
+    """Return the colours (m, 3) from 0 to 1 of a mesh's triangles, None if it has none.
 
-    Those of its faces, or the means of those of its vertices; materials and textures are left out.
+    They are those of its faces, or means over its vertices; materials and textures are ignored.
     """
     return _colours_of(mesh_source(mesh))
 
 
 def remarks_on(mesh: MeshGiven) -> tuple[str, ...]:
-    """Return what was done to the numbers of a mesh file, and what was not, in words.
+    """Return remarks on conversions of a mesh file's numbers, applied or not.
 
-    Such as ``'turned from y up to z up'``. Raises MeshFileError as ``hull_vertices``.
+    An example is ``'turned from y up to z up'``. Raises MeshFileError as ``hull_vertices``.
     """
     source = mesh_source(mesh)
     return () if isinstance(source, MeshData) else _parsed(source).remarks

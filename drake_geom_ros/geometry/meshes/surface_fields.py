@@ -1,4 +1,4 @@
-"""A number at each vertex of a surface, linear on each of its faces."""
+"""Scalar fields on surfaces: a number at each vertex, linear on each face."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drake_geom_ros.math.arrays import as_vector
 
 
 class _SurfaceField:
-    """What both kinds share: the values, and the gradient (f, 3) on each face."""
+    """Base of both kinds: the values, and the gradient (f, 3) on each face."""
 
     __slots__ = ('_gradients', '_values')
 
@@ -21,13 +21,13 @@ class _SurfaceField:
         self._values, self._gradients = values, gradients
 
     def EvaluateAtVertex(self, v: int) -> float:
-        """Return the value at a vertex; raises RuntimeError for one that is not there."""
+        """Return the value at a vertex; raises RuntimeError for an invalid index."""
         if not 0 <= v < len(self._values):
             raise ArgumentError(f'vertex {v} was asked for; there are {len(self._values)}')
         return float(self._values[v])
 
     def _gradient(self, e: int) -> Floats:
-        """Return the gradient of a face that is there."""
+        """Return the gradient of a face; raises an error for an invalid index."""
         if not 0 <= e < len(self._gradients):
             raise ArgumentError(f'face {e} was asked for; there are {len(self._gradients)}')
         gradient: Floats = self._gradients[e].copy()
@@ -64,10 +64,10 @@ class TriangleSurfaceMeshFieldLinear(_SurfaceField):
         self._mesh = mesh
 
     def Evaluate(self, e: int, b: ArrayLike) -> float:
-        """Return the value at the weights (3,) of the corners of triangle ``e``."""
+        """Return the value at barycentric coordinates (3,) of triangle ``e``."""
         corners = [self._mesh.element(e).vertex(i) for i in range(3)]
         return float(as_vector(b, 'Evaluate: b') @ self._values[np.array(corners)])
 
     def EvaluateCartesian(self, e: int, p_MQ: ArrayLike) -> float:
-        """Return the value on triangle ``e`` at a point (3,) [m] in M, or below it."""
+        """Return the value on triangle ``e`` at a point (3,) [m] in M, or its projection."""
         return self.Evaluate(e, self._mesh.CalcBarycentric(p_MQ, e))

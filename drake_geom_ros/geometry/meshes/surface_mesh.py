@@ -1,4 +1,4 @@
-"""Triangle meshes, by pydrake's names of today and of 2020, and reading them from files."""
+"""Triangle meshes, with pydrake's names of today and of 2020, and readers of .obj files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _T = TypeVar('_T', bound='_TriangleMesh')
 
 
 class SurfaceVertex:
-    """A vertex of a SurfaceMesh: where it is in the mesh's frame M."""
+    """A vertex of a SurfaceMesh: its position in the mesh's frame M."""
 
     __slots__ = ('_r_MV',)
 
@@ -59,7 +59,7 @@ class SurfaceFace(SurfaceTriangle):
 
 
 class _TriangleMesh(FacetMesh):
-    """What both kinds of triangle mesh share."""
+    """Base of both kinds of triangle mesh."""
 
     __slots__ = ()
     _faces: Indices
@@ -79,14 +79,14 @@ class _TriangleMesh(FacetMesh):
         triangles.flags.writeable = False
 
     def triangle_array(self) -> Indices:
-        """Return the vertex indices (m, 3) of the triangles, not to be written to."""
+        """Return the vertex indices (m, 3) of the triangles, read-only."""
         return self._faces
 
 
 class TriangleSurfaceMesh(_TriangleMesh):
     """A triangulated surface in a frame M; ``vertices`` are positions (n, 3) [m].
 
-    Raises RuntimeError for a triangle with an index of no vertex.
+    Raises RuntimeError for a triangle with an invalid vertex.
 
         >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
         >>> TriangleSurfaceMesh([SurfaceTriangle(0, 1, 2)], corners).total_area()
@@ -112,7 +112,7 @@ class TriangleSurfaceMesh(_TriangleMesh):
         return [row.copy() for row in self._p_MVs]
 
     def num_triangles(self) -> int:
-        """Return how many triangles there are."""
+        """Return the number of triangles."""
         return self.num_elements()
 
     def element(self, e: int) -> SurfaceTriangle:
@@ -132,9 +132,9 @@ class TriangleSurfaceMesh(_TriangleMesh):
         return self._middle(t)
 
     def CalcBarycentric(self, p_MQ: ArrayLike, t: int) -> Floats:
-        """Return the weights (3,) of a triangle's corners that give a point.
+        """Return the barycentric coordinates (3,) of a point (3,) [m] in a triangle.
 
-        Of a point (3,) [m] off its plane, those of the nearest point of the plane.
+        A point off the plane is projected onto it.
         """
         a, b, c = self._p_MVs[self._face(t)]
         sides = np.column_stack((b - a, c - a))
@@ -143,16 +143,16 @@ class TriangleSurfaceMesh(_TriangleMesh):
         return np.array([1.0 - second - third, second, third])
 
     def CalcCartesianFromBarycentric(self, element_index: int, b_Q: ArrayLike) -> Floats:
-        """Return the point (3,) [m] of the weights (3,) of a triangle's corners, in M."""
+        """Return the point (3,) [m], in M, of barycentric coordinates (3,) in a triangle."""
         weights = as_vector(b_Q, 'CalcCartesianFromBarycentric: b_Q')
         point: Floats = weights @ self._p_MVs[self._face(element_index)]
         return point
 
 
 class SurfaceMesh(_TriangleMesh):
-    """A triangulated surface in a frame M, by the names of 2020; see TriangleSurfaceMesh.
+    """A triangulated surface in a frame M, with the names of 2020; see TriangleSurfaceMesh.
 
-    Raises RuntimeError for a face with an index of no vertex.
+    Raises RuntimeError for a face with an invalid vertex.
 
         >>> corners = [SurfaceVertex(p) for p in ([0, 0, 0], [1, 0, 0], [0, 1, 0])]
         >>> SurfaceMesh([SurfaceFace(0, 1, 2)], corners).num_faces()
@@ -180,18 +180,18 @@ class SurfaceMesh(_TriangleMesh):
         return [SurfaceVertex(row) for row in self._p_MVs]
 
     def num_faces(self) -> int:
-        """Return how many triangles there are."""
+        """Return the number of triangles."""
         return self.num_elements()
 
 
 def ReadObjToTriangleSurfaceMesh(
     filename: str | os.PathLike[str], scale: float = 1.0, *, scale3: ArrayLike | None = None
 ) -> TriangleSurfaceMesh:
-    """Return the mesh in a Wavefront .obj file, coordinates times ``scale``, or one an axis.
+    """Return the mesh in a Wavefront .obj file; ``scale`` is one factor or one for each axis.
 
-    Polygons are cut into triangles, the objects of the file are merged. Raises RuntimeError,
-    naming file and line, for a file that cannot be read, has no faces, or has a face of a vertex
-    that does not exist; and for a scale that is 0 or not finite.
+    Polygons are cut into triangles, the objects of the file are merged. Raises RuntimeError, with
+    file and line, for a file that cannot be read, has no faces, or has an invalid vertex; and for
+    a scale that is 0 or not finite.
     """
     factors = np.broadcast_to(np.asarray(scale if scale3 is None else scale3, np.float64), 3)
     if not np.isfinite(factors).all() or not factors.all():
@@ -203,7 +203,7 @@ def ReadObjToTriangleSurfaceMesh(
 
 
 def ReadObjToSurfaceMesh(filename: str | os.PathLike[str], scale: float = 1.0) -> SurfaceMesh:
-    """Return what ReadObjToTriangleSurfaceMesh does as a SurfaceMesh."""
+    """Return the result of ReadObjToTriangleSurfaceMesh as a SurfaceMesh."""
     if not math.isfinite(scale) or scale == 0.0:
         raise ArgumentError(f'ReadObjToSurfaceMesh: scale = {scale} must be finite and not 0')
     mesh = ReadObjToTriangleSurfaceMesh(filename, scale)

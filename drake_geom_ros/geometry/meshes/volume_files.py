@@ -1,4 +1,4 @@
-"""Files of tetrahedra, cut where a pressure could not grow."""
+"""Refinement of files of tetrahedra for pressure fields."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from drake_geom_ros.geometry.meshes.volume_surface import RefineVolumeMesh
 
 
 def RefineVolumeMeshIntoVtkFileContents(mesh_source: MeshSource) -> str:
-    """Return what a legacy .vtk file in ASCII has of ``RefineVolumeMesh`` of a file's tetrahedra.
+    """Return the content of a legacy ASCII .vtk file, with a file's tetrahedra after refinement.
 
-    Coordinates [m] are written with all their digits, so that the file is read as the same mesh.
-    Raises RuntimeError for a file that is missing, is no .vtk file of tetrahedra, or has one that
-    has no volume or is inside out.
+    See ``RefineVolumeMesh``. Coordinates [m] are written with all their digits, so that the file
+    is read as the same mesh. Raises RuntimeError for a file that is missing, is no .vtk file of
+    tetrahedra, or has one that has no volume or is inside out.
 
         >>> from drake_geom_ros.common import MemoryFile
         >>> from drake_geom_ros.geometry import InMemoryMesh, MeshSource
@@ -38,8 +38,8 @@ def RefineVolumeMeshIntoVtkFileContents(mesh_source: MeshSource) -> str:
     """
     checked_type(mesh_source, MeshSource, 'RefineVolumeMeshIntoVtkFileContents: mesh_source')
     is_path = mesh_source.is_path()
-    given = str(mesh_source.path()) if is_path else mesh_source.in_memory()
-    mesh = volume(given, np.ones(3))
+    source = str(mesh_source.path()) if is_path else mesh_source.in_memory()
+    mesh = volume(source, np.ones(3))
     if mesh is None:
         raise MeshFileError(
             f'RefineVolumeMeshIntoVtkFileContents was given {mesh_source!r}, which is no .vtk '

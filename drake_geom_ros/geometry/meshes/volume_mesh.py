@@ -1,4 +1,4 @@
-"""Meshes of tetrahedra."""
+"""``VolumeMesh``: meshes of tetrahedra."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.meshes._facet_mesh import Facet, Floats, Indices, positions
 from drake_geom_ros.math.arrays import as_vector
 
-# The corners of the face against each corner of a tetrahedron, counter-clockwise from outside.
+# The corners of the face opposite to each corner of a tetrahedron, counter-clockwise from outside.
 OUTER_FACES = np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)])
 
 
@@ -31,8 +31,8 @@ class VolumeElement(Facet):
 class VolumeMesh:
     """A body of tetrahedra in a frame M; ``vertices`` are positions (n, 3) [m].
 
-    Raises RuntimeError for an element with an index of no vertex, and for a question about an
-    element or a vertex that is not there.
+    Raises RuntimeError for an element with an invalid vertex, and for a method called with an
+    invalid index of an element or vertex.
 
         >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
         >>> round(VolumeMesh([VolumeElement(0, 1, 2, 3)], corners).CalcVolume(), 6)
@@ -70,19 +70,19 @@ class VolumeMesh:
         self._elements, self._p_MVs = elements, p_MVs
 
     def element_array(self) -> Indices:
-        """Return the vertex indices (m, 4) of the elements, not to be written to."""
+        """Return the vertex indices (m, 4) of the elements, read-only."""
         return self._elements
 
     def vertex_array(self) -> Floats:
-        """Return the positions (n, 3) [m] of the vertices, not to be written to."""
+        """Return the positions (n, 3) [m] of the vertices, read-only."""
         return self._p_MVs
 
     def num_elements(self) -> int:
-        """Return how many tetrahedra there are."""
+        """Return the number of tetrahedra."""
         return len(self._elements)
 
     def num_vertices(self) -> int:
-        """Return how many vertices there are."""
+        """Return the number of vertices."""
         return len(self._p_MVs)
 
     def element(self, e: int) -> VolumeElement:
@@ -111,7 +111,7 @@ class VolumeMesh:
         return vector
 
     def inward_normal(self, e: int, f: int) -> Floats:
-        """Return the unit normal (3,), into element ``e``, of its face against corner ``f``."""
+        """Return the inward unit normal (3,) of the face opposite corner ``f`` of an element."""
         a, b, c = self._p_MVs[self._corners(e)[OUTER_FACES[_local(f)]]]
         normal: Floats = np.cross(c - a, b - a)
         return normal / (float(np.linalg.norm(normal)) or 1.0)
@@ -125,7 +125,7 @@ class VolumeMesh:
         return float(signed_volumes(self._elements, self._p_MVs).sum())
 
     def CalcBarycentric(self, p_MQ: ArrayLike, e: int) -> Floats:
-        """Return the weights (4,) of an element's corners that give a point (3,) [m] in M.
+        """Return the barycentric coordinates (4,) in an element of a point (3,) [m] in M.
 
         Raises RuntimeError for an element without volume.
         """
@@ -163,7 +163,7 @@ def signed_volumes(elements: Indices, p_MVs: Floats) -> Floats:
 
 
 def _local(corner: int) -> int:
-    """Return a corner of a tetrahedron, if it is one."""
+    """Return the index of a tetrahedron's corner; raises an error for an invalid one."""
     if not 0 <= corner < 4:
         raise ArgumentError(f'a tetrahedron has the corners 0 to 3, not {corner}')
     return corner

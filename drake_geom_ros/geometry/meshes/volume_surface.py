@@ -1,4 +1,4 @@
-"""The boundary of a mesh of tetrahedra, and cutting up those of which nothing is inside."""
+"""The boundary of a mesh of tetrahedra, and the refinement of elements without inner vertices."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES, VolumeMesh, 
 
 
 def ConvertVolumeToSurfaceMesh(volume: VolumeMesh) -> TriangleSurfaceMesh:
-    """Return the boundary of a mesh of tetrahedra, in the same frame, turned outward.
+    """Return the boundary of a mesh of tetrahedra, in the same frame, oriented outward.
 
-    The boundary are the faces of one element alone: neighbours must share their vertices.
+    The boundary consists of the faces of a single element, so neighbours must share vertices.
 
         >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
         >>> volume = VolumeMesh.FromArrays([[0, 1, 2, 3]], corners)
@@ -37,35 +37,35 @@ def ConvertVolumeToSurfaceMesh(volume: VolumeMesh) -> TriangleSurfaceMesh:
 
 
 def on_boundary(volume: VolumeMesh) -> NDArray[np.bool_]:
-    """Return which vertices (n,) of a mesh are corners of its boundary."""
+    """Return the mask (n,) of the vertices of a mesh on its boundary."""
     return _on_boundary(volume.element_array(), volume.num_vertices())
 
 
 def count_pieces(volume: VolumeMesh) -> int:
-    """Return in how many pieces a mesh is, whose elements share no face."""
+    """Return the number of pieces of a mesh, between which no elements share a face."""
     neighbours = neighbours_of(volume.element_array())
     each = np.repeat(np.arange(len(neighbours)), 4)
     beyond = np.where(neighbours.ravel() < 0, each, neighbours.ravel())
-    # As triangles of elements: they are joined as those of vertices are.
+    # Elements take the place of vertices: triangles of elements join them.
     return len(connected_pieces(np.column_stack((each, beyond, each)), len(neighbours)))
 
 
 def _on_boundary(elements: Indices, count: int) -> NDArray[np.bool_]:
-    found = np.zeros(count, dtype=np.bool_)
-    found[outer_faces(elements).reshape(-1, 3)[neighbours_of(elements).ravel() < 0]] = True
-    return found
+    is_outer = np.zeros(count, dtype=np.bool_)
+    is_outer[outer_faces(elements).reshape(-1, 3)[neighbours_of(elements).ravel() < 0]] = True
+    return is_outer
 
 
 def outer_faces(elements: Indices) -> Indices:
-    """Return the faces (m, 4, 3) of elements (m, 4), each turned out of its element."""
+    """Return the faces (m, 4, 3) of elements (m, 4), each oriented out of its element."""
     faces: Indices = elements[:, OUTER_FACES]
     return faces
 
 
 def neighbours_of(elements: Indices) -> Indices:
-    """Return which element (m, 4) is beyond each face of each element; -1 where none is.
+    """Return the element (m, 4) beyond each face of each element, -1 for none.
 
-    Raises GeometryError where more than two elements share a face.
+    Raises GeometryError if more than two elements share a face.
     """
     keys = np.sort(outer_faces(elements).reshape(-1, 3), axis=1)
     order = np.lexsort(keys.T)
@@ -82,10 +82,11 @@ def neighbours_of(elements: Indices) -> Indices:
 def RefineVolumeMesh(mesh: VolumeMesh) -> VolumeMesh:
     """Return the mesh, cut where an inner edge, face or element has all corners on the boundary.
 
-    A pressure that is 0 on the boundary is 0 all along such an edge, as if there were a hole: it
-    is cut in two in all elements around it; then a face is cut about its centroid, then an element
-    about its. The mesh itself is returned where there is none. Raises RuntimeError for an element
-    that has no volume or is inside out, and where two are on one side of a face that they share.
+    A pressure that is 0 on the boundary is 0 all along such an edge, as if there were a hole. So
+    the edge is halved in all elements around it. Then such faces, and then such elements, are cut
+    about their centroids. Returns the same mesh if there are none. Raises RuntimeError for an
+    element that has no volume or is inside out, and if two elements are on one side of a shared
+    face.
     """
     checked_type(mesh, VolumeMesh, 'RefineVolumeMesh: mesh')
     check_elements(mesh, 'RefineVolumeMesh')
@@ -100,8 +101,8 @@ def RefineVolumeMesh(mesh: VolumeMesh) -> VolumeMesh:
 def check_elements(mesh: VolumeMesh, what: str) -> None:
     """Raise GeometryError for an element that has no volume or is inside out, and for an overlap.
 
-    One that is flatter than rounding, a billionth of its longest side cubed, has none. Two that
-    are on one side of a face that they share overlap; others are not looked at.
+    A volume below a billionth of the longest side cubed counts as none. Two elements on one side
+    of a shared face overlap; other overlaps are not checked.
     """
     elements, p_MVs = mesh.element_array(), mesh.vertex_array()
     if not len(elements):
@@ -121,9 +122,9 @@ def check_elements(mesh: VolumeMesh, what: str) -> None:
 
 
 def _check_sides(elements: Indices, what: str) -> None:
-    """Raise GeometryError where two elements are on one side of a face that they share."""
+    """Raise GeometryError if two elements are on one side of a shared face."""
     faces = outer_faces(elements).reshape(-1, 3)
-    # Each face from its least vertex on, so that those which run the same way are the same.
+    # Each face starts at its lowest vertex, so that faces of equal orientation are equal.
     turned = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + [0, 1, 2]) % 3, axis=1)
     order = np.lexsort(turned.T)
     same = (np.diff(turned[order], axis=0) == 0).all(axis=1)
@@ -140,13 +141,13 @@ def _check_sides(elements: Indices, what: str) -> None:
 
 
 def _refined(elements: Indices, p_MVs: Floats, corners: int) -> tuple[Indices, Floats]:
-    """Cut all inner simplices of so many corners that are all on the boundary, one by one.
+    """Return the mesh after cutting the inner simplices whose ``corners`` are all on the boundary.
 
-    What is cut is not on the boundary, nor is its middle: the boundary stays, and no other simplex
-    comes to be one that is to be cut.
+    Neither these simplices nor their centroids are on the boundary. So the boundary stays the
+    same, and no other simplex becomes one to cut.
     """
-    found = _inner_on_boundary(elements, len(p_MVs), corners)
-    if not len(found):
+    to_cut = _inner_on_boundary(elements, len(p_MVs), corners)
+    if not len(to_cut):
         return elements, p_MVs
     rows = dict(enumerate(elements.tolist()))
     rows_at: defaultdict[int, set[int]] = defaultdict(set)
@@ -154,7 +155,7 @@ def _refined(elements: Indices, p_MVs: Floats, corners: int) -> tuple[Indices, F
         for v in row:
             rows_at[v].add(number)
     fresh = itertools.count(len(rows))
-    for middle, simplex in enumerate(found.tolist(), len(p_MVs)):
+    for middle, simplex in enumerate(to_cut.tolist(), len(p_MVs)):
         for number in sorted(set.intersection(*(rows_at[v] for v in simplex))):
             row = rows.pop(number)
             for v in row:
@@ -163,7 +164,7 @@ def _refined(elements: Indices, p_MVs: Floats, corners: int) -> tuple[Indices, F
                 rows[new] = [middle if v == out else v for v in row]
                 for v in rows[new]:
                     rows_at[v].add(new)
-    return np.array(list(rows.values())), np.vstack((p_MVs, p_MVs[found].mean(axis=1)))
+    return np.array(list(rows.values())), np.vstack((p_MVs, p_MVs[to_cut].mean(axis=1)))
 
 
 def _inner_on_boundary(elements: Indices, count: int, corners: int) -> Indices:
