@@ -1,4 +1,4 @@
-"""A context whose poses carry derivatives."""
+"""``SceneGraphContext_[AutoDiffXd]``: a context whose poses have derivatives."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ Poses = FramePoseVector | FramePoseVectorAutoDiffXd
 
 
 class ContextStateAutoDiffXd(ContextState):
-    """What a context holds whose poses carry derivatives: how they move for each variable, too."""
+    """State of a context with derivatives: also the velocity of each pose for each variable."""
 
     _velocities: dict[int, Floats] | None = None  # V_PF (6, n) by the frame's id value
-    number: Any = AutoDiffXd  # the type of the numbers that poses came in
+    number: Any = AutoDiffXd  # the type of the poses' numbers
 
     def pose_source(self, source_id: SourceId, poses: Poses) -> None:
-        """Pose all frames of a source, or none, as a context of floats does."""
+        """Set the poses of all frames of a source, as a context of floats does."""
         values, velocities = _taken_apart(poses)
         super().pose_source(source_id, values)
         self._take(poses, values, velocities)
 
     def pose_frames(self, poses: Poses) -> None:
-        """Pose the frames that ``poses`` names; those of floats are constants."""
+        """Set the poses of the frames in ``poses``; those of floats are constants."""
         values, velocities = _taken_apart(poses)
         super().pose_frames(values)
         self._take(poses, values, velocities)
 
     def _take(self, poses: Poses, values: FramePoseVector, velocities: dict[int, Floats]) -> None:
         frames = values.id_values().tolist()
-        kept = {id: V for id, V in (self._velocities or {}).items() if id not in frames}
-        self._velocities = {**kept, **velocities}
+        others = {id: V for id, V in (self._velocities or {}).items() if id not in frames}
+        self._velocities = {**others, **velocities}
         if isinstance(poses, FramePoseVectorAutoDiffXd):
             self.number = poses.scalar()
 
@@ -53,10 +53,10 @@ class ContextStateAutoDiffXd(ContextState):
     def spatial_velocities(self, world: World) -> Floats:
         """Return V_WF (nf, 6, n) of all frames, each by its row, for the n variables.
 
-        Raises PoseError where poses are of different variables.
+        Raises PoseError if poses depend on different variables.
         """
-        known = self._velocities or {}
-        sizes = {V.shape[1] for V in known.values()} - {0}
+        by_id = self._velocities or {}
+        sizes = {V.shape[1] for V in by_id.values()} - {0}
         if len(sizes) > 1:
             raise PoseError(
                 f'Poses of frames have derivatives by {sorted(sizes)} variables; all must be by '
@@ -69,7 +69,7 @@ class ContextStateAutoDiffXd(ContextState):
             w_WP, p_PF_W = V_WFs[parent, :3], world.p_WFs[row] - world.p_WFs[parent]
             V_WFs[row] = V_WFs[parent]
             V_WFs[row, 3:] += np.cross(w_WP, p_PF_W[:, None], axis=0)
-            V_PF = known.get(int(world.frames.ids[row]))
+            V_PF = by_id.get(int(world.frames.ids[row]))
             if V_PF is not None and V_PF.shape[1]:
                 R_WP = world.R_WFs[parent]
                 V_WFs[row] += np.concatenate((R_WP @ V_PF[:3], R_WP @ V_PF[3:]))
@@ -77,23 +77,23 @@ class ContextStateAutoDiffXd(ContextState):
 
 
 class SceneGraphContextAutoDiffXd(SceneGraphContext):
-    """A context of ``SceneGraph_[AutoDiffXd]``: poses, and how they move for each variable."""
+    """A context of ``SceneGraph_[AutoDiffXd]``: poses with derivatives by each variable."""
 
     scalar = 'AutoDiffXd'
     _state: ContextStateAutoDiffXd
     _state_type = ContextStateAutoDiffXd
 
     def SetFramePoses(self, source_id: SourceId, poses: Poses) -> None:
-        """Pose all frames of a source, or none, as SceneGraphContext does."""
+        """Set the poses of all frames of a source, as SceneGraphContext does."""
         self._state.pose_source(source_id, poses)
 
     def UpdateFramePoses(self, poses: Poses) -> None:
-        """Pose the frames that ``poses`` names; those of floats are constants."""
+        """Set the poses of the frames in ``poses``; those of floats are constants."""
         self._state.pose_frames(poses)
 
 
 def state_of(context: SceneGraphContextAutoDiffXd) -> ContextStateAutoDiffXd:
-    """Return what a context holds, for the query object that answers about it."""
+    """Return the state of a context, for its query objects."""
     return context._state
 
 
@@ -104,4 +104,4 @@ def _taken_apart(poses: Poses) -> tuple[FramePoseVector, dict[int, Floats]]:
 
 
 class SceneGraphInspectorAutoDiffXd(SceneGraphInspector):
-    """The inspector of a ``SceneGraph_[AutoDiffXd]``: what it tells has no derivatives."""
+    """The inspector of a ``SceneGraph_[AutoDiffXd]``; its values have no derivatives."""

@@ -1,7 +1,6 @@
-"""Derivatives of points and normals of results, computed for the records that are asked for them.
+"""Derivatives of points and normals of results, computed when a record needs them.
 
-Where the normal turns with the motion only by curvature that is known they exist; see
-``witnesses``.
+They exist where the motion rotates the normal only by known curvature, see ``witnesses``.
 """
 
 from __future__ import annotations
@@ -52,13 +51,13 @@ _OF_MAP = (
 
 
 class PairWitnesses:
-    """Knows how the witness points and normals of pairs move with the frames."""
+    """Derivatives of the witness points and normals of pairs by the motion of frames."""
 
     def __init__(
-        self, found: SignedDistanceResults | PenetrationResults, V_WFs: Floats, number: Any
+        self, results: SignedDistanceResults | PenetrationResults, V_WFs: Floats, number: Any
     ) -> None:
-        self._found, self._number = found, number
-        self._of = of = pair_evidence(found)
+        self._results, self._number = results, number
+        self._of = of = pair_evidence(results)
         self._places = places_of(of.scene, of.ids)
         frames = of.scene.frames[self._places]
         self.velocities = V_WFs[frames[:, 0]], V_WFs[frames[:, 1]]
@@ -90,7 +89,7 @@ class PairWitnesses:
         return autodiff_array(row[column : column + 3], rates, self._number)
 
     def _motion(self, k: int) -> tuple[Floats, PoseDerivatives, tuple[Floats, Floats]]:
-        """Return a row, how its points and normal move, and the velocities of the material."""
+        """Return a row, the derivatives of its points and normal, and the material velocities."""
         row, features = self._of.rows[k], self._features
         V_A, V_B = (V_WFs[k] for V_WFs in self.velocities)
         if V_A.shape[1] == 0:  # constants
@@ -108,11 +107,11 @@ class PairWitnesses:
         return row, motion_of(row[DISTANCE], n, U, A, B), (v_a, v_b)
 
     def _why_not(self, k: int) -> str:
-        """Return why pair k has no derivatives but those of the distance, or nothing."""
+        """Return why pair k has no derivatives except of the distance, empty if it has."""
         types = self._of.scene.types[self._places[k]].tolist()
-        if self._found.is_padded:
+        if self._results.is_padded:
             return 'they are of padded geometries, whose distances alone have derivatives'
-        if self._found.method[k] == BOUND_ONLY:
+        if self._results.method[k] == BOUND_ONLY:
             return 'bounds alone answered: ask for another accuracy'
         if max(types) > SOLID:
             return _OF_MAP
@@ -122,56 +121,56 @@ class PairWitnesses:
             )
         if not self._of.rows[k, UNIQUE]:
             return 'the normal is not the only one'
-        if not self._found.is_gradient_unique[k]:
+        if not self._results.is_gradient_unique[k]:
             return 'the nearest points, or the normal where bodies touch, are not the only ones'
         return '' if self._features.inside[k].all() else _BORDER
 
 
 class PointWitnesses:
-    """Knows how the nearest points and gradients of distances to points move."""
+    """Derivatives of the nearest points and gradients of distances to points."""
 
     def __init__(
-        self, found: PointDistanceResults, V_WFs: Floats, v_Qs: Floats, number: Any
+        self, results: PointDistanceResults, V_WFs: Floats, v_Qs: Floats, number: Any
     ) -> None:
-        self._found, self._number = found, number
-        self._p_WQs, self._scene = point_evidence(found)
+        self._results, self._number = results, number
+        self._p_WQs, self._scene = point_evidence(results)
         scene = self._scene
-        self._places = places_of(scene, found.id_G)
-        self._p_FQs = self._p_WQs[found.point_index] - scene.p_WFs[scene.frames[self._places]]
+        self._places = places_of(scene, results.id_G)
+        self._p_FQs = self._p_WQs[results.point_index] - scene.p_WFs[scene.frames[self._places]]
         self.velocities: Floats = V_WFs[scene.frames[self._places]]
-        self.of_points: Floats = v_Qs[found.point_index]
+        self.of_points: Floats = v_Qs[results.point_index]
 
     @cached_property
     def _features(self) -> Features:
-        """Those of G, as if it were met by itself: only B's side is looked at."""
-        found, rows = self._found, np.zeros((len(self._places), BATCH_WIDTH))
-        rows[:, NORMAL : NORMAL + 3], rows[:, P_BCB : P_BCB + 3] = found.grad_W, found.p_GN
-        return features_of_pairs(self._scene, np.column_stack((found.id_G, found.id_G)), rows)
+        """The features of G, as those of the pair (G, G), of which only B's side is used."""
+        results, rows = self._results, np.zeros((len(self._places), BATCH_WIDTH))
+        rows[:, NORMAL : NORMAL + 3], rows[:, P_BCB : P_BCB + 3] = results.grad_W, results.p_GN
+        return features_of_pairs(self._scene, np.column_stack((results.id_G, results.id_G)), rows)
 
     def nearest(self, k: int) -> dict[str, Any]:
-        """Return grad_W and p_GN of answer k; raises GeometryError where they have none."""
-        found, V = self._found, self.velocities[k]
-        n, place = found.grad_W[k], self._places[k]
+        """Return grad_W and p_GN of answer k; raises GeometryError without derivatives."""
+        results, V = self._results, self.velocities[k]
+        n, place = results.grad_W[k], self._places[k]
         motion = PoseDerivatives(*3 * [np.zeros((3, 0))])
         if V.shape[1]:
             motion = self._motion(k, n)
         of_N = self._scene.R_WGs[place].T @ motion.of_b
         return {
             'grad_W': autodiff_array(n, motion.nhat, self._number),
-            'p_GN': autodiff_array(found.p_GN[k], of_N, self._number),
+            'p_GN': autodiff_array(results.p_GN[k], of_N, self._number),
         }
 
     def _motion(self, k: int, n: Floats) -> PoseDerivatives:
-        found, V, phi = self._found, self.velocities[k], float(self._found.distance[k])
+        results, V, phi = self._results, self.velocities[k], float(self._results.distance[k])
         features, p_FN = self._features, self._p_FQs[k] - phi * n
         why = ''
-        if found.is_padded:
+        if results.is_padded:
             why = 'they are of padded geometries, whose distances alone have derivatives'
         elif self._scene.types[self._places[k]] > SOLID:
             why = _OF_MAP
         elif self._scene.types[self._places[k]] == SOLID:
             why = "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
-        elif not found.is_grad_W_unique[k]:
+        elif not results.is_grad_W_unique[k]:
             why = 'the gradient is not the only one'
         elif not features.inside[k, 1]:
             why = _BORDER

@@ -1,4 +1,4 @@
-"""Poses with derivatives: taken apart into a pose and how it moves, and put together again."""
+"""Poses with derivatives, and their conversion to and from poses with spatial velocities."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ Floats = NDArray[np.float64]
 
 
 class FramePoseVectorAutoDiffXd:
-    """X_PF, the pose in its parent, of each of some frames, with derivatives.
+    """Poses X_PF of frames in their parents, with derivatives.
 
-    A pose is a ``RigidTransform_[AutoDiffXd]``, ours or pydrake's.
+    A pose is a ``RigidTransform_[AutoDiffXd]`` of this package or of pydrake.
     """
 
     def __init__(self, poses: Mapping[FrameId, Any] | None = None) -> None:
@@ -46,34 +46,34 @@ class FramePoseVectorAutoDiffXd:
         self._poses[id] = RigidTransformAutoDiffXd(value)
 
     def value(self, id: FrameId) -> RigidTransformAutoDiffXd:
-        """Return X_PF of a frame; raises RuntimeError if it has none here."""
+        """Return X_PF of a frame; raises RuntimeError without a pose of it."""
         if id not in self._poses:
             raise UnknownIdError(f'FramePoseVector: no pose of {id!r} among {self.size()} frames')
         return RigidTransformAutoDiffXd(self._poses[id])
 
     def has_id(self, id: FrameId) -> bool:
-        """Return whether the frame has a pose here."""
+        """Return whether the vector has a pose of the frame."""
         return id in self._poses
 
     def ids(self) -> list[FrameId]:
-        """Return the ids of the frames, in the order in which they came."""
+        """Return the ids of the frames, in the order of the poses."""
         return list(self._poses)
 
     frame_ids = ids
 
     def size(self) -> int:
-        """Return how many frames have a pose here."""
+        """Return the number of poses."""
         return len(self._poses)
 
     def clear(self) -> None:
-        """Forget all poses."""
+        """Remove all poses."""
         self._poses.clear()
 
     def __len__(self) -> int:
         return len(self._poses)
 
     def scalar(self) -> Any:
-        """Return the type of the numbers: that of the first that carries derivatives."""
+        """Return the type of the numbers: that of the first one with derivatives."""
         return scalar_type(*(X.GetAsMatrix34() for X in self._poses.values()))
 
     def taken_apart(self) -> tuple[FramePoseVector, dict[int, Floats]]:
@@ -90,8 +90,8 @@ class FramePoseVectorAutoDiffXd:
 def _velocity(R: Floats, rates: Floats) -> Floats:
     """Return [w, v] (6, n) of R (3, 3) and the derivatives (3, 4, n) of [R p]: [w] = dR R^T.
 
-    Of a dR that leaves the rotations, as numbers that were not made orthogonal have, the part
-    that does not.
+    A dR of numbers that are not exactly orthogonal may leave the rotations; only its tangential
+    part is used.
     """
     W = np.einsum('ijn,kj->ikn', rates[:, :3], R)
     w = 0.5 * np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]])
@@ -99,7 +99,7 @@ def _velocity(R: Floats, rates: Floats) -> Floats:
 
 
 def with_derivatives(X: RigidTransform, V: Floats, scalar: Any) -> RigidTransformAutoDiffXd:
-    """Return the pose of numbers of a scalar type, of its spatial velocities V (6, n)."""
+    """Return a pose of numbers of a scalar type, from its spatial velocities V (6, n)."""
     matrix = X.GetAsMatrix34()
     rates = np.zeros((3, 4, V.shape[1]))
     for column in range(3):

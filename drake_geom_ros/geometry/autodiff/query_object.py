@@ -1,4 +1,4 @@
-"""The queries about poses that carry derivatives."""
+"""``QueryObject_[AutoDiffXd]``: queries about poses with derivatives."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ Floats = NDArray[np.float64]
 
 
 class QueryObjectAutoDiffXd:
-    """Answers queries about a context of ``SceneGraph_[AutoDiffXd]``, with derivatives.
+    """Queries on a context of ``SceneGraph_[AutoDiffXd]``, with derivatives.
 
     Values are those of ``QueryObject``; distances and depths have the derivatives of
-    ``gradients``, for every pair of shapes. One that is made of nothing answers no query.
+    ``gradients``, for every pair of shapes. Without a context every query raises GeometryError.
     """
 
     def __init__(self, context: SceneGraphContextAutoDiffXd | None = None) -> None:
         self._values = QueryObject(context)
         self._context = context
-        # That of no context is asked as any other is, and refuses.
+        # The state without a scene raises GeometryError in every query.
         self._state = (
             cast(ContextStateAutoDiffXd, NO_SCENE) if context is None else state_of(context)
         )
@@ -74,30 +74,30 @@ class QueryObjectAutoDiffXd:
         """Return the inspector of this context's model."""
         return SceneGraphInspectorAutoDiffXd(self._state.model, self._state.filters)
 
-    # Where things are.
+    # Poses.
 
     def GetPoseInWorld(self, id: FrameId | GeometryId) -> RigidTransformAutoDiffXd:
-        """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
+        """Return X_WF of a frame or X_WG of a geometry; raises for an unknown id."""
         return self.X_WG(id) if isinstance(id, GeometryId) else self.X_WF(id)
 
     def GetPoseInParent(self, frame_id: FrameId) -> RigidTransformAutoDiffXd:
-        """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
+        """Return X_PF, the pose of a frame in its parent; raises for an unknown id."""
         return self.X_PF(frame_id)
 
     def X_WF(self, id: FrameId) -> RigidTransformAutoDiffXd:
-        """Return the pose of a frame in the world; raises for an id that is not here."""
+        """Return the pose of a frame in the world; raises for an unknown id."""
         X_WF = self._values.X_WF(id)
         world, row = self._state.placed_frame(id)
         V_WF = self._state.spatial_velocities(world)[row]
         return with_derivatives(X_WF, V_WF, self._state.number)
 
     def X_PF(self, id: FrameId) -> RigidTransformAutoDiffXd:
-        """Return the pose of a frame in its parent; raises for an id that is not here."""
+        """Return the pose of a frame in its parent; raises for an unknown id."""
         V_PF = self._state.velocity_in_parent(id)
         return with_derivatives(self._values.X_PF(id), V_PF, self._state.number)
 
     def X_WG(self, id: GeometryId) -> RigidTransformAutoDiffXd:
-        """Return the pose of a geometry in the world; raises for an id that is not here."""
+        """Return the pose of a geometry in the world; raises for an unknown id."""
         record = self._state.model.geometry(id)
         X_WG: RigidTransformAutoDiffXd = self.X_WF(record.frame_id) @ record.X_FG
         return X_WG
@@ -108,26 +108,26 @@ class QueryObjectAutoDiffXd:
         self, *, accuracy: str | None = None
     ) -> list[PenetrationAsPointPairAutoDiffXd]:
         """Return the unfiltered pairs that overlap, as QueryObject does."""
-        found = self._values.ComputePointPairPenetration(accuracy=accuracy)
-        depths, witnesses = self._of_pairs(found, found.depth, found.depth_jacobian)
+        results = self._values.ComputePointPairPenetration(accuracy=accuracy)
+        depths, witnesses = self._of_pairs(results, results.depth, results.depth_jacobian)
         return [
             PenetrationAsPointPairAutoDiffXd(
-                id_A=GeometryId(int(found.id_A[k])),
-                id_B=GeometryId(int(found.id_B[k])),
+                id_A=GeometryId(int(results.id_A[k])),
+                id_B=GeometryId(int(results.id_B[k])),
                 depth=depths[k],
-                is_gradient_unique=bool(found.is_gradient_unique[k]),
-                error_bound=float(found.error_bound[k]),
-                method=int(found.method[k]),
+                is_gradient_unique=bool(results.is_gradient_unique[k]),
+                error_bound=float(results.error_bound[k]),
+                method=int(results.method[k]),
             ).completed_by(partial(witnesses.in_world, k))
-            for k in range(len(found))
+            for k in range(len(results))
         ]
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self, max_distance: float = math.inf, *, accuracy: str | None = None
     ) -> list[SignedDistancePairAutoDiffXd]:
         """Return the unfiltered pairs within ``max_distance`` [m], as QueryObject does."""
-        asked = self._values.ComputeSignedDistancePairwiseClosestPoints
-        return self._distances(asked(max_distance, accuracy=accuracy))
+        compute = self._values.ComputeSignedDistancePairwiseClosestPoints
+        return self._distances(compute(max_distance, accuracy=accuracy))
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -141,42 +141,42 @@ class QueryObjectAutoDiffXd:
         """Return the signed distance of two geometries, as QueryObject does."""
         first = only_id('geometry_id_A', geometry_id_A, id_A)
         second = only_id('geometry_id_B', geometry_id_B, id_B)
-        asked = self._values.signed_distance_of_pair
-        return self._distances(asked(first, second, accuracy=accuracy))[0]
+        compute = self._values.signed_distance_of_pair
+        return self._distances(compute(first, second, accuracy=accuracy))[0]
 
     def FindCollisionCandidates(self) -> list[tuple[GeometryId, GeometryId]]:
-        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids."""
+        """Return the unfiltered pairs that bounding volumes do not separate, sorted by ids."""
         return self._values.FindCollisionCandidates()
 
     def HasCollisions(self) -> bool:
         """Return whether ComputePointPairPenetration would report a pair."""
         return self._values.HasCollisions()
 
-    def _distances(self, found: SignedDistanceResults) -> list[SignedDistancePairAutoDiffXd]:
+    def _distances(self, results: SignedDistanceResults) -> list[SignedDistancePairAutoDiffXd]:
         """Return the records of results."""
-        distances, witnesses = self._of_pairs(found, found.distance, found.distance_jacobian)
+        distances, witnesses = self._of_pairs(results, results.distance, results.distance_jacobian)
         return [
             SignedDistancePairAutoDiffXd(
-                id_A=GeometryId(int(found.id_A[k])),
-                id_B=GeometryId(int(found.id_B[k])),
+                id_A=GeometryId(int(results.id_A[k])),
+                id_B=GeometryId(int(results.id_B[k])),
                 distance=distances[k],
-                is_nhat_BA_W_unique=bool(found.is_nhat_BA_W_unique[k]),
-                is_gradient_unique=bool(found.is_gradient_unique[k]),
-                error_bound=float(found.error_bound[k]),
-                method=int(found.method[k]),
+                is_nhat_BA_W_unique=bool(results.is_nhat_BA_W_unique[k]),
+                is_gradient_unique=bool(results.is_gradient_unique[k]),
+                error_bound=float(results.error_bound[k]),
+                method=int(results.method[k]),
             ).completed_by(partial(witnesses.in_bodies, k))
-            for k in range(len(found))
+            for k in range(len(results))
         ]
 
     def _of_pairs(
         self,
-        found: SignedDistanceResults | PenetrationResults,
+        results: SignedDistanceResults | PenetrationResults,
         values: Floats,
         jacobian: Callable[[Floats, Floats], Floats],
     ) -> tuple[Any, PairWitnesses]:
-        """Return what is reported as numbers with derivatives, and who knows of the points."""
+        """Return the reported values with derivatives, and the derivatives of the points."""
         V_WFs = self._state.spatial_velocities(self._state.up_to_date_world())
-        witnesses = PairWitnesses(found, V_WFs, self._state.number)
+        witnesses = PairWitnesses(results, V_WFs, self._state.number)
         J_As, J_Bs = witnesses.velocities
         rates = jacobian(J_As, J_Bs)
         return autodiff_array(values, rates, self._state.number), witnesses
@@ -188,34 +188,34 @@ class QueryObjectAutoDiffXd:
     ) -> list[SignedDistanceToPointAutoDiffXd]:
         """Return the signed distances from all geometries to a point, or to points (m, 3).
 
-        Points may be of floats: they stay where they are then. Otherwise as QueryObject does.
+        Points of floats are constants. Otherwise it is as in QueryObject.
         """
         points = np.asarray(p_WQ)
-        asked = self._values.ComputeSignedDistanceToPoint
-        found = asked(values_of(points), threshold, accuracy=accuracy)
+        compute = self._values.ComputeSignedDistanceToPoint
+        results = compute(values_of(points), threshold, accuracy=accuracy)
         V_WFs = self._state.spatial_velocities(self._state.up_to_date_world())
         v_Qs = derivatives_of(points.reshape(-1, 3))
         V_WFs, v_Qs = _of_the_same(V_WFs, v_Qs)
         moving = any(map(is_autodiff, points.astype(object).ravel()))
         number = scalar_type(points) if moving else self._state.number
-        witnesses = PointWitnesses(found, V_WFs, v_Qs, number)
-        rates = found.distance_jacobian(witnesses.velocities, witnesses.of_points)
-        distances = autodiff_array(found.distance, rates, number)
+        witnesses = PointWitnesses(results, V_WFs, v_Qs, number)
+        rates = results.distance_jacobian(witnesses.velocities, witnesses.of_points)
+        distances = autodiff_array(results.distance, rates, number)
         return [
             SignedDistanceToPointAutoDiffXd(
-                id_G=GeometryId(int(found.id_G[k])),
+                id_G=GeometryId(int(results.id_G[k])),
                 distance=distances[k],
-                is_grad_W_unique=bool(found.is_grad_W_unique[k]),
-                error_bound=float(found.error_bound[k]),
-                method=int(found.method[k]),
-                point_index=int(found.point_index[k]),
+                is_grad_W_unique=bool(results.is_grad_W_unique[k]),
+                error_bound=float(results.error_bound[k]),
+                method=int(results.method[k]),
+                point_index=int(results.point_index[k]),
             ).completed_by(partial(witnesses.nearest, k))
-            for k in range(len(found))
+            for k in range(len(results))
         ]
 
 
 def _of_the_same(V_WFs: Floats, v_Qs: Floats) -> tuple[Floats, Floats]:
-    """Return both with as many variables, constants being of any."""
+    """Return both with the same number of variables; constants get zeros."""
     n, m = V_WFs.shape[-1], v_Qs.shape[-1]
     if n and m and n != m:
         raise ArgumentError(

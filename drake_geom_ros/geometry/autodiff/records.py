@@ -1,4 +1,4 @@
-"""What queries say of a pair, or of a geometry and a point, in numbers with derivatives."""
+"""Records of a pair, or of a geometry and a point, in numbers with derivatives."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from drake_geom_ros.geometry.ids import GeometryId
 
 
 class _AutoDiffRecord:
-    """Named values; points and normals are computed when one of them is first asked for.
+    """Named values; points and normals are computed on first access.
 
-    Their derivatives may not exist where those of the distance do: asking raises then.
+    Access raises GeometryError if they have no derivatives, even where the distance has.
     """
 
     _NAMES: ClassVar[tuple[str, ...]] = ()
@@ -30,7 +30,7 @@ class _AutoDiffRecord:
         raise AttributeError(f'{type(self).__name__} has no {name}')
 
     def completed_by(self, witnesses: Callable[[], dict[str, Any]]) -> Any:
-        """Leave the rest to a function, and return this record."""
+        """Set the function that computes the missing values, and return this record."""
         self._witnesses = witnesses
         return self
 
@@ -38,9 +38,9 @@ class _AutoDiffRecord:
 class SignedDistancePairAutoDiffXd(_AutoDiffRecord):
     """A ``SignedDistancePair`` of AutoDiffXd: distance, p_ACa, p_BCb and nhat_BA_W are such.
 
-    ``is_gradient_unique`` tells whether the distance has a derivative; else one of the generalised
-    gradient is given. Asking for points and the normal raises GeometryError, which says why, where
-    they have no derivatives. The error bound is one of the distance's value.
+    ``is_gradient_unique`` is True if the distance has a derivative; otherwise it has a member of
+    the generalised gradient. Access to points and the normal raises GeometryError, with the
+    reason, if they have no derivatives. The error bound is that of the distance's value.
     """
 
     _NAMES = (
@@ -54,7 +54,7 @@ class SignedDistancePairAutoDiffXd(_AutoDiffRecord):
 class PenetrationAsPointPairAutoDiffXd(_AutoDiffRecord):
     """A ``PenetrationAsPointPair`` of AutoDiffXd: depth, p_WCa, p_WCb and nhat_BA_W are such.
 
-    As for ``SignedDistancePair_[AutoDiffXd]`` the depth always has derivatives, and asking for the
+    As for ``SignedDistancePair_[AutoDiffXd]`` the depth always has derivatives, and access to the
     others may raise GeometryError.
     """
 
@@ -69,7 +69,7 @@ class PenetrationAsPointPairAutoDiffXd(_AutoDiffRecord):
 class SignedDistanceToPointAutoDiffXd(_AutoDiffRecord):
     """A ``SignedDistanceToPoint`` of AutoDiffXd: distance, p_GN and grad_W are such.
 
-    The distance always has derivatives, and asking for the others may raise GeometryError.
+    The distance always has derivatives, and access to the others may raise GeometryError.
     """
 
     _NAMES = (

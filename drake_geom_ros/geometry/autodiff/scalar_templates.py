@@ -1,4 +1,4 @@
-"""The templates of pydrake.geometry: of floats, and those that queries need of AutoDiffXd."""
+"""The class templates of pydrake.geometry, for floats and, where needed, for AutoDiffXd."""
 
 from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry.autodiff.context import SceneGraphInspectorAutoDiffXd

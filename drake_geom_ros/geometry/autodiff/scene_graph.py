@@ -1,4 +1,4 @@
-"""A scene graph whose poses carry derivatives, and its ports."""
+"""``SceneGraph_[AutoDiffXd]``: a scene graph whose poses have derivatives, and its ports."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drake_geom_ros.geometry.scene.scene_graph import SceneGraph
 
 
 class SourcePosePortAutoDiffXd:
-    """Takes the poses of one source's frames."""
+    """Input port for the poses of one source's frames, with derivatives."""
 
     def __init__(self, source_id: SourceId) -> None:
         self._source_id = source_id
@@ -22,17 +22,17 @@ class SourcePosePortAutoDiffXd:
     def FixValue(
         self, context: SceneGraphContextAutoDiffXd, value: FramePoseVectorAutoDiffXd
     ) -> None:
-        """Pose all frames of the source in a context, or none."""
+        """Set the poses of all frames of the source in a context."""
         checked_type(context, SceneGraphContextAutoDiffXd, 'FixValue: context')
         checked_type(value, FramePoseVectorAutoDiffXd, 'FixValue: value')
         context.SetFramePoses(self._source_id, value)
 
 
 class QueryPortAutoDiffXd:
-    """Gives the query object of a context."""
+    """Output port for the query object of a context."""
 
     def Eval(self, context: SceneGraphContextAutoDiffXd) -> QueryObjectAutoDiffXd:
-        """Return a live query object: one that sees later poses of the context."""
+        """Return a live query object, which sees later poses of the context."""
         return QueryObjectAutoDiffXd(
             checked_type(context, SceneGraphContextAutoDiffXd, 'Eval: context')
         )
@@ -41,8 +41,8 @@ class QueryPortAutoDiffXd:
 class SceneGraphAutoDiffXd(SceneGraph):
     """A ``SceneGraph`` whose frames have poses of AutoDiffXd; see ``docs/derivatives.md``.
 
-    Everything is registered as in any scene. Values are answered by the same engine, and all
-    pairs of shapes have derivatives.
+    Registration is as in any scene. The same engine computes values, and all pairs of shapes have
+    derivatives.
     """
 
     _context_type = SceneGraphContextAutoDiffXd
@@ -54,10 +54,10 @@ class SceneGraphAutoDiffXd(SceneGraph):
     def get_source_pose_port(  # type: ignore[override]
         self, source_id: SourceId
     ) -> SourcePosePortAutoDiffXd:
-        """Return the port that takes the poses of a source's frames, with derivatives."""
+        """Return the input port for the poses of a source's frames, with derivatives."""
         self._state.model.source_name(source_id)
         return SourcePosePortAutoDiffXd(source_id)
 
     def get_query_output_port(self) -> QueryPortAutoDiffXd:  # type: ignore[override]
-        """Return the port that gives the query object of a context."""
+        """Return the output port for the query object of a context."""
         return QueryPortAutoDiffXd()

@@ -1,17 +1,17 @@
-"""How nearest points and normals move: by the curvature of the surfaces, implicitly.
+"""Derivatives of nearest points and normals, implicitly from the curvature of the surfaces.
 
 Let a and b be the nearest points of A and B, n = nhat_BA and phi the distance, so that
 ``a - b = phi n``; n is normal to both surfaces. While the bodies move, a follows A's material and
-slides over its surface: by M_A times the turn of -n relative to A, M_A the radii of curvature,
-and, on an edge or a face, freely along it, while n stays at right angles to it. The same holds for
-b. Taken together, these are linear equations for the turn of n and for what slides, in two axes at
-right angles to n::
+slides over its surface: by M_A times the rotation of -n relative to A, where M_A are the radii of
+curvature. On an edge or a face it also slides freely along it, while n stays at right angles to
+it. The same holds for b. Together these are linear equations for the rotation of n and for the
+sliding, in two axes at right angles to n::
 
     (phi + M_A + M_B) dn - D_A s_A + D_B s_B = v_A - v_B + M_A (w_A x n) + M_B (w_B x n)
     D_A^T dn = D_A^T (w_A x n),   D_B^T dn = D_B^T (w_B x n)
 
 with the material velocities v at a and b, the angular velocities w, and the free directions D of
-edges and faces (``_proximity.kernels.features`` tells M and D).
+edges and faces (``_proximity.kernels.features`` computes M and D).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 
 
 class Side(NamedTuple):
-    """What one body does at its nearest point, in the two axes and along n."""
+    """Curvature and velocities of one body at its nearest point, in the two axes."""
 
     D: Floats  # (2, f) free directions of its edge or face
     M: Floats  # (2, 2) [m] radii of curvature
@@ -44,7 +44,7 @@ class PoseDerivatives(NamedTuple):
 
 
 def side_of(feature: Floats, U: Floats, n: Floats, w: Floats, v: Floats) -> Side:
-    """Return a side by its feature (6,), axes U (3, 2), and velocities (3, n) of its material."""
+    """Return a side, from its feature (6,), axes U (3, 2), and material velocities (3, n)."""
     freedom, du, dv, uu, uv, vv = feature
     D = np.zeros((2, 0))
     if freedom == SEGMENT:
@@ -56,9 +56,9 @@ def side_of(feature: Floats, U: Floats, n: Floats, w: Floats, v: Floats) -> Side
 
 
 def motion_of(phi: float, n: Floats, U: Floats, A: Side, B: Side) -> PoseDerivatives:
-    """Return how the normal and the nearest points move, where the equations have one solution.
+    """Return the derivatives of the normal and the nearest points.
 
-    Raises numpy.linalg.LinAlgError where they have not.
+    Raises numpy.linalg.LinAlgError if the equations have no unique solution.
     """
     f, g = A.D.shape[1], B.D.shape[1]
     system = np.zeros((2 + f + g, 2 + f + g))

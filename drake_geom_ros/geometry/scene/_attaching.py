@@ -1,4 +1,4 @@
-"""The part of a SceneGraph that lets sources go, and lets frames follow frames of others."""
+"""Part of ``SceneGraph`` that removes sources and attaches frames to those of other sources."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from drake_geom_ros.math import RigidTransform
 
 
 class Attaching(SceneHolder):
-    """What is ours of a SceneGraph's changes: pydrake's sources, frames, parents stay."""
+    """Changes of a SceneGraph that pydrake lacks, where sources, frames and parents are final."""
 
     @or_on_context
     def RemoveSource(self, on: SceneContent, source_id: SourceId) -> list[FrameId]:
-        """Remove a source with its frames and geometries; return its frames, which are gone.
+        """Remove a source with its frames and geometries; return the removed frames.
 
-        What was said of its geometries in collision filters goes with them. Raises RuntimeError
-        if the source is not registered, and while frames of others are attached to its frames.
+        Collision filters of its geometries are removed, too. Raises RuntimeError if the source is
+        not registered, and while frames of other sources are attached to its frames.
         """
         removed = _attachments.remove_source(on.model, source_id)
         _remove_from_filters(on, removed)
@@ -28,8 +28,8 @@ class Attaching(SceneHolder):
     def RemoveFrame(self, on: SceneContent, source_id: SourceId, frame_id: FrameId) -> None:
         """Remove a frame with the geometries on it; all others keep their ids.
 
-        What was said of its geometries in collision filters goes with them. Raises RuntimeError
-        if the frame is not the source's, and while other frames hang on it.
+        Collision filters of its geometries are removed, too. Raises RuntimeError if the frame is
+        not the source's, and while it has child frames.
         """
         _remove_from_filters(on, _attachments.remove_frame(on.model, source_id, frame_id))
 
@@ -43,12 +43,12 @@ class Attaching(SceneHolder):
         X_PF: RigidTransform,
         is_part: bool = True,
     ) -> None:
-        """Let a frame, with all that hangs on it, follow a frame of any source, at X_PF in it.
+        """Attach a frame, with its descendants, to a frame of any source, at X_PF in that one.
 
-        X_PF is its pose from then on: contexts that are made later begin with it. ``is_part``:
-        sets by name that stand for the other frame, or for its source, include this one. A weld of
-        the frame to the world ends. Collision filters stay as they are. Raises RuntimeError if the
-        frame is not the source's, or the other one is the world or hangs on it.
+        X_PF becomes its pose, with which later contexts begin. With ``is_part``, sets by name that
+        stand for the other frame, or for its source, include this one. A weld of the frame to the
+        world ends. Collision filters do not change. Raises RuntimeError if the frame is not the
+        source's, or if the other one is the world or a descendant of it.
         """
         pose = checked_pose(X_PF, 'AttachFrame: X_PF')
         frame = _attachments.attach_frame(
@@ -64,11 +64,11 @@ class Attaching(SceneHolder):
         frame_id: FrameId,
         parent_id: FrameId,
     ) -> None:
-        """Let a frame hang on a frame of any source for good, as if it had been registered there.
+        """Give a frame a permanent parent of any source, as if it had been registered there.
 
-        Its poses X_PF, which its own source goes on giving, are those in that frame from then on:
-        a robot on another one's flange. Raises RuntimeError if the
-        frame is not the source's, is attached, or the other one hangs on it.
+        An example is a robot on another one's flange. The poses X_PF, which the frame's own source
+        still sets, are then those in the new parent. Raises RuntimeError if the frame is not the
+        source's, is attached, or if the other one is a descendant of it.
         """
         _attachments.mount_frame(on.model, source_id, frame_id, parent_id)
 
@@ -80,7 +80,7 @@ class Attaching(SceneHolder):
         frame_id: FrameId,
         X_PF: RigidTransform,
     ) -> None:
-        """Put an attached frame back, at X_PF, on the frame that it was registered on.
+        """Return an attached frame to the parent that it was registered on, at X_PF in that one.
 
         Raises RuntimeError if the frame is not the source's, or is not attached.
         """
@@ -89,7 +89,7 @@ class Attaching(SceneHolder):
 
 
 def _remove_from_filters(on: SceneContent, removed: _attachments.Removed) -> None:
-    """Forget what was said in collision filters of what has gone."""
+    """Remove the collision filters of removed frames and geometries."""
     for record in removed.geometries:
         if record.proximity is not None:
             on.filters.remove(record.id.get_value())

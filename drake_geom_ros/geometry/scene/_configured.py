@@ -1,4 +1,4 @@
-"""The settings of a scene graph."""
+"""Part of ``SceneGraph`` with its settings."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ class Configured(SceneHolder):
     """A scene graph with settings."""
 
     def get_config(self, context: SceneGraphContext | None = None) -> SceneGraphConfig:
-        """Return a copy of the settings, of a context those that it was made with."""
+        """Return a copy of the settings, or of those that a context was made with."""
         if context is not None:
             checked_type(context, SceneGraphContext, 'get_config: context')
         return checked_config(content_of(context or self).model.config.config)
 
     def set_config(self, config: SceneGraphConfig) -> None:
-        """Set what geometries without properties of contact get in contexts made from now on.
+        """Set the default contact properties of geometries in later contexts.
 
-        So do those that are registered in such a context, or get the proximity role there.
-        Nothing, where the compliance type of the defaults is 'undefined'. A change of it is one of
-        the model, see ``model_version()``. Raises RuntimeError for a value that a property cannot
-        have, and for a compliance type where there is a context of ``CreateSharedContext``.
+        Geometries that lack them get them, also those that are registered in such a context or get
+        the proximity role there. There are no defaults if their compliance type is 'undefined'. A
+        change of the settings changes ``model_version()``. Raises RuntimeError for a value that a
+        property cannot have, and for a compliance type if ``CreateSharedContext`` was called.
         """
         configure(self._state.model, checked_config(config))

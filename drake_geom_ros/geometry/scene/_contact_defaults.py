@@ -1,4 +1,4 @@
-"""Contexts that give geometries the defaults of the scene's config, and those that cannot."""
+"""Application of the scene's default contact properties to the models of contexts."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
 
 
 def with_defaults(model: Model) -> None:
-    """Give all geometries of a model, and those it gets, what its config has and they lack.
+    """Add the defaults of its config to all geometries of a model, now and later, that lack them.
 
-    Nothing where the compliance type is 'undefined'. Raises GeometryError where a geometry cannot
-    be what the defaults say.
+    Does nothing if the compliance type is 'undefined'. Raises GeometryError if the defaults do not
+    suit a geometry.
     """
     model.config = replace(model.config, gives=True, is_shared=False)
     if model.config.is_empty:
@@ -27,13 +27,13 @@ def with_defaults(model: Model) -> None:
 
 
 def share(model: Model) -> None:
-    """Note that a context shares a model; raises GeometryError where it has defaults to give."""
+    """Mark a model as shared with a context; raises GeometryError if it has defaults."""
     _check_sharing(replace(model.config, is_shared=True), 'CreateSharedContext')
     model.config = replace(model.config, is_shared=True)
 
 
 def configure(model: Model, config: SceneGraphConfig) -> None:
-    """Give a model a config; a change of it is one of the model."""
+    """Set the config of a model, which changes its version."""
     if config == model.config.config:
         return
     new = replace(model.config, config=config)
@@ -43,7 +43,7 @@ def configure(model: Model, config: SceneGraphConfig) -> None:
 
 
 def _check_sharing(config: HeldConfig, call: str) -> None:
-    """Raise GeometryError where a config would change geometries that others share."""
+    """Raise GeometryError if a config would change geometries that contexts share."""
     if config.is_shared and not config.is_empty:
         raise GeometryError(
             f'{call}: the config has a default compliance type, which would change '

@@ -1,4 +1,4 @@
-"""Older names of a scene graph's calls."""
+"""Part of ``SceneGraph`` with older names of pydrake."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 
 
 class OlderNames(SceneHolder):
-    """A scene graph with the calls of 2020 that declare filters."""
+    """A scene graph with the methods of 2020 for filter declarations."""
 
     @or_on_context
     def ExcludeCollisionsWithin(self, on: SceneContent, set: GeometrySet) -> None:

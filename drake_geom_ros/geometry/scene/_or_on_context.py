@@ -1,4 +1,4 @@
-"""Methods of a scene graph that act on its model, or on a context's copy of it."""
+"""Decorator for methods of a scene graph that act on its model or on a context's copy of it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.model.scene_content import SceneContent, SceneHolder, content_of
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 
-_Scene = TypeVar('_Scene', bound=SceneHolder)  # the scene graph, which stands above this file
+_Scene = TypeVar('_Scene', bound=SceneHolder)  # the scene graph, which imports this file
 _P = ParamSpec('_P')
 _R = TypeVar('_R', covariant=True)
 
 
 class _WithOrWithoutContext(Protocol[_P, _R]):
-    """A method of a scene graph as callers see it: its arguments, a context before them or not."""
+    """Signature of such a method for callers: its arguments, with or without a context first."""
 
     @overload
     def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R: ...
@@ -31,10 +31,10 @@ class _WithOrWithoutContext(Protocol[_P, _R]):
 def or_on_context(
     method: Callable[Concatenate[_Scene, SceneContent, _P], _R],
 ) -> _WithOrWithoutContext[_P, _R]:
-    """Let a method be called with or without a context before its arguments.
+    """Wrap a method so that it can be called with or without a context before its arguments.
 
-    The method gets the model and the filters to change: those of the context if one is given,
-    else the scene graph's own.
+    The method gets the model and the filters to change: those of the context, or without one the
+    scene graph's own.
     """
 
     @functools.wraps(method)
@@ -46,9 +46,9 @@ def or_on_context(
             checked_type(context, SceneGraphContext, f'{method.__name__}: context')
         return method(self, content_of(context or self), *args, **kwargs)
 
-    # What help() shows: the arguments that callers give.
+    # help() shows the arguments for callers.
     shown = inspect.signature(method)
-    given = [p for name, p in shown.parameters.items() if name != 'on']
-    given.append(inspect.Parameter('context', inspect.Parameter.KEYWORD_ONLY, default=None))
-    call.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
+    parameters = [p for name, p in shown.parameters.items() if name != 'on']
+    parameters.append(inspect.Parameter('context', inspect.Parameter.KEYWORD_ONLY, default=None))
+    call.__signature__ = shown.replace(parameters=parameters)  # type: ignore[attr-defined]
     return cast('_WithOrWithoutContext[_P, _R]', call)

@@ -1,4 +1,4 @@
-"""The calls that a pydrake script makes of a scene graph's ports."""
+"""Ports of a scene graph, with the methods that pydrake scripts call."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drake_geom_ros.math import RigidTransform
 
 
 class SourcePosePort:
-    """Takes the poses of one source's frames."""
+    """Input port for the poses of one source's frames."""
 
     __slots__ = ('_source_id',)
 
@@ -24,7 +24,7 @@ class SourcePosePort:
         self._source_id = source_id
 
     def FixValue(self, context: SceneGraphContext, value: FramePoseVector) -> None:
-        """Pose all frames of the source in a context, or none: see ``SetFramePoses``."""
+        """Set the poses of all frames of the source in a context, see ``SetFramePoses``."""
         if type(context) is not SceneGraphContext or type(value) is not FramePoseVector:
             _checked_context(context, 'FixValue')
             checked_type(value, FramePoseVector, 'FixValue: value')
@@ -32,12 +32,12 @@ class SourcePosePort:
 
 
 class QueryPort:
-    """Gives the query object of a context."""
+    """Output port for the query object of a context."""
 
     __slots__ = ()
 
     def Eval(self, context: SceneGraphContext) -> QueryObject:
-        """Return a live query object: one that sees later poses of the context."""
+        """Return a live query object, which sees later poses of the context."""
         return QueryObject(_checked_context(context, 'Eval'))
 
 
@@ -59,7 +59,7 @@ class _NamedPose(NamedTuple):
 
 
 class PoseBundle:
-    """Where frames are in the world, by number: what ``get_pose_bundle_output_port`` gives."""
+    """Poses of frames in the world, by index: the value of ``get_pose_bundle_output_port``."""
 
     __slots__ = ('_poses',)
 
@@ -67,7 +67,7 @@ class PoseBundle:
         self._poses = poses
 
     def get_num_poses(self) -> int:
-        """Return how many frames there are."""
+        """Return the number of frames."""
         return len(self._poses)
 
     def get_name(self, pose_index: int) -> str:
@@ -84,12 +84,12 @@ class PoseBundle:
 
 
 class PoseBundlePort:
-    """Gives the poses of a context's frames that carry geometry with the illustration role."""
+    """Output port for the poses of frames with geometry of the illustration role."""
 
     __slots__ = ()
 
     def Eval(self, context: SceneGraphContext) -> PoseBundle:
-        """Return the poses as they are now; raises PoseError for a frame that has none."""
+        """Return the current poses; raises PoseError for a frame without one."""
         query = QueryObject(_checked_context(context, 'Eval'))
         links = links_of(query.inspector(), Role.kIllustration)
         return PoseBundle([_NamedPose(name, group, query.X_WF(f)) for f, name, group in links])

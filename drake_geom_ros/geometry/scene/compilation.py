@@ -1,4 +1,4 @@
-"""Compiling before anybody waits for it."""
+"""Compilation of all kernels in advance."""
 
 from __future__ import annotations
 
@@ -31,11 +31,10 @@ _FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]  # of a tetrahedron, from 
 
 
 def compile_all_kernels(tell: Tell | None = None) -> list[str]:
-    """Compile what queries of any scene run, or load it from the cache; return the kernels.
+    """Compile the kernels for any scene, or load them from the cache; return their names.
 
-    Takes minutes the first time and about a second from then on. ``tell(name, number, last)`` is
-    called before each part that the cache does not have.
-    ``SceneGraphContext.compile_kernels`` does it for one scene.
+    Takes minutes the first time, and about a second later. ``tell(name, number, last)`` is called
+    before each part that the cache lacks. ``SceneGraphContext.compile_kernels`` is for one scene.
     """
     kernels = compile_everything(tell)
     compile_images(tell)
@@ -49,13 +48,13 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
 
 
 def compile_images(tell: Tell | None = None) -> None:
-    """Compile what cameras run, or load it from the cache."""
+    """Compile the kernels for cameras, or load them from the cache."""
     with compilation(tell, 'images', 1, 1):
         _take_an_image()
 
 
 def _take_an_image() -> None:
-    """Take images of one pixel of a mesh, which runs all of the renderer that is compiled."""
+    """Render one pixel of a mesh, which runs all compiled code of the renderer."""
     scene_graph = SceneGraph()
     for samples in (1, 2):
         params = RenderEngineExactParams(color_samples=samples)
@@ -71,7 +70,7 @@ def _take_an_image() -> None:
 
 
 def _answer_for_states() -> None:
-    """Ask all that can be asked about one state of two balls, which runs all loops over states."""
+    """Run every query about one state of two balls, which runs all loops over states."""
     scene = _two_balls()
     queries, stop = StateQueries(scene), np.zeros(1, dtype=np.int64)
     poses = np.zeros((1, 2, 7))
@@ -89,7 +88,7 @@ def _answer_for_states() -> None:
 
 
 def _check_a_motion() -> None:
-    """Check a motion of two balls to where they touch, which runs all that any motion does."""
+    """Check a motion of two balls into contact, which runs all compiled code for motions."""
     queries = MotionQueries(_two_balls(), 'exact', np.zeros(1, dtype=np.int64))
     starts = np.tile(np.concatenate((np.eye(3).ravel(), np.zeros(3))), (2, 1))
     starts[1, 9], ends = 3.0, starts.copy()
@@ -98,7 +97,7 @@ def _check_a_motion() -> None:
 
 
 def _press_two_bodies() -> None:
-    """Look for the contact surface of two soft boxes, which runs all that is compiled for any."""
+    """Compute the contact surface of two soft boxes, which runs all compiled code for surfaces."""
     scene_graph, X_WFs = SceneGraph(), FramePoseVector()
     source = scene_graph.RegisterSource('boxes')
     for k, name in enumerate('ab'):
@@ -115,7 +114,7 @@ def _press_two_bodies() -> None:
 
 
 def _two_balls() -> PackedScene:
-    """Return a scene of two balls on frames of their own."""
+    """Return a scene of two balls, each on its own frame."""
     scene_graph, ids = SceneGraph(), []
     source = scene_graph.RegisterSource('balls')
     for name in 'ab':
@@ -130,5 +129,5 @@ def _two_balls() -> PackedScene:
 
 
 def kernel_cache() -> str:
-    """Return the folder that keeps compiled kernels; empty where none can be written."""
+    """Return the folder of the kernel cache, empty if none is writable."""
     return CACHE_FOLDER

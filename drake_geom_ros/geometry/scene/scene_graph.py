@@ -1,4 +1,4 @@
-"""SceneGraph: where sources register what there is, and where queries start."""
+"""``SceneGraph``: registration of sources, frames and geometries, contexts, and ports."""
 
 from __future__ import annotations
 
@@ -41,14 +41,13 @@ from drake_geom_ros.math.missing import refuse_missing_member
 class SceneGraph(Attaching, Configured, OlderNames):
     """The scene: geometry sources, their frames, the geometries on them, and collision filters.
 
-    A source registers frames, which move, and geometries on them, or on the world, where they are
-    anchored. Who registered something owns it: the source's id is asked for to change it. A
-    geometry takes part in proximity queries when it has the proximity role.
+    A source registers frames, which move, and geometries on them, or anchored ones on the world.
+    It owns them: changes need the source's id. Proximity queries consider geometries with the
+    proximity role.
 
     Methods that register or change something act on this scene's model, or, with a context before
-    their other arguments, on that context's copy of it. A context is a copy: changes of the model
-    do not reach contexts that exist, nor the reverse. A method that raises RuntimeError has
-    changed nothing.
+    their other arguments, on that context's copy of it. Changes of the model do not reach existing
+    contexts, nor the reverse. A method that raises RuntimeError has changed nothing.
 
         >>> scene_graph = SceneGraph()
         >>> source_id = scene_graph.RegisterSource('robot')
@@ -67,9 +66,10 @@ class SceneGraph(Attaching, Configured, OlderNames):
     _context_type = SceneGraphContext
 
     def __init__(self, config: SceneGraphConfig | None = None, *, accuracy: str = 'exact') -> None:
-        """``accuracy`` is that of queries which name none: bound, fast, balanced or exact.
+        """Make an empty scene.
 
-        ``config`` is that of ``set_config``.
+        ``accuracy`` is the default of queries: bound, fast, balanced or exact. ``config`` is that
+        of ``set_config``.
         """
         self._state = SceneContent(Model(), FilterState())
         self.set_config(SceneGraphConfig() if config is None else config)
@@ -82,7 +82,7 @@ class SceneGraph(Attaching, Configured, OlderNames):
 
     @or_on_context
     def RegisterSource(self, on: SceneContent, name: str = '') -> SourceId:
-        """Register a source and return its id; unnamed it becomes ``Source_<id>``.
+        """Register a source and return its id; without a name it becomes ``Source_<id>``.
 
         Raises RuntimeError if the name is taken.
         """
@@ -98,8 +98,8 @@ class SceneGraph(Attaching, Configured, OlderNames):
     ) -> FrameId:
         """Register ``(source_id, frame)`` on the world or ``(source_id, parent_id, frame)``.
 
-        Returns the frame's id. Its pose X_PF is that in the parent. Raises RuntimeError if the
-        source is not registered, the parent is not its own, or the frame's id or name is taken.
+        Returns the frame's id. Its poses X_PF are those in the parent. Raises RuntimeError if the
+        source is not registered or does not own the parent, or if the frame's id or name is taken.
         """
         if isinstance(parent_id, GeometryFrame) and frame is None:
             parent_id, frame = None, parent_id
@@ -119,10 +119,9 @@ class SceneGraph(Attaching, Configured, OlderNames):
     ) -> GeometryId:
         """Register a geometry on a frame, on the world frame, or on a geometry; return its id.
 
-        Its pose X_PG is that in this parent, and it stays fixed. It gets the roles whose
-        properties the instance has. Raises RuntimeError if the source is not registered, the
-        parent is not its own, the id is registered already, or the name is taken for one of the
-        roles on that frame.
+        Its pose X_PG in this parent is fixed. It gets the roles whose properties the instance has.
+        Raises RuntimeError if the source is not registered or does not own the parent, if the id
+        is registered already, or if the name is taken for one of the roles on that frame.
         """
         parent: Any = geometry_id if frame_id is None else frame_id
         instance = checked_type(geometry, GeometryInstance, 'RegisterGeometry: geometry')
@@ -132,7 +131,7 @@ class SceneGraph(Attaching, Configured, OlderNames):
     def RegisterAnchoredGeometry(
         self, on: SceneContent, source_id: SourceId, geometry: GeometryInstance
     ) -> GeometryId:
-        """Register a geometry on the world, where it stays; see ``RegisterGeometry``."""
+        """Register an anchored geometry, on the world; see ``RegisterGeometry``."""
         instance = checked_type(geometry, GeometryInstance, 'RegisterAnchoredGeometry: geometry')
         return _register_geometry(on, source_id, WORLD_FRAME_ID, instance)
 
@@ -159,7 +158,7 @@ class SceneGraph(Attaching, Configured, OlderNames):
         properties: GeometryProperties,
         assign: RoleAssign = RoleAssign.kNew,
     ) -> None:
-        """Give a geometry the role of ``properties``, or replace those that it has in it.
+        """Assign the role of ``properties`` to a geometry, or replace its properties in that role.
 
         Raises RuntimeError if the geometry is not the source's, it has the role already (kNew) or
         has it not yet (kReplace), or its name is taken for that role on its frame.
@@ -178,9 +177,10 @@ class SceneGraph(Attaching, Configured, OlderNames):
         *,
         frame_id: FrameId | None = None,
     ) -> int:
-        """Take a role from a geometry, or from all of the source's geometries on a frame.
+        """Remove a role from a geometry, or from all of the source's geometries on a frame.
 
-        Returns how many had it. Raises RuntimeError if geometry or frame is not the source's.
+        Returns the number of geometries that had it. Raises RuntimeError if geometry or frame is
+        not the source's.
         """
         of: Any = frame_id if geometry_id is None else geometry_id
         losing = on.model.remove_role(source_id, of, checked_type(role, Role, 'RemoveRole: role'))
@@ -198,10 +198,10 @@ class SceneGraph(Attaching, Configured, OlderNames):
         shape: Shape,
         X_FG: RigidTransform | None = None,
     ) -> None:
-        """Give a geometry another shape and, with ``X_FG``, another pose in its frame.
+        """Replace the shape of a geometry and, with ``X_FG``, its pose in the frame.
 
-        Roles and filters stay. What was registered on the geometry keeps its pose in it. Raises
-        RuntimeError if it is not the source's.
+        Roles and filters stay. Geometries that were registered on it keep their poses in it.
+        Raises RuntimeError if it is not the source's.
         """
         on.model.change_shape(source_id, geometry_id, shape, X_FG)
 
@@ -230,17 +230,17 @@ class SceneGraph(Attaching, Configured, OlderNames):
 
     @or_on_context
     def AddRenderer(self, on: SceneContent, name: str, renderer: RenderEngine) -> None:
-        """Let cameras ask a renderer by this name; raises RuntimeError if it is taken."""
+        """Add a renderer for cameras to use by this name; raises RuntimeError if it is taken."""
         Renderers(on.model).add(name, renderer)
 
     @or_on_context
     def HasRenderer(self, on: SceneContent, name: str) -> bool:
-        """Return whether there is a renderer of this name."""
+        """Return whether a renderer of this name exists."""
         return name in on.model.renderers
 
     @or_on_context
     def RendererCount(self, on: SceneContent) -> int:
-        """Return how many renderers there are."""
+        """Return the number of renderers."""
         return len(on.model.renderers)
 
     @or_on_context
@@ -250,16 +250,16 @@ class SceneGraph(Attaching, Configured, OlderNames):
 
     @or_on_context
     def GetRendererTypeName(self, on: SceneContent, name: str) -> str:
-        """Return the class of a renderer by its name, or nothing where there is none such."""
+        """Return the class name of a renderer, empty if there is none of this name."""
         renderer = on.model.renderers.get(name)
         return '' if renderer is None else type(renderer).__name__
 
     @or_on_context
     def RemoveRenderer(self, on: SceneContent, name: str) -> None:
-        """Forget a renderer; raises RuntimeError where there is none of this name."""
+        """Remove a renderer; raises RuntimeError if there is none of this name."""
         Renderers(on.model).remove(name)
 
-    # Looking, and asking.
+    # Inspection, contexts and ports.
 
     @staticmethod
     def world_frame_id() -> FrameId:
@@ -267,7 +267,7 @@ class SceneGraph(Attaching, Configured, OlderNames):
         return WORLD_FRAME_ID
 
     def model_inspector(self) -> SceneGraphInspector:
-        """Return the inspector of this scene's model; a context's comes from its query object."""
+        """Return the inspector of this scene's model; a query object has that of its context."""
         return SceneGraphInspector(self._state.model, self._state.filters)
 
     def model_version(self) -> int:
@@ -275,65 +275,63 @@ class SceneGraph(Attaching, Configured, OlderNames):
         return self._state.model.versions.any
 
     def names_version(self) -> int:
-        """Return the model_version() since which nothing came, went, or changed name or roles.
+        """Return model_version() at the last change of the set of objects, of names or of roles.
 
-        Shapes, their properties and where they are on their frames may have changed since.
+        Shapes, properties and poses in frames may have changed since.
         """
         return self._state.model.versions.names
 
     def default_accuracy(self) -> str:
-        """Return the accuracy that contexts get for queries which name none."""
+        """Return the default accuracy of later contexts."""
         return self._default_accuracy
 
     def set_default_accuracy(self, accuracy: str) -> None:
-        """Set the accuracy that later contexts get: bound, fast, balanced or exact."""
+        """Set the default accuracy of later contexts: bound, fast, balanced or exact."""
         self._default_accuracy = checked_accuracy(accuracy)
 
     @or_on_context
     def SetFirstPoses(self, on: SceneContent, poses: FramePoseVector) -> None:
-        """Set the poses X_PF that some frames have in contexts which are made later.
+        """Set the poses X_PF with which frames begin in later contexts.
 
-        Of a context: in copies of it that a scene takes over, see ``TakeOver``.
-
-        What a scene file says of frames comes in this way. Raises RuntimeError for a frame that is
-        not here and for the world, and nothing has changed then.
+        On a context, they apply to copies of it that a scene takes over, see ``TakeOver``. The
+        poses of a scene file are set in this way. Raises RuntimeError for an unknown frame and for
+        the world; nothing changes then.
         """
         checked_type(poses, FramePoseVector, 'SetFirstPoses: poses')
         first = {on.model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
         if WORLD_FRAME_ID in first:
             raise PoseError('SetFirstPoses: the world frame has no pose')
-        # A new one: whoever noted the old one sees that it is another, see ``SceneMark``.
+        # A new dictionary, so that a ``SceneMark`` of the old one detects the change.
         on.model.first_X_PFs = on.model.first_X_PFs | first
 
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters.
 
-        Geometries get what the defaults of the config say and their properties do not.
-
-        Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
-        queries raise PoseError, which names the frames, until each frame was given one.
+        Geometries get the default properties of the config that they lack. Frames have the poses
+        of ``SetFirstPoses``, such as those of a scene file, or none. Queries raise PoseError, with
+        the names of the frames, until each frame has a pose.
         """
         own = self._state.copy()
         with_defaults(own.model)
         return self._context_type(own.model, own.filters, self._default_accuracy)
 
     def TakeOver(self, context: SceneGraphContext) -> bool:
-        """Become what a copy of a shared context has become; return False where that is too late.
+        """Adopt the content of a changed copy of a shared context, and return whether it did.
 
-        So a long change, of thousands of frames, is made on a copy (``copy()`` of what
-        ``CreateSharedContext`` returns) while others use this scene, and then is made here in a
-        moment, by the same ids. It is too late where this scene has changed since the copy was
-        made: nothing changes then. Nobody may use the context any more. Poses are not taken over.
+        A long change, of thousands of frames, can be made on a copy (``copy()`` of the result of
+        ``CreateSharedContext``) while others use this scene. This call then applies it in a
+        moment, with the same ids. It returns False and changes nothing if this scene has changed
+        since the copy was made. The context must not be used any more. Poses are not adopted.
         """
         checked_type(context, SceneGraphContext, 'TakeOver: context')
         return self._state.take_over(content_of(context))
 
     def Clone(self) -> SceneGraph:
-        """Return a scene of its own, with the same ids, filters and default accuracy."""
+        """Return an independent copy, with the same ids, filters and default accuracy."""
         return self._copied_to(type(self))
 
     def ToAutoDiffXd(self) -> SceneGraph:
-        """Return a scene of its own for poses of AutoDiffXd, with the same ids and filters."""
+        """Return an independent copy for poses of AutoDiffXd, with the same ids and filters."""
         return self._copied_to(SceneGraph_[AutoDiffXd])
 
     def _copied_to(self, kind: type[SceneGraph]) -> SceneGraph:
@@ -342,12 +340,13 @@ class SceneGraph(Attaching, Configured, OlderNames):
         return other
 
     def CreateSharedContext(self, *, partial: bool = False) -> SceneGraphContext:
-        """Return a context of this very model and its filters, which sees their later changes.
+        """Return a context that shares this model and its filters, and sees their later changes.
 
-        For a program whose one scene lives and changes, as a ROS node: nothing is copied. With
-        ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
-        on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
-        Raises GeometryError for a config with a compliance type.
+        It is for programs with one changing scene, such as a ROS node: nothing is copied. With
+        ``partial``, queries answer while frames have no first pose, and leave out the geometry on
+        these and on their descendants: see ``QueryObject.waiting_frames`` and
+        ``QueryObject.num_waiting_pairs``. Raises GeometryError for a config with a compliance
+        type.
         """
         share(self._state.model)
         return self._context_type(
@@ -355,7 +354,7 @@ class SceneGraph(Attaching, Configured, OlderNames):
         )
 
     def get_source_pose_port(self, source_id: SourceId) -> SourcePosePort:
-        """Return the port that takes the poses of a source's frames.
+        """Return the input port for the poses of a source's frames.
 
         Raises RuntimeError if the source is not registered.
         """
@@ -363,18 +362,18 @@ class SceneGraph(Attaching, Configured, OlderNames):
         return SourcePosePort(source_id)
 
     def get_query_output_port(self) -> QueryPort:
-        """Return the port that gives the query object of a context."""
+        """Return the output port for the query object of a context."""
         return QueryPort()
 
     def get_pose_bundle_output_port(self) -> PoseBundlePort:
-        """Return the port that gives the poses of a context's frames, for a visualiser."""
+        """Return the output port for the poses of a context's frames, for a visualiser."""
         return PoseBundlePort()
 
 
 def _register_geometry(
     on: SceneContent, source_id: SourceId, parent: FrameId | GeometryId, instance: GeometryInstance
 ) -> GeometryId:
-    """Register a geometry in a model, and with its filters if it has the proximity role."""
+    """Register a geometry in a model, and in its filters if it has the proximity role."""
     record = on.model.register_geometry(source_id, parent, instance)
     if record.proximity is not None:
         _add_to_filters(on, record)
@@ -382,10 +381,10 @@ def _register_geometry(
 
 
 def _add_to_filters(on: SceneContent, record: GeometryRecord) -> None:
-    """Make a geometry that has got the proximity role known to the filters."""
+    """Add a geometry that got the proximity role to the filters."""
     key, frame = record.id.get_value(), record.frame_id
     on.filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
 
 
-# ``scalar_templates`` adds what it is of AutoDiffXd.
+# ``scalar_templates`` adds the instantiation for AutoDiffXd.
 SceneGraph_ = ScalarTemplate(SceneGraph)
