@@ -1,4 +1,4 @@
-"""What a renderer shows of a model, as arrays: made once a version, posed for every image."""
+"""Arrays of a renderer's geometry: packed once per version of a model, posed for every image."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Colours of frames where nobody gave any: of one lightness, the world's the palest.
+# Default colours of frames, of equal lightness; that of the world is the palest.
 _PALETTE = tuple(
     Rgba(r, g, b)
     for r, g, b in (
@@ -40,7 +40,7 @@ _PALETTE = tuple(
 
 
 class PlacedBodies(NamedTuple):
-    """Where bodies are in World, and which of them are anywhere."""
+    """Poses of bodies in World, and the mask of those that have one."""
 
     R_WGs: Floats  # (n, 3, 3)
     p_WGs: Floats  # (n, 3) [m]
@@ -48,7 +48,7 @@ class PlacedBodies(NamedTuple):
 
 
 class Packed(NamedTuple):
-    """The bodies that a renderer shows, by ascending id, and where they are fixed.
+    """The bodies that a renderer shows, by ascending id, and their poses in frames.
 
     Each ball of a PointCloud is a body of its own, under the same id.
     """
@@ -63,9 +63,9 @@ class Packed(NamedTuple):
     bodies: Bodies
 
     def placed_in(self, world: World) -> PlacedBodies:
-        """Return where the bodies are in a world.
+        """Return the poses of the bodies in a world.
 
-        Raises GeometryError for one that is too far for images.
+        Raises GeometryError for one that is too far away for images.
         """
         world.update()
         R_WFs, p_WFs = world.R_WFs[self.frames], world.p_WFs[self.frames]
@@ -81,10 +81,10 @@ class Packed(NamedTuple):
 
 
 def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str) -> Packed:
-    """Return what a renderer shows of a model.
+    """Return the bodies of a model that a renderer shows.
 
-    Raises GeometryError, naming the geometry, for a label or a colour that is none, a geometry
-    that has no label where it must, a shape that images do not show, and sizes beyond them.
+    Raises GeometryError with the geometry's name for an invalid label or colour, a missing label
+    that is required, a shape that cannot be rendered, and sizes beyond the limits of images.
     """
     shown = [record for record in model.geometries.values() if record.has_role(params.role)]
     records = sorted(
@@ -92,8 +92,9 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
         key=lambda record: record.id,
     )
     rows = {frame: row for row, frame in enumerate(model.frames)}
-    given = [_label(record, params) for record in records]
-    labels = np.array(_numbered(given) if params.number_geometries else given, dtype=np.int16)
+    own_labels = [_label(record, params) for record in records]
+    all_labels = _numbered(own_labels) if params.number_geometries else own_labels
+    labels = np.array(all_labels, dtype=np.int16)
     kinds = np.array([_kind(record) for record in records], dtype=np.int64)
     shapes = np.array([_sizes(record) for record in records]).reshape(-1, 3)
     colours = np.array([_colour(r, params, rows[r.frame_id]) for r in records]).reshape(-1, 3)
@@ -103,7 +104,7 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
     places = [_places(record) for record in records]
     of = np.repeat(np.arange(len(records)), list(map(len, places)))  # the record of each body
     p_GBs = np.concatenate([np.zeros((0, 3)), *places])
-    # What has several bodies has no facets.
+    # Geometries of several bodies have no facets.
     of_vertices, of_faces = (
         np.array([len(part) for part in parts], dtype=np.int64)[of]
         for parts in ([m.vertices for m in meshes], [m.triangles for m in meshes])
@@ -141,7 +142,7 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
 
 
 def _property(record: GeometryRecord, roles: tuple[Role, ...], group: str, name: str) -> Any:
-    """Return a property of the first of the roles that has it, or None."""
+    """Return a property from the first role that has it, or None."""
     for role in roles:
         properties: GeometryProperties | None = record.properties(role)
         if properties is not None and properties.HasProperty(group, name):
@@ -150,7 +151,7 @@ def _property(record: GeometryRecord, roles: tuple[Role, ...], group: str, name:
 
 
 def _accepts(record: GeometryRecord, role: Role, renderer_name: str) -> bool:
-    """Return whether ('renderer', 'accepting') allows a renderer: a name, or several."""
+    """Return whether ('renderer', 'accepting'), one or several names, allows a renderer."""
     accepting = _property(record, (role,), 'renderer', 'accepting')
     if accepting is None:
         return True
@@ -158,7 +159,7 @@ def _accepts(record: GeometryRecord, role: Role, renderer_name: str) -> bool:
 
 
 def _label(record: GeometryRecord, params: RenderEngineExactParams) -> int:
-    """Return the label of a geometry, the default where it has none."""
+    """Return the label of a geometry, or the default."""
     label = _property(record, (params.role, Role.kPerception), 'label', 'id')
     if label is None:
         if params.default_label == RenderLabel.kUnspecified and not params.number_geometries:
@@ -174,23 +175,23 @@ def _label(record: GeometryRecord, params: RenderEngineExactParams) -> int:
     return int(label)
 
 
-def _numbered(given: list[int]) -> list[int]:
-    """Return labels in which what has none of its own got the lowest that are free, from 1."""
-    taken = set(given)
+def _numbered(labels: list[int]) -> list[int]:
+    """Return labels with the lowest free numbers, from 1, in place of default ones."""
+    taken = set(labels)
     free = (n for n in range(1, RenderLabel.kMaxUnreserved + 1) if n not in taken)
     without = int(RenderLabel.kDontCare), int(RenderLabel.kUnspecified)
-    return [next(free, without[0]) if label in without else label for label in given]
+    return [next(free, without[0]) if label in without else label for label in labels]
 
 
 def _looks(record: GeometryRecord, role: Role, name: str) -> Any:
-    """Return what a geometry has as ('phong', name), or None."""
-    # What has a part in distances only has no colour in that role.
+    """Return the property ('phong', name) of a geometry, or None."""
+    # Proximity properties have no colour, so those of other roles are used.
     others = (Role.kPerception, Role.kIllustration) if role is Role.kProximity else ()
     return _property(record, (role, *others), 'phong', name)
 
 
 def _colour(record: GeometryRecord, params: RenderEngineExactParams, frame: int) -> Floats:
-    """Return red, green and blue (3,) of a geometry on the frame of a row."""
+    """Return red, green and blue (3,) of a geometry, whose frame is in this row."""
     diffuse = _looks(record, params.role, 'diffuse')
     if diffuse is None:
         diffuse = params.default_diffuse or _PALETTE[frame % len(_PALETTE)]
@@ -217,7 +218,7 @@ def _kind(record: GeometryRecord) -> int:
 
 
 def _places(record: GeometryRecord) -> Floats:
-    """Return where the bodies (k, 3) [m] of a geometry are in it: one, or one for each ball."""
+    """Return the positions (k, 3) [m] of the bodies of a geometry: one, or one for each ball."""
     shape = record.shape
     return shape.positions() if isinstance(shape, PointCloud) else np.zeros((1, 3))
 

@@ -1,4 +1,4 @@
-"""Cameras as pydrake described them in 2020."""
+"""Camera descriptions with pydrake's names of 2020."""
 
 from __future__ import annotations
 
@@ -18,10 +18,9 @@ from drake_geom_ros.sensors import CameraInfo
 
 @dataclass
 class CameraProperties:
-    """A camera by its size [pixels], vertical field of view [rad] and the renderer it asks.
+    """A camera by its size [pixels], vertical field of view [rad] and renderer.
 
-    It sees whatever is farther than a micrometre before it. Values are checked when an image is
-    asked for.
+    It sees surfaces from a distance of a micrometre on. Values are checked when an image is made.
     """
 
     width: int
@@ -38,7 +37,7 @@ class CameraProperties:
 
 @dataclass
 class DepthCameraProperties(CameraProperties):
-    """A depth camera, which tells depths from ``z_near`` to ``z_far`` [m]."""
+    """A depth camera, which measures depths from ``z_near`` to ``z_far`` [m]."""
 
     z_near: float
     z_far: float
@@ -53,5 +52,5 @@ Camera = CameraProperties | ColorRenderCamera | DepthRenderCamera
 
 
 def core_of(camera: Camera) -> RenderCameraCore:
-    """Return what a camera of either description shares with all."""
+    """Return the core of a camera of either description."""
     return camera._core() if isinstance(camera, CameraProperties) else camera.core()

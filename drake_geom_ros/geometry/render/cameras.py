@@ -1,4 +1,4 @@
-"""Cameras: intrinsics, what they clip, where their sensor is, and which renderer they ask."""
+"""Cameras: intrinsics, clipping, pose of the sensor, and renderer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _T = TypeVar('_T')
 
 
 class _Range:
-    """Two depths [m] of which the first is the smaller."""
+    """Two depths [m], the smaller one first."""
 
     __slots__ = ('_far', '_near')
     _near: float
@@ -44,10 +44,11 @@ class _Range:
 
 
 class ClippingRange(_Range):
-    """The depths [m] between which surfaces are seen: those before ``near`` are cut away.
+    """Clipping planes: surfaces at depths [m] from ``near`` to ``far`` are visible.
 
-    Depth is z in the sensor's frame. ``far`` may be infinite. Of another range alone, first or as
-    ``other``, it is a copy, as all classes here. Raises RuntimeError unless 0 < near < far.
+    Depth is z in the sensor's frame. ``far`` may be infinite. As for all classes here, another
+    range as the only argument, first or as ``other``, is copied. Raises RuntimeError unless
+    0 < near < far.
     """
 
     __slots__ = ()
@@ -62,19 +63,19 @@ class ClippingRange(_Range):
         self._take(near, far, other)
 
     def near(self) -> float:
-        """Return the least depth [m] that is seen."""
+        """Return the smallest visible depth [m]."""
         return self._near
 
     def far(self) -> float:
-        """Return the largest depth [m] that is seen."""
+        """Return the largest visible depth [m]."""
         return self._far
 
 
 class DepthRange(_Range):
-    """The depths [m] that a depth image tells: 0 stands for less, infinity for more.
+    """Range of depths [m] in a depth image, which has 0 below it and infinity above.
 
-    The keywords are pydrake's: ``min_in`` is the least depth [m], ``min_out`` the largest. Raises
-    RuntimeError unless 0 < min_in < min_out.
+    The keywords are pydrake's: ``min_in`` is the smallest depth [m], ``min_out`` the largest.
+    Raises RuntimeError unless 0 < min_in < min_out.
     """
 
     __slots__ = ()
@@ -90,16 +91,16 @@ class DepthRange(_Range):
         self._take(min_in, min_out, other)
 
     def min_depth(self) -> float:
-        """Return the least depth [m] that is told."""
+        """Return the smallest measured depth [m]."""
         return self._near
 
     def max_depth(self) -> float:
-        """Return the largest depth [m] that is told."""
+        """Return the largest measured depth [m]."""
         return self._far
 
 
 class RenderCameraCore:
-    """What colour and depth cameras share.
+    """Common part of colour and depth cameras.
 
     ``X_BS`` is the pose of the sensor S in the camera's body B: with the identity the camera
     looks along +z of its body.
@@ -131,7 +132,7 @@ class RenderCameraCore:
         self._X_BS = RigidTransform(X)
 
     def renderer_name(self) -> str:
-        """Return the name of the renderer that the camera asks."""
+        """Return the name of the camera's renderer."""
         return self._renderer_name
 
     def intrinsics(self) -> CameraInfo:
@@ -139,7 +140,7 @@ class RenderCameraCore:
         return self._intrinsics
 
     def clipping(self) -> ClippingRange:
-        """Return the depths between which surfaces are seen."""
+        """Return the range of visible depths."""
         return self._clipping
 
     def sensor_pose_in_camera_body(self) -> RigidTransform:
@@ -208,12 +209,12 @@ class DepthRenderCamera:
         return self._core
 
     def depth_range(self) -> DepthRange:
-        """Return the depths that images tell."""
+        """Return the range of measured depths."""
         return self._depth_range
 
 
 def refuse_window(show_window: bool) -> None:
-    """Raise RuntimeError where a window is asked for."""
+    """Raise RuntimeError if a window is requested, since there is none."""
     if show_window:
         raise ArgumentError(
             'show_window = True was asked for, and images are made without a screen: look at the '
@@ -232,9 +233,9 @@ def _number(camera: object, value: Any) -> float:
 
 
 def _copied(camera: _T, other: Any, first: Any, *rest: Any) -> _T | None:
-    """Return what is to be copied: ``other``, or a first argument of the same class; or None.
+    """Return the camera to copy, ``other`` or a first argument of the same class, or None.
 
-    Raises RuntimeError where anything else is given beside it.
+    Raises RuntimeError if there are other arguments beside it.
     """
     same = first if isinstance(first, type(camera)) else other
     if same is None:

@@ -1,4 +1,4 @@
-"""The renderer that needs no graphics library: closed forms of rays, in compiled code."""
+"""``RenderEngineExact``: a ray casting renderer in compiled code, without a graphics library."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ if TYPE_CHECKING:
 
 
 def MakeRenderEngineExact(params: RenderEngineExactParams | None = None) -> RenderEngineExact:
-    """Return a renderer that computes every pixel's ray; it needs no graphics library."""
+    """Return a renderer that intersects the ray of each pixel, without a graphics library."""
     return RenderEngineExact(params or RenderEngineExactParams())
 
 
 class RenderEngineExact(RenderEngine):
-    """Shows each pixel the nearest surface along its ray, to rounding.
+    """Renderer of the nearest surface along the ray of each pixel, exact within rounding.
 
-    Primitives are met by the closed form of a ray, meshes by their own triangles, from both sides:
-    a camera within a body sees it from inside. Colours are opaque, lit from the camera and from
-    above. Images of the same scene are the same to the last bit.
+    Rays intersect primitives in closed form, and the triangles of meshes, from both sides: a
+    camera inside a body sees its inner side. Colours are opaque, lit from the camera and from
+    above. Images of the same scene are equal to the last bit.
     """
 
     def __init__(self, params: RenderEngineExactParams) -> None:
         self._params = params
 
     def parameters(self) -> RenderEngineExactParams:
-        """Return what the engine was made with."""
+        """Return the parameters of the engine."""
         return self._params
 
     def default_render_label(self) -> RenderLabel:
-        """Return the label of geometry that has none of its own."""
+        """Return the default label of geometry."""
         return self._params.default_label
 
     def _shown(self) -> RenderEngineExactParams:
@@ -52,7 +52,7 @@ class RenderEngineExact(RenderEngine):
         want: frozenset[str],
     ) -> RenderedImages:
         """Return the images whose names are in ``want``."""
-        # Only here: who makes no images imports nothing that does.
+        # Imported here: only images need it.
         from drake_geom_ros.geometry._rendering.drawing import (
             Lens,
             Shading,

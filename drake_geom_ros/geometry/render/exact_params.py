@@ -1,4 +1,4 @@
-"""How a renderer shows a scene: labels, colours, edges, samples, role."""
+"""``RenderEngineExactParams``: labels, colours, edges, samples and role of a renderer."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ _MOST_SAMPLES = 8  # along each side of a pixel
 
 @dataclass(frozen=True)
 class RenderEngineExactParams:
-    """How an exact renderer shows a scene.
+    """Parameters of an exact renderer.
 
     - ``default_label``: of geometry without ('label', 'id'); kUnspecified refuses such geometry.
-    - ``number_geometries``: geometry without a label gets one instead, the lowest that is free,
-      in the order of ids; ``QueryObject.render_legend`` tells them.
-    - ``default_diffuse``: the colour of what names none; None gives each frame a colour.
-    - ``default_clear_color``: that of nothing.
+    - ``number_geometries``: geometry without a label gets the lowest free one instead, in the
+      order of ids; ``QueryObject.render_legend`` returns them.
+    - ``default_diffuse``: of geometry without a colour; None selects a colour for each frame.
+    - ``default_clear_color``: of the background.
     - ``color_samples``: samples along each side of a pixel of colour images, from 1 to 8; depth
-      and label are those of the pixel's middle.
+      and label are those of the pixel's centre.
     - ``edges``: draw edges dark.
-    - ``role``: which geometry is seen; with kProximity that which distances are measured of.
+    - ``role``: of the visible geometry; kProximity shows the geometry of distance queries.
     """
 
     default_label: RenderLabel = RenderLabel.kDontCare

@@ -1,4 +1,4 @@
-"""What all renderers are."""
+"""``RenderEngine``: the base class of renderers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class RenderedImages(NamedTuple):
-    """Images of one moment, of one camera; None what was not asked for."""
+    """Images of one moment and one camera; None for those not requested."""
 
     color: ImageRgba8U | None
     depth: ImageDepth32F | None
@@ -24,23 +24,23 @@ class RenderedImages(NamedTuple):
 
 
 class RenderEngine(ABC):
-    """Makes images of the geometry with the perception role; a scene graph holds it by a name.
+    """Renderer of the geometry with the perception role, which a scene graph stores by name.
 
-    Made by ``MakeRenderEngineExact`` or ``MakeRenderEngineVtk``. It never changes, so that scenes
-    and contexts share it.
+    ``MakeRenderEngineExact`` and ``MakeRenderEngineVtk`` make one. It is immutable, so scenes and
+    contexts share it.
     """
 
     def Clone(self) -> RenderEngine:
-        """Return an engine that does the same: this one."""
+        """Return this engine, since it is immutable."""
         return self
 
     @abstractmethod
     def default_render_label(self) -> RenderLabel:
-        """Return the label of geometry that has none of its own."""
+        """Return the default label of geometry."""
 
     @abstractmethod
     def _shown(self) -> RenderEngineExactParams:
-        """Return what says which geometry is shown, and how it is labelled and coloured."""
+        """Return the parameters that select, label and colour the geometry."""
 
     @abstractmethod
     def _render(
@@ -56,7 +56,7 @@ class RenderEngine(ABC):
 
 
 def shown_by(engine: RenderEngine) -> RenderEngineExactParams:
-    """Return what says which geometry an engine shows, and how it is labelled and coloured."""
+    """Return the parameters by which an engine selects, labels and colours geometry."""
     return engine._shown()
 
 

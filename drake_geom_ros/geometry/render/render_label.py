@@ -1,4 +1,4 @@
-"""The labels that a label image holds."""
+"""``RenderLabel``: the labels in a label image."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
 
-# Drake's: the largest numbers of 16 bits are reserved.
+# As in Drake, the largest numbers of 16 bits are reserved.
 _EMPTY, _DO_NOT_RENDER, _DONT_CARE, _UNSPECIFIED = 32766, 32765, 32764, 32767
 _RESERVED = {
     _EMPTY: 'kEmpty',
@@ -17,13 +17,14 @@ _RESERVED = {
 
 
 class RenderLabel:
-    """What a pixel shows: a number from 0 to ``kMaxUnreserved``, or one of four reserved ones.
+    """Label of a pixel: a number from 0 to ``kMaxUnreserved``, or one of four reserved ones.
 
-    ``kEmpty`` is nothing; ``kDontCare`` something without a label of its own; a geometry of the
-    label ``kDoNotRender`` is left out of label images, which show what is behind it;
-    ``kUnspecified``, as the default of an engine, refuses geometries without a label.
+    - ``kEmpty``: the background;
+    - ``kDontCare``: geometry without its own label;
+    - ``kDoNotRender``: geometry that label images leave out, so that they show what is behind it;
+    - ``kUnspecified``: as the default of an engine, refuses geometry without a label.
 
-    Raises RuntimeError for a number that is reserved or outside.
+    Raises RuntimeError for a number that is reserved or out of range.
     """
 
     __slots__ = ('_value',)
@@ -52,7 +53,7 @@ class RenderLabel:
         return label
 
     def is_reserved(self) -> bool:
-        """Return whether the label is one of the four with a meaning of their own."""
+        """Return whether the label is one of the four reserved ones."""
         return self._value > self.kMaxUnreserved
 
     def __int__(self) -> int:

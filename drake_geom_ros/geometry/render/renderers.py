@@ -1,4 +1,4 @@
-"""The renderers of a model: who may be asked for images, by name."""
+"""Registry of the renderers of a model, by name."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from drake_geom_ros.geometry.render.render_engine import RenderEngine
 
 
 class Renderers:
-    """Adds and removes renderers of a model, and finds them."""
+    """Adds, removes and looks up the renderers of a model."""
 
     def __init__(self, model: Model) -> None:
-        # ``add`` alone puts renderers there.
+        # Only ``add`` puts renderers there, so the type is known.
         self._named = cast(dict[str, RenderEngine], model.renderers)
 
     def add(self, name: str, renderer: RenderEngine) -> None:
@@ -35,15 +35,15 @@ class Renderers:
         self._named[name] = renderer
 
     def remove(self, name: str) -> None:
-        """Remove a renderer; raises GeometryError where there is none of this name."""
+        """Remove a renderer; raises GeometryError if there is none of this name."""
         self.find(name, 'RemoveRenderer')
         del self._named[name]
 
     def find(self, name: str, what: str) -> RenderEngine:
-        """Return the renderer of a name; raises GeometryError, naming those that there are."""
+        """Return a renderer by name; raises GeometryError with the existing names."""
         if name not in self._named:
-            known = f'there are {sorted(self._named)}' if self._named else 'there is none'
+            existing = f'there are {sorted(self._named)}' if self._named else 'there is none'
             raise GeometryError(
-                f'{what}: there is no renderer {name!r}, {known}; see SceneGraph.AddRenderer'
+                f'{what}: there is no renderer {name!r}, {existing}; see SceneGraph.AddRenderer'
             )
         return self._named[name]

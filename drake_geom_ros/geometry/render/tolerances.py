@@ -1,6 +1,6 @@
-"""The limits of images; those of the arithmetic stand in ``geometry/_rendering/tolerances.py``."""
+"""Limits of images; those of the arithmetic are in ``geometry/_rendering/tolerances.py``."""
 
-# Least depth [m] that a camera without a clipping range sees. Depths are computed, not taken from
-# a buffer of few bits, so that it costs no accuracy; it is not 0, for a camera that stands on a
-# surface does not see it.
+# Smallest visible depth [m] of a camera without a clipping range. Depths are computed, not read
+# from a buffer of few bits, so a small value costs no accuracy. It is not 0, so that a camera on a
+# surface does not see that surface.
 NEAREST_SURFACE = 1e-6

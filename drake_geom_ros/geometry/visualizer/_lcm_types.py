@@ -1,9 +1,9 @@
-"""LCM's type system, as far as Drake's visualiser needs it: fingerprints and encoding.
+"""Part of LCM's type system that Drake's visualiser needs: fingerprints and encoding.
 
-Types are written down as tables and not generated, for encoding is a dozen lines and then needs no
-library. The fingerprint, by which a listener knows that it has the same definition, is that of
-LCM's "type specification": it is made of the names and the types of the members, and not of the
-name of the type or its package. Numbers are big-endian.
+Types are tables and not generated code: encoding takes a dozen lines and no library. A listener
+compares the fingerprint to detect other definitions. As in LCM's "type specification" it depends
+on the names and types of the members, not on the name of the type or its package. Numbers are
+big-endian.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-_START = 0x12345678  # of every fingerprint
+_START = 0x12345678  # initial value of every fingerprint
 _BITS = 64
 _MASK = (1 << _BITS) - 1
-_CONSTANT, _VARIABLE = 0, 1  # what the size of an array is
+_CONSTANT, _VARIABLE = 0, 1  # kinds of array sizes
 _NUMBERS = {'int8_t': '>i1', 'int32_t': '>i4', 'int64_t': '>i8', 'float': '>f4'}
 
 
@@ -34,14 +34,14 @@ class TypeMember:
 
 @dataclass(frozen=True, eq=False)
 class LcmType:
-    """A type, by its members in their order."""
+    """A message type: its members in order."""
 
     name: str
     members: tuple[TypeMember, ...]
 
     @cached_property
     def fingerprint(self) -> int:
-        """The number (64 bits, unsigned) that all messages of the type begin with."""
+        """The number (64 bits, unsigned) at the beginning of all messages of the type."""
         value = _START
         for member in self.members:
             value = _with_text(value, member.name)
@@ -65,7 +65,7 @@ class LcmType:
 
 
 def _encoded(member: TypeMember, value: Any) -> bytes:
-    """Return a member in bytes; an array's size is told by another member."""
+    """Return a member as bytes, without the size of an array, which is another member."""
     if isinstance(member.kind, LcmType):
         return b''.join(member.kind._body(each) for each in value)
     if member.kind == 'string':
@@ -75,13 +75,13 @@ def _encoded(member: TypeMember, value: Any) -> bytes:
 
 
 def _text(text: str) -> bytes:
-    """Return a text: its size, itself, and a zero, which the size counts."""
+    """Return the bytes of a text: its size, its characters, and a zero, included in the size."""
     data = text.encode() + b'\0'
     return struct.pack('>i', len(data)) + data
 
 
 def _with(value: int, byte: int) -> int:
-    """Return a fingerprint with a byte more; the shift to the right keeps the sign."""
+    """Return a fingerprint with one more byte; the shift to the right is arithmetic."""
     signed = value - (1 << _BITS if value >> (_BITS - 1) else 0)
     return (((value << 8) ^ (signed >> 55)) + byte) & _MASK
 

@@ -1,6 +1,6 @@
-"""The messages of Drake's visualiser: a scene to be loaded, and where its frames are.
+"""Messages of Drake's visualiser: a scene to load, and the poses of its frames.
 
-The layout is that of Drake's ``lcmt_viewer_*``; a listener does not see what types are called.
+The layout is that of Drake's ``lcmt_viewer_*``; names of types are not transmitted.
 """
 
 from __future__ import annotations
@@ -73,23 +73,23 @@ DRAW = LcmType(
     ),
 )
 
-# Larger ones are lost in a receive buffer of the size that Linux gives by default.
+# Larger ones do not fit the receive buffer that Linux has by default, and are lost.
 MOST_BYTES = 180_000
 _MILLISECONDS = 1000.0  # in a second
 _BOX, _SPHERE, _CYLINDER, _MESH, _CAPSULE, _ELLIPSOID = 1, 2, 3, 4, 5, 6
 _GREY = (0.9, 0.9, 0.9, 1.0)
-# What stands for a half space, as in Drake: a box whose top is the plane.
+# A box represents a half space, as in Drake; its top is the plane.
 _WIDE, _THICK = 50.0, 1.0  # [m]
 _FILES = ('.obj', '.gltf')  # that the visualiser reads itself
 
 
 def load_message(inspector: SceneGraphInspector, role: Role) -> tuple[bytes, list[str]]:
-    """Return the message that loads a scene, and what is not drawn as it is, in words.
+    """Return the message that loads a scene, and warnings for geometries that it changes.
 
-    Meshes go by their file where the visualiser can read it, else triangle by triangle; where the
-    message would be lost for its size, those with the most triangles become boxes around them.
+    A mesh is sent as its file if the visualiser can read that, else as triangles. If the message
+    would be lost because of its size, the meshes with the most triangles become bounding boxes.
     """
-    told: list[str] = []
+    messages: list[str] = []
     world = Link(inspector.world_frame_id(), 'world', 0)
     links: list[Fields] = []
     geometries: list[tuple[GeometryId, Fields]] = []
@@ -99,20 +99,20 @@ def load_message(inspector: SceneGraphInspector, role: Role) -> tuple[bytes, lis
             try:
                 own.append((geometry, _geometry_data(inspector, geometry, role)))
             except (GeometryError, OSError) as error:
-                told.append(f'{inspector.GetName(geometry)} is not drawn: {error}')
+                messages.append(f'{inspector.GetName(geometry)} is not drawn: {error}')
         geometries += own
         data = [fields for _, fields in own]
         links.append(
             {'name': link.name, 'robot_num': link.group, 'num_geom': len(data), 'geom': data}
         )
-    told += _made_smaller(inspector, role, geometries, _size(links))
+    messages += _made_smaller(inspector, role, geometries, _size(links))
     message = LOAD_ROBOT.encoded({'num_links': len(links), 'link': links})
     if len(message) > MOST_BYTES:
-        told.append(
+        messages.append(
             f'the load message has {len(message)} bytes; above {MOST_BYTES} it is lost unless '
             'the listener has a larger receive buffer (sysctl net.core.rmem_default)'
         )
-    return message, told
+    return message, messages
 
 
 def _size(links: list[Fields]) -> int:
@@ -125,8 +125,8 @@ def _made_smaller(
     geometries: list[tuple[GeometryId, Fields]],
     size: int,
 ) -> list[str]:
-    """Turn the largest meshes into boxes until the message is small enough; tell of each."""
-    told = []
+    """Replace the largest meshes by boxes until the message is small enough; return warnings."""
+    messages = []
     meshes = [(g, fields) for g, fields in geometries if fields['type'] == _MESH]
     for geometry, fields in sorted(meshes, key=lambda each: -each[1]['num_float_data']):
         if size <= MOST_BYTES:
@@ -138,8 +138,8 @@ def _made_smaller(
         X_FG = inspector.GetPoseInFrame(geometry) @ obb.pose()
         fields.update(_data(_BOX, numbers, X_FG, fields['color']))
         size -= 4 * (before - len(numbers))
-        told.append(f'{inspector.GetName(geometry)} is drawn as a box: too many triangles')
-    return told
+        messages.append(f'{inspector.GetName(geometry)} is drawn as a box: too many triangles')
+    return messages
 
 
 def _geometry_data(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> Fields:
@@ -184,7 +184,7 @@ def _numbers(shape: Shape) -> tuple[int, list[float]]:
 
 
 def _mesh_data(shape: Convex | Mesh, whole: bool, X_FG: RigidTransform, colour: Any) -> Fields:
-    """Return a mesh: ``whole`` as it is, else as the hull that queries see."""
+    """Return a mesh: its own surface if ``whole``, else its hull as in queries."""
     own = whole and isinstance(shape, Mesh)
     if own and shape.mesh_data() is None:
         path = Path(shape.filename())
@@ -219,12 +219,12 @@ def _position_and_wxyz(X: RigidTransform) -> tuple[Floats, Floats]:
 
 
 def draw_messages(query: QueryObject, links: list[Link], time: float) -> list[bytes]:
-    """Return the messages that place links at a time [s]; those without a pose are left out."""
+    """Return the messages with the poses of links at a time [s], without those that have none."""
     placed = [link for link in links if query.is_placed(link.frame)]
     if not placed:
         return [_draw([], [], time)]
     poses = [_position_and_wxyz(query.X_WF(link.frame)) for link in placed]
-    # One message may tell of some links only, so that large scenes need several.
+    # A message may have some of the links only, so large scenes need several.
     bytes_each = max(1, len(_draw(placed, poses, time)) // len(placed))
     count = max(1, MOST_BYTES // (2 * bytes_each))
     return [

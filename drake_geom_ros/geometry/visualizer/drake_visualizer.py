@@ -1,4 +1,4 @@
-"""Drake's visualiser by LCM, without the systems framework: load messages and draw messages."""
+"""``DrakeVisualizer`` without the systems framework: sends load and draw messages by LCM."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def DispatchLoadMessage(
 ) -> None:
     """Send the geometry with a role to Drake's visualiser, on DRAKE_VIEWER_LOAD_ROBOT.
 
-    ``lcm`` is an ``lcm.LCM`` of the library, a ``pydrake.lcm.DrakeLcm``, or whatever publishes
-    bytes on a channel. What cannot be drawn as it is is told as a warning.
+    ``lcm`` is an ``lcm.LCM`` of the library, a ``pydrake.lcm.DrakeLcm``, or any object that
+    publishes bytes on a channel. Warns of geometry that cannot be drawn as it is.
     """
     checked_type(scene_graph, SceneGraph, 'DispatchLoadMessage: scene_graph')
     checked_type(role, Role, 'DispatchLoadMessage: role')
@@ -35,15 +35,15 @@ def DispatchLoadMessage(
 
 
 def send_load(inspector: SceneGraphInspector, lcm: Any, role: Role) -> None:
-    """Send what DispatchLoadMessage sends, of the model that an inspector sees."""
-    message, told = load_message(inspector, role)
-    for text in told:
+    """Send the message of DispatchLoadMessage for the model of an inspector."""
+    message, texts = load_message(inspector, role)
+    for text in texts:
         warnings.warn(text, stacklevel=3)
     _publish(lcm, _LOAD, message)
 
 
 class DrakeVisualizerPublisher:
-    """Sends a scene to Drake's visualiser; comes from ``ConnectDrakeVisualizer``."""
+    """Sends a scene to Drake's visualiser; ``ConnectDrakeVisualizer`` returns it."""
 
     def __init__(self, lcm: Any, role: Role) -> None:
         self._lcm = lcm
@@ -53,16 +53,16 @@ class DrakeVisualizerPublisher:
         self._loaded: _Loaded | None = None
 
     def set_publish_period(self, period: float) -> None:
-        """Set the least simulated time [s] between two draws; 0: each call draws."""
+        """Set the minimum simulated time [s] between two draws; with 0 each call draws."""
         if not period >= 0.0:
             raise ArgumentError(f'set_publish_period: period = {period} must be seconds >= 0')
         self._period = float(period)
 
     def Publish(self, context: SceneGraphContext, time: float) -> bool:
-        """Draw a context as it is at a simulated time [s], if that is due, and return whether.
+        """Draw a context at a simulated time [s] if a draw is due, and return whether it was.
 
-        The scene is loaded first where it has not been since it changed, and again where time has
-        gone back: a simulation begins anew.
+        The scene is loaded first if it has changed since, and again if the time has gone back, as
+        for a restarted simulation.
         """
         checked_type(context, SceneGraphContext, 'Publish: context')
         query = QueryObject(context)
@@ -82,14 +82,14 @@ class DrakeVisualizerPublisher:
 
 
 class _Loaded:
-    """What the visualiser was told of a scene."""
+    """The links of a scene that the visualiser has loaded, and the version of the model."""
 
     def __init__(self, inspector: SceneGraphInspector, role: Role) -> None:
         self._version = model_version(inspector)
         self.links = links_of(inspector, role)
 
     def is_of(self, inspector: SceneGraphInspector) -> bool:
-        """Return whether nothing has changed since; filters do not count."""
+        """Return whether the model is unchanged since; filters do not count."""
         return self._version == model_version(inspector)
 
 
@@ -101,12 +101,12 @@ def ConnectDrakeVisualizer(
     role: Role = Role.kIllustration,
     pose_bundle_output_port: PoseBundlePort | None = None,
 ) -> DrakeVisualizerPublisher:
-    """Return what sends a scene to Drake's visualiser each time its ``Publish`` is called.
+    """Return a publisher that sends a scene to Drake's visualiser at each call of ``Publish``.
 
-    ``builder`` must be None: there is no diagram here, and so nobody who calls by itself. After
+    ``builder`` must be None: without diagrams, nothing calls ``Publish`` by itself. After
     ``scene_graph`` follow, as in pydrake, ``lcm`` (None: one of the library ``lcm``, with its
     default network) and ``role``, or before them the ``pose_bundle_output_port`` of the scene
-    graph. Raises GeometryError for a builder, and where ``lcm`` is needed and not installed.
+    graph. Raises GeometryError for a builder, and if ``lcm`` is needed and not installed.
     """
     if builder is not None:
         raise GeometryError(
@@ -115,22 +115,22 @@ def ConnectDrakeVisualizer(
             'after each step'
         )
     checked_type(scene_graph, SceneGraph, 'ConnectDrakeVisualizer: scene_graph')
-    given = list(args)
-    if given and isinstance(given[0], PoseBundlePort):
-        pose_bundle_output_port = given.pop(0)
+    rest = list(args)
+    if rest and isinstance(rest[0], PoseBundlePort):
+        pose_bundle_output_port = rest.pop(0)
     if pose_bundle_output_port is not None:
         checked_type(pose_bundle_output_port, PoseBundlePort, 'pose_bundle_output_port')
-    if len(given) > 2:
+    if len(rest) > 2:
         raise ArgumentTypeError(f'ConnectDrakeVisualizer: {len(args) + 2} arguments are too many')
-    lcm = given[0] if given else lcm
-    role = checked_type(given[1] if len(given) > 1 else role, Role, 'role')
+    lcm = rest[0] if rest else lcm
+    role = checked_type(rest[1] if len(rest) > 1 else role, Role, 'role')
     return DrakeVisualizerPublisher(open_lcm() if lcm is None else lcm, role)
 
 
 def open_lcm(url: str = '') -> Any:
-    """Return an ``lcm.LCM`` of a URL (empty: the library's default).
+    """Return an ``lcm.LCM`` for a URL (empty: the library's default).
 
-    Raises GeometryError where the library is not installed or the network cannot be used.
+    Raises GeometryError if the library is not installed or the network cannot be used.
     """
     try:
         import lcm
@@ -150,6 +150,6 @@ def open_lcm(url: str = '') -> Any:
 
 
 def _publish(lcm: Any, channel: str, message: bytes) -> None:
-    """Send by the library lcm, or by pydrake's DrakeLcm."""
+    """Publish a message with the library lcm, or with pydrake's DrakeLcm."""
     send = lcm.publish if hasattr(lcm, 'publish') else lcm.Publish
     send(channel, message)

@@ -1,4 +1,4 @@
-"""The renderer of a graphics library: textures, glTF and light, by VTK, an extra."""
+"""``RenderEngineVtk``: a renderer with textures, glTF and light, by the optional VTK."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ if TYPE_CHECKING:
     from drake_geom_ros.geometry.render._packing import Packed, PlacedBodies
     from drake_geom_ros.geometry.render.vtk.stage import Stage
 
-_MOST_STAGES = 4  # scenes whose actors are kept, each with a context of its own
-_LARGEST = 16384  # [pixels] a side, beyond which no driver has images
+_MOST_STAGES = 4  # scenes whose actors are cached, each with its own context
+_LARGEST = 16384  # [pixels] a side, the limit of drivers
 
 
 @dataclass(frozen=True)
 class RenderEngineVtkParams:
-    """How a renderer by VTK shows a scene: the geometry with the perception role.
+    """Parameters of a renderer by VTK, which shows the geometry with the perception role.
 
     - ``default_label``: of geometry without ('label', 'id'); kUnspecified refuses such geometry.
-    - ``default_diffuse``: the colour of what names none.
-    - ``default_clear_color``: that of nothing.
+    - ``default_diffuse``: of geometry without a colour.
+    - ``default_clear_color``: of the background.
     """
 
     default_label: RenderLabel = RenderLabel.kDontCare
@@ -45,7 +45,7 @@ class RenderEngineVtkParams:
         self._shown()
 
     def _shown(self) -> RenderEngineExactParams:
-        """Return what says which geometry is shown, and how it is named."""
+        """Return the parameters that select, label and colour the geometry."""
         return RenderEngineExactParams(
             default_label=self.default_label,
             default_diffuse=self.default_diffuse,
@@ -56,9 +56,9 @@ class RenderEngineVtkParams:
 def MakeRenderEngineVtk(params: RenderEngineVtkParams | None = None) -> RenderEngineVtk:
     """Return a renderer by VTK, which shows textures and glTF materials.
 
-    Raises GeometryError, naming what to install, where VTK is missing or cannot draw.
+    Raises GeometryError, with the packages to install, if VTK is missing or cannot draw.
     """
-    # Only here: who makes no images imports nothing that does.
+    # Imported here: only images need it.
     from drake_geom_ros.geometry.render.vtk.probing import why_not
 
     if reason := why_not():
@@ -67,31 +67,31 @@ def MakeRenderEngineVtk(params: RenderEngineVtkParams | None = None) -> RenderEn
 
 
 class RenderEngineVtk(RenderEngine):
-    """Draws triangles by OpenGL, on a graphics card or without one.
+    """Renderer of triangles by OpenGL, with or without a graphics card.
 
-    Round shapes are tessellated, by 1.2e-3 of a radius; half spaces are plates of 100 m.
-    Colours are lit from the camera; a mesh has the materials of its glTF or .obj file, the texture
-    ('phong', 'diffuse_map'), or that of an image of its name beside it. Depth comes in steps of
-    6e-8 of the farthest surface. One thread owns OpenGL's context; who asks waits for it.
+    Round shapes are tessellated, with an error of 1.2e-3 of a radius; half spaces are plates of
+    100 m. Colours are lit from the camera. A mesh has the materials of its glTF or .obj file, the
+    texture ('phong', 'diffuse_map'), or that of an image with its name beside it. Depth has steps
+    of 6e-8 of the farthest surface. One thread owns OpenGL's context, and calls wait for it.
     """
 
     def __init__(self, params: RenderEngineVtkParams) -> None:
         self._params = params
         self._thread = ThreadPoolExecutor(1, thread_name_prefix='vtk')
-        self._stages: list[Stage] = []  # used by that thread only, the latest last
+        self._stages: list[Stage] = []  # used by that thread only, least recently used first
         self._closing = weakref.finalize(self, _close, self._thread, self._stages)
-        # At the end of the process all of it goes anyway.
+        # At the end of the process everything is released anyway.
         self._closing.atexit = False
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         return RenderEngineVtk, (self._params,)
 
     def parameters(self) -> RenderEngineVtkParams:
-        """Return what the engine was made with."""
+        """Return the parameters of the engine."""
         return self._params
 
     def default_render_label(self) -> RenderLabel:
-        """Return the label of geometry that has none of its own."""
+        """Return the default label of geometry."""
         return self._params.default_label
 
     def _shown(self) -> RenderEngineExactParams:
@@ -130,13 +130,13 @@ class RenderEngineVtk(RenderEngine):
         depth_range: DepthRange | None,
         want: frozenset[str],
     ) -> RenderedImages:
-        """Draw images, in the thread that owns the context."""
+        """Return images, drawn in the thread that owns the context."""
         from drake_geom_ros.geometry.render.vtk.stage import View
 
         stage = self._stage(packed)
         intrinsics, clipping = core.intrinsics(), core.clipping()
         near = clipping.near()
-        # What is seen ends where the last body does, so that depths come in fine steps.
+        # The far plane is at the end of the last body, so that depths have fine steps.
         far = min(clipping.far(), max(1.001 * stage.pose(*posed), 1.001 * near))
         view = View(
             intrinsics.width(),
@@ -161,7 +161,7 @@ class RenderEngineVtk(RenderEngine):
         return RenderedImages(color, depth, label)
 
     def _stage(self, packed: Packed) -> Stage:
-        """Return the actors of a packed scene, made where it is not among the latest."""
+        """Return the actors of a packed scene, made if they are not cached."""
         from drake_geom_ros.geometry.render.vtk.stage import Stage
 
         for stage in self._stages:
@@ -177,7 +177,7 @@ class RenderEngineVtk(RenderEngine):
 
 
 def _close(thread: ThreadPoolExecutor, stages: list[Stage]) -> None:
-    """Give the contexts of an engine back that nobody has any more."""
+    """Release the contexts of an engine that was garbage collected."""
 
     def close() -> None:
         while stages:

@@ -1,4 +1,4 @@
-"""The actors of colour images: with materials, textures and glTF, as far as files have them."""
+"""Actors of colour images, with the materials, textures and glTF of files."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ def actor_of(surface: Any) -> Any:
 
 
 def looks_of(packed: Packed, row: int, surface: Any) -> list[tuple[Any, Floats]]:
-    """Return the actors of a body in colour images, each with where it is in G (4, 4).
+    """Return the actors of a body in colour images, each with its pose (4, 4) in G.
 
-    ``surface`` is what its other images show. Raises GeometryError for a texture that cannot be
-    read.
+    ``surface`` is that of its depth and label images. Raises GeometryError for a texture that
+    cannot be read.
     """
     shape, diffuse_map = packed.shapes[row], packed.diffuse_maps[row]
-    if isinstance(shape, Mesh) and (found := _actors_of_file(shape, diffuse_map)):
+    if isinstance(shape, Mesh) and (file_actors := _actors_of_file(shape, diffuse_map)):
         T_GF = np.diag([*shape.scale3(), 1.0])
         if shape.extension() in _GLTF:
             T_GF = T_GF @ _Y_UP_TO_Z_UP  # as _gltf_file does; scales are along the axes of G
-        return [(actor, T_GF @ _taken_matrix(actor)) for actor in found]
+        return [(actor, T_GF @ _taken_matrix(actor)) for actor in file_actors]
     bodies = packed.bodies
     facets = bodies.facet_colours[slice(*bodies.triangle_starts[row : row + 2].tolist())]
     if len(facets) and facets.min() >= 0.0:
@@ -69,9 +69,9 @@ def looks_of(packed: Packed, row: int, surface: Any) -> list[tuple[Any, Floats]]
 
 
 def _taken_matrix(actor: Any) -> Floats:
-    """Return the matrix (4, 4) of an imported actor, which has none of its own any more."""
-    given = actor.GetMatrix()
-    matrix = np.array([[given.GetElement(i, j) for j in range(4)] for i in range(4)])
+    """Return the matrix (4, 4) of an imported actor, and reset the actor's to the identity."""
+    elements = actor.GetMatrix()
+    matrix = np.array([[elements.GetElement(i, j) for j in range(4)] for i in range(4)])
     actor.SetPosition(0.0, 0.0, 0.0)
     actor.SetOrigin(0.0, 0.0, 0.0)
     actor.SetOrientation(0.0, 0.0, 0.0)
@@ -80,7 +80,7 @@ def _taken_matrix(actor: Any) -> Floats:
 
 
 def _give_texture(actor: Any, file: str) -> None:
-    """Give an actor the image of a file; raises GeometryError for one that cannot be read."""
+    """Set the texture of an actor from a file; raises GeometryError if it cannot be read."""
     reader = None
     if Path(file).is_file():
         reader = vtkImageReader2Factory.CreateImageReader2(file)
@@ -95,11 +95,10 @@ def _give_texture(actor: Any, file: str) -> None:
 
 
 def _actors_of_file(mesh: Mesh, diffuse_map: str) -> list[Any]:
-    """Return the actors of a mesh whose file says how it looks; empty where it says nothing.
+    """Return the actors of a mesh whose file defines its looks, empty for other meshes.
 
-    That is a glTF file, an .obj file with materials, and one for which there is a texture:
-    ``diffuse_map``, or an image of its name beside it. They are unscaled, each where its own
-    matrix puts it.
+    Such files are glTF, .obj with materials, and .obj with a texture: ``diffuse_map``, or an image
+    with its name beside it. Actors are unscaled, each with its own matrix.
     """
     source = mesh.source()
     if source.extension() not in (*_GLTF, '.obj'):
@@ -111,7 +110,7 @@ def _actors_of_file(mesh: Mesh, diffuse_map: str) -> list[Any]:
 
 
 def _written(mesh: InMemoryMesh, folder: Path, source: MeshSource) -> Path:
-    """Write the files of a mesh in memory into a folder; return its own."""
+    """Write the files of a mesh in memory into a folder; return the path of the mesh."""
     for name, file in mesh.supporting_files.items():
         path = (folder / name).resolve()
         if not path.is_relative_to(folder.resolve()):
@@ -145,7 +144,7 @@ def _read(path: Path, diffuse_map: str) -> list[Any]:
 
 
 def _materials(path: Path) -> Path | None:
-    """Return the file of materials that an .obj file names, if it is there."""
+    """Return the file of materials that an .obj file refers to, if it exists."""
     with path.open('rb') as lines:
         for line in lines:
             word, _, name = line.strip().partition(b' ')
@@ -156,19 +155,19 @@ def _materials(path: Path) -> Path | None:
 
 
 def _imported(importer: Any, path: Path) -> list[Any]:
-    """Return the actors that an importer makes of a file."""
-    # It fills a window that nobody draws.
+    """Return the actors that an importer makes from a file."""
+    # The importer needs a window, which is never drawn.
     window, renderer = hidden_window(), vtkRenderer()
     window.AddRenderer(renderer)
     importer.SetRenderWindow(window)
     importer.SetFileName(str(path))
     importer.Update()
     actors = importer.GetImportedActors()
-    found = [actors.GetItemAsObject(k) for k in range(actors.GetNumberOfItems())]
-    for actor in found:
+    imported = [actors.GetItemAsObject(k) for k in range(actors.GetNumberOfItems())]
+    for actor in imported:
         renderer.RemoveActor(actor)
         # As in the other images, a surface is seen from both sides.
         actor.GetProperty().BackfaceCullingOff()
         if actor.GetTexture() is not None:
             actor.GetTexture().Update()  # now: the file may be gone when it is drawn
-    return found
+    return imported

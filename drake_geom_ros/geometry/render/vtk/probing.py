@@ -1,4 +1,4 @@
-"""Whether VTK can draw on this machine: tried in a child, for without its libraries it faults."""
+"""Check that VTK can draw on this machine, in a child, since it crashes without its libraries."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import sys
 
 _PATIENCE = 60.0  # [s] of a first import, from a slow disk
 _TELLING = 'drawn'
-# An empty picture will do: what faults is the making of the context.
+# An empty picture suffices, since the creation of the context is what crashes.
 _PROBE = f"""
 from vtkmodules.vtkRenderingCore import vtkRenderer
 from drake_geom_ros.geometry.render.vtk.windows import hidden_window
@@ -20,16 +20,16 @@ window.AddRenderer(vtkRenderer())
 window.Render()
 print('{_TELLING}' if window.SupportsOpenGL() else 'no OpenGL')
 """
-# Libraries that VTK opens by itself, and Debian's packages of them and of their drivers.
+# Libraries that VTK opens at run time, and the Debian packages of them and of their drivers.
 _LIBRARIES = {'libEGL.so.1': 'libegl1', 'libEGL_mesa.so.0': 'libegl-mesa0'}
 _PACKAGES = 'libegl1 libgl1-mesa-dri'
 
 
 @functools.cache
 def why_not() -> str:
-    """Return why VTK cannot draw here, and what to install; empty where it can.
+    """Return why VTK cannot draw here and what to install, empty if it can.
 
-    Asked once a process: a child tries, which takes about a second.
+    The result is cached for the process. A child tries it, which takes about a second.
     """
     if importlib.util.find_spec('vtkmodules') is None:
         return (
@@ -47,10 +47,10 @@ def why_not() -> str:
     if child.returncode == 0 and child.stdout.split('\n')[-2:-1] == [_TELLING]:
         return ''
     missing = [f'{name} ({package})' for name, package in _LIBRARIES.items() if not _opens(name)]
-    found = f'not found: {", ".join(missing)}; ' if missing else ''
+    not_found = f'not found: {", ".join(missing)}; ' if missing else ''
     how = f'signal {-child.returncode}' if child.returncode < 0 else 'an error'
     return (
-        f'VTK cannot draw on this machine: a process that tried ended by {how}; {found}'
+        f'VTK cannot draw on this machine: a process that tried ended by {how}; {not_found}'
         f'install its system libraries (apt-get install {_PACKAGES}), or use '
         'MakeRenderEngineExact, which needs none'
     )

@@ -1,4 +1,4 @@
-"""A scene as VTK draws it: colour, depth and labels by a renderer each, posed in the camera."""
+"""``Stage``: a scene's VTK actors and renderers for colour, depth and labels."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _LIGHT = '//VTK::Light::Impl'  # where VTK's own shader computes a colour
 
 
 class View(NamedTuple):
-    """A camera: its pixels, intrinsics in Drake's convention, and the depths that are seen [m]."""
+    """A camera: its pixels, intrinsics in Drake's convention, and visible depths [m]."""
 
     width: int
     height: int
@@ -46,7 +46,7 @@ class View(NamedTuple):
 
 
 class _Body(NamedTuple):
-    """What shows a body: actors of colour images with where they are in G, and flat ones."""
+    """Actors of a body: those of colour images with their poses in G, and flat ones."""
 
     looks: list[tuple[Any, Floats]]
     depth: Any
@@ -54,7 +54,7 @@ class _Body(NamedTuple):
     reach: float  # [m] from its origin
 
     def pose(self, X_CG: Floats, *, seen: bool) -> None:
-        """Put all actors where the body is in the camera (4, 4), or take them away."""
+        """Set the pose (4, 4) of all actors in the camera, or hide them."""
         flat = [(actor, np.eye(4)) for actor in (self.depth, self.label) if actor is not None]
         for actor, T_GA in (*self.looks, *flat):
             actor.SetVisibility(seen)
@@ -65,10 +65,10 @@ class _Body(NamedTuple):
 
 
 class Stage:
-    """The actors of what a renderer shows; made, used and dropped in the thread of its context."""
+    """Actors of a packed scene; made, used and released in the thread of its context."""
 
     def __init__(self, packed: Packed, clear_color: Floats) -> None:
-        """``clear_color`` (3,) is that of nothing; GeometryError for a texture that is none."""
+        """Make the actors before a background ``clear_color`` (3,); GeometryError for textures."""
         self.packed = packed
         self._window = hidden_window()
         self._renderers = {}
@@ -84,7 +84,7 @@ class Stage:
         self._bodies = [self._body(row) for row in range(len(packed.ids))]
 
     def close(self) -> None:
-        """Give the context back."""
+        """Release the context."""
         self._window.Finalize()
 
     def _body(self, row: int) -> _Body:
@@ -110,7 +110,7 @@ class Stage:
         return _Body(looks, depth, label, float(np.linalg.norm(np.abs(sides).max(axis=1))))
 
     def pose(self, R_CGs: Floats, p_CGs: Floats, placed: NDArray[np.bool_]) -> float:
-        """Put bodies where they are in the camera; return a depth [m] that none goes beyond."""
+        """Set the poses of bodies in the camera; return a depth [m] beyond all of them."""
         X_CGs = np.zeros((len(self._bodies), 4, 4))
         X_CGs[:, :3, :3], X_CGs[:, :3, 3], X_CGs[:, 3, 3] = R_CGs, p_CGs, 1.0
         farthest = 0.0
@@ -127,7 +127,7 @@ class Stage:
         return image
 
     def depth(self, view: View) -> NDArray[np.float64]:
-        """Return depths [m] (height, width), infinity where nothing is."""
+        """Return depths [m] (height, width), infinity for the background."""
         reach = float(np.float32(view.far))
         for body in self._bodies:
             _uniforms(body.depth).SetUniformf('reach', reach)
@@ -138,7 +138,7 @@ class Stage:
         return depths
 
     def label(self, view: View, empty: int) -> NDArray[np.int16]:
-        """Return labels (height, width), ``empty`` where nothing is."""
+        """Return labels (height, width), ``empty`` for the background."""
         parts = self._drawn('label', view).astype(np.int16)
         labels = parts[..., 0] * 256 + parts[..., 1]
         labels[parts[..., 2] > 0] = empty
@@ -167,7 +167,7 @@ class Stage:
 
 
 def _flat(surface: Any, shader: str) -> Any:
-    """Return an actor whose pixels have what a shader says instead of a colour."""
+    """Return an actor whose pixels have a shader's value instead of a colour."""
     actor = actor_of(surface)
     actor.GetShaderProperty().AddFragmentShaderReplacement(_LIGHT, True, shader, False)
     return actor

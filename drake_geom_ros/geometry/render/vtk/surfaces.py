@@ -1,4 +1,4 @@
-"""Shapes as VTK's surfaces of triangles, in the geometry's frame [m]."""
+"""VTK surfaces of shapes, made of triangles in the geometry's frame [m]."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Sphere,
 )
 
-# Corners around an axis: the sides of a polygon of so many cut off 1.2e-3 of a radius.
+# Corners around an axis: a polygon with this number deviates by 1.2e-3 of a radius.
 AROUND = 64
-_PLATE = 100.0  # [m] the side of what stands for a half space
+_PLATE = 100.0  # [m] the side of the plate that represents a half space
 
 
 def surface_of_shape(shape: Shape) -> Any:
-    """Return the vtkPolyData of a primitive, None of a shape that is a mesh."""
+    """Return the vtkPolyData of a primitive, None for a mesh."""
     if isinstance(shape, Sphere):
         return _ball(*[shape.radius()] * 3)
     if isinstance(shape, Ellipsoid):
@@ -60,7 +60,7 @@ def surface_of_shape(shape: Shape) -> Any:
 
 
 def _ball(a: float, b: float, c: float) -> Any:
-    """Return an ellipsoid of these semi-axes [m], with texture coordinates."""
+    """Return an ellipsoid with these semi-axes [m], with texture coordinates."""
     ball = vtkTexturedSphereSource()
     ball.SetRadius(1.0)
     ball.SetThetaResolution(AROUND)
@@ -79,7 +79,7 @@ def _along_z(radius: float, length: float, *, capped: bool) -> Any:
     source.SetCapsuleCap(capped)
     source.SetLatLongTessellation(True)
     upright = vtkTransform()
-    upright.RotateX(90.0)  # VTK's cylinders stand along y
+    upright.RotateX(90.0)  # the axis of VTK's cylinders is y
     return _transformed(source, upright)
 
 

@@ -1,4 +1,4 @@
-"""Windows that nobody sees."""
+"""Invisible windows for rendering."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
 
 def hidden_window() -> Any:
-    """Return a window for images, by EGL where VTK has it: it takes neither X nor a screen."""
+    """Return a window for images, by EGL if VTK has it, which needs neither X nor a screen."""
     kind = getattr(vtkRenderingOpenGL2, 'vtkEGLRenderWindow', vtkRenderWindow)
     window = kind()
     window.SetOffScreenRendering(1)
-    # Samples in between would mix labels, and depths.
+    # Multisampling would mix labels, and depths.
     window.SetMultiSamples(0)
     return window
