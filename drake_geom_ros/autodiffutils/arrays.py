@@ -1,4 +1,4 @@
-"""Arrays of AutoDiffXd: made of values, and taken apart again."""
+"""Conversions between arrays of AutoDiffXd and arrays of values and derivatives."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def InitializeAutoDiff(
 ) -> Objects:
     """Return a matrix (m, n) of AutoDiffXd of these values, each an independent variable.
 
-    Variables are counted down the columns, from ``deriv_num_start`` (0) on, and there are
-    ``num_derivatives`` of them, by default as many as are counted. Values (m,) are a column.
-    Raises RuntimeError where they do not fit in.
+    Variables are numbered down the columns, from ``deriv_num_start`` (0) on. There are
+    ``num_derivatives`` of them, by default one for each value. Values (m,) are a column. Raises
+    RuntimeError if the numbers exceed this.
 
         >>> InitializeAutoDiff([5.0, 7.0])[1, 0]
         AutoDiffXd(7.0, [0.0, 1.0])
@@ -39,34 +39,34 @@ def InitializeAutoDiff(
 
 
 def InitializeAutoDiffTuple(*args: ArrayLike) -> tuple[Objects, ...]:
-    """Return each argument as a matrix of AutoDiffXd, all variables counted one after another."""
+    """Return each argument as a matrix of AutoDiffXd, with variables numbered consecutively."""
     values = [_matrix(np.asarray(value, dtype=np.float64)) for value in args]
-    total, start, found = sum(v.size for v in values), 0, []
+    total, start, matrices = sum(v.size for v in values), 0, []
     for value in values:
-        found.append(InitializeAutoDiff(value, total, start))
+        matrices.append(InitializeAutoDiff(value, total, start))
         start += value.size
-    return tuple(found)
+    return tuple(matrices)
 
 
 def ExtractValue(auto_diff_matrix: Any) -> Floats:
-    """Return the values (m, n) of a matrix of AutoDiffXd and floats; of (m,) those of a column."""
+    """Return the values (m, n) of a matrix of AutoDiffXd and floats; (m,) is a column."""
     return values_of(_matrix(np.asarray(auto_diff_matrix)))
 
 
 def ExtractGradient(auto_diff_matrix: Any, num_derivatives: int | None = None) -> Floats:
     """Return the derivatives (m n, number of variables) of a matrix, down its columns.
 
-    Raises RuntimeError where numbers are of different variables, or of others than
-    ``num_derivatives``; constants are of any.
+    Raises RuntimeError if numbers have different numbers of variables, or not
+    ``num_derivatives``; constants fit any number.
     """
     numbers = _matrix(np.asarray(auto_diff_matrix)).ravel(order='F')
     return derivatives_of(numbers, num_derivatives)
 
 
 def autodiff_equal_to(a: Any, b: Any, semantic: bool = False) -> Any:
-    """Return whether numbers of two arrays have the same values and derivatives, each by itself.
+    """Return, element by element, whether two arrays have the same values and derivatives.
 
-    With ``semantic`` a constant is the same as a number all of whose derivatives are 0.
+    With ``semantic`` a constant equals a number whose derivatives are all 0.
     """
 
     def equal(x: Any, y: Any) -> bool:
@@ -112,7 +112,7 @@ def autodiff_array(values: Floats, derivatives: Floats, scalar: Any = AutoDiffXd
 
 
 def scalar_type(*arrays: Any) -> Any:
-    """Return the type of the first number that carries derivatives in some arrays, else ours."""
+    """Return the type of the first number with derivatives in some arrays, or AutoDiffXd."""
     for array in arrays:
         for number in np.asarray(array, dtype=object).ravel():
             if is_autodiff(number):

@@ -1,4 +1,4 @@
-"""A number with its derivatives, which every operation carries along (forward mode)."""
+"""``AutoDiffXd``: a number with derivatives, which operations propagate (forward mode)."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ Floats = NDArray[np.float64]
 class AutoDiffXd:
     """A value and its derivatives (n,) by n independent variables; by pydrake's name.
 
-    Made of a value, which is a constant then; of a value and its derivatives; or of a value, the
-    number of variables and which of them it is. Constants, whose derivatives are empty, meet any
-    number of variables; else both operands must have as many: RuntimeError is raised where they
-    have not. Comparisons are those of the values. NumPy's functions work on arrays of these.
+    Made from a value, which makes a constant; from a value and its derivatives; or from a value,
+    the number of variables and its own index among them. Constants, whose derivatives are empty,
+    combine with any number; other operands must have equally many variables, or RuntimeError is
+    raised. Comparisons are those of the values. NumPy's functions work on arrays of these.
 
         >>> x, y = AutoDiffXd(3.0, 2, 0), AutoDiffXd(2.0, 2, 1)
         >>> (x * y).value(), (x * y).derivatives().tolist()
@@ -52,11 +52,11 @@ class AutoDiffXd:
         return self._derivatives.copy()
 
     def _after(self, value: float, slope: float) -> AutoDiffXd:
-        """Return the result of a function of this number alone, by the chain rule."""
+        """Return a function of this number, by the chain rule with its ``slope``."""
         return AutoDiffXd(value, slope * self._derivatives)
 
-    def _with(self, other: AutoDiffXd, value: float, mine: float, its: float) -> AutoDiffXd:
-        """Return the result of a function of two numbers by its partial derivatives."""
+    def _with(self, other: AutoDiffXd, value: float, by_a: float, by_b: float) -> AutoDiffXd:
+        """Return a function of this number a and another b, by its partial derivatives."""
         a, b = self._derivatives, other._derivatives
         if a.size and b.size and a.size != b.size:
             raise RuntimeError(
@@ -64,8 +64,8 @@ class AutoDiffXd:
                 'must be of the same ones, see InitializeAutoDiffTuple'
             )
         if not (a.size and b.size):
-            return AutoDiffXd(value, mine * a if a.size else its * b)
-        return AutoDiffXd(value, mine * a + its * b)
+            return AutoDiffXd(value, by_a * a if a.size else by_b * b)
+        return AutoDiffXd(value, by_a * a + by_b * b)
 
     def __add__(self, other: Any) -> Any:
         return _binary(other, lambda y: self._with(y, self._value + y._value, 1.0, 1.0))
@@ -86,7 +86,7 @@ class AutoDiffXd:
         return _binary(other, divided)
 
     def __pow__(self, other: Any) -> Any:
-        """Return this to a power."""
+        """Return this number to a power."""
 
         def raised(y: AutoDiffXd) -> AutoDiffXd:
             x, power = self._value, _power(self._value, y._value)
@@ -118,24 +118,24 @@ class AutoDiffXd:
         return self
 
     def __abs__(self) -> AutoDiffXd:
-        """Return the size."""
+        """Return the absolute value."""
         return self._after(abs(self._value), 1.0 if self._value >= 0.0 else -1.0)
 
     def __ceil__(self) -> float:
-        """Return the next whole number above the value."""
+        """Return the smallest integer not below the value."""
         return float(math.ceil(self._value))
 
     def __floor__(self) -> float:
-        """Return the next whole number below the value."""
+        """Return the largest integer not above the value."""
         return float(math.floor(self._value))
 
     def max(self, other: Any) -> AutoDiffXd:
-        """Return the larger number; of equal ones this, unless it is a constant."""
+        """Return the larger number; if equal, this one unless it is a constant."""
         y = _number(other)
         return y if y._value > self._value or self._gives_way(y) else self
 
     def min(self, other: Any) -> AutoDiffXd:
-        """Return the smaller number; of equal ones this, unless it is a constant."""
+        """Return the smaller number; if equal, this one unless it is a constant."""
         y = _number(other)
         return y if y._value < self._value or self._gives_way(y) else self
 
@@ -174,7 +174,7 @@ class AutoDiffXd:
         return self._after(root, 0.5 / root if root else math.inf)
 
     def exp(self) -> AutoDiffXd:
-        """Return e to this power."""
+        """Return e to the power of this number."""
         return self._after(math.exp(self._value), math.exp(self._value))
 
     def log(self) -> AutoDiffXd:
@@ -206,15 +206,15 @@ class AutoDiffXd:
         return self._after(math.tanh(self._value), 1.0 - math.tanh(self._value) ** 2)
 
     def arcsin(self) -> AutoDiffXd:
-        """Return the angle [rad] of this sine."""
+        """Return the angle [rad] with this sine."""
         return self._after(math.asin(self._value), 1.0 / math.sqrt(1.0 - self._value**2))
 
     def arccos(self) -> AutoDiffXd:
-        """Return the angle [rad] of this cosine."""
+        """Return the angle [rad] with this cosine."""
         return self._after(math.acos(self._value), -1.0 / math.sqrt(1.0 - self._value**2))
 
     def arctan(self) -> AutoDiffXd:
-        """Return the angle [rad] of this tangent."""
+        """Return the angle [rad] with this tangent."""
         return self._after(math.atan(self._value), 1.0 / (1.0 + self._value**2))
 
     def arctan2(self, x: Any) -> Any:
@@ -227,23 +227,23 @@ class AutoDiffXd:
 
         return _binary(x, angle)
 
-    # As pydrake has them, too.
+    # Other names in pydrake.
     abs, pow, ceil, floor = __abs__, __pow__, __ceil__, __floor__
     acos, asin, atan, atan2 = arccos, arcsin, arctan, arctan2
 
 
 def _power(x: float, exponent: float) -> float:
-    """Return x to a power, as floats do; a whole power of a negative number is a number."""
+    """Return x to a power, as for floats; integer powers of negative numbers are real."""
     return float(np.float64(x) ** np.float64(exponent))
 
 
 def is_autodiff(number: Any) -> bool:
-    """Tell whether a number carries derivatives as AutoDiffXd does: ours, or pydrake's."""
+    """Return whether a number is an AutoDiffXd of this package or of pydrake."""
     return type(number).__name__ == 'AutoDiffXd'
 
 
-def _as_ours(number: Any) -> AutoDiffXd | None:
-    """Return a number as an AutoDiffXd of ours, or None for what is no number."""
+def _converted(number: Any) -> AutoDiffXd | None:
+    """Return a number as an AutoDiffXd of this package, None for other objects."""
     if isinstance(number, AutoDiffXd):
         return number
     if isinstance(number, (int, float, np.integer, np.floating)):
@@ -252,18 +252,18 @@ def _as_ours(number: Any) -> AutoDiffXd | None:
 
 
 def _number(number: Any) -> AutoDiffXd:
-    """Return a number as an AutoDiffXd of ours; raises TypeError for what is no number."""
-    found = _as_ours(number)
-    if found is None:
+    """Return a number as an AutoDiffXd of this package; raises TypeError for other objects."""
+    converted = _converted(number)
+    if converted is None:
         raise TypeError(f'AutoDiffXd: {number!r} is no number')
-    return found
+    return converted
 
 
 def _binary(other: Any, function: Callable[[AutoDiffXd], AutoDiffXd]) -> Any:
-    number = _as_ours(other)
+    number = _converted(other)
     return NotImplemented if number is None else function(number)
 
 
 def _compared(other: Any, function: Callable[[float], bool]) -> Any:
-    number = _as_ours(other)
+    number = _converted(other)
     return NotImplemented if number is None else function(number._value)

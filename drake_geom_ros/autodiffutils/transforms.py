@@ -1,4 +1,4 @@
-"""Rotations and poses of AutoDiffXd: what ``drake_geom_ros.math`` has for floats."""
+"""Rotations and poses of AutoDiffXd, as ``drake_geom_ros.math`` has them for floats."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class RollPitchYawAutoDiffXd:
     """Three angles [rad] about fixed axes: roll about x, then pitch about y, yaw about z."""
 
     def __init__(self, roll: Any, pitch: Any = None, yaw: Any = None) -> None:
-        given = roll if pitch is None else [roll, pitch, yaw]
-        if isinstance(given, RollPitchYaw):
-            given = given.vector()
-        self._rpy = _vector(given, 'RollPitchYaw: rpy')
+        angles = roll if pitch is None else [roll, pitch, yaw]
+        if isinstance(angles, RollPitchYaw):
+            angles = angles.vector()
+        self._rpy = _vector(angles, 'RollPitchYaw: rpy')
 
     def vector(self) -> Objects:
         """Return roll, pitch, yaw (3,) [rad]."""
@@ -31,15 +31,15 @@ class RollPitchYawAutoDiffXd:
         make = RotationMatrixAutoDiffXd
         roll, pitch, yaw = self._rpy
         turned = make.MakeZRotation(yaw) @ make.MakeYRotation(pitch)
-        found: RotationMatrixAutoDiffXd = turned @ make.MakeXRotation(roll)
-        return found
+        product: RotationMatrixAutoDiffXd = turned @ make.MakeXRotation(roll)
+        return product
 
 
 class RotationMatrixAutoDiffXd:
     """A rotation R_AB of numbers with derivatives: a ``RotationMatrix`` of AutoDiffXd.
 
-    Made of nothing, a matrix (3, 3), roll, pitch and yaw, a quaternion w x y z (4,) of unit
-    length, or a ``RotationMatrix``. Raises RuntimeError where the values are no rotation.
+    Made from nothing, a matrix (3, 3), roll, pitch and yaw, a quaternion w x y z (4,) of unit
+    length, or a ``RotationMatrix``. Raises RuntimeError if the values are no rotation.
     """
 
     def __init__(self, R: Any = None) -> None:
@@ -52,7 +52,7 @@ class RotationMatrixAutoDiffXd:
         elif np.shape(R) == (4,):
             R = _of_quaternion(R)
         matrix = np.array(np.eye(3) if R is None else R, dtype=object)
-        RotationMatrix(values_of(matrix))  # raises for what is none
+        RotationMatrix(values_of(matrix))  # raises if it is no rotation
         self._R: Objects = matrix
 
     @classmethod
@@ -63,7 +63,7 @@ class RotationMatrixAutoDiffXd:
 
     @staticmethod
     def Identity() -> RotationMatrixAutoDiffXd:
-        """Return the rotation that changes nothing."""
+        """Return the identity."""
         return RotationMatrixAutoDiffXd()
 
     @staticmethod
@@ -103,9 +103,9 @@ class RotationMatrixAutoDiffXd:
 class RigidTransformAutoDiffXd:
     """A pose X_AB of numbers with derivatives: a ``RigidTransform`` of AutoDiffXd.
 
-    Made of nothing, a rotation and a position p (3,) [m], either of them, a matrix (3, 4) or
-    (4, 4), or a ``RigidTransform``; a rotation is what ``RotationMatrix_[AutoDiffXd]`` takes.
-    Raises RuntimeError for what is no pose.
+    Made from nothing, a rotation and a position p (3,) [m], either of them, a matrix (3, 4) or
+    (4, 4), or a ``RigidTransform``; a rotation is anything that ``RotationMatrix_[AutoDiffXd]``
+    takes. Raises RuntimeError if the values are no pose.
     """
 
     def __init__(self, value: Any = None, p: Any = None) -> None:
@@ -130,16 +130,16 @@ class RigidTransformAutoDiffXd:
         return RigidTransformAutoDiffXd()
 
     def set(self, R: Any, p: Any) -> None:
-        """Become the pose of rotation R and position p (3,) [m]."""
+        """Set rotation R and position p (3,) [m]."""
         self.set_rotation(R)
         self.set_translation(p)
 
     def set_rotation(self, R: Any) -> None:
-        """Take another rotation."""
+        """Set the rotation."""
         self._R = RotationMatrixAutoDiffXd(R)
 
     def set_translation(self, p: Any) -> None:
-        """Take another position p (3,) [m]."""
+        """Set the position p (3,) [m]."""
         self._p = _vector(p, 'RigidTransform: p')
 
     def rotation(self) -> RotationMatrixAutoDiffXd:
@@ -199,7 +199,7 @@ def _about_axis(axis: int, theta: Any) -> RotationMatrixAutoDiffXd:
 
 
 def _of_quaternion(wxyz: Any) -> Objects:
-    """Return the rotation of a quaternion w x y z, divided by the square of its length."""
+    """Return the rotation matrix of a quaternion w x y z, which need not be of unit length."""
     w, x, y, z = np.asarray(wxyz, dtype=object)
     q = np.array([x, y, z], dtype=object)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]], dtype=object)

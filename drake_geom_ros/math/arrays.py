@@ -1,4 +1,4 @@
-"""Arrays that stand for vectors and rotations: checks, and the rotation nearest to a matrix."""
+"""Checks of vectors and rotations in arrays, and the rotation nearest to a matrix."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _IDENTITY = np.eye(3)
 
 
 def as_vector(value: ArrayLike, what: str) -> Floats:
-    """Return ``value`` as finite floats (3,), a copy; RuntimeError, naming it, if it is not."""
+    """Return a copy of ``value`` as finite floats (3,); raises RuntimeError for other values."""
     try:
         vector = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
@@ -35,7 +35,7 @@ def rotation_error(R: Floats) -> float:
 
 
 def orthogonal(R: Floats) -> Floats:
-    """Return the rotation nearest to R (3, 3), which is almost one; R itself where it is one.
+    """Return the rotation nearest to R (3, 3), which must be almost one; R itself if it is one.
 
     One step of the iteration of Newton and Schulz towards the polar factor, whose error is 3/8 of
     the square of the defect R^T R - I (Higham, Functions of Matrices, section 8.3).

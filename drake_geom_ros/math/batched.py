@@ -1,4 +1,4 @@
-"""Poses of many frames at once: arrays in, arrays out, no Python work a pose.
+"""Conversions of many poses at once, as arrays, without Python work per pose.
 
 A pose is either a row of seven numbers, ``x y z qx qy qz qw`` [m, -], or a pair of arrays:
 rotation matrices R (n, 3, 3) and positions p (n, 3) [m]. ``X_AB = (R_AB, p_AB)`` takes a point
@@ -22,8 +22,8 @@ Floats = NDArray[np.float64]
 def matrices_from_poses(poses: ArrayLike, what: str = 'poses') -> tuple[Floats, Floats]:
     """Return R (n, 3, 3) and p (n, 3) [m] of ``poses`` (n, 7), x y z qx qy qz qw.
 
-    Quaternions are normalised. Raises RuntimeError, naming the first bad row as ``what[row]``, for
-    another shape, a number that is not finite, or a quaternion that is off unit length by more
+    Quaternions are normalised. Raises RuntimeError, with the first bad row as ``what[row]``, for
+    another shape, a number that is not finite, or a quaternion whose length differs from 1 by more
     than ``QUATERNION_NORM``.
     """
     rows = checked_rows(poses, 7, what, 'x y z qx qy qz qw')
@@ -31,7 +31,7 @@ def matrices_from_poses(poses: ArrayLike, what: str = 'poses') -> tuple[Floats, 
 
 
 def are_poses(poses: ArrayLike) -> NDArray[np.bool_]:
-    """Return which of ``poses`` (n, 7) ``matrices_from_poses`` takes (n,)."""
+    """Return the mask (n,) of ``poses`` (n, 7) that ``matrices_from_poses`` accepts."""
     rows = np.asarray(poses, dtype=np.float64)
     with np.errstate(over='ignore', invalid='ignore'):
         off = np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0)
@@ -59,7 +59,7 @@ def rotations_from_quaternions(qxqyqzqw: ArrayLike, what: str = 'quaternions') -
             f'allowed is 1 +- {QUATERNION_NORM:g}, in the order qx qy qz qw'
         )
     x, y, z, w = quaternions.T
-    # Not by components divided by the norm: their rounding would count twice.
+    # Normalising the components first would round twice.
     s = 2.0 / (x * x + y * y + (z * z + w * w))
     Rs = np.empty((len(quaternions), 3, 3))
     Rs[:, 0, 0] = 1.0 - s * (y * y + z * z)
@@ -75,7 +75,7 @@ def quaternions_from_rotations(Rs: ArrayLike) -> Floats:
     """Return unit quaternions (n, 4), qx qy qz qw with qw >= 0, of R (n, 3, 3).
 
     The four products 4 q_k q are rows of linear sums of R's elements; the row of the largest q_k
-    is the one that loses no digits (Shepperd, J. Guidance and Control 1(3), 1978).
+    loses no digits (Shepperd, J. Guidance and Control 1(3), 1978).
     """
     R = np.asarray(Rs, dtype=np.float64)
     xx, yy, zz = R[:, 0, 0], R[:, 1, 1], R[:, 2, 2]

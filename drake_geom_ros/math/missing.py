@@ -1,4 +1,4 @@
-"""What an import of a name says that pydrake has and this package has not."""
+"""Error messages for names that pydrake has and this package lacks."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ _PAGE = 'docs/differences_from_pydrake.md lists what is missing and shows how to
 
 
 def refuse_missing(module: str) -> Callable[[str], NoReturn]:
-    """Return the ``__getattr__`` of a package that stands for one of pydrake.
+    """Return the ``__getattr__`` of a package with the names of a package of pydrake.
 
-    It raises AttributeError, or ImportError where ``from module import name`` asks: importlib then
-    looks whether the package has the name, and would put a text of its own in place of that of an
-    AttributeError.
+    It raises AttributeError, or ImportError during ``from module import name``, where importlib
+    would replace the text of an AttributeError by its own.
     """
     pydrake = module.replace('drake_geom_ros', 'pydrake', 1)
 
@@ -37,12 +36,9 @@ def refuse_missing(module: str) -> Callable[[str], NoReturn]:
 
 
 def refuse_missing_member(self: object, name: str) -> NoReturn:
-    """Be the ``__getattr__`` of a class that stands for one of pydrake.
-
-    Raises AttributeError, which says where to look for what a script calls.
-    """
+    """Raise AttributeError with a reference to the docs: ``__getattr__`` of pydrake's classes."""
     kind = type(self).__name__
     text = f'{kind!r} object has no attribute {name!r}'
-    if name[:1].isupper():  # as pydrake's methods begin
+    if name[:1].isupper():  # as for pydrake's methods
         text += f'. Not every method of pydrake is here: {_PAGE}'
     raise AttributeError(text, name=name, obj=self)

@@ -1,4 +1,4 @@
-"""Rotations as values of four numbers, with the names of ``pydrake.common.eigen_geometry``."""
+"""``Quaternion`` and ``AngleAxis``, with the names of ``pydrake.common.eigen_geometry``."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Floats = NDArray[np.float64]
 
 
 class Quaternion:
-    """A unit quaternion, in the order w x y z; the identity when nothing is given.
+    """A unit quaternion, in the order w x y z; the identity without arguments.
 
-    Made of four numbers, an array (4,) of them, or the matrix (3, 3) of a ``rotation``. Raises
-    RuntimeError if it is off unit length by more than ``UNIT_NORM``; it is kept as it is given.
+    Made from four numbers, an array (4,) of them, or the matrix (3, 3) of a ``rotation``. Raises
+    RuntimeError if its length differs from 1 by more than ``UNIT_NORM``; it is not normalised.
 
         >>> Quaternion(w=0, x=1, y=0, z=0).rotation().diagonal().tolist()
         [1.0, -1.0, -1.0]
@@ -40,16 +40,18 @@ class Quaternion:
     ) -> None:
         numbers = None if x is None else [w, x, y, z]
         single = w if x is None else None
-        given = _only('Quaternion', numbers, single, wxyz, rotation, other)
-        if isinstance(given, Quaternion):
-            given = given._wxyz
-        elif np.shape(given) == (3, 3):
-            given = _of_matrix(given)
-        self._wxyz: Floats = _unit([1, 0, 0, 0] if given is None else given, 4, 'Quaternion: wxyz')
+        source = _only('Quaternion', numbers, single, wxyz, rotation, other)
+        if isinstance(source, Quaternion):
+            source = source._wxyz
+        elif np.shape(source) == (3, 3):
+            source = _of_matrix(source)
+        self._wxyz: Floats = _unit(
+            [1, 0, 0, 0] if source is None else source, 4, 'Quaternion: wxyz'
+        )
 
     @staticmethod
     def Identity() -> Quaternion:
-        """Return the rotation that changes nothing."""
+        """Return the identity."""
         return Quaternion()
 
     def w(self) -> float:
@@ -97,9 +99,9 @@ class Quaternion:
 class AngleAxis:
     """A rotation by ``angle`` [rad] about a unit ``axis`` (3,); the identity without them.
 
-    Made of both, or of a ``quaternion``, or of the matrix (3, 3) of a ``rotation``: then the angle
-    is between 0 and pi. Raises RuntimeError for an axis that is off unit length by more than
-    ``UNIT_NORM``.
+    Made from both, or from a ``quaternion``, or from the matrix (3, 3) of a ``rotation``: then the
+    angle is between 0 and pi. Raises RuntimeError for an axis whose length differs from 1 by more
+    than ``UNIT_NORM``.
 
         >>> AngleAxis(math.pi, [0, 0, 1]).inverse().angle() == -math.pi
         True
@@ -119,19 +121,19 @@ class AngleAxis:
         if (angle is None) != (axis is None):
             raise RuntimeError('AngleAxis: give both angle and axis, or neither')
         both = None if axis is None else (angle, axis)
-        given: Any = _only('AngleAxis', both, quaternion, rotation, other)
-        if given is None:
-            given = 0.0, [1.0, 0.0, 0.0]
-        elif isinstance(given, AngleAxis):
-            given = given._angle, given._axis
-        elif given is not both:
-            given = _angle_and_axis(Quaternion(given).wxyz())
-        self._angle: float = float(given[0])
-        self._axis: Floats = _unit(given[1], 3, 'AngleAxis: axis')
+        source: Any = _only('AngleAxis', both, quaternion, rotation, other)
+        if source is None:
+            source = 0.0, [1.0, 0.0, 0.0]
+        elif isinstance(source, AngleAxis):
+            source = source._angle, source._axis
+        elif source is not both:
+            source = _angle_and_axis(Quaternion(source).wxyz())
+        self._angle: float = float(source[0])
+        self._axis: Floats = _unit(source[1], 3, 'AngleAxis: axis')
 
     @staticmethod
     def Identity() -> AngleAxis:
-        """Return the rotation that changes nothing."""
+        """Return the identity."""
         return AngleAxis()
 
     def angle(self) -> float:
@@ -161,11 +163,11 @@ class AngleAxis:
 
 
 def _only(kind: str, *values: Any) -> Any:
-    """Return the value that is not None, if there is one; RuntimeError where several are."""
-    given = [value for value in values if value is not None]
-    if len(given) > 1:
-        raise RuntimeError(f'{kind}: give one description of the rotation, not {len(given)}')
-    return given[0] if given else None
+    """Return the value that is not None, if there is one; raises RuntimeError for several."""
+    present = [value for value in values if value is not None]
+    if len(present) > 1:
+        raise RuntimeError(f'{kind}: give one description of the rotation, not {len(present)}')
+    return present[0] if present else None
 
 
 def _unit(values: ArrayLike, size: int, what: str) -> Floats:
@@ -201,5 +203,5 @@ def _angle_and_axis(wxyz: Floats) -> tuple[float, Floats]:
     sine = float(np.linalg.norm(v))
     if sine == 0.0:
         return 0.0, np.array([1.0, 0.0, 0.0])
-    # Not by the cosine alone: that has no digits left for a small angle.
+    # The cosine alone would lose all digits of a small angle.
     return 2.0 * math.atan2(sine, w), v / sine

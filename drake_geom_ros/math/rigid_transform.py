@@ -1,4 +1,4 @@
-"""The pose of one frame in another."""
+"""``RigidTransform``: the pose of one frame in another."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Floats = NDArray[np.float64]
 class RigidTransform:
     """A pose X_AB of frame B in frame A: ``p_AQ = X_AB @ p_BQ``.
 
-    Made as in pydrake: of nothing (the identity), a rotation and a position p (3,) [m], either of
-    them, or a matrix (3, 4) or (4, 4). A rotation is a ``RotationMatrix``, a ``RollPitchYaw``, an
-    ``AngleAxis`` or a quaternion, see ``RotationMatrix``. ``FromArray`` takes seven numbers,
+    Made as in pydrake: from nothing (the identity), a rotation and a position p (3,) [m], either
+    of them, or a matrix (3, 4) or (4, 4). A rotation is a ``RotationMatrix``, a ``RollPitchYaw``,
+    an ``AngleAxis`` or a quaternion, see ``RotationMatrix``. ``FromArray`` takes seven numbers,
     x y z qx qy qz qw. Raises RuntimeError for anything else, or for numbers that are not finite.
 
         >>> X_WA = RigidTransform(RollPitchYaw(0, 0, 0.5), [1, 2, 3])
@@ -43,12 +43,12 @@ class RigidTransform:
     ) -> None:
         first, p = _split(value, p)
         values = (first, R, rpy, quaternion, theta_lambda, pose, other)
-        given = [v for v in values if v is not None]
-        if len(given) > 1:
+        present = [v for v in values if v is not None]
+        if len(present) > 1:
             raise RuntimeError(
                 'RigidTransform: give one of R, rpy, quaternion, theta_lambda, pose, other'
             )
-        self._R, self._p = _parts(given[0] if given else RotationMatrix(), p)
+        self._R, self._p = _parts(present[0] if present else RotationMatrix(), p)
 
     @staticmethod
     def Identity() -> RigidTransform:
@@ -67,18 +67,18 @@ class RigidTransform:
 
     @classmethod
     def _make(cls, R: Floats, p: Floats) -> RigidTransform:
-        """Return the pose of R (3, 3) and p (3,), which are ours and known to be right."""
+        """Return the pose of R (3, 3) and p (3,), without copies and checks."""
         pose = cls.__new__(cls)
         p.flags.writeable = False
         pose._R, pose._p = RotationMatrix._make(R), p
         return pose
 
     def set(self, R: RotationMatrix, p: ArrayLike) -> None:
-        """Become the pose of rotation R and position p (3,) [m]."""
+        """Set rotation R and position p (3,) [m]."""
         self._R, self._p = _parts(R, p)
 
     def SetIdentity(self) -> RigidTransform:
-        """Become the identity, and return this."""
+        """Set the identity, and return this pose."""
         self._R, self._p = _parts(RotationMatrix(), None)
         return self
 
@@ -90,13 +90,13 @@ class RigidTransform:
         quaternion: Any = None,
         theta_lambda: AngleAxis | None = None,
     ) -> None:
-        """Take another rotation: a RotationMatrix, RollPitchYaw, quaternion or AngleAxis."""
+        """Set the rotation: a RotationMatrix, RollPitchYaw, quaternion or AngleAxis."""
         if R is rpy is quaternion is theta_lambda is None:
             raise RuntimeError('set_rotation: give one of R, rpy, quaternion, theta_lambda')
         self._R = RotationMatrix(R, rpy=rpy, quaternion=quaternion, theta_lambda=theta_lambda)
 
     def set_translation(self, p: ArrayLike) -> None:
-        """Take another position p (3,) [m]."""
+        """Set the position p (3,) [m]."""
         self._R, self._p = _parts(self._R, p)
 
     def rotation(self) -> RotationMatrix:
@@ -104,7 +104,7 @@ class RigidTransform:
         return self._R
 
     def translation(self) -> Floats:
-        """Return p_AB (3,) [m], not to be written to."""
+        """Return p_AB (3,) [m], read-only."""
         return self._p
 
     def GetAsMatrix34(self) -> Floats:
@@ -143,15 +143,15 @@ class RigidTransform:
     ) -> Any:
         """Return X_AC for an X_BC, or p_AQ, of the same shape, for p_BQ (3,) or (3, n) [m].
 
-        Four numbers (4,) are a point where the last is 1 and a direction, which is only turned,
-        where it is 0; any other raises RuntimeError.
+        Four numbers (4,) are a point if the last is 1, and a direction, which is only rotated, if
+        it is 0; other values raise RuntimeError.
         """
-        given = next((value for value in (other, p_BoQ_B, vec_B) if value is not None), None)
+        operand = next((value for value in (other, p_BoQ_B, vec_B) if value is not None), None)
         R = self._R.matrix()
-        if isinstance(given, RigidTransform):
-            R_AC = orthogonal(R @ given._R.matrix())
-            return RigidTransform._make(R_AC, self._p + R @ given._p)
-        p_BQ = np.asarray(given, dtype=np.float64)
+        if isinstance(operand, RigidTransform):
+            R_AC = orthogonal(R @ operand._R.matrix())
+            return RigidTransform._make(R_AC, self._p + R @ operand._p)
+        p_BQ = np.asarray(operand, dtype=np.float64)
         if p_BQ.shape == (4,):
             return self._moved_by_kind(p_BQ)
         if p_BQ.ndim not in (1, 2) or p_BQ.shape[0] != 3:
@@ -161,7 +161,7 @@ class RigidTransform:
         return (self._p + (R @ p_BQ).T).T
 
     def _moved_by_kind(self, vec_B: Floats) -> Floats:
-        """Return a point or a direction (4,), as its last number says, in A."""
+        """Return a point or a direction (4,), depending on its last number, in A."""
         if vec_B[3] not in (0.0, 1.0):
             raise RuntimeError(f'RigidTransform: the last of {vec_B.tolist()} is not 0 or 1')
         return np.append(self._R.matrix() @ vec_B[:3] + vec_B[3] * self._p, vec_B[3])

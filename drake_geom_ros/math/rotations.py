@@ -1,4 +1,4 @@
-"""Rotations: as a matrix, and as roll, pitch and yaw."""
+"""``RotationMatrix`` and ``RollPitchYaw``."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Floats = NDArray[np.float64]
 class RotationMatrix:
     """A rotation R_AB, which takes a vector from B's axes to A's: ``v_A = R_AB @ v_B``.
 
-    Made of nothing (the identity), a matrix (3, 3), a ``RollPitchYaw``, an ``AngleAxis`` or a unit
-    quaternion: a ``Quaternion`` or an array w x y z in Drake's order. A matrix that is off
-    orthogonal, by no more than ``ALMOST_ROTATION``, stands for the rotation nearest to it, which
-    is taken in its place; products are kept orthogonal alike, however many. Raises RuntimeError
-    for a matrix that is not a rotation or a quaternion that is not of unit length.
+    Made from nothing (the identity), a matrix (3, 3), a ``RollPitchYaw``, an ``AngleAxis`` or a
+    unit quaternion: a ``Quaternion`` or an array w x y z in Drake's order. A matrix that deviates
+    from orthogonal by at most ``ALMOST_ROTATION`` is replaced by the nearest rotation; products
+    are made orthogonal in the same way, so errors do not grow. Raises RuntimeError for a matrix
+    that is not a rotation or a quaternion that is not of unit length.
 
         >>> R_WA = RotationMatrix.MakeZRotation(math.pi / 2)
         >>> (R_WA @ [1, 0, 0]).round(9).tolist()
@@ -42,20 +42,20 @@ class RotationMatrix:
         other: RotationMatrix | None = None,
     ) -> None:
         values = (R, quaternion, theta_lambda, rpy, other)
-        given = [value for value in values if value is not None]
-        if len(given) > 1:
+        present = [value for value in values if value is not None]
+        if len(present) > 1:
             raise RuntimeError(
                 'RotationMatrix: give one of R, quaternion, theta_lambda, rpy, other'
             )
-        self._R = _read_only(_matrix_of(given[0]) if given else np.eye(3))
+        self._R = _read_only(_matrix_of(present[0]) if present else np.eye(3))
 
     def set(self, R: ArrayLike) -> None:
-        """Become the matrix R (3, 3)."""
+        """Set the matrix R (3, 3)."""
         self._R = _read_only(_matrix_of(R))
 
     @staticmethod
     def Identity() -> RotationMatrix:
-        """Return the rotation that changes nothing."""
+        """Return the identity."""
         return RotationMatrix()
 
     @staticmethod
@@ -77,8 +77,9 @@ class RotationMatrix:
     def MakeFromOneVector(b_A: ArrayLike, axis_index: int) -> RotationMatrix:
         """Return an R_AB whose column ``axis_index`` is the direction of ``b_A`` (3,).
 
-        The next column is at right angles to the axis that ``b_A`` has least of. Raises
-        RuntimeError for a vector shorter than 1e-10, or an index other than 0, 1, 2.
+        The next column is at right angles to the axis along which ``b_A`` has its smallest
+        component. Raises RuntimeError for a vector shorter than 1e-10, or an index other than
+        0, 1, 2.
         """
         if axis_index not in (0, 1, 2):
             raise RuntimeError(f'MakeFromOneVector: axis_index = {axis_index} is not 0, 1 or 2')
@@ -100,7 +101,7 @@ class RotationMatrix:
     def ProjectToRotationMatrix(M: ArrayLike) -> RotationMatrix:
         """Return the rotation nearest to ``M`` (3, 3) in the Frobenius norm.
 
-        Raises RuntimeError when M is singular or nearest to a reflection. Formula: U V^T of the
+        Raises RuntimeError if M is singular or nearest to a reflection. Formula: U V^T of the
         singular value decomposition (orthogonal Procrustes problem).
         """
         matrix = np.asarray(M, dtype=np.float64)
@@ -114,13 +115,13 @@ class RotationMatrix:
 
     @classmethod
     def _make(cls, R: Floats) -> RotationMatrix:
-        """Return the rotation R (3, 3), which is ours and known to be one."""
+        """Return the rotation R (3, 3), without a copy and a check."""
         rotation = cls.__new__(cls)
         rotation._R = _read_only(R)
         return rotation
 
     def matrix(self) -> Floats:
-        """Return the matrix (3, 3), not to be written to."""
+        """Return the matrix (3, 3), read-only."""
         return self._R
 
     def row(self, index: int) -> Floats:
@@ -152,10 +153,10 @@ class RotationMatrix:
     def multiply(self, *, v_B: ArrayLike) -> Floats: ...
     def multiply(self, other: Any = None, *, v_B: ArrayLike | None = None) -> Any:
         """Return R_AC for an R_BC, or v_A, of the same shape, for v_B (3,) or (3, n)."""
-        given = v_B if other is None else other
-        if isinstance(given, RotationMatrix):
-            return RotationMatrix._make(orthogonal(self._R @ given._R))
-        v_Bs = np.asarray(given, dtype=np.float64)
+        operand = v_B if other is None else other
+        if isinstance(operand, RotationMatrix):
+            return RotationMatrix._make(orthogonal(self._R @ operand._R))
+        v_Bs = np.asarray(operand, dtype=np.float64)
         if v_Bs.ndim not in (1, 2) or v_Bs.shape[0] != 3:
             raise RuntimeError(f'RotationMatrix: cannot rotate shape {v_Bs.shape}, (3,) or (3, n)')
         return self._R @ v_Bs
@@ -171,7 +172,7 @@ class RotationMatrix:
         return np.array_equal(self._R, np.eye(3))
 
     def IsNearlyIdentity(self, tolerance: float = ROTATION) -> bool:
-        """Return whether no element is farther than ``tolerance`` from the identity's."""
+        """Return whether no element differs from the identity's by more than ``tolerance``."""
         return bool(np.abs(self._R - np.eye(3)).max() <= tolerance)
 
     def ToRollPitchYaw(self) -> RollPitchYaw:
@@ -203,7 +204,7 @@ class RotationMatrix:
 class RollPitchYaw:
     """A rotation by angles [rad] about fixed axes: roll about x, then pitch about y, yaw about z.
 
-    Made of three angles, an array (3,) of them, a ``RotationMatrix``, a matrix (3, 3), or a unit
+    Made from three angles, an array (3,) of them, a ``RotationMatrix``, a matrix (3, 3), or a unit
     quaternion as for ``RotationMatrix``. R = Rz(yaw) Ry(pitch) Rx(roll).
     """
 
@@ -223,19 +224,19 @@ class RollPitchYaw:
     ) -> None:
         angles = None if pitch is None or yaw is None else [roll, pitch, yaw]
         single = roll if pitch is None and yaw is None else None
-        given = [
+        present = [
             value
             for value in (angles, single, rpy, R, quaternion, matrix, other)
             if value is not None
         ]
-        if len(given) != 1:
+        if len(present) != 1:
             raise RuntimeError(
                 'RollPitchYaw: give roll, pitch, yaw, or one of rpy, R, quaternion, matrix, other'
             )
-        self._rpy = _read_only(_angles_of(given[0]))
+        self._rpy = _read_only(_angles_of(present[0]))
 
     def vector(self) -> Floats:
-        """Return roll, pitch, yaw (3,) [rad], not to be written to."""
+        """Return roll, pitch, yaw (3,) [rad], read-only."""
         return self._rpy
 
     def roll_angle(self) -> float:
@@ -282,13 +283,13 @@ class RollPitchYaw:
 
 
 def _read_only(array: Floats) -> Floats:
-    """Return the array, closed for writing: values share it without copying."""
+    """Make an array read-only, so that values can share it, and return it."""
     array.flags.writeable = False
     return array
 
 
 def _matrix_of(rotation: Any) -> Floats:
-    """Return the matrix (3, 3) of whatever describes a rotation."""
+    """Return the matrix (3, 3) of any description of a rotation."""
     if isinstance(rotation, RotationMatrix):
         return rotation._R
     if isinstance(rotation, RollPitchYaw):
@@ -316,7 +317,7 @@ def _matrix_of(rotation: Any) -> Floats:
 
 
 def _angles_of(value: Any) -> Floats:
-    """Return roll, pitch, yaw (3,) of whatever describes a rotation."""
+    """Return roll, pitch, yaw (3,) of any description of a rotation."""
     if isinstance(value, RollPitchYaw):
         return value._rpy
     if not isinstance(value, RotationMatrix) and np.shape(value) in ((3,), (3, 1), (1, 3)):
@@ -327,8 +328,8 @@ def _angles_of(value: Any) -> Floats:
 def _angles_of_matrix(R: Floats) -> Floats:
     """Return roll, pitch, yaw (3,) of R (3, 3), as well conditioned as R at every pitch.
 
-    Pitch comes from R's elements, sum and difference of roll and yaw from its quaternion, so that
-    nothing is divided by cos(pitch) (P. Mitiguy's algorithm, in Drake's RollPitchYaw).
+    Pitch is computed from R's elements, sum and difference of roll and yaw from its quaternion, so
+    there is no division by cos(pitch) (P. Mitiguy's algorithm, in Drake's RollPitchYaw).
     """
     cos_pitch = math.sqrt(0.5 * (R[2, 2] ** 2 + R[2, 1] ** 2 + R[1, 0] ** 2 + R[0, 0] ** 2))
     pitch = math.atan2(-R[2, 0], cos_pitch)

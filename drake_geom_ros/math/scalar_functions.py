@@ -1,6 +1,6 @@
-"""Functions of one number or two, floats or AutoDiffXd, by the names of ``pydrake.math``.
+"""Functions of one or two numbers, floats or AutoDiffXd, with the names of ``pydrake.math``.
 
-They are those of ``math`` for floats, and the number's own for one that carries derivatives.
+They call ``math`` for floats, and the number's own method for one with derivatives.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ ceil, floor = _function('ceil', math.ceil), _function('floor', math.floor)
 
 
 def max(x: Any, y: Any) -> Any:
-    """Return the larger number of two; of equal ones the first that carries derivatives."""
+    """Return the larger of two numbers; of equal ones the first with derivatives."""
     return y.max(x) if _is_autodiff(y) and not _is_autodiff(x) else _chosen('max', x, y)
 
 
 def min(x: Any, y: Any) -> Any:
-    """Return the smaller number of two; of equal ones the first that carries derivatives."""
+    """Return the smaller of two numbers; of equal ones the first with derivatives."""
     return y.min(x) if _is_autodiff(y) and not _is_autodiff(x) else _chosen('min', x, y)
 
 
@@ -65,5 +65,5 @@ atan2 = arctan2
 
 
 def isnan(x: Any) -> bool:
-    """Tell whether a number's value is not a number."""
+    """Return whether a number's value is NaN."""
     return math.isnan(x.value() if _is_autodiff(x) else x)

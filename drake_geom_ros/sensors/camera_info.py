@@ -1,4 +1,4 @@
-"""The intrinsics of a pinhole camera."""
+"""``CameraInfo``: the intrinsics of a pinhole camera."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ class CameraInfo:
     """Size, focal lengths and principal point of a pinhole camera, in pixels.
 
     ``CameraInfo(width, height, fov_y)``, with the vertical field of view [rad] and the principal
-    point in the middle; ``CameraInfo(width, height, focal_x, focal_y, center_x, center_y)``; or
+    point in the centre; ``CameraInfo(width, height, focal_x, focal_y, center_x, center_y)``; or
     ``CameraInfo(width, height, intrinsic_matrix)`` (3, 3).
 
-    The camera looks along +z of its sensor frame, x to the right and y down. As in Drake, pixel
-    (u, v) shows what lies along ((u + 0.5 - center_x) / focal_x, (v + 0.5 - center_y) / focal_y,
-    1), and the middle is (width / 2 - 0.5, height / 2 - 0.5).
+    The camera looks along +z of its sensor frame, x to the right and y down. As in Drake, the ray
+    of pixel (u, v) is ((u + 0.5 - center_x) / focal_x, (v + 0.5 - center_y) / focal_y, 1), and the
+    centre is (width / 2 - 0.5, height / 2 - 0.5).
 
     Raises RuntimeError for a size below 1, a field of view outside (0, pi), focal lengths that are
     not > 0 and a principal point outside the image.
@@ -42,24 +42,24 @@ class CameraInfo:
         self._height = _size('height', height)
         numbers = [n for n in (focal_x, focal_y, center_x, center_y) if n is not None]
         named = [n for n in (fov_y, intrinsic_matrix) if n is not None] + numbers
-        given = [*intrinsics, *named]
-        if len(given) == 4:
-            fx, fy, cx, cy = (_number('intrinsics', n) for n in given)
-        elif len(given) == 1 and np.ndim(given[0]) == 2:
-            K = _checked_matrix(given[0])
+        values = [*intrinsics, *named]
+        if len(values) == 4:
+            fx, fy, cx, cy = (_number('intrinsics', n) for n in values)
+        elif len(values) == 1 and np.ndim(values[0]) == 2:
+            K = _checked_matrix(values[0])
             fx, fy, cx, cy = K[[0, 1, 0, 1], [0, 1, 2, 2]].tolist()
-        elif len(given) == 1:
-            fx = fy = 0.5 * self._height / math.tan(0.5 * field_of_view('CameraInfo', given[0]))
+        elif len(values) == 1:
+            fx = fy = 0.5 * self._height / math.tan(0.5 * field_of_view('CameraInfo', values[0]))
             cx, cy = 0.5 * self._width - 0.5, 0.5 * self._height - 0.5
         else:
             raise RuntimeError(
                 'CameraInfo: give fov_y, or focal_x, focal_y, center_x and center_y, or '
-                f'intrinsic_matrix; given {len(given)} values'
+                f'intrinsic_matrix; given {len(values)} values'
             )
         for name, focal in (('focal_x', fx), ('focal_y', fy)):
             if not 0.0 < focal < math.inf:
                 raise RuntimeError(f'CameraInfo: {name} = {focal} must be finite and > 0 [pixels]')
-        # Half a pixel about the image: the middle of an image of one pixel is (0, 0).
+        # A margin of half a pixel, since the centre of an image of one pixel is (0, 0).
         for name, centre, size in (('x', cx, self._width), ('y', cy, self._height)):
             if not 0.0 <= centre <= size:
                 raise RuntimeError(

@@ -11,7 +11,7 @@ _I = TypeVar('_I', bound='Image')
 
 
 class Image:
-    """What the images of all pixel types share: ``data`` (height, width, channels)."""
+    """Base of images of all pixel types: ``data`` (height, width, channels)."""
 
     __slots__ = ('_data',)
     _TYPE: ClassVar[type[np.generic]]
@@ -57,11 +57,11 @@ class Image:
         return int(self._data.size)
 
     def resize(self, width: int, height: int) -> None:
-        """Take another size; all values are 0 then."""
+        """Change the size and set all values to 0."""
         self._data = type(self)(width, height)._data
 
     def at(self, x: int, y: int) -> NDArray[Any]:
-        """Return the channels of the pixel in column ``x`` and row ``y``, for writing too.
+        """Return the writable channels of the pixel in column ``x`` and row ``y``.
 
         Raises RuntimeError for a pixel outside the image.
         """
@@ -75,14 +75,14 @@ class Image:
 
     @property
     def data(self) -> NDArray[Any]:
-        """The values (height, width, channels), not to be written to."""
+        """The values (height, width, channels), read-only."""
         view = self._data.view()
         view.flags.writeable = False
         return view
 
     @property
     def mutable_data(self) -> NDArray[Any]:
-        """The values (height, width, channels), for writing."""
+        """The values (height, width, channels), writable."""
         return self._data
 
     @property
@@ -110,7 +110,7 @@ class ImageRgba8U(Image):
 
 
 class ImageDepth32F(Image):
-    """Depth [m] along the camera's axis: 0 is too close, infinity too far or nothing there."""
+    """Depth [m] along the camera's axis: 0 for too close, infinity for too far or background."""
 
     __slots__ = ()
     _TYPE = np.float32
@@ -118,7 +118,7 @@ class ImageDepth32F(Image):
 
 
 class ImageLabel16I(Image):
-    """Labels: see ``RenderLabel``."""
+    """Labels of pixels, see ``RenderLabel``."""
 
     __slots__ = ()
     _TYPE = np.int16
