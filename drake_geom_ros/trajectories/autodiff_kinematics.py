@@ -1,4 +1,4 @@
-"""Forward kinematics of AutoDiffXd: the numbers of ``Kinematics``, with their derivatives."""
+"""Forward kinematics of AutoDiffXd: the values of ``Kinematics``, with derivatives."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 def is_of_autodiff(*arrays: Any) -> bool:
-    """Return whether any array is of objects, as those of AutoDiffXd are."""
+    """Return whether any array has objects, as arrays of AutoDiffXd have."""
     return any(np.asarray(array).dtype == object for array in arrays if array is not None)
 
 

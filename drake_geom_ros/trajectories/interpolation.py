@@ -7,7 +7,7 @@ Floats = NDArray[np.float64]
 
 
 class MonotoneCubic:
-    """A C1 curve through waypoints, monotone between neighbours and at rest at both ends.
+    """A C1 curve through waypoints, monotone between neighbours, with zero slope at both ends.
 
     Piecewise cubic Hermite with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5,
     1984): the weighted harmonic mean of the neighbouring secants, zero where they differ in sign.
@@ -20,7 +20,7 @@ class MonotoneCubic:
     """
 
     def __init__(self, times: ArrayLike, values: ArrayLike):
-        """Take times (k,) [s], strictly increasing, and values (k, m); raises ValueError."""
+        """Make a curve through values (k, m) at strictly increasing times (k,) [s]."""
         self.times = np.array(times, dtype=float)
         self.values = np.array(values, dtype=float)
         if self.times.ndim != 1 or self.times.size < 2:
@@ -43,7 +43,7 @@ class MonotoneCubic:
         m0, m1 = h * self._slopes[segment], h * self._slopes[segment + 1]
         shape = s * s * (3.0 - 2.0 * s)
         bend = s * (1.0 - s) * ((1.0 - s) * m0 - s * m1)
-        # The clip only takes rounding away: still joints stay exactly still.
+        # The clip removes rounding only, so that constant values stay exactly constant.
         y = (1.0 - shape) * y0 + shape * y1 + bend
         return np.asarray(np.clip(y, np.minimum(y0, y1), np.maximum(y0, y1)))
 
@@ -65,7 +65,7 @@ class MonotoneCubic:
         return np.asarray(np.max(rates, axis=(0, 1)))
 
     def locate(self, t: ArrayLike) -> tuple[NDArray[np.intp], Floats]:
-        """Return of times t (...) the segment (...) and the place in it (..., 1) in [0, 1]."""
+        """Return the segments (...) of times t (...), and positions in them (..., 1) in [0, 1]."""
         t = np.clip(np.asarray(t, dtype=float), self.times[0], self.times[-1])
         segment = np.searchsorted(self.times, t, side='right') - 1
         segment = np.minimum(segment, len(self.times) - 2)
@@ -80,7 +80,7 @@ def _fritsch_butland_slopes(times: Floats, values: Floats) -> Floats:
     before, after = secants[:-1], secants[1:]
     w_before, w_after = h[:-1] + 2.0 * h[1:], 2.0 * h[:-1] + h[1:]
     slopes = np.zeros_like(values)
-    # Secants so small that their product vanishes make a flat waypoint as well.
+    # The slope is also zero where the product of small secants underflows.
     same = before * after > 0.0
     mean = w_before * after + w_after * before
     slopes[1:-1][same] = ((w_before + w_after) * before * after)[same] / mean[same]

@@ -15,26 +15,26 @@ from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_o
 
 
 class Kinematics(JointedLinks):
-    """The links of a robot over its independent joints; mimic joints follow their leader.
+    """Poses and Jacobians of a robot's links by its independent joints; mimic joints follow.
 
-    ``joined_links`` are the two links of each joint, fixed ones too; ``tree`` is all that a pose
-    of a link depends on, as arrays; its first links are those of ``link_names``.
+    ``joined_links`` are the two links of each joint, fixed ones included; ``tree`` is the
+    kinematic tree as arrays, whose first links are those of ``link_names``.
 
     A planar joint has three values, ``joint/x`` and ``joint/y`` [m] in the plane and
-    ``joint/theta`` [rad] about its axis: of the axis z these are along x and y, and with another
-    one all three are turned the shortest way from z to it. A floating joint has six, ``joint/x``,
-    ``joint/y``, ``joint/z`` [m], ``joint/yaw``, ``joint/pitch`` and ``joint/roll`` [rad], the
-    rotation being that of ``RollPitchYaw``. None has limits, and none has a value at rest: see
+    ``joint/theta`` [rad] about its axis. For the axis z they are along x and y; for another axis
+    all three are rotated the shortest way from z to it. A floating joint has six, ``joint/x``,
+    ``joint/y``, ``joint/z`` [m], ``joint/yaw``, ``joint/pitch`` and ``joint/roll`` [rad], with the
+    rotation of ``RollPitchYaw``. These values have neither limits nor a rest value: see
     ``placed_links``.
 
-    The URDF is read as that of a scene file is. A link called as the world is a link here.
+    The URDF is parsed as in a scene file. A link with the name of the world is an ordinary link.
     """
 
     def __init__(self, urdf: str | LinkTree):
-        """Read the URDF at a path, or take the links and joints that a scene file gave.
+        """Read the URDF at a path, or use the links and joints of a scene file.
 
-        Raises ValueError for what is not a tree of simple joints, and SceneFileError, with the
-        line, for what is no URDF, and for a link with two parents.
+        Raises ValueError unless it is a tree of simple joints, and SceneFileError, with the line,
+        for an invalid URDF and for a link with two parents.
         """
         super().__init__(urdf if isinstance(urdf, LinkTree) else read_link_tree(urdf))
 
@@ -44,8 +44,8 @@ class Kinematics(JointedLinks):
         Positions in [m] and angles in [rad], in the order of ``joint_names``; links in the order
         of ``link_names``, the base link B first. ``X_WB`` (4, 4) places it (default: identity).
 
-        Of joint values (joints,) of AutoDiffXd so are the transforms, as
-        ``RigidTransform_[AutoDiffXd]`` takes them. ``X_WB`` is of numbers.
+        For joint values (joints,) of AutoDiffXd the transforms are of AutoDiffXd, in the form that
+        ``RigidTransform_[AutoDiffXd]`` takes. ``X_WB`` must be of floats.
         """
         if autodiff_kinematics.is_of_autodiff(q, X_WB):
             return self._of_autodiff(q, X_WB)
@@ -66,7 +66,7 @@ class Kinematics(JointedLinks):
         return matrices_of_poses(X_WLs.reshape(*q.shape[:-1], *X_WLs.shape[1:]))
 
     def _of_autodiff(self, q: Any, X_WB: Any) -> NDArray[Any]:
-        """Return X_WL (links, 4, 4) of AutoDiffXd; raises ValueError where it cannot."""
+        """Return X_WL (links, 4, 4) of AutoDiffXd; raises ValueError for other shapes of q."""
         if autodiff_kinematics.is_of_autodiff(X_WB):
             raise ValueError(
                 f'{self.name}: X_WB must be of numbers. Of a base that moves take X_BL from here, '
@@ -80,10 +80,10 @@ class Kinematics(JointedLinks):
         """Return J_WL of every link (..., links, 6, joints): its spatial velocity is J_WL @ qdot.
 
         Spatial velocities are [w_WL, v_WLo], angular before linear, in World axes, the linear part
-        that of the link's origin: what ``SignedDistanceResults.jacobian_by_frames`` takes. Joints
-        in the order of ``joint_names``, links in that of ``link_names``, arguments as of
-        ``link_transforms``. Raises ValueError for AutoDiffXd, whose second derivatives are not
-        kept: take the values, by ExtractValue.
+        that of the link's origin, as in ``SignedDistanceResults.jacobian_by_frames``. Joints are
+        in the order of ``joint_names``, links in that of ``link_names``; arguments are those of
+        ``link_transforms``. Raises ValueError for AutoDiffXd, which has no second derivatives:
+        pass the values, by ExtractValue.
         """
         if autodiff_kinematics.is_of_autodiff(q, X_WB):
             raise ValueError(

@@ -1,4 +1,4 @@
-"""What every moving frame of a scene does over time: robots, grasped objects, free frames."""
+"""Motions of the frames of a scene over time: robots, grasped objects, free frames."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ Floats = NDArray[np.float64]
 class RobotMotion:
     """A robot on its base pose X_WB (4, 4), and its joint values over time.
 
-    W is the frame ``carrier``, by source and name, where it is mounted on one. ``given`` are the
-    joints that somebody gave values; the others are at rest, and a link below a planar or floating
-    one of them stands nowhere.
+    W is the frame ``carrier``, by source and name, if the robot is mounted on one. ``given`` are
+    the joints with values; the others are at rest, and links below a planar or floating one of the
+    others have no pose.
     """
 
     kinematics: Kinematics
@@ -33,21 +33,21 @@ class RobotMotion:
     carrier: Frame | None = None
 
     def moved_links(self) -> list[int]:
-        """Return the rows of the links that are frames of the scene, and stand somewhere."""
-        # A link called as the world is no frame: see scene_files/urdf.py.
+        """Return the rows of the links that are frames of the scene and have a pose."""
+        # A link with the name of the world is no frame: see scene_files/urdf.py.
         links = self.kinematics.link_names
         return [k for k in self.kinematics.placed_links(self.given) if links[k] != WORLD]
 
     def link_transforms(self, t: ArrayLike) -> Floats:
-        """Return X_WL of every link (..., links, 4, 4) at times t (...) [s]; W may carry it."""
+        """Return X_WL of every link (..., links, 4, 4) at times t (...) [s]."""
         return self.kinematics.link_transforms(self.joint_values.value(t), self.X_WB)
 
 
 @dataclass(frozen=True)
 class Grasp:
-    """From ``start`` to ``end`` [s] a frame follows a robot's link; frames go by source and name.
+    """A period from ``start`` to ``end`` [s] in which a frame follows a robot's link.
 
-    ``gripper`` are the frames that touch it on purpose meanwhile.
+    Frames are given by source and name. ``gripper`` are the frames that may touch it meanwhile.
     """
 
     frame: Frame
@@ -62,12 +62,11 @@ class Grasp:
 
 
 class Motion:
-    """The poses X_PF of all frames that a player moves, at any time of a motion.
+    """Poses X_PF of all moving frames at any time of a motion.
 
-    P is the world, or the frame that a robot is mounted on.
-
-    ``robots`` by source name, ``free`` frames by source and name. A frame with grasps stands
-    at its first free pose until the first of them, and stays wherever each one leaves it.
+    P is the world, or the frame that a robot is mounted on. ``robots`` are given by source name,
+    ``free`` frames by source and name. A frame with grasps has its first free pose until the first
+    grasp, and keeps the pose at the end of each.
     """
 
     def __init__(
@@ -77,9 +76,9 @@ class Motion:
         grasps: Sequence[Grasp] = (),
         left_out: Mapping[str, str] = MappingProxyType({}),
     ):
-        """Raise ValueError for a grasp of or by an unknown frame, or one during another.
+        """Make a motion; raises ValueError for a grasp with an unknown frame or during another.
 
-        ``left_out`` are the robots of the scene that no joint values can pose, and why.
+        ``left_out`` are the robots of the scene without kinematics, with the reasons.
         """
         self.left_out = dict(left_out)
         self.robots = dict(robots)
@@ -102,13 +101,13 @@ class Motion:
 
     @property
     def duration(self) -> float:
-        """The time [s] after which nothing moves any more."""
+        """The time [s] of the end of all movements."""
         ends = [robot.joint_values.times[-1] for robot in self.robots.values()]
         ends += [frame.end for frame in self.free.values()] + [g.end for g in self.grasps]
         return float(max(ends, default=0.0))
 
     def poses(self, t: ArrayLike) -> dict[str, Floats]:
-        """Return of each source X_PF of its ``frame_names`` as (..., frames, 7) at times t (...).
+        """Return X_PF (..., frames, 7) of the ``frame_names`` of each source, at times t (...).
 
         A pose is x y z [m] and a unit quaternion qx qy qz qw.
         """
@@ -125,7 +124,7 @@ class Motion:
         return poses
 
     def held(self, t: float) -> tuple[Grasp, ...]:
-        """Return the grasps that hold at a time t [s]."""
+        """Return the active grasps at a time t [s]."""
         return tuple(grasp for grasp in self.grasps if grasp.holds(t))
 
     def _free_pose(self, frame: Frame, t: Floats) -> Floats:
@@ -141,7 +140,7 @@ class Motion:
         return pose
 
     def _X_WL(self, link: Frame, t: ArrayLike) -> Floats:
-        """Return X_WL of a link (..., 4, 4) in the world, whatever carries its robot."""
+        """Return X_WL of a link (..., 4, 4) in the world, also for a mounted robot."""
         source, name = link
         robot = self.robots[source]
         X_PL: Floats = robot.link_transforms(t)[..., robot.kinematics.link_names.index(name), :, :]
@@ -153,7 +152,7 @@ class Motion:
         return np.asarray(matrices_of_poses(carrier) @ X_PL)
 
     def _fix_grasps(self) -> list[tuple[Floats, Floats]]:
-        """Return of each grasp X_LF (4, 4), taken at its start, and the pose (7,) it ends with."""
+        """Return X_LF (4, 4) at the start of each grasp, and the pose (7,) at its end."""
         fixed: list[tuple[Floats, Floats]] = []
         resting = {name: frame.matrices(0.0) for name, frame in self.free.items()}
         for grasp in self.grasps:
@@ -164,7 +163,7 @@ class Motion:
         return fixed
 
     def _refuse_unknown_carrier(self, grasp: Grasp) -> None:
-        """Raise ValueError where nobody knows where the robot of a grasp stands."""
+        """Raise ValueError if the pose of a grasp's robot is unknown."""
         carrier = self.robots[grasp.link[0]].carrier
         while carrier is not None and carrier[0] in self.robots:
             carrier = self.robots[carrier[0]].carrier
@@ -183,12 +182,12 @@ class Motion:
             of = f'grasp of {full_name(grasp.frame)!r}'
             unknown = [n for n in (grasp.link, *grasp.gripper) if n not in links]
             if unknown or grasp.frame not in self.free:
-                known = sorted(map(full_name, links if unknown else self.free))
+                existing = sorted(map(full_name, links if unknown else self.free))
                 raise ValueError(
                     f'{of} by {full_name(grasp.link)!r}: '
                     f'{full_name(unknown[0] if unknown else grasp.frame)!r} is no '
                     f'{"link of a robot" if unknown else "free frame"}; there are '
-                    f'{", ".join(known) or "none"}'
+                    f'{", ".join(existing) or "none"}'
                 )
             self._refuse_unknown_carrier(grasp)
             if self.free[grasp.frame].moves:

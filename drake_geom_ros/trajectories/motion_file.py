@@ -16,8 +16,8 @@
       - {at: 0.0, pose: [0, 0, 1, 0, 0, 0, 1]}  # x y z [m], qx qy qz qw
       - {at: 1.0, pose: [0, 0, 2, 0, 0, 0, 1]}
 
-Frames are named ``source::frame``; names may themselves hold ``::``, and a text that stands for
-two frames is refused. ``motion.schema.json`` says it all. A CSV file holds timed poses alone: see
+Frames are named ``source::frame``; names may contain ``::``, and an ambiguous text is an error.
+``motion.schema.json`` is the complete schema. A CSV file has timed poses only: see
 ``read_timed_poses``.
 """
 
@@ -44,15 +44,16 @@ _Made = TypeVar('_Made')
 
 
 def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
-    """Return the motion of a file in a scene; without a file everything stands still.
+    """Return the motion of a file in a scene; without a file nothing moves.
 
-    Robots without waypoints stand in the configuration of the scene file, joints without a value
-    at 0, and other frames where that file says. Frames of which
-    neither file tells a pose are left out, for somebody else to move: links below a planar or
-    floating joint without values, and robots whose URDF is not a tree of joints that are known,
-    which are named in ``Motion.left_out``.
-    Raises SceneFileError, naming file, line and key, for a file that is not of the form above,
-    names what the scene has not, drives a joint beyond its limits, or a robot that is left out.
+    Robots without waypoints have the configuration of the scene file, joints without a value are
+    at 0, and other frames have the pose of that file. Frames without a pose in either file are
+    left out: links below a planar or floating joint without values, and robots whose URDF is not a
+    tree of supported joints, which are listed in ``Motion.left_out``. Other programs may move
+    them.
+
+    Raises SceneFileError, with file, line and key, for a file of another form, for names that the
+    scene lacks, for a joint beyond its limits, and for a robot that is left out.
     """
     X_WBs = {r.name: r.X_WB.GetAsMatrix4() for r in scene.robots if r.urdf is not None}
     standing = {robot.name: robot.configuration for robot in scene.robots}
@@ -62,18 +63,18 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     arms, left_out = _arms(scene)
     document = _read(path)
     curves: dict[str, MonotoneCubic] = {}
-    given: dict[str, frozenset[str]] = {}
+    with_values: dict[str, frozenset[str]] = {}
     grasps: list[Mapping[str, Any]] = []
     if isinstance(document, Document):
         reader = _Reader(document)
-        curves, given = reader.curves(arms, left_out, standing), reader.joints()
+        curves, with_values = reader.curves(arms, left_out, standing), reader.joints()
         grasps, timed = reader.grasps(), reader.frames()
     else:
         timed = document
     motions = {
         name: RobotMotion(
             *(arm, X_WBs[name], curves.get(name) or _rest(arm, standing[name])),
-            given=given.get(name, frozenset()) | standing[name].keys(),
+            given=with_values.get(name, frozenset()) | standing[name].keys(),
             carrier=carriers.get(name),
         )
         for name, arm in arms.items()
@@ -98,7 +99,7 @@ def adjacent_links(scene: SceneDescription) -> list[tuple[str, str]]:
 
 
 def _arms(scene: SceneDescription) -> tuple[dict[str, Kinematics], dict[str, str]]:
-    """Return the robots that joint values can pose, and of the others why they cannot."""
+    """Return the kinematics of robots, and the reasons of those without."""
     read: dict[Path, Kinematics | str] = {}
     arms: dict[str, Kinematics] = {}
     left_out: dict[str, str] = {}
@@ -110,16 +111,16 @@ def _arms(scene: SceneDescription) -> tuple[dict[str, Kinematics], dict[str, str
                 read[robot.urdf] = Kinematics(str(robot.urdf))
             except ValueError as error:
                 read[robot.urdf] = str(error)
-        found = read[robot.urdf]
-        if isinstance(found, str):
-            left_out[robot.name] = found
+        kinematics = read[robot.urdf]
+        if isinstance(kinematics, str):
+            left_out[robot.name] = kinematics
         else:
-            arms[robot.name] = found
+            arms[robot.name] = kinematics
     return arms, left_out
 
 
 def _still(scene: SceneDescription) -> dict[Frame, TimedPoses]:
-    """Return the frames of no robot that the scene file gives a pose."""
+    """Return the frames of no robot with a pose in the scene file."""
     robots = {robot.name for robot in scene.robots}
     return {
         (frame.source, frame.name): TimedPoses([0.0], [frame.X_PF.ToArray()])
@@ -129,7 +130,7 @@ def _still(scene: SceneDescription) -> dict[Frame, TimedPoses]:
 
 
 def _grasp(scene: SceneDescription, names: FrameNames, entry: Mapping[str, Any]) -> Grasp:
-    """Return the grasp that an entry of a motion file says."""
+    """Return the grasp of an entry of a motion file."""
     try:
         frame, link = _found(names, entry['frame']), _found(names, entry['link'])
         gripper = tuple(_found(names, text) for text in entry['gripper'])
@@ -170,24 +171,24 @@ def _read(path: str | Path | None) -> Document | dict[str, TimedPoses]:
 
 
 def _rest(kinematics: Kinematics, configuration: Mapping[str, float]) -> MonotoneCubic:
-    """Return the curve of a robot that stands still."""
+    """Return the constant curve of a robot at rest."""
     q = kinematics.at_rest(configuration)
     return MonotoneCubic([0.0, 1.0], [q, q])
 
 
 class _Reader:
-    """Takes the parts of a motion file of the right form, each error with its place."""
+    """Reader of the parts of a valid motion file; each error has its location."""
 
     def __init__(self, document: Document):
         check_schema(document, read_schema('drake_geom_ros.trajectories', 'motion.schema.json'))
         self._document = document
 
     def _part(self, key: str) -> Any:
-        """Return a part of the file; nothing where it is left out or left empty."""
+        """Return a part of the file, empty if it is missing or empty."""
         return self._document.value.get(key) or {}
 
     def joints(self) -> dict[str, frozenset[str]]:
-        """Return the joints that the file moves, of each robot."""
+        """Return the joints of each robot that the file moves."""
         return {name: frozenset(e['joints']) for name, e in self._part('robots').items()}
 
     def curves(
@@ -196,7 +197,7 @@ class _Reader:
         left_out: Mapping[str, str],
         standing: Mapping[str, Mapping[str, float]],
     ) -> dict[str, MonotoneCubic]:
-        """Return the joint curves of every robot that the file moves, and how each stands."""
+        """Return the joint curves of every robot that the file moves."""
         curves = {}
         for name, entry in self._part('robots').items():
             if name in left_out:
@@ -249,7 +250,7 @@ class _Reader:
         return curve
 
     def grasps(self) -> list[Mapping[str, Any]]:
-        """Return the grasps as they are written."""
+        """Return the entries of grasps."""
         return list(self._part('grasps'))
 
     def frames(self) -> dict[str, TimedPoses]:

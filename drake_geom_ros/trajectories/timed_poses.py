@@ -13,22 +13,22 @@ COLUMNS = ('time', 'frame', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw')
 
 
 class TimedPoses:
-    """The pose of one frame over time: smooth in position, by great arcs in orientation.
+    """The pose of one frame over time: a smooth position, and great arcs of orientation.
 
-    Before the first and after the last time the pose stays as it is there.
+    The pose is constant before the first and after the last time.
     """
 
     def __init__(self, times: ArrayLike, poses: ArrayLike):
-        """Take times (k,) [s] and poses (k, 7), x y z [m] qx qy qz qw.
+        """Make a curve through poses (k, 7), x y z [m] qx qy qz qw, at times (k,) [s].
 
-        Raises ValueError for wrong shapes or times, RuntimeError for rows that are no poses.
+        Raises ValueError for wrong shapes or times, RuntimeError for invalid poses.
         """
         poses = np.array(poses, dtype=float)
         if poses.ndim != 2 or poses.shape[1] != 7:
             raise ValueError(f'poses must have shape (k, 7), got {poses.shape}')
         matrices_of_poses(poses)
         poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
-        # q and -q are one orientation: take the sign that makes each step the shorter way.
+        # q and -q are the same orientation: choose the sign with the shorter way at each step.
         flips = np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0.0, -1.0, 1.0)
         poses[1:, 3:] *= np.cumprod(flips)[:, None]
         self._poses = poses
@@ -36,12 +36,12 @@ class TimedPoses:
 
     @property
     def moves(self) -> bool:
-        """Whether there is more than one pose."""
+        """True if there is more than one pose."""
         return self._position is not None
 
     @property
     def end(self) -> float:
-        """The last time [s]; 0 for a frame that stands still."""
+        """The last time [s]; 0 for a single pose."""
         return 0.0 if self._position is None else float(self._position.times[-1])
 
     def poses(self, t: ArrayLike) -> NDArray[np.float64]:
@@ -63,7 +63,7 @@ def slerp(q0: ArrayLike, q1: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
     """Return unit quaternions (..., 4) on the arcs from q0 to q1 (..., 4) at u (..., 1) in [0, 1].
 
     Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985. sin(u a) / sin(a) is
-    taken as a quotient of sinc, which needs no special case for a = 0. For q0 . q1 >= 0.
+    computed as a quotient of sinc, without a special case for a = 0. Requires q0 . q1 >= 0.
     """
     q0, q1, u = np.asarray(q0, float), np.asarray(q1, float), np.asarray(u, float)
     chord = np.linalg.norm(q1 - q0, axis=-1, keepdims=True)
@@ -79,8 +79,8 @@ def slerp(q0: ArrayLike, q1: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
 def read_timed_poses(path: str | Path) -> dict[str, TimedPoses]:
     """Return the frames of a CSV file with the columns ``time,frame,x,y,z,qx,qy,qz,qw``.
 
-    Frames are named ``source::frame``; rows of one frame stand in the order of their time.
-    Raises ValueError with file and line of what cannot be used.
+    Frames are named ``source::frame``; rows of one frame must be in the order of their times.
+    Raises ValueError with file and line for invalid content.
     """
     rows: dict[str, list[list[float]]] = {}
     with open(path, newline='', encoding='utf-8-sig') as file:
