@@ -1,4 +1,4 @@
-"""``Checker``: whether one state after another is free, as planners ask."""
+"""``Checker``: fast checks of single states, for planners."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 
 Floats = NDArray[np.float64]
 _DOUBLES = np.dtype(np.float64)
-_BLOCK = 1024  # states between two moments in which Ctrl-C is heard
+_BLOCK = 1024  # states between two checks for Ctrl-C
 
 
 class Clearance(NamedTuple):
-    """The pair of the least lower bound in a state; ids and names are None where there is none.
+    """The pair with the smallest lower bound in a state; ids and names are None without a pair.
 
-    The least distance of all pairs is within ``error_bound`` of ``distance``, and so no pair is
-    nearer than ``lower_bound``.
+    The smallest distance of all pairs is within ``error_bound`` of ``distance``, so every pair is
+    certified to be at least ``lower_bound`` apart.
     """
 
     lower_bound: float  # [m] distance - error_bound
@@ -56,19 +56,19 @@ class Clearance(NamedTuple):
 
 
 class Checker:
-    """Whether states of a scene's joints are free: prepared once, then one compiled call a state.
+    """Checks whether states of a scene's joints are free, by one compiled call per state.
 
-    A state q (c,) has one value for each of ``joints``, in [rad] or [m]. It is free when each is
-    within its limits, and each pair of geometries that no filter leaves out is certified to be
-    farther apart than ``margin`` [m]: its distance minus its error bound is larger. (So what may
-    touch is not free, however small the margin.) To the bit it is what ``evaluate`` says of
-    ``'collision'`` with the margin as ``max_distance``; what was asked before changes nothing.
-    Two half spaces are as far apart as their gap where they are opposed, and else overlap.
+    A state q (c,) has one value for each of ``joints``, in [rad] or [m]. It is free if each value
+    is within its limits, and each unfiltered pair of geometries is certified to be farther apart
+    than ``margin`` [m]: its distance minus its error bound is larger. (So a state with a possible
+    contact is not free for any margin.) The result equals, to the bit, that of ``evaluate`` for
+    ``'collision'`` with the margin as ``max_distance``, and does not depend on earlier calls. The
+    distance of two half spaces is their gap if they are opposed; otherwise they overlap.
 
-    The scene is that of now. Once it changes, its filters or the poses of frames that the joints
-    do not move, a checker refuses to answer: make a new one, which takes some milliseconds.
-    Any number of threads may use one checker at once, each gets memory of its own; a context must
-    not change meanwhile. Other processes make their own.
+    The checker uses the scene at its construction. After a change of the scene, its filters or the
+    poses of frames that the joints do not move, it raises GeometryError: make a new one, which
+    takes some milliseconds. Any number of threads may use one checker at once, each with its own
+    memory; a context must not change meanwhile. Other processes need their own.
     """
 
     def __init__(
@@ -80,12 +80,12 @@ class Checker:
         accuracy: str = '',
         ignore_limits: bool = False,
     ) -> None:
-        """Prepare, and compile what is not yet.
+        """Prepare the scene, and compile missing kernels.
 
         ``accuracy`` is a level, empty for the default of the scene. Raises ArgumentError for a
         margin that is no number >= 0, for an unknown level, for a scene with padded geometries,
-        and where the joints move nothing that could collide; PoseError for frames that have no
-        pose or are not in this scene.
+        and if the joints move nothing that could collide; PoseError for frames that have no pose
+        or are not in this scene.
         """
         number = as_number(margin)
         if number is None or not 0.0 <= number < math.inf:
@@ -131,24 +131,24 @@ class Checker:
     def free(self, q: ArrayLike) -> bool:
         """Return whether a state (c,) is free.
 
-        Raises ArgumentError for what is no state: another number of values, or one that is not
-        finite; GeometryError once the scene has changed.
+        Raises ArgumentError for another number of values, or one that is not finite, and
+        GeometryError after a change of the scene.
         """
         verdict = self._queries().verdict(self._state(q))
         return self._checked(verdict, q) == FREE
 
     def clearance(self, q: ArrayLike) -> float:
-        """Return what no pair is certified to be nearer than in a state (c,) [m].
+        """Return a distance [m] that every pair is certified to have at least in a state (c,).
 
-        That is the least lower bound, distance minus error bound, negative where bodies overlap,
-        and infinite where there is no pair. Limits of joints do not enter. Raises as ``free``.
+        It is the smallest lower bound, distance minus error bound, negative for an overlap, and
+        infinite without a pair. Limits of joints are ignored. Raises as ``free``.
         """
         least = self._queries().least(self._state(q))
         self._checked(least.verdict, q)
         return least.distance - least.error_bound
 
     def nearest(self, q: ArrayLike) -> Clearance:
-        """Return the pair of the least lower bound in a state (c,); raises as ``free``."""
+        """Return the pair with the smallest lower bound in a state (c,); raises as ``free``."""
         least = self._queries().least(self._state(q))
         if self._checked(least.verdict, q) == FREE:
             return Clearance(math.inf, math.inf, 0.0, None, None, None, None)
@@ -160,9 +160,9 @@ class Checker:
         )
 
     def free_each(self, states: ArrayLike) -> NDArray[np.bool_]:
-        """Return which of the states (N, c) are free: (N,), by this thread.
+        """Return whether each of the states (N, c) is free: (N,), computed by this thread.
 
-        (``evaluate`` takes all cores.) Raises as ``free``, for a state by its number.
+        (``evaluate`` uses all cores.) Raises as ``free``, with the number of the state.
         """
         rows = _numbers(states)
         if rows.ndim != 2 or rows.shape[1:] != self._shape:
@@ -170,16 +170,16 @@ class Checker:
                 f'states has the shape {rows.shape}; it must be (N, {self.joints.count}), '
                 f'{self._wanted()}'
             )
-        queries, found = self._queries(), np.empty(len(rows), dtype=np.bool_)
+        queries, are_free = self._queries(), np.empty(len(rows), dtype=np.bool_)
         for first in range(0, len(rows), _BLOCK):
             verdicts = queries.verdicts(rows[first : first + _BLOCK])
             for k in np.flatnonzero(verdicts > OUTSIDE).tolist():
                 self._checked(int(verdicts[k]), rows[first + k], f'state {first + k}: ')
-            found[first : first + _BLOCK] = verdicts == FREE
-        return found
+            are_free[first : first + _BLOCK] = verdicts == FREE
+        return are_free
 
     def reason(self, q: ArrayLike) -> str:
-        """Return why a state (c,) is not free, in words, nothing if it is; raises as ``free``."""
+        """Return why a state (c,) is not free, empty if it is; raises as ``free``."""
         state = self._state(q)
         verdict = self._checked(self._queries().verdict(state), q)
         if verdict == OUTSIDE:
@@ -204,7 +204,7 @@ class Checker:
         return ''
 
     def _queries(self) -> JointQueries:
-        """Return this thread's queries; raises GeometryError once the scene has changed."""
+        """Return this thread's queries; raises GeometryError after a change of the scene."""
         if not self._mark.is_of_now():
             raise GeometryError(
                 'the scene was changed since this checker was prepared: what is in it, its '
@@ -232,14 +232,14 @@ class Checker:
         return values[None]
 
     def _checked(self, verdict: int, q: ArrayLike, which: str = '') -> int:
-        """Return a verdict about a state; raises ArgumentError and PoseError for what is none."""
+        """Return a verdict on a state; raises ArgumentError or PoseError for an invalid one."""
         if verdict <= OUTSIDE:
             return verdict
         values = np.asarray(q, dtype=np.float64)
         if verdict == NO_STATE:
             bad = np.flatnonzero(~np.isfinite(values)).tolist()
-            told = ', '.join(f'{self.joints.names[k]} = {values[k]}' for k in bad)
-            raise ArgumentError(f'{which}{told}: joint values must be finite')
+            texts = ', '.join(f'{self.joints.names[k]} = {values[k]}' for k in bad)
+            raise ArgumentError(f'{which}{texts}: joint values must be finite')
         assert verdict == NO_POSE
         raise PoseError(
             f'{which}{values.tolist()} would put a link where no pose may be, too far away'
@@ -250,13 +250,13 @@ class Checker:
 
 
 def _numbers(values: ArrayLike) -> Floats:
-    """Return numbers as doubles in one piece, a copy; raises ArgumentError for anything else."""
+    """Return a contiguous copy of numbers as doubles; raises ArgumentError for other values."""
     try:
-        found = np.array(values)
+        numbers = np.array(values)
     except ValueError:
         raise ArgumentError(
             f'joint values must be numbers, all rows as long: {values!r}'
         ) from None
-    if found.dtype.kind not in 'fiu':
-        raise ArgumentError(f'joint values must be numbers; there are {found.dtype} {values!r}')
-    return np.array(found, dtype=np.float64, order='C')
+    if numbers.dtype.kind not in 'fiu':
+        raise ArgumentError(f'joint values must be numbers; there are {numbers.dtype} {values!r}')
+    return np.array(numbers, dtype=np.float64, order='C')

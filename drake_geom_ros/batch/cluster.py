@@ -1,4 +1,4 @@
-"""Clusters: an executor of Dask's scheduler, the one way in that knows of Dask."""
+"""Executor of a Dask cluster; only this file imports Dask."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from drake_geom_ros.batch.running import BatchError
 
 @contextmanager
 def cluster_executor(address: str, timeout: float = 10.0) -> Iterator[Executor]:
-    """Yield an executor of the Dask scheduler at an address, as ``tcp://host:8786``.
+    """Yield an executor of the Dask scheduler at an address, such as ``tcp://host:8786``.
 
-    Its workers need this package in the same version. Answers come from them straight to here, and
-    by the scheduler only where workers cannot be reached. Raises BatchError where Dask is not
-    installed, or nobody answers at the address within ``timeout`` [s].
+    Its workers need this package in the same version. They send answers directly, or by way of the
+    scheduler if they cannot be reached. Raises BatchError if Dask is not installed, or there is no
+    answer from the address within ``timeout`` [s].
     """
     try:
         from distributed import Client
@@ -29,4 +29,4 @@ def cluster_executor(address: str, timeout: float = 10.0) -> Iterator[Executor]:
     except (OSError, ValueError) as error:
         raise BatchError(f'no scheduler at {address}: {error}') from None
     with client:
-        yield client.get_executor(pure=False)  # a block that was lost is asked for again
+        yield client.get_executor(pure=False)  # a lost block is submitted again

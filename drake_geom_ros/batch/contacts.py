@@ -1,4 +1,4 @@
-"""Contact surfaces by state: the columns of a block, and what ``evaluate`` returns of all."""
+"""Contact surfaces by state: the columns of a block, and the result of ``evaluate``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drake_geom_ros.geometry.queries.contact_queries import Contacts
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Columns, and the arrays of the surfaces of a state that they are.
+# Columns, and the corresponding arrays of the surfaces of a state.
 _OF_SURFACES = {
     'id_M': 'id_M',
     'id_N': 'id_N',
@@ -49,12 +49,12 @@ class _ContactsOfStates(NamedTuple):
 
 
 class ContactsOfStates(PairNames, _ContactsOfStates):
-    """The contact surfaces of N states, and the pairs that overlap and have none.
+    """The contact surfaces of N states, and the overlapping pairs without one.
 
     Surfaces of state s are rows ``offsets[s]`` to ``offsets[s + 1]``, sorted by (id_M, id_N), with
     ``ContactSurface``'s quantities in World. Pairs without a surface are rows ``point_offsets[s]``
-    to ``point_offsets[s + 1]``: how deep, and why. ``name_A`` and ``name_B`` are theirs. Half
-    spaces that overlap are infinitely deep.
+    to ``point_offsets[s + 1]``, with depth and reason, and the names ``name_A`` and ``name_B``.
+    Half spaces that overlap are infinitely deep.
     """
 
     @property
@@ -68,11 +68,11 @@ class ContactsOfStates(PairNames, _ContactsOfStates):
         return self.names_of(self.id_N)
 
     def total_areas(self, *, with_fallback: bool = False) -> Floats:
-        """Return the area (N,) [m^2] of all surfaces of each state, 0 where nothing presses.
+        """Return the total area (N,) [m^2] of the surfaces of each state, 0 without contact.
 
-        Raises GeometryError, which names the first, where pairs overlap without a surface, whose
-        area nobody knows; ``with_fallback`` they are left to who looks at ``point_offsets``, as
-        are those whose meshes are too coarse to meet, which have none.
+        Raises GeometryError for the first pair that overlaps without a surface, since its area is
+        unknown. ``with_fallback`` ignores such pairs: the caller should consider
+        ``point_offsets``. Pairs whose meshes are too coarse to meet are always ignored.
         """
         unknown = np.flatnonzero(self.reason != NoSurface.TOO_COARSE)
         if len(unknown) and not with_fallback:
@@ -90,17 +90,17 @@ class ContactsOfStates(PairNames, _ContactsOfStates):
 
 
 def rows_of_pairs(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return contacts by column as one row for each pair that overlaps, as files hold them.
+    """Return contacts by column with one row for each overlapping pair, as in files.
 
-    Of each state those with a surface come first. What a pair has not is NaN, which no sum hides;
-    ``reason`` is 0 where there is a surface. ``counts`` (N,) are the pairs of each state.
+    In each state those with a surface come first. Missing values are NaN, so that no sum hides
+    them; ``reason`` is 0 for a surface. ``counts`` (N,) are the numbers of pairs of each state.
     """
     counts, others = columns['counts'], columns['point_counts']
     states = np.arange(len(counts))
     of = np.concatenate((np.repeat(states, counts), np.repeat(states, others)))
     order = np.argsort(of, kind='stable')
     k, p = len(columns['area']), len(columns['depth'])
-    found = {
+    joined = {
         'id_A': np.concatenate((columns['id_M'], columns['id_A'])),
         'id_B': np.concatenate((columns['id_N'], columns['id_B'])),
         'reason': np.concatenate((np.zeros(k, dtype=np.int64), columns['reason'])),
@@ -108,10 +108,10 @@ def rows_of_pairs(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     for name in _OF_SURFACES:
         if name not in ('id_M', 'id_N'):
             nothing = np.full((p, *columns[name].shape[1:]), np.nan)
-            found[name.replace('_M_', '_A_')] = np.concatenate((columns[name], nothing))
+            joined[name.replace('_M_', '_A_')] = np.concatenate((columns[name], nothing))
     for name in ('depth', 'error_bound'):
-        found[name] = np.concatenate((np.full(k, np.nan), columns[name]))
-    return {'counts': counts + others, **{name: rows[order] for name, rows in found.items()}}
+        joined[name] = np.concatenate((np.full(k, np.nan), columns[name]))
+    return {'counts': counts + others, **{name: rows[order] for name, rows in joined.items()}}
 
 
 def contact_columns(each: Iterable[Contacts]) -> dict[str, NDArray[Any]]:
@@ -121,7 +121,7 @@ def contact_columns(each: Iterable[Contacts]) -> dict[str, NDArray[Any]]:
     for surfaces, others, reasons in each:
         counts.append(len(surfaces))
         point_counts.append(len(others))
-        # Copies: the polygons behind them are not kept.
+        # Copies, so that the polygons behind them can be freed.
         for name, array in _OF_SURFACES.items():
             rows[name].append(getattr(surfaces, array).copy())
         for name in _OF_OTHERS:
@@ -134,7 +134,7 @@ def contact_columns(each: Iterable[Contacts]) -> dict[str, NDArray[Any]]:
 
 
 def _joined(name: str, arrays: list[NDArray[Any]]) -> NDArray[Any]:
-    """Return the rows of all states; of no state arrays of the right kind."""
+    """Return the rows of all states, or an empty array of the right type without states."""
     if arrays:
         return np.concatenate(arrays)
     wide = name.endswith('_W') or name in ('centroid', 'centre_of_pressure')

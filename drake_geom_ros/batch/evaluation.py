@@ -1,4 +1,4 @@
-"""``evaluate``: many states of a scene, one call."""
+"""``evaluate``: queries about many states of a scene in one call."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 
-Progress = Callable[[int, int], None]  # states done, and all
+Progress = Callable[[int, int], None]  # number of states done, and of all
 _SECONDS = 1.0  # between two lines of progress
 
 
@@ -56,41 +56,42 @@ def evaluate(
     threads: int = 0,
     block_size: int = 0,
 ) -> Results:
-    """Return what is wanted of each of N states of a scene, as if each was asked about alone.
+    """Return the answers to a query about each of N states of a scene.
 
     States are ``poses`` (N, n, 7), x y z [m] qx qy qz qw, the poses X_PF of the n frames
     ``frame_ids``, or ``states`` (N, q), the values [rad] or [m] of ``joints``. All other frames
-    stay where they are, in a context of now or, of a scene graph, in a new one.
+    keep their poses in the context, or, for a scene graph, in a new context.
 
     ``want`` is one of
 
-    - ``'collision'``: whether any pair overlaps, as HasCollisions tells: a bool array (N,). A
-      finite ``max_distance`` >= 0 [m] is a margin: False only where every pair is certified to be
-      farther apart;
-    - ``'least'``: the pair of the least lower bound, which is distance minus error bound. Its
-      interval holds the least distance of all pairs: ``LeastDistances``;
-    - ``'nearest'``: the ``count`` pairs of the least lower bounds, in their order. What is left
-      out is certified to be no nearer than the last one's: ``PairsOfStates``;
+    - ``'collision'``: the result of HasCollisions, a bool array (N,). A finite ``max_distance``
+      >= 0 [m] is a margin: False only if every pair is certified to be farther apart;
+    - ``'least'``: the pair with the smallest lower bound, which is distance minus error bound. Its
+      interval contains the smallest distance of all pairs: ``LeastDistances``;
+    - ``'nearest'``: the ``count`` pairs with the smallest lower bounds, in ascending order. The
+      others are certified to be no nearer than the last one's bound: ``PairsOfStates``;
     - ``'within'``: all pairs up to ``max_distance`` [m]: ``PairsOfStates``. Pairs of half spaces
-      are not listed; all the others above count them, as far apart as the gap of opposed ones,
-      else minus infinity;
+      are left out here. They are included above, with the gap of opposed ones as distance, else
+      minus infinity;
     - ``'points'``: the distances of all geometries to ``points`` (m, 3) [m] in World, which are
       closed forms at every level: ``PointsOfStates``;
-    - ``'contacts'``: area, force and centre of pressure of all contact surfaces, and the pairs
-      that overlap and have none: ``ContactsOfStates``.
+    - ``'contacts'``: area, force and centre of pressure of all contact surfaces, and the
+      overlapping pairs without one: ``ContactsOfStates``.
 
-    ``max_distance`` [m] leaves out what is farther away: of ``least`` and ``nearest`` only what is
-    certified to be. ``by_joints`` adds ``joint_gradient`` (k, q), the derivatives of the distances
-    of pairs by the joint values of their state. ``accuracy`` is a level, empty for the default of
-    the scene. Computed by ``threads`` of this process (0: one for each core), or by an
-    ``executor`` of the ``concurrent.futures`` interface, and by threads what that loses, in blocks
-    of ``block_size``
-    states (0: a good one). ``progress`` writes a line to standard error, or is called with the
-    states done and all. An interrupt ends it at once.
+    ``max_distance`` [m] leaves out pairs that are farther apart; for ``least`` and ``nearest``
+    only those certified to be. ``by_joints`` adds ``joint_gradient`` (k, q), the derivatives of
+    the distances of pairs by the joint values of their state. ``accuracy`` is a level, empty for
+    the default of the scene.
 
-    Raises ArgumentError for what cannot be asked, GeometryError for contacts where no geometry has
-    hydroelastic properties, PoseError for a state that is none and for
-    frames that have no pose, BatchError for workers of another version.
+    The states are computed by ``threads`` of this process (0: one for each core), or by an
+    ``executor`` with the ``concurrent.futures`` interface, in blocks of ``block_size`` states (0:
+    a suitable size). Threads recompute blocks that the executor loses. ``progress`` writes a line
+    to standard error, or is called with the numbers of states done and of all. An interrupt ends
+    the call at once.
+
+    Raises ArgumentError for invalid arguments, GeometryError for contacts if no geometry has
+    hydroelastic properties, PoseError for an invalid state and for frames without a pose,
+    BatchError for workers of another version.
     """
     if threads < 0 or block_size < 0:
         raise ArgumentError(f'threads={threads} and block_size={block_size} must be >= 0')
@@ -106,8 +107,8 @@ def evaluate(
     rows, ids, arms = _states(frame_ids, poses, states, joints)
     job, geometry_ids = Job.of(context, question, ids, arms)
     names = QueryObject(context).inspector().full_names(geometry_ids)
-    found = Gathered(want, len(rows), geometry_ids, names)
-    # Of many points a few states take as long as many of pairs.
+    gathered = Gathered(want, len(rows), geometry_ids, names)
+    # With many points a few states take as long as many states with pairs.
     least = LEAST_BLOCK if question.points is None else LEAST_BLOCK // (1 + len(question.points))
     if want == 'contacts':
         least = 1  # one takes as long as hundreds of others
@@ -115,12 +116,12 @@ def evaluate(
     size = block_size or (local if executor is None else REMOTE_BLOCK)
     blocks = blocks_of(len(rows), size) or [(0, 0)]
     for block, columns in computed(job, rows, blocks, executor, progress, threads):
-        found.put(block, columns)
-    return found.results()
+        gathered.put(block, columns)
+    return gathered.results()
 
 
 def context_of(scene: SceneGraph | SceneGraphContext) -> SceneGraphContext:
-    """Return a context itself, or a new one of a scene graph."""
+    """Return a context unchanged, or a new context of a scene graph."""
     return scene.CreateDefaultContext() if isinstance(scene, SceneGraph) else scene
 
 
@@ -132,7 +133,7 @@ def computed(
     progress: bool | Progress = False,
     threads: int = 0,
 ) -> Iterator[tuple[Block, Columns]]:
-    """Yield the answers of blocks, in any order; geometries go by their place in the scene."""
+    """Yield the answers of blocks, in any order; geometries are places in the scene."""
     show = _to_stderr if progress is True else progress
     total, done = sum(last - first for first, last in blocks), 0
     shown = time.monotonic()

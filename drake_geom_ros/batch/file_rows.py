@@ -1,4 +1,4 @@
-"""Rows of a .npy file, read block by block, of which none may change between two looks."""
+"""``FileRows``: rows of a .npy file, read block by block, with detection of changes."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _PIECE = 1024  # rows that are hashed, and so read, at once: memory stays flat
 
 
 class FileRows:
-    """The rows of a file of doubles, in C order; slices of them are read when they are asked for.
+    """The rows of a file of doubles, in C order; indexing by a slice reads them.
 
-    Copies, not a map of the file: who cuts a file short that is mapped ends the process that
-    reads it. Everything is read once at first and hashed; a piece that has another hash later was
-    written over meanwhile. Times of files would not do: they are as coarse as the kernel's ticks.
+    Slices are copies and not a memory map, because truncation of a mapped file kills the process
+    that reads it. The whole file is read and hashed once; a piece with another hash later has been
+    overwritten. Time stamps of files are too coarse for this: the kernel's ticks.
     """
 
     dtype = np.dtype(np.float64)
 
     def __init__(self, path: Path, descriptor: int, shape: tuple[int, ...], offset: int) -> None:
-        """Read all, once; raises OSError, and SceneFileError for a file that is too short.
+        """Read the file once; raises OSError, and SceneFileError for a file that is too short.
 
-        The open file is the rows' own from now on.
+        This object takes ownership of the descriptor.
         """
         self._descriptor = descriptor
         weakref.finalize(self, os.close, descriptor)
@@ -44,9 +44,9 @@ class FileRows:
 
     @staticmethod
     def of(path: Path) -> FileRows | None:
-        """Return the rows of a file, None of one that holds no doubles in C order.
+        """Return the rows of a file, None unless it has doubles in C order.
 
-        Raises OSError, and ValueError for what is no .npy file.
+        Raises OSError, and ValueError unless it is a .npy file.
         """
         with path.open('rb') as file:
             version = npy.read_magic(file)
@@ -62,33 +62,33 @@ class FileRows:
         return self.shape[0]
 
     def __getitem__(self, rows: slice) -> Floats:
-        """Return rows in a new array; raises SceneFileError where the file has changed."""
+        """Return rows in a new array; raises SceneFileError if the file has changed."""
         first, last, step = rows.indices(len(self))
         if step != 1:
             raise IndexError(f'{rows}: rows are read one after the other')
         begin, end = first // _PIECE * _PIECE, min(-(-last // _PIECE) * _PIECE, len(self))
-        found = self._read(begin, end)
+        pieces = self._read(begin, end)
         for piece in range(begin, end, _PIECE):
             if (
-                _hash(found[piece - begin : piece - begin + _PIECE])
+                _hash(pieces[piece - begin : piece - begin + _PIECE])
                 != self._hashes[piece // _PIECE]
             ):
                 raise self._changed()
-        return found[first - begin : last - begin]
+        return pieces[first - begin : last - begin]
 
     def _read(self, first: int, last: int) -> Floats:
         wanted = max(0, last - first) * self._bytes
-        found = bytearray(wanted)
-        view, at = memoryview(found), 0
+        buffer = bytearray(wanted)
+        view, at = memoryview(buffer), 0
         while at < wanted:
-            # By the place, not from where the last read ended: threads read at once.
+            # With an explicit offset, since several threads read at once.
             count = os.preadv(
                 self._descriptor, [view[at:]], self._offset + first * self._bytes + at
             )
             if count == 0:
                 raise self._changed()
             at += count
-        return np.frombuffer(found, dtype=self.dtype).reshape(
+        return np.frombuffer(buffer, dtype=self.dtype).reshape(
             max(0, last - first), *self.shape[1:]
         )
 

@@ -1,4 +1,4 @@
-"""How distances change with joint values: the chain rule from frames to the joints above them."""
+"""Derivatives of distances by joint values, by the chain rule from frames to joints."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ Indices = NDArray[np.int64]
 
 
 class _Posed(NamedTuple):
-    """Where all links of an arm stand in each state, in the world."""
+    """Poses of all links of an arm in the world, for each state."""
 
     R_WLs: Floats  # (N, m + 1, 3, 3)
     p_WLs: Floats  # (N, m + 1, 3) [m]
 
 
 class _Carriers(NamedTuple):
-    """Of each frame (nf,) which moved frame L carries it, itself maybe, and X_LF.
+    """The moved frame L that carries each frame (nf,), or is that frame, and X_LF.
 
-    The number is a place in ``scene.moved``; -1 for a frame that no state moves, L being the
-    world then.
+    L is a place in ``scene.moved``, or -1 for a frame that no state moves; then L is the world.
     """
 
     places: Indices
@@ -45,12 +44,12 @@ def joint_gradients(
 ) -> Floats:
     """Return the derivatives (k, q) of k distances by the joint values of their states (N, q).
 
-    ``of_state`` (k,) is which state each is of, ``places`` those of the geometries A and B, -1
-    where there is none, and ``gradients`` (k, 12) the derivatives by the spatial velocities of
-    their frames. Each joint moves what hangs on its link, arms that are mounted there too; a
-    mimic joint counts for its leader.
+    ``of_state`` (k,) is the state of each, ``places`` are those of the geometries A and B, -1 for
+    none, and ``gradients`` (k, 12) the derivatives by the spatial velocities of their frames. Each
+    joint moves the descendants of its link, including mounted arms; a mimic joint contributes to
+    its leader.
     """
-    found = np.zeros((len(of_state), states.shape[1]))
+    totals = np.zeros((len(of_state), states.shape[1]))
     carriers = _carriers(scene)
     firsts = np.concatenate(([0], np.cumsum([len(arm.links) for arm in arms])))
     posed = _posed(scene, arms, states, firsts, carriers)
@@ -70,11 +69,11 @@ def joint_gradients(
                     p_LFs = carriers.p_LFs[frames[own]]
                     p_WFs[own] = X_WLs.p_WLs[of_state[own], links]
                     p_WFs[own] += np.einsum('kij,kj->ki', R_WLs, p_LFs)
-                _add(arm.tree, X_WLs, of_state, links, p_WFs, by_frame, own, found)
-            # What carries that arm moves it, too.
+                _add(arm.tree, X_WLs, of_state, links, p_WFs, by_frame, own, totals)
+            # The carrier of that arm moves it, too.
             frames[rows] = scene.parents[scene.moved[on]]
             rows, is_first = rows[carriers.places[frames[rows]] >= 0], False
-    return found
+    return totals
 
 
 def _posed(
@@ -84,7 +83,7 @@ def _posed(
     firsts: Indices,
     carriers: _Carriers,
 ) -> list[_Posed]:
-    """Return where the links of each arm stand in the world; those that carry arms come first."""
+    """Return the poses of each arm's links in the world; arms that carry others come first."""
     posed: dict[int, _Posed] = {}
     waiting = list(range(len(arms)))
     while waiting:
@@ -121,9 +120,9 @@ def _add(
     p_WFs: Floats,
     by_frame: Floats,
     rows: Indices,
-    found: Floats,
+    totals: Floats,
 ) -> None:
-    """Add to some ``rows`` what the joints of a tree move of frames at p_WFs, on its ``links``."""
+    """Add to ``rows`` of totals the effect of a tree's joints on frames at p_WFs on ``links``."""
     moved_by = _links_below(tree)
     for joint in np.flatnonzero(tree.leaders >= 0).tolist():
         some = rows[moved_by[joint, links]]
@@ -131,15 +130,15 @@ def _add(
         axes = posed.R_WLs[at] @ (tree.multipliers[joint] * tree.axes[joint])
         turn, shift = by_frame[some, :3], by_frame[some, 3:]
         if tree.kinds[joint] == JointKind.REVOLUTE:
-            # The frame goes at a x (p_WF - p_WJ): d = a . (turn + (p_WF - p_WJ) x shift).
+            # The frame's velocity is a x (p_WF - p_WJ): d = a . (turn + (p_WF - p_WJ) x shift).
             felt = turn + np.cross(p_WFs[some] - posed.p_WLs[at], shift)
         else:
             felt = shift
-        found[some, tree.leaders[joint]] += np.einsum('ki,ki->k', axes, felt)
+        totals[some, tree.leaders[joint]] += np.einsum('ki,ki->k', axes, felt)
 
 
 def _links_below(tree: JointTree) -> NDArray[np.bool_]:
-    """Return which links (m + 1,) hang on the link of each joint (m,), that link too."""
+    """Return the mask (m, m + 1) of the descendants of each joint's link, that link included."""
     below = np.zeros((len(tree.parents), len(tree.parents) + 1), dtype=np.bool_)
     for joint, (parent, child) in enumerate(zip(tree.parents, tree.children, strict=True)):
         below[:, child] = below[:, parent]  # parents come first
@@ -148,7 +147,7 @@ def _links_below(tree: JointTree) -> NDArray[np.bool_]:
 
 
 def _carriers(scene: PackedScene) -> _Carriers:
-    """Return what carries each frame."""
+    """Return the carrier of each frame."""
     count = len(scene.parents)
     carrier, p_LFs = np.full(count, -1, dtype=np.int64), np.zeros((count, 3))
     R_LFs = np.tile(np.eye(3), (count, 1, 1))

@@ -1,4 +1,4 @@
-"""States as joint values: which robots and joints they are of, and the poses that they mean."""
+"""``Joints``: the joints of states given by joint values, and the poses of their robots."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """A robot as workers need it: its joints, its base X_WB (7,), and which links are frames.
+    """A robot for workers: its joints, its base X_WB (7,), and the links that are frames.
 
-    W is the frame that carries it, where it is mounted on one: poses are those in parents.
+    W is the frame that carries the robot, if it is mounted on one: poses are those in parents.
     """
 
     tree: JointTree  # driven by the joint values of a state
@@ -30,11 +30,11 @@ class Arm:
 
 
 class Joints:
-    """The joints that the columns of states (N, ``count``) are of, by ``robot::joint``.
+    """The joints of the columns of states (N, ``count``), by ``robot::joint``.
 
-    ``lower`` and ``upper`` (count,) are their limits [rad] or [m], infinite where there is none.
-    Joints without a column stay in the configuration of the scene file, or at 0, or at their limit
-    nearest to 0.
+    ``lower`` and ``upper`` (count,) are their limits [rad] or [m], infinite without a limit.
+    Joints without a column keep the value of the scene file's configuration, or else 0, or the
+    limit nearest to 0.
     """
 
     def __init__(
@@ -75,19 +75,20 @@ class Joints:
 
     @classmethod
     def of(cls, loaded: LoadedScene, names: Sequence[str] | None = None) -> Joints:
-        """Return the joints of a scene's robots; those of ``names``, in this order, where given.
+        """Return all joints of a scene's robots, or those of ``names`` in this order.
 
-        A planar or floating joint has several values: see ``Kinematics``. Links below one that
-        has not a column for each of them are not posed.
-        Raises ArgumentError for a name that no joint has, or that is given twice, for a scene
-        without robots, and for one with a robot that is no tree of joints.
+        A planar or floating joint has several values: see ``Kinematics``. Links below one without
+        a column for each of them are not posed. Raises ArgumentError for an unknown or duplicate
+        name, for a scene without robots, and for a robot that is no tree of joints.
         """
         robots = {r.name: r for r in loaded.robots.values() if r.urdf is not None}
         try:
-            known = {name: Kinematics(str(robot.urdf)) for name, robot in robots.items()}
+            kinematics_of = {name: Kinematics(str(robot.urdf)) for name, robot in robots.items()}
         except ValueError as error:
             raise ArgumentError(f'{error}; give poses of frames instead of joint values') from None
-        every = [f'{name}::{joint}' for name, k in known.items() for joint in k.joint_names]
+        every = [
+            f'{name}::{joint}' for name, k in kinematics_of.items() for joint in k.joint_names
+        ]
         if not every:
             raise ArgumentError('joint values were given, but the scene has no robot with joints')
         chosen = every if names is None else list(names)
@@ -105,18 +106,18 @@ class Joints:
         arms: list[Arm] = []
         ids: list[int] = []
         limits: dict[str, tuple[float, float]] = {}
-        for name, kinematics in known.items():
+        for name, kinematics in kinematics_of.items():
             own = [f'{name}::{joint}' for joint in kinematics.joint_names]
             limits |= dict(
                 zip(own, zip(kinematics.lower, kinematics.upper, strict=True), strict=True)
             )
             standing = robots[name].configuration
-            given = [
+            with_values = [
                 j for j in kinematics.joint_names if f'{name}::{j}' in chosen or j in standing
             ]
             links = [
                 k
-                for k in kinematics.placed_links(given)
+                for k in kinematics.placed_links(with_values)
                 if (name, kinematics.link_names[k]) in loaded.frames
             ]
             ids += [loaded.frames[name, kinematics.link_names[k]].get_value() for k in links]
@@ -130,7 +131,7 @@ class Joints:
 
 
 def chain_of_arms(arms: tuple[Arm, ...]) -> JointChain:
-    """Return all arms as one chain, whose links come in the order of ``poses_of_arms``."""
+    """Return all arms as one chain, with links in the order of ``poses_of_arms``."""
     return side_by_side(
         [arm.tree for arm in arms],
         np.array([arm.X_WB for arm in arms]),
@@ -139,7 +140,7 @@ def chain_of_arms(arms: tuple[Arm, ...]) -> JointChain:
 
 
 def still_poses(arms: tuple[Arm, ...], ids: Indices) -> dict[int, Floats]:
-    """Return the poses (7,) of those frames, of ``ids`` (n,) of the arms, that no state moves."""
+    """Return the poses (7,) of the arms' frames, with ``ids`` (n,), that no state moves."""
     if not arms:
         return {}
     columns = 1 + max((int(arm.tree.leaders.max(initial=-1)) for arm in arms), default=-1)

@@ -1,4 +1,4 @@
-"""The names of geometries, which results know beside their ids."""
+"""Names of geometries in results, by their ids."""
 
 from __future__ import annotations
 
@@ -13,35 +13,35 @@ Indices = NDArray[np.int64]
 
 
 class Names:
-    """The names of geometries, ``source::frame/geometry``, by the values of their ids."""
+    """Base of results with the names of geometries, ``source::frame/geometry``, by id values."""
 
-    _known: Mapping[int, str] = {}
+    _name_of: Mapping[int, str] = {}
 
     def names_of(self, ids: Indices) -> NDArray[np.str_]:
-        """Return the names of id values (k,), empty where there is no geometry.
+        """Return the names of id values (k,), empty for 0, which is no geometry.
 
-        Raises GeometryError for what is no geometry of the scene that was asked.
+        Raises GeometryError for an id that is not in the scene of the results.
         """
         values, places = np.unique(ids, return_inverse=True)
-        unknown = [value for value in values.tolist() if value and value not in self._known]
+        unknown = [value for value in values.tolist() if value and value not in self._name_of]
         if unknown:
             raise GeometryError(f'{unknown[0]} is the id of no geometry that these results know')
-        told = [self._known[value] if value else '' for value in values.tolist()]
-        return np.array(told, dtype=np.str_)[places.reshape(np.shape(ids))]
+        names = [self._name_of[value] if value else '' for value in values.tolist()]
+        return np.array(names, dtype=np.str_)[places.reshape(np.shape(ids))]
 
 
 class PairNames(Names):
-    """The names of the pairs of results."""
+    """Base of results with the names of pairs."""
 
     id_A: Indices
     id_B: Indices
 
     @property
     def name_A(self) -> NDArray[np.str_]:
-        """The names (k,) of the first geometries, empty where there is no pair."""
+        """The names (k,) of the first geometries, empty without a pair."""
         return self.names_of(self.id_A)
 
     @property
     def name_B(self) -> NDArray[np.str_]:
-        """The names (k,) of the second geometries, empty where there is no pair."""
+        """The names (k,) of the second geometries, empty without a pair."""
         return self.names_of(self.id_B)

@@ -1,4 +1,4 @@
-"""What a long batch has done until now, in a folder beside its file: one file a block."""
+"""Parts of a long batch, in a folder beside its file: one file per finished block."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from drake_geom_ros.batch.running import BatchError, Block
 from drake_geom_ros.common.whole_files import whole_file
 
 _TASK = 'task.json'
-# Of all that may be called as such a folder, only one with this in its task is ours.
+# A folder with the name of ours may be another's; only ours has this format in its task.
 _FORMAT = 'drake_geom_ros parts of a batch 1'
 _PART = re.compile(r'[0-9]{12}\.(npz|unfinished)')
-# What a task depends on, in words; that which tells most comes first.
+# Names of the properties of a task, the most informative first.
 _WORDS = {
     'question': 'question',
     'version': 'version of drake_geom_ros',
@@ -32,15 +32,15 @@ _WORDS = {
     'job': 'choice of joints or frames',
     'blocks': 'division into blocks',
 }
-_SHOWN = 60  # letters of a value
+_SHOWN = 60  # characters of a value in messages
 
 
 @contextlib.contextmanager
 def _later_interrupt() -> Iterator[None]:
-    """Let Ctrl-C come after what is done within: from within a zip file it is a ValueError.
+    """Delay Ctrl-C until the end of the block, since inside a zip file it becomes a ValueError.
 
-    Signals reach Python's main thread alone, so elsewhere nothing needs to wait; a handler that
-    Python did not install (None) could not be put back.
+    Signals reach Python's main thread only, so other threads need no delay. A handler that Python
+    did not install (None) could not be restored, so it is left alone.
     """
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or before is None:
@@ -57,9 +57,9 @@ def _later_interrupt() -> Iterator[None]:
 
 
 class Parts:
-    """The blocks that are done of a task, which is named by what its answers depend on.
+    """Finished blocks of a task, which is identified by all that its answers depend on.
 
-    Each is written beside its place and then put there: one that is there is whole.
+    Each is written beside its place and then moved there, so an existing part is complete.
     """
 
     def __init__(self, file: Path, task: Mapping[str, Any], blocks: list[Block]) -> None:
@@ -68,11 +68,11 @@ class Parts:
         self.blocks = blocks
 
     def begin(self, resume: bool, tell: Callable[[str], None] = lambda text: None) -> list[Block]:
-        """Return the blocks that are still to be done.
+        """Return the blocks that are not finished.
 
-        What a crash or a full disk left damaged is told, dropped, and done again. Raises
-        BatchError where parts are there and shall not be gone on with, or are of another task, and
-        where a folder is there that is somebody else's: it stays as it is.
+        Parts that a crash or a full disk damaged are reported by ``tell``, removed, and computed
+        again. Raises BatchError if there are parts without ``resume`` or of another task, and if
+        the folder exists and is not one of parts; such a folder is not touched.
         """
         self.folder.parent.mkdir(parents=True, exist_ok=True)
         try:
@@ -82,8 +82,8 @@ class Parts:
         else:
             self._write_task()
             return list(self.blocks)
-        kept = sorted(self.folder.glob('*.npz'))
-        if not resume and kept:
+        finished = sorted(self.folder.glob('*.npz'))
+        if not resume and finished:
             raise BatchError(
                 f'{self.folder} has parts of an earlier run: go on with --resume, or remove it'
             )
@@ -91,9 +91,9 @@ class Parts:
             tell(
                 f'{self.folder / _TASK} is damaged: nobody knows of what the parts are, so all go'
             )
-        elif kept and (told := self._differences(there)):
-            raise BatchError(f'{self.folder} is of another {" and of another ".join(told)}')
-        if there is None or not kept:
+        elif finished and (differences := self._differences(there)):
+            raise BatchError(f'{self.folder} is of another {" and of another ".join(differences)}')
+        if there is None or not finished:
             for path in self.folder.iterdir():
                 if path.name == _TASK or _PART.fullmatch(path.name):
                     path.unlink()
@@ -106,10 +106,10 @@ class Parts:
             json.dump(self._task, file)
 
     def _differences(self, there: Mapping[str, Any]) -> list[str]:
-        """Return in words in what the task that is there differs from this one."""
+        """Return the names of properties in which the existing task differs from this one."""
         different = [key for key in _WORDS if there.get(key) != self._task.get(key)]
         if set(different) - {'job', 'blocks'}:
-            # These differ with whatever else does.
+            # These two differ whenever another property does.
             different = [key for key in different if key not in ('job', 'blocks')]
         return [
             _WORDS[key]
@@ -122,7 +122,7 @@ class Parts:
         ]
 
     def _is_whole(self, block: Block, tell: Callable[[str], None]) -> bool:
-        """Return whether a part is there; one that is damaged is told and removed."""
+        """Return whether a part exists; a damaged one is reported and removed."""
         path = self._path(block)
         if not path.exists():
             return False
@@ -139,7 +139,7 @@ class Parts:
         return False
 
     def put(self, block: Block, columns: Columns) -> None:
-        """Keep the answers of a block; Ctrl-C comes when they are kept."""
+        """Write the answers of a block; Ctrl-C is delayed until they are written."""
         path = self._path(block)
         unfinished = path.with_suffix('.unfinished')
         arrays: dict[str, Any] = dict(columns)
@@ -147,7 +147,7 @@ class Parts:
             with unfinished.open('wb') as file:
                 np.savez(file, **arrays)
                 file.flush()
-                os.fsync(file.fileno())  # or a power cut leaves a name without content
+                os.fsync(file.fileno())  # otherwise a power cut may leave an empty file
             os.replace(unfinished, path)
 
     def get(self, block: Block) -> Columns:
@@ -156,12 +156,12 @@ class Parts:
             with np.load(self._path(block)) as file:
                 return dict(file)
         except Exception as error:
-            # Of many kinds: of zip files, of their compression, of arrays.
+            # There are many kinds: errors of zip files, of their compression, of arrays.
             reason = ' '.join(str(error).split()) or repr(error)
             raise BatchError(f'{self._path(block)} cannot be read: {reason}') from None
 
     def remove(self) -> bool:
-        """Remove all parts, and the folder unless it holds what is not ours; return whether."""
+        """Remove all parts, and the folder if it is empty then; return whether it was."""
         for block in self.blocks:
             self._path(block).unlink(missing_ok=True)
             self._path(block).with_suffix('.unfinished').unlink(missing_ok=True)
@@ -173,9 +173,9 @@ class Parts:
         return True
 
     def _task_there(self) -> dict[str, Any] | None:
-        """Return the task of the folder that is there, None for one that is damaged.
+        """Return the task of the existing folder, None for a damaged one.
 
-        Raises BatchError for a folder that is not ours.
+        Raises BatchError for a folder that is not one of parts.
         """
         task = None
         with contextlib.suppress(OSError):

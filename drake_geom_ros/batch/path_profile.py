@@ -1,4 +1,4 @@
-"""What is proved along a path, and what its states show: piece by piece, for tables and plots."""
+"""Profile of a path, piece by piece, for tables and plots: proved bounds and distances."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Floats = NDArray[np.float64]
 
 
 class PathProfile(NamedTuple):
-    """Pieces (n,) of a path, each checked alone, and the states (n + 1,) between them."""
+    """Pieces (n,) of a path, each checked separately, and the states (n + 1,) between them."""
 
     times: Floats  # (n + 1,) by rows of the path, or [s]
     outcomes: tuple[str, ...]  # (n,)
-    lower_bounds: Floats  # (n,) [m] certified for all times of a piece that is clear
-    distances: Floats  # (n + 1,) [m] the least of each state
+    lower_bounds: Floats  # (n,) [m] certified for all times of a clear piece
+    distances: Floats  # (n + 1,) [m] the smallest of each state
     error_bounds: Floats  # (n + 1,) [m]
 
 
@@ -33,18 +33,18 @@ def profile_of_path(
     joints: Joints,
     path: ArrayLike,
     pieces: int = 200,
-    **asked: Any,
+    **options: Any,
 ) -> PathProfile:
-    """Return what is proved of so many pieces of a path (k, q); ``asked`` is as of ``check_path``.
+    """Return the profile of a path (k, q) in ``pieces``; ``options`` are those of ``check_path``.
 
-    A piece that is not clear has no bound: NaN.
+    The bound of a piece that is not clear is NaN.
     """
     rows = np.asarray(path, dtype=np.float64)
     inner = np.linspace(0.0, len(rows) - 1.0, max(pieces, 1) + 1)
     times = np.union1d(inner, np.arange(len(rows)))
-    known = np.arange(len(rows))
-    states = np.column_stack([np.interp(times, known, column) for column in rows.T])
-    checks = PathChecker(scene_graph, joints, **asked).check_edges(states)
+    row_times = np.arange(len(rows))
+    states = np.column_stack([np.interp(times, row_times, column) for column in rows.T])
+    checks = PathChecker(scene_graph, joints, **options).check_edges(states)
     least = evaluate(scene_graph, states=states, joints=joints, want='least')
     assert isinstance(least, LeastDistances)
     return PathProfile(
@@ -66,7 +66,7 @@ def draw_profile(
     file: Path,
     unit: str = 'rows of the path',
 ) -> None:
-    """Draw distances and proved bounds over time, with the contact or what is unknown shaded."""
+    """Draw distances and proved bounds over time, with contacts and unknown pieces shaded."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 4), layout='constrained')
@@ -83,7 +83,7 @@ def draw_profile(
     axes.axhline(min_distance, color='black', linewidth=0.8, linestyle=':')
     shades = {'contact': '#d62728', 'unknown': '#ff7f0e'}
     for outcome, pieces in groupby(range(len(profile.outcomes)), profile.outcomes.__getitem__):
-        first, *others = pieces  # neighbours are one span: there would be seams between them
+        first, *others = pieces  # neighbours are joined, since there would be seams between them
         end = min(first + len(others) + 1, len(profile.times) - 1)
         if outcome in shades:
             span = profile.times[first], profile.times[end]

@@ -1,4 +1,4 @@
-"""``PathChecker``, ``check_path`` and ``check_paths``: whether whole paths are clear."""
+"""``PathChecker``, ``check_path`` and ``check_paths``: continuous checks of joint paths."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
-_PART = 256  # edges that are checked at once: Ctrl-C and other threads wait no longer
+_PART = 256  # edges that are checked in one call, which Ctrl-C and other threads wait for
 
 
 def check_path(
@@ -54,19 +54,19 @@ def check_path(
 ) -> MotionCheck:
     """Return whether a whole path is clear, certified for all times.
 
-    ``path`` (k, q) has joint values [rad] or [m] of ``joints``, straight in joint space from row
-    to row; a joint that turns without end goes as its values do, not by a shorter way. Times are
-    rows: 2.5 is halfway between the third row and the fourth. What is told, and what the other
-    arguments mean, is as of ``QueryObject.CheckMotion``: clear is what stays farther apart than
-    ``min_distance`` [m]. Bounds count the motion of the joints between two links only, so links of
-    an arm that move together are looked at once an edge.
+    ``path`` (k, q) has joint values [rad] or [m] of ``joints``, and is straight in joint space
+    from row to row; a continuous joint follows its values, not the shorter way. Times are rows:
+    2.5 is halfway between the third row and the fourth. The result and the other arguments are as
+    in ``QueryObject.CheckMotion``: a path is clear if pairs stay farther apart than
+    ``min_distance`` [m]. Bounds use only the motion of the joints between two links, so links of
+    an arm that move together are evaluated once per edge.
 
-    Answers are the same by any number of ``threads`` (0: one for each core), and to the bit those
-    of ``check_paths``. Raises ArgumentError for what cannot be asked: a path without rows, values
-    that are not finite, values outside the limits of their joint unless ``ignore_limits``, and
-    joints that move nothing which could collide; PoseError for frames that have no pose.
+    Answers do not depend on the number of ``threads`` (0: one for each core), and equal, to the
+    bit, those of ``check_paths``. Raises ArgumentError for a path without rows, values that are
+    not finite, values outside the limits of their joint unless ``ignore_limits``, and joints that
+    move nothing which could collide; PoseError for frames without a pose.
     """
-    (found,) = check_paths(
+    (check,) = check_paths(
         scene_graph,
         joints,
         [path],
@@ -79,7 +79,7 @@ def check_path(
         ignore_limits=ignore_limits,
         bound_tolerance=bound_tolerance,
     )
-    return found
+    return check
 
 
 def check_paths(
@@ -96,9 +96,9 @@ def check_paths(
     ignore_limits: bool = False,
     bound_tolerance: float = math.inf,
 ) -> list[MotionCheck]:
-    """Return what ``check_path`` tells of each of many paths, by threads (0: one for each core).
+    """Return the result of ``check_path`` for each path, by threads (0: one for each core).
 
-    An array (N, k, q) is N paths. Raises as ``check_path``, and names the path.
+    An array (N, k, q) is N paths. Raises as ``check_path``, with the number of the path.
     """
     if threads < 0:
         raise ArgumentError(f'threads={threads} must be >= 0')
@@ -117,7 +117,7 @@ def check_paths(
 
 
 def _path_of(path: ArrayLike, number: int, joints: Joints, ignore_limits: bool) -> Floats:
-    """Return a path (k, q) in one piece; raises ArgumentError for what is none."""
+    """Return a path (k, q) as a contiguous array; raises ArgumentError for an invalid one."""
     try:
         rows = np.ascontiguousarray(path, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -145,14 +145,15 @@ def _path_of(path: ArrayLike, number: int, joints: Joints, ignore_limits: bool) 
 
 
 class PathChecker:
-    """Whether paths are clear: prepared once, as planners need it, then asked about each edge.
+    """Checks whether paths are clear: prepared once, then called for each edge, as in planners.
 
-    Arguments and answers are those of ``check_path``. The scene is that of now: once it changes,
-    its filters or the poses of frames that the joints do not move, a checker refuses to answer.
-    Any number of threads may use one at once; a context must not change meanwhile.
+    Arguments and answers are those of ``check_path``. The checker uses the scene at its
+    construction. After a change of the scene, its filters or the poses of frames that the joints
+    do not move, it raises GeometryError. Any number of threads may use one at once; a context must
+    not change meanwhile.
 
-    A checker of a context that is used by ``with`` leaves what it prepared to the next one of the
-    same joints, scene and resting frames, and answers no more.
+    At the end of a ``with`` statement a checker of a context passes its prepared data to the next
+    checker of the same joints, scene and resting frames, and can no longer be used.
     """
 
     def __init__(
@@ -168,12 +169,12 @@ class PathChecker:
         ignore_limits: bool = False,
         bound_tolerance: float = math.inf,
     ) -> None:
-        """Prepare; raises ArgumentError and PoseError as ``check_path`` does."""
+        """Prepare the scene; raises ArgumentError and PoseError as ``check_path`` does."""
         if not isinstance(joints, Joints):
             raise ArgumentError(
                 f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
             )
-        self._asked = MotionQuestion(
+        self._question = MotionQuestion(
             min_distance=float(min_distance),
             time_tolerance=float(time_tolerance),
             max_evaluations=max_evaluations,
@@ -196,25 +197,25 @@ class PathChecker:
         self._spare, self._ended = [self._prepared.queries], False
 
     def __enter__(self) -> PathChecker:
-        """Return itself."""
+        """Return this checker."""
         return self
 
     def __exit__(self, *raised: object) -> None:
-        """Leave what was prepared to the next checker; this one answers no more."""
+        """Pass the prepared data to the next checker; this one can no longer be used."""
         if not self._ended:
             self._ended = True
             prepared_paths.give_back(self._context, self._kind, self._prepared)
 
     def check(self, path: ArrayLike) -> MotionCheck:
-        """Return what is true of a path (k, q), by this thread.
+        """Return the result for a path (k, q), computed by this thread.
 
-        Raises ArgumentError for what is no path, GeometryError once the scene has changed.
+        Raises ArgumentError for an invalid path, GeometryError after a change of the scene.
         """
         self._refuse_another_scene()
         return self._check(_path_of(path, 0, self.joints, self._ignore_limits))
 
     def check_each(self, paths: Iterable[ArrayLike], threads: int = 0) -> list[MotionCheck]:
-        """Return what is true of each path, by threads (0: one for each core); raises as above."""
+        """Return the result for each path, by threads (0: one for each core); raises as above."""
         every = [
             _path_of(path, k, self.joints, self._ignore_limits) for k, path in enumerate(paths)
         ]
@@ -228,25 +229,25 @@ class PathChecker:
                     return [self._check(every[0], pool)]
                 return list(pool.map(self._check, every))
             except BaseException:
-                self._stop[0] = 1  # what still runs ends
+                self._stop[0] = 1  # ends running checks
                 raise
             finally:
                 pool.shutdown(cancel_futures=True)
                 self._stop[0] = 0
 
     def check_edges(self, path: ArrayLike) -> list[MotionCheck]:
-        """Return what is true of each edge of a path (k, q) alone, times by the path's rows.
+        """Return the result for each edge of a path (k, q), with times by the path's rows.
 
-        Pairs that are left out because they are not clear at the start are those of the path's.
+        With ``ignore_start_contacts``, pairs not clear at the start of the path are left out.
         """
         rows = _path_of(path, 0, self.joints, self._ignore_limits)
         self._refuse_another_scene()
-        queries, asked = self._queries(), self._asked
-        found = [queries.follow(asked, rows, (0, min(1, len(rows) - 1)))]
+        queries, question = self._queries(), self._question
+        answers = [queries.follow(question, rows, (0, min(1, len(rows) - 1)))]
         skipped = queries.skipped()
         for k in range(1, len(rows) - 1):
-            found.append(queries.follow(asked, rows, (k, k + 1), skipped))
-        return [MotionCheck.of(each, self._prepared.ids) for each in found]
+            answers.append(queries.follow(question, rows, (k, k + 1), skipped))
+        return [MotionCheck.of(each, self._prepared.ids) for each in answers]
 
     def _refuse_another_scene(self) -> None:
         if self._ended:
@@ -271,54 +272,54 @@ class PathChecker:
         return queries
 
     def _check(self, path: Floats, pool: ThreadPoolExecutor | None = None) -> MotionCheck:
-        """Return what is true of a path, whose parts may be shared out to a pool's threads."""
-        asked, edges, queries = self._asked, len(path) - 1, self._queries()
-        found = queries.follow(asked, path, (0, min(edges, _PART)))
+        """Return the result for a path, whose parts may be distributed to a pool's threads."""
+        question, edges, queries = self._question, len(path) - 1, self._queries()
+        answer = queries.follow(question, path, (0, min(edges, _PART)))
         parts = [(k, min(k + _PART, edges)) for k in range(_PART, edges, _PART)]
-        if found.outcome == 'clear' and parts:
+        if answer.outcome == 'clear' and parts:
             skipped = queries.skipped()
-            if pool is None or asked.max_evaluations > 0:
-                found = self._one_by_one(found, path, parts, skipped)
+            if pool is None or question.max_evaluations > 0:
+                answer = self._one_by_one(answer, path, parts, skipped)
             else:
-                later = partial(self._part, asked, path, skipped)
-                found = _joined(found, pool.map(later, parts))
-        return MotionCheck.of(found, self._prepared.ids)
+                later = partial(self._part, question, path, skipped)
+                answer = _joined(answer, pool.map(later, parts))
+        return MotionCheck.of(answer, self._prepared.ids)
 
     def _part(
-        self, asked: MotionQuestion, path: Floats, skipped: Booleans, part: tuple[int, int]
+        self, question: MotionQuestion, path: Floats, skipped: Booleans, part: tuple[int, int]
     ) -> MotionAnswer:
-        return self._queries().follow(asked, path, part, skipped)
+        return self._queries().follow(question, path, part, skipped)
 
     def _one_by_one(
-        self, found: MotionAnswer, path: Floats, parts: list[tuple[int, int]], skipped: Booleans
+        self, answer: MotionAnswer, path: Floats, parts: list[tuple[int, int]], skipped: Booleans
     ) -> MotionAnswer:
-        """Return what is found of a path whose parts share one budget of evaluations, if any."""
+        """Return the answer about a path whose parts share one budget of evaluations, if any."""
         for part in parts:
-            asked = self._asked
-            if asked.max_evaluations > 0:
-                left = asked.max_evaluations - found.evaluations
+            question = self._question
+            if question.max_evaluations > 0:
+                left = question.max_evaluations - answer.evaluations
                 if left <= 0:
                     ends = float(part[0]), float(part[0] + 1)
-                    return replace(found, outcome='unknown', times=ends)
-                asked = replace(asked, max_evaluations=left)
-            found = _joined(found, [self._part(asked, path, skipped, part)])
-            if found.outcome != 'clear':
+                    return replace(answer, outcome='unknown', times=ends)
+                question = replace(question, max_evaluations=left)
+            answer = _joined(answer, [self._part(question, path, skipped, part)])
+            if answer.outcome != 'clear':
                 break
-        return found
+        return answer
 
 
-def _joined(found: MotionAnswer, parts: Iterable[MotionAnswer]) -> MotionAnswer:
-    """Return what is found of a path by its clear begin and the parts that follow."""
+def _joined(answer: MotionAnswer, parts: Iterable[MotionAnswer]) -> MotionAnswer:
+    """Return the answer about a path from those of its clear beginning and the later parts."""
     for part in parts:
-        told = found if part.outcome == 'clear' and found.distance <= part.distance else part
-        found = replace(
-            told,
+        nearest = answer if part.outcome == 'clear' and answer.distance <= part.distance else part
+        answer = replace(
+            nearest,
             outcome=part.outcome,
             times=part.times,
-            lower_bound=min(found.lower_bound, part.lower_bound),
-            evaluations=found.evaluations + part.evaluations,
-            ignored=found.ignored,
+            lower_bound=min(answer.lower_bound, part.lower_bound),
+            evaluations=answer.evaluations + part.evaluations,
+            ignored=answer.ignored,
         )
-        if found.outcome != 'clear':
+        if answer.outcome != 'clear':
             break
-    return found
+    return answer

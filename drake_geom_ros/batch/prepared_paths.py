@@ -1,4 +1,4 @@
-"""What checks of paths prepare, kept by a context for those of the same scene that follow."""
+"""Prepared data of path checks, cached in a context for later checks of the same scene."""
 
 from __future__ import annotations
 
@@ -19,21 +19,20 @@ Indices = NDArray[np.int64]
 
 
 class PreparedPaths(NamedTuple):
-    """A scene and joints as checks take them; who has it has it alone."""
+    """A scene and joints prepared for path checks, used by one checker at a time."""
 
     scene: PackedScene
     ids: Indices  # (n,) of its geometries, by their place
     chain: JointChain
     queries: MotionQueries  # of one thread
-    stop: Indices  # (1,) what ends these queries, and those that other threads add
+    stop: Indices  # (1,) the flag that ends these queries, and those of other threads
 
 
 def take(context: SceneGraphContext, joints: Joints, level: str) -> tuple[Hashable, PreparedPaths]:
-    """Return what is prepared for paths of joints in a context's scene of now, and its kind.
+    """Return a cache key, and prepared data for paths of joints in a context's current scene.
 
-    It is what was given back of the same kind, if anything: of the same content and filters, the
-    same joints, and the same poses of all frames that they do not move. Raises PoseError for
-    frames that have no pose.
+    Cached data is reused for the same content and filters, the same joints, and the same poses of
+    all frames that they do not move. Raises PoseError for frames without a pose.
     """
     state, chain = state_of(context), chain_of_arms(joints.arms)
     world = state.up_to_date_world()
@@ -57,5 +56,5 @@ def take(context: SceneGraphContext, joints: Joints, level: str) -> tuple[Hashab
 
 
 def give_back(context: SceneGraphContext, kind: Hashable, prepared: PreparedPaths) -> None:
-    """Keep what was taken for the next one that asks about the same."""
+    """Return prepared data to the cache."""
     state_of(context).prepared_motions.keep(kind, prepared)

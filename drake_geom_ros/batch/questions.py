@@ -1,4 +1,4 @@
-"""What is asked of each state, and the job that a worker does: a question about a scene."""
+"""The question about each state, and the job of a worker: a question about a scene."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ _OF_POINTS = ('point_index', 'distance', 'error_bound', 'grad_W', 'is_grad_W_uni
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What is wanted of each state: one of ``WANTS``.
+    """Query about each state: ``want`` is one of ``WANTS``, see ``evaluate``.
 
-    ``collision`` whether a pair overlaps or, of a finite ``max_distance`` [m], is not certified to
-    be farther apart; ``least`` the pair of the least lower bound; ``nearest`` the ``count`` pairs
-    of the least ones; ``within`` all pairs; ``points`` the distances to points (m, 3) [m] in
-    World. These leave out what is farther than ``max_distance``. ``contacts`` are the contact
-    surfaces, and the pairs that overlap without one. Raises ArgumentError for what cannot be
-    asked.
+    ``collision`` is True if a pair overlaps or, with a finite ``max_distance`` [m], is not
+    certified to be farther apart. ``least`` is the pair with the smallest lower bound, ``nearest``
+    the ``count`` pairs with the smallest ones, ``within`` all pairs, ``points`` the distances to
+    points (m, 3) [m] in World; these leave out pairs beyond ``max_distance``. ``contacts`` are the
+    contact surfaces, and the overlapping pairs without one. Raises ArgumentError for invalid
+    values.
     """
 
     want: str
@@ -94,7 +94,7 @@ class Question:
 
     @property
     def words(self) -> str:
-        """The question in one line, the same for the same question."""
+        """The question in one line, equal for equal questions."""
         points = b'' if self.points is None else np.ascontiguousarray(self.points).tobytes()
         named = hashlib.sha256(points).hexdigest()[:16] if points else 'none'
         return (
@@ -105,9 +105,9 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """A scene, a question, and the arms whose joint values states are; without any, poses.
+    """A scene, a question, and the arms of states of joint values; without arms, states are poses.
 
-    What it holds is arrays and numbers, so that it may go to another process.
+    It consists of arrays and numbers, so it may go to another process.
     """
 
     scene: PackedScene
@@ -122,10 +122,10 @@ class Job:
         ids: NDArray[np.int64],
         arms: tuple[Arm, ...] = (),
     ) -> tuple[Job, NDArray[np.int64]]:
-        """Return a job about a context's scene, and its geometries' id values by their place.
+        """Return a job about a context's scene, and its geometries' id values by place.
 
-        ``ids`` (n,) are values of the frames that states pose, those of the arms if there are any.
-        Raises PoseError as ``PackedScene.of`` does.
+        ``ids`` (n,) are id values of the frames that states pose, those of the arms if there are
+        any. Raises PoseError as ``PackedScene.of`` does.
         """
         if question.by_joints and not arms:
             raise ArgumentError('by_joints goes with joint values: states and joints, not poses')
@@ -140,13 +140,13 @@ class Job:
 
     @cached_property
     def digest(self) -> str:
-        """A name for the content."""
-        found = hashlib.sha256(f'{self.scene.digest} {self.question.words}'.encode())
+        """A digest of the content."""
+        digest = hashlib.sha256(f'{self.scene.digest} {self.question.words}'.encode())
         for arm in self.arms:
             trees = [getattr(arm.tree, field.name) for field in fields(arm.tree)]
             for array in (*trees, arm.X_WB, arm.links):
-                found.update(np.ascontiguousarray(array).tobytes())
-        return found.hexdigest()
+                digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()
 
     def answer(
         self,
@@ -157,11 +157,11 @@ class Job:
         *,
         shared: bool = False,
     ) -> Columns:
-        """Return the answers of states, by column; geometries by their place in the scene.
+        """Return the answers about states, by column; geometries are places in the scene.
 
-        ``counts`` (N,) are there where states have answers of any number. Raises PoseError for a
-        state that is none, by its number, that of the first being ``first``. The points of one
-        state may be ``shared`` out to all threads of the process.
+        There are ``counts`` (N,) if the number of answers differs between states. Raises PoseError
+        for an invalid state, with its number, counted from ``first``. The points of one state may
+        be ``shared`` among all threads of the process.
         """
         poses = poses_of_arms(self.arms, states) if self.arms else states
         try:
@@ -186,27 +186,27 @@ class Job:
     def _answer(
         self, queries: StateQueries, poses: Floats, stop: NDArray[np.int64], shared: bool
     ) -> Columns:
-        asked = self.question
-        if asked.want == 'collision':
-            margin = asked.max_distance if math.isfinite(asked.max_distance) else None
-            return {'collision': queries.has_collisions(poses, asked.accuracy, stop, margin)}
-        if asked.want == 'points':
-            assert asked.points is not None
-            points = np.ascontiguousarray(asked.points, dtype=np.float64)
-            limit = asked.max_distance
+        question = self.question
+        if question.want == 'collision':
+            margin = question.max_distance if math.isfinite(question.max_distance) else None
+            return {'collision': queries.has_collisions(poses, question.accuracy, stop, margin)}
+        if question.want == 'points':
+            assert question.points is not None
+            points = np.ascontiguousarray(question.points, dtype=np.float64)
+            limit = question.max_distance
             return _columns(queries.points(poses, points, limit, stop, shared=shared))
-        if asked.want == 'contacts':
-            return contact_columns(queries.contacts(poses, asked.accuracy, stop))
-        if asked.want == 'within':
-            return _columns(queries.within(poses, asked.accuracy, asked.max_distance, stop))
-        limits = asked.accuracy, asked.max_distance, asked.count
-        found = _columns(queries.nearest(poses, *limits, stop))
-        return found if asked.want == 'nearest' else _one_each(found)
+        if question.want == 'contacts':
+            return contact_columns(queries.contacts(poses, question.accuracy, stop))
+        if question.want == 'within':
+            return _columns(queries.within(poses, question.accuracy, question.max_distance, stop))
+        limits = question.accuracy, question.max_distance, question.count
+        columns = _columns(queries.nearest(poses, *limits, stop))
+        return columns if question.want == 'nearest' else _one_each(columns)
 
 
-def _columns(found: BlockAnswers) -> Columns:
-    """Return what was found as arrays of their own."""
-    counts, results = found
+def _columns(answers: BlockAnswers) -> Columns:
+    """Return copies of the columns of answers."""
+    counts, results = answers
     if isinstance(results, PointDistanceResults):
         columns = {name: getattr(results, name).copy() for name in _OF_POINTS}
         return {'counts': counts, 'id_G': results.id_G, **columns}
@@ -216,7 +216,7 @@ def _columns(found: BlockAnswers) -> Columns:
 
 
 def _one_each(columns: Columns) -> Columns:
-    """Return one row a state of columns that have none or one."""
+    """Return columns with one row for each state, from those with none or one."""
     there = columns.pop('counts') > 0
     every = {}
     for name, values in columns.items():

@@ -1,10 +1,10 @@
-"""Results to files, .npz or Parquet, block by block: memory stays flat however many states.
+"""Files of results, .npz or Parquet, written block by block with constant memory.
 
-Geometries are written as their place in ``geometries``, the names of all of them, or -1 where a
-state has no pair; in Parquet as the names themselves. ``scene``, ``question`` and ``versions`` say
-where the answers come from, ``columns`` what each column means. The states go with their answers,
-under the names of their joints or frames, as a file of states has them: results can be asked about
-again. What is text in .npz is metadata in Parquet, lists of names as JSON.
+Geometries are written as indices into ``geometries``, the names of all of them, or -1 for a state
+without a pair; in Parquet as names. ``scene``, ``question`` and ``versions`` document the origin
+of the answers, ``columns`` the meaning of each column. The states are written with their answers,
+with the names of joints or frames as in a file of states, so that results can be computed again.
+Texts in .npz are metadata in Parquet, lists of names as JSON.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ _PLACES = {'id_A': 'geometry_a', 'id_B': 'geometry_b', 'id_G': 'geometry'}
 
 
 def check_suffix(path: Path) -> None:
-    """Raise BatchError for a name that no format belongs to, or one that is not installed."""
+    """Raise BatchError for a suffix of no format, or of one that is not installed."""
     if path.suffix not in SUFFIXES:
         raise BatchError(f'{path}: results are written as one of {", ".join(SUFFIXES)}')
     if path.suffix == '.parquet':
@@ -76,7 +76,7 @@ def check_suffix(path: Path) -> None:
 
 
 def check_place(path: Path) -> None:
-    """Raise BatchError where something is that is not to be replaced: anything but results."""
+    """Raise BatchError if the path exists and has no results, which may be replaced."""
     if not os.path.lexists(path):
         return
     if not path.is_file() or not _holds_results(path):
@@ -91,14 +91,14 @@ def _holds_results(path: Path) -> bool:
         if path.suffix == '.npz':
             with zipfile.ZipFile(path) as file:
                 return {f'{key}.npy' for key in _ABOUT} <= set(file.namelist())
-        told = _parquet().parquet.read_schema(path).metadata or {}
-        return {key.encode() for key in _ABOUT} <= set(told)
+        metadata = _parquet().parquet.read_schema(path).metadata or {}
+        return {key.encode() for key in _ABOUT} <= set(metadata)
     except (OSError, ValueError, zipfile.BadZipFile):  # pyarrow's errors are ValueErrors, too
         return False
 
 
 class About(NamedTuple):
-    """What a file says of its answers."""
+    """Metadata of a file of results."""
 
     texts: Mapping[str, str]
     geometries: Sequence[str]  # the names of all
@@ -111,36 +111,36 @@ class About(NamedTuple):
         geometries: Sequence[str],
         lists: Mapping[str, Sequence[str]],
     ) -> About:
-        """Return what is said of a scene, a question, and versions."""
+        """Return the metadata for a scene, a question, and versions."""
         scene, question, versions = texts
         said = {'scene': scene, 'question': question, 'versions': json.dumps(dict(versions))}
         return cls(said, geometries, lists)
 
 
 def write(path: Path, blocks: Iterable[Columns], about: About) -> None:
-    """Write blocks of columns, in order and each taken once, to a file.
+    """Write blocks of columns, in order and each read once, to a file.
 
-    It is there only when it is whole.
+    The file appears only when it is complete.
     """
     with whole_file(path, 'wb') as file:
         if path.suffix == '.npz':
-            # Where there is room for the results there is for what is kept of them.
+            # Temporary files go to the same disk, since that has space for the results.
             _write_npz(file, blocks, about, path.parent)
         else:
             _write_parquet(file, blocks, about)
 
 
 def _meanings(columns: Iterable[str]) -> str:
-    """Return what columns mean, as JSON."""
+    """Return the meanings of columns as JSON."""
     named = [_PLACES.get(name, 'offsets' if name == 'counts' else name) for name in columns]
     return json.dumps({name: _MEANINGS[name] for name in named})
 
 
 class _Column:
-    """One array of an .npz file, which has to be written in one piece, as its blocks come."""
+    """Collects the blocks of one array of an .npz file, which must be written in one piece."""
 
     def __init__(self, first: NDArray[Any], file: IO[bytes]) -> None:
-        """``file`` keeps what has come."""
+        """Begin with the type and width of a ``first`` block; ``file`` buffers the blocks."""
         self._header = npy.header_data_from_array_1_0(first)
         self._shape = first.shape[1:]
         self._rows = 0
@@ -151,7 +151,7 @@ class _Column:
         self._file.write(np.ascontiguousarray(values).tobytes())
 
     def move_to(self, file: zipfile.ZipFile, name: str) -> None:
-        """Write the whole array, and let go of what was kept of it."""
+        """Write the whole array, and release the buffer."""
         with self._file, file.open(f'{name}.npy', 'w', force_zip64=True) as stream:
             shape = (self._rows, *self._shape)
             npy.write_array_header_2_0(stream, {**self._header, 'shape': shape})
@@ -161,7 +161,7 @@ class _Column:
 
 def _write_npz(target: IO[bytes], blocks: Iterable[Columns], about: About, folder: Path) -> None:
     columns: dict[str, _Column] = {}
-    end = np.zeros(1, dtype=np.int64)  # of the rows until now: where the next state's begin
+    end = np.zeros(1, dtype=np.int64)  # number of rows so far: the first row of the next state
     with ExitStack() as opened, zipfile.ZipFile(target, 'w') as file:
 
         def add(name: str, values: NDArray[Any]) -> None:
@@ -173,9 +173,9 @@ def _write_npz(target: IO[bytes], blocks: Iterable[Columns], about: About, folde
             add(key, np.array(names, dtype=np.str_))
         for key, text in about.texts.items():
             add(key, np.array([text]))
-        found: dict[str, None] = {}
+        names_seen: dict[str, None] = {}
         for block in blocks:
-            found |= dict.fromkeys(block)
+            names_seen |= dict.fromkeys(block)
             for name, values in block.items():
                 if name != 'counts':
                     add(_PLACES.get(name, name), values)
@@ -185,7 +185,7 @@ def _write_npz(target: IO[bytes], blocks: Iterable[Columns], about: About, folde
                 ends = end + np.cumsum(values, dtype=np.int64)
                 add('offsets', ends)
                 end = ends[-1:] if len(ends) else end
-        add('columns', np.array([_meanings(found)]))
+        add('columns', np.array([_meanings(names_seen)]))
         for name, column in columns.items():
             column.move_to(file, name)
 

@@ -1,4 +1,4 @@
-"""What ``evaluate`` returns: arrays by name."""
+"""Results of ``evaluate``: arrays by name."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ class _LeastDistances(NamedTuple):
     p_WCa: Floats  # (N, 3) [m]
     p_WCb: Floats  # (N, 3) [m]
     method: NDArray[np.uint8]  # (N,) the METHOD_* constants
-    joint_gradient: Floats  # (N, q) by joint values [m/rad] or [-]; (N, 0) unless asked for
+    joint_gradient: Floats  # (N, q) by joint values [m/rad] or [-]; (N, 0) without by_joints
 
 
 class LeastDistances(PairNames, _LeastDistances):
-    """The pair of the least lower bound in each of N states, as QueryObject tells of it.
+    """The pair with the smallest lower bound in each of N states, with QueryObject's quantities.
 
-    ``distance`` is within ``error_bound`` of the least distance of all pairs. Where every pair of
-    a state is certified to be out of reach it is infinity, ids and all else are 0. It is minus
-    infinity for two half spaces that cross, with their ids, and all else 0.
+    ``distance`` is within ``error_bound`` of the smallest distance of all pairs. If every pair of
+    a state is certified to be beyond ``max_distance``, it is infinity, and ids and all else are 0.
+    For two half spaces that cross it is minus infinity, with their ids, and all else is 0.
     """
 
 
@@ -51,14 +51,15 @@ class _PairsOfStates(NamedTuple):
     p_WCa: Floats  # (k, 3) [m]
     p_WCb: Floats  # (k, 3) [m]
     method: NDArray[np.uint8]  # (k,)
-    joint_gradient: Floats  # (k, q) by joint values [m/rad] or [-]; (k, 0) unless asked for
+    joint_gradient: Floats  # (k, q) by joint values [m/rad] or [-]; (k, 0) without by_joints
 
 
 class PairsOfStates(PairNames, _PairsOfStates):
     """Pairs of N states: those of state s are rows ``offsets[s]`` to ``offsets[s + 1]``.
 
-    Of ``within`` by (id_A, id_B), of ``nearest`` by their lower bounds, the least first: minus
-    infinity for two half spaces that cross, which have no normal, witness points or gradient.
+    Those of ``within`` are sorted by (id_A, id_B), those of ``nearest`` by ascending lower bounds.
+    The distance is minus infinity for two half spaces that cross, without a normal, witness points
+    or gradient.
     """
 
 
@@ -74,9 +75,9 @@ class _PointsOfStates(NamedTuple):
 
 
 class PointsOfStates(Names, _PointsOfStates):
-    """Distances of geometries to points: of state s rows ``offsets[s]`` to ``offsets[s + 1]``.
+    """Distances of geometries to points; those of state s are rows ``offsets[s:s + 2]``.
 
-    Sorted by (point_index, id_G).
+    They are sorted by (point_index, id_G).
     """
 
     @property
@@ -85,27 +86,27 @@ class PointsOfStates(Names, _PointsOfStates):
         return self.names_of(self.id_G)
 
 
-_Found = TypeVar('_Found', LeastDistances, PairsOfStates, PointsOfStates, ContactsOfStates)
+_Named = TypeVar('_Named', LeastDistances, PairsOfStates, PointsOfStates, ContactsOfStates)
 _IDS = ('id_A', 'id_B', 'id_G', 'id_M', 'id_N')
 
 Results = Flags | LeastDistances | PairsOfStates | PointsOfStates | ContactsOfStates
 
 
 class Gathered:
-    """The results of ``count`` states, of blocks that come in any order; at least of one.
+    """Collects the results of ``count`` states, from at least one block, in any order.
 
-    Where each state has one row, a block is put where it belongs at once: it is held once.
+    If each state has one row, blocks are copied directly to their place, without a second copy.
     """
 
     def __init__(self, want: str, count: int, ids: Indices, names: Sequence[str]) -> None:
-        self._known = dict(zip(ids.tolist(), names, strict=True))
+        self._name_of = dict(zip(ids.tolist(), names, strict=True))
         self._want, self._count = want, count
-        self._ids = np.append(ids, 0)  # of geometries by their place; 0 for place -1, none
+        self._ids = np.append(ids, 0)  # ids of geometries by place; place -1, for none, has id 0
         self._rows: dict[str, NDArray[Any]] = {}
         self._ragged: dict[tuple[int, int], dict[str, NDArray[Any]]] = {}
 
     def put(self, block: tuple[int, int], columns: dict[str, NDArray[Any]]) -> None:
-        """Take the answers of a block, in which geometries go by their place in the scene."""
+        """Add the answers of a block, in which geometries are places in the scene."""
         ids = {name: self._ids[columns[name]] for name in _IDS if name in columns}
         columns = {**columns, **ids}
         if 'counts' in columns:
@@ -117,7 +118,7 @@ class Gathered:
             self._rows[name][slice(*block)] = values
 
     def results(self) -> Results:
-        """Return all of it, in the order of the states."""
+        """Return all results, in the order of the states."""
         if self._want == 'collision':
             return self._rows['collision']
         if self._want == 'least':
@@ -134,16 +135,16 @@ class Gathered:
             return self._named(PointsOfStates(**columns))
         return self._named(PairsOfStates(**_with_joints(columns)))
 
-    def _named(self, found: _Found) -> _Found:
-        found._known = self._known
-        return found
+    def _named(self, results: _Named) -> _Named:
+        results._name_of = self._name_of
+        return results
 
 
 def _offsets(counts: Indices) -> Indices:
-    """Return where the rows of each state begin, and those of the last end (N + 1,)."""
+    """Return the first row of each state, and the end of the last one's (N + 1,)."""
     return np.concatenate(([0], np.cumsum(counts)))
 
 
 def _with_joints(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return columns of pairs with the gradients by joints, of none where nobody asked."""
+    """Return columns of pairs with gradients by joints, of width 0 if they were not requested."""
     return {'joint_gradient': np.zeros((len(columns['distance']), 0)), **columns}

@@ -1,7 +1,7 @@
-"""Blocks of states by threads of this process, or by an executor: who computes changes no bit.
+"""Execution of blocks of states, by threads of this process or by an executor, with equal results.
 
-Threads share nothing but the job: each has queries of its own. Compiled loops run without the
-GIL and look at a flag before each state, so Ctrl-C ends them at once.
+Threads share only the job: each has its own queries. Compiled loops run without the GIL and check
+a flag before each state, so Ctrl-C ends them at once.
 """
 
 from __future__ import annotations
@@ -33,27 +33,27 @@ from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.geometry.queries.state_queries import StateQueries
 
 Floats = NDArray[np.float64]
-Block = tuple[int, int]  # the first state, and the one behind the last
+Block = tuple[int, int]  # the first state, and the one after the last
 Done = tuple[Block, Columns]
-_KILLED = 'KilledWorker'  # Dask: a block that died with several workers; the others go on
+_KILLED = 'KilledWorker'  # Dask: a block whose workers died several times; others are unaffected
 _T = TypeVar('_T')
 _B = TypeVar('_B')
 
-LEAST_BLOCK = 256  # states: to begin with a block takes as long as two of them
+LEAST_BLOCK = 256  # states: the overhead of a block is that of two of them
 LOCAL_BLOCK = 1024  # states: some hundredths of a second, arrays that stay in the caches
-REMOTE_BLOCK = 10_000  # states: what a scheduler takes for a task is nothing beside it
-_BLOCKS_A_THREAD = 8  # at least, where states are few: all cores have work until the end
-AHEAD = 64  # blocks that are with an executor at once: memory stays flat
-_LOOKS = 0.2  # [s] how often a wait for blocks lets Ctrl-C in
-_GRACE = 5.0  # [s] that blocks have, one after the other, once their executor is known to be gone
+REMOTE_BLOCK = 10_000  # states: a scheduler's overhead is negligible for a task of this size
+_BLOCKS_A_THREAD = 8  # minimum for few states, so that all cores have work until the end
+AHEAD = 64  # blocks submitted to an executor at once, which limits memory
+_LOOKS = 0.2  # [s] period in which a wait for blocks handles Ctrl-C
+_GRACE = 5.0  # [s] time limit between blocks after their executor was lost
 
 
 class BatchError(GeometryError):
-    """A batch that cannot be computed where it was asked to be."""
+    """Raised for a batch that cannot be computed, resumed or written."""
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
+    """Return the number of cores that this process may use."""
     here = getattr(os, 'sched_getaffinity', None)
     return len(here(0)) if here else os.cpu_count() or 1
 
@@ -64,15 +64,15 @@ def blocks_of(count: int, size: int) -> list[Block]:
 
 
 def size_for_all(count: int, threads: int, most: int, least: int = 1) -> int:
-    """Return how many states a block should have for so many threads (0: one for each core)."""
+    """Return a number of states per block for some threads (0: one for each core)."""
     share = math.ceil(count / (_BLOCKS_A_THREAD * (threads or cores())))
     return max(least, min(most, share))
 
 
 def by_threads(job: Job, states: Any, blocks: Iterable[Block], threads: int = 0) -> Iterator[Done]:
-    """Yield the answers of blocks as they are done, by threads (0: one for each core).
+    """Yield the answers of blocks when they are done, by threads (0: one for each core).
 
-    Raises PoseError for a state that is none.
+    Raises PoseError for an invalid state.
     """
     stop, own = np.zeros(1, dtype=np.int64), threading.local()
     shared = (threads or cores()) > 1
@@ -100,16 +100,16 @@ def by_threads(job: Job, states: Any, blocks: Iterable[Block], threads: int = 0)
 def by_executor(
     job: Job, states: Any, blocks: Iterable[Block], executor: Executor, threads: int = 0
 ) -> Iterator[Done]:
-    """Yield the answers of blocks as they are done, by an executor's workers.
+    """Yield the answers of blocks when they are done, by an executor's workers.
 
-    Blocks name the job by its digest; it goes with one only where a worker does not know it yet.
-    Blocks that are lost with a worker, or with the executor, are computed here, by ``threads`` (0:
-    one for each core): a RuntimeWarning says why. Nothing more is given to an executor that is
-    gone: it may never answer. Raises BatchError for a worker of other sources, PoseError for a
-    state that is none.
+    Blocks refer to the job by its digest; the job itself is sent only if a worker lacks it. Blocks
+    that are lost with a worker, or with the executor, are computed here, by ``threads`` (0: one
+    for each core), with a RuntimeWarning that gives the reason. A lost executor gets no more
+    blocks, since it may never answer. Raises BatchError for a worker with other sources, PoseError
+    for an invalid state.
     """
-    mine, digest, waiting, gone = worker.version(), job.digest, iter(blocks), threading.Event()
-    unknown: list[Block] = []  # blocks of which a worker did not know the job
+    version, digest, waiting, gone = worker.version(), job.digest, iter(blocks), threading.Event()
+    unknown: list[Block] = []  # blocks whose worker lacked the job
     lost: list[Block] = []
     causes: dict[str, None] = {}
 
@@ -123,8 +123,8 @@ def by_executor(
         (first, last), sent = task
         rows = np.array(states[first:last], dtype=np.float64)
         try:
-            return executor.submit(worker.answer, mine, digest, sent, rows, first)
-        except (RuntimeError, OSError) as error:  # it takes no more tasks
+            return executor.submit(worker.answer, version, digest, sent, rows, first)
+        except (RuntimeError, OSError) as error:  # it accepts no more tasks
             return _cancelled(f'{type(error).__name__}: {error}')
 
     for (block, _), done in _in_flight(submit, take, AHEAD, gone.is_set):
@@ -144,7 +144,7 @@ def by_executor(
                 gone.set()
         else:
             raise error
-    lost += [*unknown, *waiting]  # if it is gone; else there are none
+    lost += [*unknown, *waiting]  # none unless the executor was lost
     if lost:
         warnings.warn(
             f'{len(lost)} blocks of states were lost and are computed by this process: '
@@ -156,10 +156,10 @@ def by_executor(
 
 
 def is_loss(error: BaseException) -> bool:
-    """Tell whether an error says that whoever computed is gone, and not that it found one."""
-    ours = isinstance(error, GeometryError)
+    """Return whether an error is the loss of a worker or executor, and not an error of the job."""
+    of_job = isinstance(error, GeometryError)
     gone = isinstance(error, (BrokenExecutor, CancelledError, OSError))
-    return not ours and (gone or type(error).__module__.split('.')[0] == 'distributed')
+    return not of_job and (gone or type(error).__module__.split('.')[0] == 'distributed')
 
 
 def _in_flight(
@@ -168,9 +168,10 @@ def _in_flight(
     most: int,
     is_gone: Callable[[], bool] = lambda: False,
 ) -> Iterator[tuple[_B, Future[_T]]]:
-    """Yield what is taken and its future as it is done; at most so many are under way.
+    """Yield blocks with their futures when they are done, with at most ``most`` in flight.
 
-    Once whoever computes ``is_gone`` no more is taken, and what gets no answer is cancelled.
+    When ``is_gone`` returns True no more blocks are taken, and those without an answer are
+    cancelled.
     """
     under_way: dict[Future[_T], _B] = {}
     last = time.monotonic()
@@ -193,7 +194,7 @@ def _in_flight(
 
 
 def _cancelled(why: str) -> Future[Any]:
-    """Return a future that was cancelled, and says why."""
+    """Return a cancelled future with a reason."""
     future: Future[Any] = Future()
     future.set_exception(CancelledError(why))
     return future

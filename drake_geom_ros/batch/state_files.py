@@ -1,4 +1,4 @@
-"""States from files: joint values or poses, as .npy, .npz or .csv."""
+"""Readers of states from files: joint values or poses, as .npy, .npz or .csv."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch.file_rows import FileRows
 from drake_geom_ros.scene_files import SceneFileError
 
-_SHOWN = 60  # letters of a value
+_SHOWN = 60  # characters of a value in messages
 SUFFIXES = ('.npy', '.npz', '.csv')
 
 
 class States(NamedTuple):
-    """Rows (N, q) of joint values or (N, n, 7) of poses, and the names that go with them.
+    """Rows (N, q) of joint values or (N, n, 7) of poses, and their names.
 
-    Names are of joints, ``robot::joint``, or of frames, ``source::frame``; None where the file has
-    none: all joints of the scene then.
+    Names are of joints, ``robot::joint``, or of frames, ``source::frame``. They are None if the
+    file has none, which means all joints of the scene.
     """
 
     rows: NDArray[np.float64] | FileRows
@@ -31,12 +31,12 @@ class States(NamedTuple):
 
     @property
     def are_poses(self) -> bool:
-        """Whether the rows are poses of frames."""
+        """True if the rows are poses of frames."""
         return self.rows.ndim == 3
 
     @property
     def digest(self) -> str:
-        """The hash of what was read; a file may change afterwards."""
+        """The hash of the rows that were read; a file may change afterwards."""
         if isinstance(self.rows, FileRows):
             return self.rows.digest
         rows = np.ascontiguousarray(self.rows)
@@ -44,12 +44,12 @@ class States(NamedTuple):
 
 
 def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
-    """Return the states of a file; ``names`` stand for those that it has not.
+    """Return the states of a file; ``names`` are used if it has none.
 
-    ``.npy`` holds the rows alone, which are read block by block: memory stays flat. ``.npz`` holds
-    ``states`` and, if need be, ``joints``, their names; or ``poses`` and ``frames``. ``.csv`` has
-    a header of the joints' names. Raises SceneFileError for what is not of this form, and for a
-    file that changes while it is read; of ``.npy``, also later, for the block that changed.
+    ``.npy`` has only the rows, which are read block by block, with constant memory. ``.npz`` has
+    ``states`` and optionally ``joints``, their names; or ``poses`` and ``frames``. ``.csv`` has a
+    header with the names of joints. Raises SceneFileError for another form, and for a file that
+    changes while it is read; for ``.npy`` also later, for a changed block.
     """
     path, own = Path(path), None if names is None else tuple(names)
     if path.suffix not in SUFFIXES:
@@ -57,7 +57,7 @@ def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
     try:
         if path.suffix == '.npy':
             rows: Any = FileRows.of(path)
-            if rows is None:  # of another order, or to be refused for its type
+            if rows is None:  # of another order, or of a type that is refused below
                 with _unchanged(path):
                     rows = np.load(path)
         elif path.suffix == '.npz':
@@ -69,7 +69,7 @@ def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
     except SceneFileError:
         raise
     except Exception as error:
-        # Of many kinds: of zip files and their compression, of arrays, of tables.
+        # There are many kinds: errors of zip files, their compression, arrays and tables.
         reason = ' '.join(str(error).split()) or repr(error)
         raise SceneFileError(f'cannot be read as states: {reason}', str(path)) from None
     is_poses = rows.ndim == 3 and rows.shape[2] == 7
@@ -88,7 +88,7 @@ def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
 
 @contextlib.contextmanager
 def _unchanged(path: Path) -> Iterator[None]:
-    """Raise ValueError where a file was written to while it was read at once."""
+    """Raise ValueError if a file was written to during the block."""
     before = path.stat()
     yield
     after = path.stat()
@@ -113,7 +113,7 @@ def _from_npz(path: Path, names: tuple[str, ...] | None) -> tuple[Any, tuple[str
 def _from_csv(path: Path) -> tuple[Any, tuple[str, ...]]:
     with path.open(newline='', encoding='utf-8-sig') as file:
         lines = list(csv.reader(file))
-    while lines and not any(map(str.strip, lines[-1])):  # what an editor leaves at the end
+    while lines and not any(map(str.strip, lines[-1])):  # blank lines at the end
         lines.pop()
     if not lines:
         raise ValueError('it is empty; a header with the names of joints is needed')

@@ -1,6 +1,6 @@
-"""What a batch found, in a few lines and as a picture: counted block by block.
+"""Summary of a batch, in a few lines and as a picture, counted block by block.
 
-Distances count by the ends of their certified intervals: what is told as apart is certified to be.
+Distances count by the ends of their certified intervals, so pairs reported as apart are certified.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 class Summary:
-    """How many states and answers there are, how many collide, and how distances are spread."""
+    """Numbers of states, answers and collisions, and the distribution of distances."""
 
     def __init__(self) -> None:
         self.states = self.colliding = self.surfaces = self.without = 0
@@ -29,7 +29,7 @@ class Summary:
         self._upper: list[Floats] = []
 
     def of(self, blocks: Iterable[Columns]) -> Iterator[Columns]:
-        """Yield blocks and count each as it goes by."""
+        """Yield blocks, and count each."""
         for block in blocks:
             self._add(block)
             yield block
@@ -44,11 +44,11 @@ class Summary:
             self.colliding += int(block['collision'].sum())
             return
         self.of_what = 'distances'
-        found, bound = block['distance'], block['error_bound']
-        self.states += len(block.get('counts', found))
-        there = np.isfinite(found)
-        self._lower.append((found - bound)[there])
-        self._upper.append((found + bound)[there])
+        distance, bound = block['distance'], block['error_bound']
+        self.states += len(block.get('counts', distance))
+        finite = np.isfinite(distance)
+        self._lower.append((distance - bound)[finite])
+        self._upper.append((distance + bound)[finite])
 
     def _add_contacts(self, block: Columns) -> None:
         self.of_what = 'contacts'
@@ -62,16 +62,16 @@ class Summary:
         self.largest_force = max(self.largest_force, float(forces.max(initial=0.0)))
 
     def _contact_lines(self) -> list[str]:
-        """Return what there is to tell of contacts: pairs without a surface are no free space."""
-        told = [
+        """Return the lines on contacts, which list overlapping pairs without a surface, too."""
+        lines = [
             f'states with pairs that overlap {self.colliding}',
             f'contact surfaces {self.surfaces}, largest force {self.largest_force:.6g} N',
         ]
         if self.without:
-            told.append(
+            lines.append(
                 f'PAIRS THAT OVERLAP WITHOUT A SURFACE {self.without}: area and force are NaN'
             )
-        return told
+        return lines
 
     @property
     def lower(self) -> Floats:
@@ -84,30 +84,30 @@ class Summary:
         return np.concatenate(self._upper) if self._upper else np.zeros(0)
 
     def lines(self) -> list[str]:
-        """Return what there is to tell."""
-        told = [f'states {self.states}']
+        """Return the lines of the summary."""
+        lines = [f'states {self.states}']
         if self.of_what == 'contacts':
-            return [*told, *self._contact_lines()]
+            return [*lines, *self._contact_lines()]
         if self.of_what != 'distances':
             share = self.colliding / max(self.states, 1)
-            return [*told, f'colliding {self.colliding} ({100.0 * share:.2f} %)']
+            return [*lines, f'colliding {self.colliding} ({100.0 * share:.2f} %)']
         lower = self.lower
-        told.append(f'distances {len(lower)}')
+        lines.append(f'distances {len(lower)}')
         if len(lower):
             low, middle, high = np.quantile(lower, [0.0, 0.5, 1.0])
             below, unsure = (float((ends < 0.0).mean()) for ends in (self.upper, lower))
-            told.append(
+            lines.append(
                 f'certified lower bounds: least {low:.6g} m, median {middle:.6g} m, '
                 f'largest {high:.6g} m'
             )
-            told.append(
+            lines.append(
                 f'below zero {100.0 * below:.2f} %, '
                 f'not certified to be above {100.0 * unsure:.2f} %'
             )
-        return told
+        return lines
 
     def draw(self, path: Path, title: str) -> None:
-        """Draw the histogram of lower bounds; raises BatchError where there is none to draw."""
+        """Draw the histogram of lower bounds; raises BatchError without distances."""
         lower = self.lower
         if not len(lower):
             raise BatchError(f'{path}: there are no distances to draw a histogram of')
