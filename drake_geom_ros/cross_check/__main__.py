@@ -1,7 +1,7 @@
-"""The process of the second opinion: ``python -m drake_geom_ros.cross_check FD``.
+"""Process of the second opinion: ``python -m drake_geom_ros.cross_check FD``.
 
-FD is an open end of a pipe. Batches of questions come in, lists of verdicts go out, in order,
-until the other side is gone.
+FD is an open end of a pipe. The process receives batches of questions and sends lists of
+verdicts, in order, until the other end is closed.
 """
 
 import contextlib
@@ -11,11 +11,11 @@ from multiprocessing.connection import Connection
 
 from drake_geom_ros.cross_check.second_opinion import SecondOpinion
 
-NICENESS = 10  # it may wait; the cycles beside may not
+NICENESS = 10  # lower priority than the node's cycles
 
 
 def main(descriptor: int) -> None:
-    """Serve until the other side is gone."""
+    """Serve until the other end of the pipe is closed."""
     os.nice(NICENESS)
     opinion = SecondOpinion()
     with Connection(descriptor) as connection, contextlib.suppress(EOFError, OSError):

@@ -1,4 +1,4 @@
-"""What a peer is asked, shapes by their numbers, and its answers, in our conventions."""
+"""Queries to another library (a peer), shapes as numbers, and answers in Drake's conventions."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ Floats = NDArray[np.float64]
 SIGNED_DISTANCE, PENETRATION = QUERIES = ('signed_distance', 'penetration')
 
 
-class Unsupported(ValueError):  # noqa: N818  (it is no error of the caller's)
-    """A peer has no such query, shape, pair of shapes or setting."""
+class Unsupported(ValueError):  # noqa: N818  (not an error of the caller)
+    """A peer lacks a query, a shape, a pair of shapes or a setting."""
 
 
 class PairAnswer(NamedTuple):
-    """One pair's answer: the peer's own numbers, NaN and zero vectors too, in our conventions.
+    """Answer for a pair in Drake's conventions, with the peer's own numbers, NaN included.
 
-    ``distance`` [m] is negative where the shapes overlap, ``nhat_BA_W`` (3,) points out of B into
-    A, ``p_WCa`` and ``p_WCb`` (3,) [m] are the witness points in World. None: the peer gives none.
+    ``distance`` [m] is negative if the shapes overlap, ``nhat_BA_W`` (3,) points out of B into A,
+    ``p_WCa`` and ``p_WCb`` (3,) [m] are the witness points in World. None: the peer has none.
     """
 
     distance: float
@@ -37,43 +37,42 @@ Ask = Callable[[RigidTransform, RigidTransform], 'PairAnswer | None']
 
 
 class Peer(Protocol):
-    """A library that was loaded."""
+    """Protocol of a loaded library."""
 
     name: str
 
     def pair(self, query: str, shape_a: Shape, shape_b: Shape) -> Ask:
-        """Return what asks the query of two shapes at poses X_WA, X_WB.
+        """Return a function that queries the shapes at poses X_WA, X_WB.
 
-        All that can be made ahead is made here. ``penetration`` answers None where the peer
-        reports no contact. Raises Unsupported for what the peer refuses by type; what it refuses
-        for its numbers raises the peer's own errors, here or when asked.
+        Everything that can be prepared is prepared here. ``penetration`` returns None if the peer
+        reports no contact. Raises Unsupported for types that the peer refuses; for numbers that it
+        refuses, its own errors are raised here or by the function.
         """
 
 
 def checked(query: str) -> str:
-    """Return the query, or raise Unsupported when there is none of that name."""
+    """Return the query; raises Unsupported if there is none of that name."""
     if query not in QUERIES:
         raise Unsupported(f'query = {query!r}: there are {", ".join(QUERIES)}')
     return query
 
 
 def no_tolerance(name: str, tolerance: float | None) -> None:
-    """Raise Unsupported when a tolerance is given to a peer that has none to set."""
+    """Raise Unsupported for a tolerance of a peer that has no such setting."""
     if tolerance is not None:
         raise Unsupported(f'{name}: tolerance = {tolerance:g} cannot be set; it offers none')
 
 
 class SolidMesh(Mesh):
-    """A mesh that stands for the body which its surface encloses, for peers that take triangles.
+    """A mesh that stands for the solid inside its surface, for peers that use triangles.
 
-    To the others it is its convex hull, as every mesh is.
+    For other peers it is its convex hull, as every mesh.
     """
 
     __slots__ = ()
 
 
-# By type number: what the constructor of a primitive takes, and the parts of it that are held by
-# those who measure from the centre.
+# By type number: accessors of the constructor's arguments, and their factors for half sizes.
 ACCESSORS: dict[str, tuple[str, ...]] = {
     'Sphere': ('radius',),
     'Box': ('width', 'depth', 'height'),
@@ -86,10 +85,10 @@ HALVES = {'Box': (0.5, 0.5, 0.5), 'Capsule': (1.0, 0.5), 'Cylinder': (1.0, 0.5)}
 
 
 def kind_of(shape: Shape) -> str:
-    """Return the name of a shape's type; a Mesh is a Convex, for peers get its hull."""
+    """Return the name of a shape's type; a Mesh counts as Convex, since peers get its hull."""
     return 'Convex' if isinstance(shape, (Convex, Mesh)) else type(shape).__name__
 
 
 def measures(shape: Shape) -> tuple[float, ...]:
-    """Return what the shape was made from [m], in the order of its constructor."""
+    """Return the sizes [m] of a shape, in the order of its constructor."""
     return tuple(float(getattr(shape, name)()) for name in ACCESSORS[type(shape).__name__])

@@ -1,7 +1,7 @@
-"""THE record of all that measures: a body is a shape, by its public name and numbers, at its pose.
+"""Bodies for measurements: a shape, by its public name and numbers, at its pose.
 
-We, the truth and the peers get a body from here in the form that they want. Two bodies are a
-``Pair``; with what is true of it, a case of ``hard_cases``.
+A body converts itself to the forms that this package, the truth and the peers use. Two bodies are
+a ``Pair``; a pair with its true distance is a case of ``hard_cases``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from drake_geom_ros.cross_check.answers import ACCESSORS, HALVES, SolidMesh
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]
-# Type number as in the Shape message; half sizes, or how many vertices, their x, y and z.
+# Type number as in the Shape message; half sizes, or the number of vertices and their x, y, z.
 Form = tuple[int, Floats]
 Pose = tuple[Any, Any]  # R (3, 3), p (3,) [m]
 
@@ -37,13 +37,13 @@ NUMBERS = {
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A shape at its pose X_WG, in World unless it is told.
+    """A shape at its pose X_WG, by default the identity.
 
-    ``size`` [m] is what the constructor of its kind takes; of a Convex, a Mesh and a Solid the
-    vertices (n, 3). A Solid is a mesh that counts as the body within its surface: it has
-    ``triangles`` (m, 3) of its vertices too, and ``parts``, convex bodies in its own frame whose
-    union it is, where these are known. OccupiedCells have an edge and centres.
-    A Point is a sphere of radius 0 to all but the point query.
+    ``size`` [m] are the constructor's arguments of its kind; for Convex, Mesh and Solid the
+    vertices (n, 3), for OccupiedCells the edge and the centres. A Solid is a mesh that stands for
+    the solid inside its surface: it also has ``triangles`` (m, 3), and, if known, ``parts``,
+    convex bodies in its own frame whose union it is. A Point is a sphere of radius 0, except in
+    point queries.
     """
 
     kind: str
@@ -55,17 +55,17 @@ class Body:
 
     @classmethod
     def of_halves(cls, kind: str, halves: Any) -> Body:
-        """Return a primitive, or a Point, by its form: by as many of the half sizes as it has."""
+        """Return a primitive, or a Point, from half sizes, of which the first ones are used."""
         sizes = np.asarray(halves, dtype=float)[: COUNTS.get(kind, 0)] / HALVES.get(kind, 1.0)
         return cls(kind, tuple(sizes.tolist()))
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle what the body was made from, not the shape that was made of it."""
+        """Pickle the fields without cached values such as the shape."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
     @cached_property
     def shape(self) -> geometry.Shape:
-        """The public shape; of a Solid the mesh, which peers that take triangles know by it."""
+        """The public shape; of a Solid a ``SolidMesh``, which peers with triangles recognise."""
         if self.kind == 'Point':
             return geometry.Sphere(0.0)
         if self.kind in FROM_VERTICES:
@@ -78,7 +78,7 @@ class Body:
 
     @property
     def properties(self) -> geometry.ProximityProperties:
-        """What the proximity role needs: a Solid is one by its property."""
+        """Proximity properties, which make a Solid one."""
         properties = geometry.ProximityProperties()
         if self.kind == 'Solid':
             properties.AddProperty('mesh', 'solid', True)
@@ -86,7 +86,7 @@ class Body:
 
     @cached_property
     def form(self) -> Form:
-        """The shape as ``truth`` takes it; a Solid is its hull there."""
+        """The shape in the form of ``truth``, where a Solid is its hull."""
         size = np.asarray(self.size, dtype=float)
         if self.kind in FROM_VERTICES:
             return NUMBERS[self.kind], np.append(len(size), size.T.ravel())
@@ -104,7 +104,7 @@ class Body:
 
     @cached_property
     def radius(self) -> float:
-        """Radius [m] of the ball about the shape's origin that holds it; a half space has 0."""
+        """Radius [m] of the bounding ball about the shape's origin; a half space has 0."""
         if self.kind == 'OccupiedCells':
             edge, centres = self.size
             farthest = math.sqrt(float((np.asarray(centres) ** 2).sum(axis=1).max()))
@@ -122,21 +122,21 @@ class Body:
 
     @property
     def skew(self) -> float:
-        """How far [-] R R^T is from the identity."""
+        """Greatest deviation [-] of R R^T from the identity."""
         return float(np.abs(self.R @ self.R.T - np.eye(3)).max())
 
     @property
     def pose(self) -> RigidTransform:
-        """X_WG, with the rotation matrix as it stands."""
+        """X_WG, with the rotation matrix unchanged."""
         return RigidTransform(RotationMatrix(self.R), self.p)
 
     @property
     def X_WG(self) -> Pose:
-        """The pose as ``truth`` takes it."""
+        """The pose in the form of ``truth``."""
         return self.R, self.p
 
     def placed(self, R: Any, p: Any) -> Body:
-        """Return the body at another pose; what was made of its shape is shared."""
+        """Return the body at another pose, with shared cached values of its shape."""
         made = object.__new__(type(self))
         made.__dict__.update(self.__dict__, R=np.asarray(R, float), p=np.asarray(p, float))
         return made
@@ -178,27 +178,27 @@ class Pair:
 
     @property
     def has_solid(self) -> bool:
-        """Whether one of the bodies is a mesh as a solid, which may have dents."""
+        """True if one of the bodies is a solid mesh, which may be concave."""
         return 'Solid' in (self.a.kind, self.b.kind)
 
     @property
     def has_map(self) -> bool:
-        """Whether one of the bodies is a sensed map, which has no planes around it."""
+        """True if one of the bodies is a sensed map, which has no supporting planes."""
         return 'OccupiedCells' in (self.a.kind, self.b.kind)
 
     @property
     def extent(self) -> float:
-        """Size of the pair [m]: both radii and the distance of the origins."""
+        """Size of the pair [m]: the sum of both radii and the distance of the origins."""
         return self.a.radius + self.b.radius + math.hypot(*(self.b.p - self.a.p))
 
     @property
     def away(self) -> float:
-        """How far [m] the pair is from the world's origin, along an axis."""
+        """Greatest coordinate [m] of the pair's origins."""
         return float(max(np.abs(self.a.p).max(), np.abs(self.b.p).max()))
 
     @property
     def smaller(self) -> float:
-        """Radius [m] of the smaller body, half spaces and points aside; 0 of nothing else."""
+        """Radius [m] of the smaller body, ignoring half spaces and points; 0 without others."""
         return min((body.radius for body in (self.a, self.b) if body.radius > 0.0), default=0.0)
 
     def swapped(self) -> Pair:

@@ -1,11 +1,11 @@
-"""python-fcl: ``fcl.distance`` and ``fcl.collide`` of two collision objects.
+"""Peer python-fcl: ``fcl.distance`` and ``fcl.collide`` of two collision objects.
 
-The signed distance may abort the process with a C++ exception that Python cannot catch, end it by
-a wrong address (half spaces) or never return (concentric spheres): it is asked for in a process
-that may be lost.
+The signed distance may abort the process by a C++ exception that Python cannot catch, crash it
+(half spaces) or never return (concentric spheres). Therefore it runs in a process that may be
+lost.
 
-A mesh as a solid is a BVHModel, a surface without an inside: its distance is asked for unsigned,
-and what lies in it is as far away as the nearest triangle.
+A solid mesh is a BVHModel, a surface without an inside: its distance is unsigned, and a body
+inside is as far away as the nearest triangle.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from drake_geom_ros.sensed_maps.octree import binary_of_cells
 
 
 def fcl_shape(shape: Shape) -> Any:
-    """Return a shape of ours as FCL's."""
-    import fcl  # noqa: TID251  (the ban is for answers of ours; these are FCL's own)
+    """Return the FCL shape of a shape."""
+    import fcl  # noqa: TID251  (banned elsewhere, so that no result depends on FCL)
 
     if isinstance(shape, SolidMesh):
         return _surface(shape)
@@ -52,7 +52,7 @@ def fcl_shape(shape: Shape) -> Any:
 
 
 def is_octree(shape: OccupiedCells) -> bool:
-    """Tell whether the cells lie on the grid of an OctoMap, within its reach."""
+    """Return whether the cells lie on the grid of an OctoMap, within its reach."""
     places = shape.centres() / shape.resolution() - 0.5
     if np.abs(places - np.rint(places)).max() > BESIDE_GRID:
         return False
@@ -68,7 +68,7 @@ def _cells(shape: OccupiedCells) -> Cells:
 
 
 def _octree(shape: OccupiedCells) -> Any:
-    """Return cells as FCL's octree, which takes the bytes of a binary OctoMap."""
+    """Return cells as FCL's octree, from the bytes of a binary OctoMap."""
     import fcl  # noqa: TID251
 
     data = binary_of_cells(_cells(shape)).data
@@ -88,7 +88,7 @@ def _surface(shape: SolidMesh) -> Any:
 
 
 class FclPeer:
-    """FCL as python-fcl offers it: libccd, its tolerance of 1e-6 cannot be set."""
+    """FCL by python-fcl, with libccd, whose tolerance of 1e-6 cannot be set."""
 
     name = 'python-fcl'
 
@@ -96,7 +96,7 @@ class FclPeer:
         no_tolerance(self.name, tolerance)
 
     def pair(self, query: str, shape_a: Shape, shape_b: Shape) -> Ask:
-        """Return what asks the query; see Peer."""
+        """Return a function that queries the shapes; see Peer."""
         if any(isinstance(shape, (SolidMesh, OccupiedCells)) for shape in (shape_a, shape_b)):
             asks = _unsigned_distance, _contact_of_surface
         else:
@@ -118,7 +118,7 @@ def _prepared(ask: Callable[[Any, Any], PairAnswer | None], a: Shape, b: Shape) 
 
 
 def _distance(a: Any, b: Any) -> PairAnswer:
-    """Return the signed distance; FCL gives no normal with it."""
+    """Return the signed distance, for which FCL has no normal."""
     import fcl  # noqa: TID251
 
     request = fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True)
@@ -129,9 +129,9 @@ def _distance(a: Any, b: Any) -> PairAnswer:
 
 
 def _unsigned_distance(a: Any, b: Any) -> PairAnswer:
-    """Return the distance of surfaces; where they cross FCL says -1, or leaves it at its start.
+    """Return the distance of surfaces; where they cross FCL returns -1 or its initial value.
 
-    Its witness points are left out: that of a sphere is in the sphere's own frame.
+    Witness points are omitted, since that of a sphere is in the sphere's own frame.
     """
     import fcl  # noqa: TID251
 
@@ -140,15 +140,15 @@ def _unsigned_distance(a: Any, b: Any) -> PairAnswer:
 
 
 def _contact_of_surface(a: Any, b: Any) -> PairAnswer | None:
-    """Return what ``_penetration`` does; depths of spheres in a BVHModel come as negative ones."""
-    found = _penetration(a, b)
-    return found and found._replace(distance=-abs(found.distance))
+    """Return ``_penetration``, corrected for negative depths of spheres in a BVHModel."""
+    contact = _penetration(a, b)
+    return contact and contact._replace(distance=-abs(contact.distance))
 
 
 def _penetration(a: Any, b: Any) -> PairAnswer | None:
-    """Return the one contact that FCL reports, as Drake asks for it.
+    """Return the only contact that FCL reports, requested as by Drake.
 
-    FCL tells a contact point, which is not always midway between the surfaces: no witnesses.
+    FCL's contact point is not always midway between the surfaces, so there are no witnesses.
     """
     import fcl  # noqa: TID251
 

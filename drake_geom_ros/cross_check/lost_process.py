@@ -1,6 +1,6 @@
-"""A process that may be lost: what kills or hangs it over one question costs one answer.
+"""Child process that may be lost: a question that crashes or hangs it costs only its answer.
 
-What a library of others does to its process, it does to no other; nor do libraries meet.
+It isolates third-party libraries from this process and from each other.
 """
 
 from __future__ import annotations
@@ -13,29 +13,30 @@ from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
-START_LIMIT = 60.0  # [s] by the clock to start, and to import libraries
-PATIENCE = 20.0  # times the limit by the clock: for what waits and does not compute
+START_LIMIT = 60.0  # [s] of wall time to start, and to import libraries
+PATIENCE = 20.0  # wall time as a multiple of the limit, for a process that waits
 ENDS = ANSWER, EXCEPTION, CRASH, HANG = 'answer', 'exception', 'crash', 'hang'
 
 
 class Outcome(NamedTuple):
-    """How a question ended, one of ENDS, and with what."""
+    """End of a question, one of ENDS, with its value or error."""
 
     end: str
     value: Any
 
     @property
     def is_lost(self) -> bool:
-        """Whether the process did not survive it."""
+        """True if the process did not survive the question."""
         return self.end in (CRASH, HANG)
 
 
 class LostProcess:
-    """Started when it is first asked, and again when it was lost.
+    """Child process that starts at its first question, and again after it was lost.
 
-    ``make`` is called in the process, and returns what answers questions there. The process is
-    forked from this one, has all its imports and costs next to nothing; or, with the module
-    ``clean``, from one that has imported nothing else, and ``make`` must be fit to be pickled.
+    ``make`` is called in the process, and returns the function that answers questions there. The
+    process is forked from this one, with all imports, at almost no cost. With the module
+    ``clean`` it is forked from a process that has imported only this module, and ``make`` must be
+    picklable.
     """
 
     def __init__(self, make: Callable[[], Callable[..., Any]], clean: str = '') -> None:
@@ -47,13 +48,13 @@ class LostProcess:
 
     @property
     def is_running(self) -> bool:
-        """Whether it has been asked and has not been lost since."""
+        """True if the process was started and not lost since."""
         return self._process is not None
 
     def ask(self, limit: float, *question: Any) -> Outcome:
-        """Return the outcome of a question; one that takes longer than ``limit`` [s] hangs.
+        """Return the outcome of a question; after ``limit`` [s] it counts as a hang.
 
-        The limit is of processor time, so that a busy machine hangs nobody.
+        The limit is in processor time, so that a busy machine causes no hangs.
         """
         try:
             if self._process is None:
@@ -81,15 +82,15 @@ class LostProcess:
             self._process = None
 
     def _start(self) -> None:
-        self._connection, theirs = self._context.Pipe()
-        # A forked process has a copy of our end, too, and would never see that we are gone.
+        self._connection, child_end = self._context.Pipe()
+        # A forked process also has a copy of this end, and would never see it closed.
         forked = self._context.get_start_method() == 'fork'
         copied = self._connection if forked else None
         self._process = self._context.Process(
-            target=_serve, args=(theirs, copied, self._make), daemon=True
+            target=_serve, args=(child_end, copied, self._make), daemon=True
         )
         self._process.start()
-        theirs.close()
+        child_end.close()
         if not self._connection.poll(START_LIMIT):
             self._process.kill()
             raise EOFError
@@ -99,7 +100,7 @@ class LostProcess:
 def outcomes(
     questions: Iterable[Any], ask: Callable[[Any], Any], limit: float
 ) -> Iterator[tuple[Any, Outcome]]:
-    """Yield each question with its outcome, asked in processes forked from this one."""
+    """Yield each question with its outcome, from processes forked from this one."""
     process = LostProcess(lambda: ask)
     try:
         for question in questions:
@@ -111,15 +112,15 @@ def outcomes(
 def _serve(
     connection: Connection, copied: Connection | None, make: Callable[[], Callable[..., Any]]
 ) -> None:
-    """Answer questions until the other side is gone."""
+    """Answer questions until the other end of the pipe is closed."""
     if copied is not None:
         copied.close()
-    # What a library prints while it dies is no output of ours, and nobody reads its core.
+    # Messages of a dying library must not mix with this program's output; core files are useless.
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    # The timer's signal ends the process, in the midst of a loop in C++ too.
+    # The timer's signal ends the process even within a loop in C++.
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
     ask = make()
     connection.send('ready')
@@ -131,7 +132,7 @@ def _serve(
         signal.setitimer(signal.ITIMER_PROF, limit)
         try:
             outcome = Outcome(ANSWER, ask(*question))
-        except Exception as error:  # whatever a library raises for numbers that it does not like
+        except Exception as error:  # libraries raise any kind for numbers that they refuse
             outcome = Outcome(EXCEPTION, error)
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         try:

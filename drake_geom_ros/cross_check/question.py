@@ -1,4 +1,4 @@
-"""What a second opinion is asked about, and what comes back; imports nothing that judges."""
+"""Questions to a second opinion and its verdicts, as data without the judging code."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ Floats = NDArray[np.float64]
 Pose = tuple[Floats, Floats]  # R_WG (3, 3), p_WG (3,) [m]
 
 AGREED = 'agreed'
-DISAGREED = 'disagreed'  # and nothing proves the other library wrong
-REFUTED = 'refuted'  # the other library is wrong, as planes or points that anybody can check prove
-SILENT = 'silent'  # it says nothing that could be compared
-LOST = 'lost'  # the question ended or hung its process
+DISAGREED = 'disagreed'  # nothing proves the other library wrong
+REFUTED = 'refuted'  # planes or points that need no solver prove the other library wrong
+SILENT = 'silent'  # the other library has no comparable answer
+LOST = 'lost'  # the question crashed or hung its process
 VERDICTS = (AGREED, DISAGREED, REFUTED, SILENT, LOST)
 
 
 class QuestionedShape(NamedTuple):
-    """A shape of the scene, and whether it is a mesh that counts as a solid.
+    """A shape of the scene, with the flag of a solid mesh.
 
-    ``is_grown`` is a sensed map with a margin, of which the other library knows nothing.
+    ``is_grown``: a sensed map with a margin, which the other library does not support.
     """
 
     shape: Shape
@@ -46,7 +46,7 @@ class QuestionedShape(NamedTuple):
 
 @dataclass(frozen=True)
 class PairQuestion:
-    """Two geometries by the values of their ids, where they are, and what we answered."""
+    """Two geometries by id values, with their poses and this package's answer."""
 
     ids: tuple[int, int]
     X_WA: Pose
@@ -60,7 +60,7 @@ class PairQuestion:
 
 @dataclass(frozen=True)
 class QuestionBatch:
-    """Questions about one version of a scene, and those of its shapes that were not sent yet."""
+    """Questions about one version of a scene, with the shapes that were not sent yet."""
 
     version: int
     questions: list[PairQuestion]
@@ -68,7 +68,7 @@ class QuestionBatch:
 
 
 class Verdict(NamedTuple):
-    """What became of a question, one of VERDICTS; without an answer there is no opinion."""
+    """Verdict on a question, one of VERDICTS; ``opinion`` is None without an answer."""
 
     verdict: str
     opinion: Opinion | None = None
@@ -78,9 +78,9 @@ class Verdict(NamedTuple):
 def questions_of(
     query: QueryObject, results: SignedDistanceResults, indices: Sequence[int]
 ) -> list[PairQuestion]:
-    """Return the questions about some of the ``results``, which ``query`` gave as it is posed."""
+    """Return the questions about some of the ``results`` of ``query`` at its current poses."""
     chosen = np.asarray(indices, dtype=np.int64)
-    results = results.without_padding()  # of which the other library knows nothing
+    results = results.without_padding()  # which the other library does not support
     ids_A, ids_B = results.id_A[chosen], results.id_B[chosen]
     columns = (
         zip(ids_A.tolist(), ids_B.tolist(), strict=True),
@@ -98,10 +98,10 @@ def questions_of(
 def shapes_of(query: QueryObject, ids: Iterable[int]) -> dict[int, QuestionedShape]:
     """Return the shapes of geometries by the values of their ids."""
     inspector = query.inspector()
-    return {value: _asked(inspector, GeometryId(value)) for value in ids}
+    return {value: _shape(inspector, GeometryId(value)) for value in ids}
 
 
-def _asked(inspector: SceneGraphInspector, id: GeometryId) -> QuestionedShape:
+def _shape(inspector: SceneGraphInspector, id: GeometryId) -> QuestionedShape:
     shape, properties = inspector.GetShape(id), inspector.GetProximityProperties(id)
     if properties is not None and isinstance(shape, (OccupiedCells, PointCloud)):
         margin = properties.GetPropertyOrDefault('map', 'margin', 0.0)
@@ -112,5 +112,5 @@ def _asked(inspector: SceneGraphInspector, id: GeometryId) -> QuestionedShape:
 
 
 def counted(verdicts: Iterable[Verdict]) -> Counter[str]:
-    """Return how often each verdict was given."""
+    """Return the number of verdicts of each kind."""
     return Counter(each.verdict for each in verdicts)

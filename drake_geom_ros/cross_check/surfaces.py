@@ -1,6 +1,6 @@
-"""What bodies are: how far they reach along a direction, and how far a point is from a surface.
+"""Support values of bodies, and signed distances of points to their surfaces.
 
-Plain formulas to judge answers by, ours too; nothing of the engine takes part.
+These plain formulas judge answers of this package and of others, without code of the engine.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ def support_value(body: Body, n: Floats) -> float:
 
 
 def width(a: Body, b: Body, nhat_BA_W: Floats) -> float:
-    """Return the gap [m] between the supporting planes along a normal: at most the distance.
+    """Return the gap [m] between the supporting planes along a normal, a lower bound of distance.
 
-    Of a Solid they are those of its hull.
+    The planes of a Solid are those of its hull.
     """
     return (
         float((a.p - b.p) @ nhat_BA_W) - support_value(a, -nhat_BA_W) - support_value(b, nhat_BA_W)
@@ -55,7 +55,7 @@ def width(a: Body, b: Body, nhat_BA_W: Floats) -> float:
 
 
 def height_of(form: Form, q: Floats) -> float:
-    """Return how far [m] a point q near a shape's surface is outside, negative inside."""
+    """Return the signed distance [m] of a point q near a shape's surface, negative inside."""
     kind, s = form
     if kind == SPHERE:
         return math.hypot(*q) - float(s[0])
@@ -77,13 +77,13 @@ def height_of(form: Form, q: Floats) -> float:
 
 
 def height(body: Body, p_W: Floats) -> float:
-    """Return how far [m] a point near a body's surface is outside, negative inside."""
+    """Return the signed distance [m] of a point near a body's surface, negative inside."""
     q, s = p_W - body.p, body.radius
     if body.kind == 'HalfSpace':
         return float(q @ body.R[:, 2])
-    if s <= _EPS * np.abs(body.p).max():  # a point, as far as the digits of its position go
+    if s <= _EPS * np.abs(body.p).max():  # a point, within the rounding of its position
         return math.hypot(*q)
-    q = body.R.T @ (q / s)  # at 1 m nothing overflows
+    q = body.R.T @ (q / s)  # scaled to 1 m, where nothing overflows
     if body.kind == 'Solid':
         return s * _surface_distance(body.corners / s, q)
     kind, size = body.form
@@ -93,17 +93,17 @@ def height(body: Body, p_W: Floats) -> float:
 
 
 def off_surfaces(pair: Pair, p_WCa: Floats, p_WCb: Floats) -> float:
-    """Return how far [m] the points are off the surfaces that they are said to lie on."""
+    """Return the greater distance [m] of two witness points to their surfaces."""
     return max(abs(height(pair.a, p_WCa)), abs(height(pair.b, p_WCb)))
 
 
 def nearest_points(corners: Floats, q: Floats) -> Floats:
-    """Return the point (n, 3) of each triangle that is nearest to q: in its face, or on a side."""
+    """Return the nearest point (n, 3) to q on each triangle, in its face or on a side."""
     a, b, c = corners.transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     above = ((q - a) * normals).sum(axis=1) / (normals * normals).sum(axis=1)
     foot = q - above[:, None] * normals
-    found: Floats = foot
+    nearest: Floats = foot
     best = np.full(len(corners), np.inf)
     beyond = np.zeros(len(corners), dtype=np.bool_)
     on_sides = foot.copy()
@@ -115,12 +115,12 @@ def nearest_points(corners: Floats, q: Floats) -> Floats:
         distance = np.linalg.norm(on_side - q, axis=1)
         nearer = distance < best
         best[nearer], on_sides[nearer] = distance[nearer], on_side[nearer]
-    found[beyond] = on_sides[beyond]
-    return found
+    nearest[beyond] = on_sides[beyond]
+    return nearest
 
 
 def winding(corners: Floats, q: Floats) -> float:
-    """Return how often the surface goes around q: 1 inside, 0 outside."""
+    """Return the winding number of a surface around q: 1 inside, 0 outside."""
     v = corners - q
     lengths = np.linalg.norm(v, axis=2)
     a, b, c = v.transpose(1, 0, 2)
@@ -138,7 +138,7 @@ def _surface_distance(corners: Floats, q: Floats) -> float:
 
 
 def _corner(beyond: Floats) -> float:
-    """Return the distance to a corner, given by how much each of its sides is exceeded."""
+    """Return the distance to a corner, from the excess beyond each of its sides."""
     outside = math.hypot(*np.maximum(beyond, 0.0))
     return outside if outside > 0.0 else float(beyond.max())
 
