@@ -1,4 +1,4 @@
-"""Computes the decision of a recorded proximity event again, from the poses that it bears."""
+"""Recomputation of the decision of a recorded proximity event, from the poses in it."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ from drake_geom_ros.proximity_rules import Why
 from drake_geom_ros.replay.events import RecordedEvent
 from drake_geom_ros.scene_files import SceneFileError, load_scene
 
-# Poses come as unit quaternions, of rotation matrices that were used: a few roundings of
-# coordinates as large as those of the poses and of the nearest points.
+# Events hold unit quaternions, while rotation matrices were used: the difference is a few
+# roundings of coordinates of poses and nearest points.
 _ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
 
 
 class Finding(Enum):
-    """Whether what is recorded is a reason for what was decided."""
+    """Result of recomputing a decision."""
 
-    FOUNDED = 'founded'
+    FOUNDED = 'founded'  # the recorded numbers justify the decision
     UNFOUNDED = 'UNFOUNDED'
-    NOT_TO_BE_TOLD = 'not to be told'  # the event names nothing that could be computed
+    NOT_TO_BE_TOLD = 'not to be told'  # the event has nothing that could be recomputed
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is to be said of an event, and what its pair's distance is now, if it has a pair."""
+    """Verdict on an event, with the recomputed distance of its pair if it has one."""
 
     finding: Finding
     because: str
@@ -48,7 +48,7 @@ class Verdict:
 
 
 class Judge:
-    """Judges events of one scene.
+    """Judge of the events of one scene.
 
     >>> ball = '{shape: {type: sphere, radius: 0.1}, name: ball, frame: '
     >>> judge = Judge(f'''
@@ -65,7 +65,7 @@ class Judge:
     """
 
     def __init__(self, scene: str | Path) -> None:
-        """Raise SceneFileError where the file, or the text, of the scene cannot be loaded."""
+        """Load a scene from a file or text; raises SceneFileError if that fails."""
         graph = SceneGraph()
         loaded = load_scene(scene, graph)
         names = {f'{s}::{f}/{g}': id for (s, f, g), id in loaded.geometries.items()}
@@ -73,7 +73,7 @@ class Judge:
 
     @classmethod
     def of(cls, graph: SceneGraph, geometries: Mapping[str, GeometryId]) -> Judge:
-        """Return the judge of a scene graph, whose geometries are told by their full names."""
+        """Return the judge of a scene graph, with its geometries by full names."""
         judge = cls.__new__(cls)
         judge._take(graph, geometries, '<scene>')
         return judge
@@ -84,7 +84,7 @@ class Judge:
     def verdict(self, event: RecordedEvent) -> Verdict:
         """Return whether the decision of an event was founded.
 
-        Raises SceneFileError where the scene lacks the pair.
+        Raises SceneFileError if the scene lacks the pair.
         """
         if event.why == Why.GONE:
             return _untold('the rule was removed, or what it is about')
@@ -94,8 +94,8 @@ class Judge:
             return _untold('an event does not record who sent a pose, nor the stamps of its clock')
         if event.entered and event.why == Why.STALE:
             is_old = event.oldest_pose_age > event.limit_time
-            said = f'the oldest pose was {event.oldest_pose_age:.3g} s old'
-            return _found(is_old, f'{said}, and stale from {event.limit_time:.3g} s on')
+            age = f'the oldest pose was {event.oldest_pose_age:.3g} s old'
+            return _verdict(is_old, f'{age}, and stale from {event.limit_time:.3g} s on')
         if not event.has_pair:
             if not event.entered and event.distance == np.inf:
                 return _untold('no pair was near enough to be looked at')
@@ -111,14 +111,14 @@ class Judge:
         coordinates = (results.p_WCa, results.p_WCb, event.pose_a[:3], event.pose_b[:3])
         slack = _ROUNDING * (1.0 + max(float(np.abs(each).max()) for each in coordinates))
         if not abs(event.distance - d) <= event.error_bound + bound + slack:
-            told = f'the pair was {event.distance!r} m apart ± {event.error_bound:.1e} m, it says'
+            then = f'the pair was {event.distance!r} m apart ± {event.error_bound:.1e} m, it says'
             now = f'at its poses these are {d!r} m apart ± {bound:.1e} m'
-            return Verdict(Finding.UNFOUNDED, f'{told}; {now}', d, bound)
+            return Verdict(Finding.UNFOUNDED, f'{then}; {now}', d, bound)
         lower = event.distance - event.error_bound
         reason = _reason(event, lower)
         if reason.finding == Finding.FOUNDED and event.entered and event.why == Why.NEAR:
             early = d - bound - event.limit_distance
-            if early > slack:  # certified, and not as tight as could be
+            if early > slack:  # justified by a certified bound that is not tight
                 reason = Verdict(reason.finding, f'{reason.because}; early by {early:.3g} m')
         return Verdict(reason.finding, reason.because, d, bound)
 
@@ -152,22 +152,22 @@ class Judge:
 
 
 def _reason(event: RecordedEvent, lower: float) -> Verdict:
-    """Return whether a lower bound [m] is a reason for what was decided by it."""
+    """Return whether the lower bound [m] of an event justifies its decision."""
     limit, speed = event.limit_distance, event.closing_speed
-    said = f'lower bound {lower:.6g} m'
+    bound = f'lower bound {lower:.6g} m'
     is_soon, in_time = False, ''
     if event.limit_time > 0.0 and speed > 0.0:
         seconds = max(lower, 0.0) / speed
         is_soon = seconds < event.limit_time
         in_time = f', contact in {seconds:.3g} s of {event.limit_time:.3g} s'
     if not event.entered:
-        return _found(lower >= limit and not is_soon, f'{said}, leave {limit:.6g} m{in_time}')
+        return _verdict(lower >= limit and not is_soon, f'{bound}, leave {limit:.6g} m{in_time}')
     if event.why == Why.SOON:
-        return _found(is_soon, f'{said}{in_time or ", and it was not closing"}')
-    return _found(lower < limit, f'{said}, enter {limit:.6g} m')
+        return _verdict(is_soon, f'{bound}{in_time or ", and it was not closing"}')
+    return _verdict(lower < limit, f'{bound}, enter {limit:.6g} m')
 
 
-def _found(is_founded: bool, because: str) -> Verdict:
+def _verdict(is_founded: bool, because: str) -> Verdict:
     return Verdict(Finding.FOUNDED if is_founded else Finding.UNFOUNDED, because)
 
 

@@ -1,4 +1,4 @@
-"""Recorded ProximityEvents messages, as ``ros2 topic echo --full-length`` writes them."""
+"""Recorded ProximityEvents messages, in the format of ``ros2 topic echo --full-length``."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _NUMBERS = ('distance', 'error_bound', 'closing_speed', 'limit_distance', 'limit
 
 @dataclass(frozen=True, eq=False)
 class RecordedEvent:
-    """One entry of a ProximityEvents message, whose fields these are.
+    """One entry of a ProximityEvents message, with its fields.
 
-    ``pose_a`` and ``pose_b`` (7,) are x y z [m] qx qy qz qw; NaN where it has no pair. ``points``
-    (2, 3) [m] are p_WCa and p_WCb; None where the message has no such fields.
+    ``pose_a`` and ``pose_b`` (7,) are x y z [m] qx qy qz qw; NaN without a pair. ``points``
+    (2, 3) [m] are p_WCa and p_WCb; None if the message lacks these fields.
     """
 
     scene_version: int
@@ -46,40 +46,40 @@ class RecordedEvent:
 
     @property
     def has_pair(self) -> bool:
-        """Whether it names two geometries and where they were."""
+        """True if the event has two geometries with their poses."""
         return bool(self.geometry_b) and bool(np.isfinite([*self.pose_a, *self.pose_b]).all())
 
 
 def read_events(path: str | Path) -> list[RecordedEvent]:
     """Return the events of a file of YAML documents, each one message, in their order.
 
-    Raises SceneFileError for what is none, and OSError.
+    Raises SceneFileError for another format, and OSError.
     """
     file = str(path)
-    found: list[RecordedEvent] = []
+    events: list[RecordedEvent] = []
     try:
         for number, message in enumerate(_documents(Path(path))):
             try:
-                found += events_of(message)
+                events += events_of(message)
             except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
                 what = f'document {number + 1} is no ProximityEvents message'
                 raise SceneFileError(f'{what}: {type(error).__name__}: {error}', file) from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise SceneFileError(f'not YAML: {error}', file) from None
-    if not found:
+    if not events:
         raise SceneFileError('there is no event in it', file)
-    return found
+    return events
 
 
 def _documents(path: Path) -> Iterator[Any]:
     with path.open(encoding='utf-8') as file:
         for document in yaml.load_all(file, Loader=_LOADER):
-            if document is not None:  # echo ends with a line of its own
+            if document is not None:  # echo ends its output with a separator
                 yield document
 
 
 def events_of(message: Mapping[str, Any]) -> Iterator[RecordedEvent]:
-    """Yield the entries of a ProximityEvents message, given by its fields."""
+    """Yield the entries of a ProximityEvents message, passed as a mapping of its fields."""
     for k, sequence in enumerate(message['sequence']):
         pose_a, pose_b = (
             np.array(message[field][7 * k : 7 * k + 7], dtype=np.float64).reshape(7)

@@ -1,7 +1,7 @@
-"""Replay files: JSON with the fields of Replay, written whole or not at all.
+"""Replay files: JSON with the fields of Replay, written atomically.
 
-``replay.schema.json`` says what they hold. Numbers have all their digits; those that are not
-finite are ``NaN`` and ``Infinity``, as Python writes them.
+``replay.schema.json`` defines the format. Numbers have all digits; those that are not finite are
+``NaN`` and ``Infinity``, as Python writes them.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ _FORMAT = 'drake_geom_ros replay 1'
 
 
 def write(replay: Replay, path: Path) -> None:
-    """Write a new replay file; raises OSError where there is one, or none can be.
+    """Write a new replay file; raises OSError if the path exists or cannot be written.
 
-    It leaves no part of a file.
+    An error leaves no partial file.
     """
     text = json.dumps({'format': _FORMAT, **dataclasses.asdict(replay)}, indent=1) + '\n'
     if os.path.lexists(path):
@@ -34,7 +34,7 @@ def write(replay: Replay, path: Path) -> None:
 
 
 def read(path: str | Path) -> Replay:
-    """Return what a replay file holds; raises SceneFileError for what is none, OSError."""
+    """Return the contents of a replay file; raises SceneFileError for other files, OSError."""
     file = str(path)
     try:
         data = json.loads(Path(path).read_text(encoding='utf-8'))
@@ -45,12 +45,12 @@ def read(path: str | Path) -> Replay:
     for where, reason in faults(data, read_schema('drake_geom_ros.replay', 'replay.schema.json')):
         raise SceneFileError(reason, file, key=key_text(where))
     question, answer = Question(**_record(data['question'])), Answer(**_record(data['answer']))
-    given = data.get('opinion')
-    opinion = None if given is None else Opinion(**_record(given))
+    plain = data.get('opinion')
+    opinion = None if plain is None else Opinion(**_record(plain))
     records = {'question': question, 'answer': answer, 'opinion': opinion}
     return Replay(**_record({**data, **records}))
 
 
 def _record(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the fields of a record: what is a list in JSON is a tuple there."""
+    """Return the fields of a record, with tuples for JSON's lists."""
     return {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}

@@ -1,4 +1,4 @@
-"""What a replay file holds: the scene, the question, the answer, and the software that gave it."""
+"""Contents of a replay file: the scene, the question, the answer and the software versions."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ Name = tuple[str, str, str]  # source, frame, geometry
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked when the promise was broken.
+    """The query whose answer exceeded its tolerance.
 
-    ``hint`` is the normal that the iteration started from, None where it began anew.
+    ``hint`` is the normal of the warm start, None without one.
     """
 
     geometry_a: Name
@@ -38,7 +38,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Answer:
-    """A signed distance, its witnesses, and what its level promises of the error bound."""
+    """A signed distance with its witnesses, and the error bound that its level promises."""
 
     distance: float  # [m]
     nhat_BA_W: tuple[float, ...]
@@ -52,9 +52,9 @@ class Answer:
 
 @dataclass(frozen=True)
 class Opinion:
-    """What another library says to the same question, and what it may be off by.
+    """Answer of another library to the same question, with its tolerance.
 
-    ``distance`` None: it reports no contact. Normal and witness points where it gives any.
+    ``distance`` None: it reports no contact. Normal and witness points are None if it has none.
     """
 
     library: str
@@ -65,7 +65,7 @@ class Opinion:
     p_WCb: tuple[float, ...] | None = None  # [m]
 
     def differs(self, answer: Answer) -> bool:
-        """Return whether an answer is farther from it than both may be off."""
+        """Return whether an answer differs by more than its error bound plus the tolerance."""
         allowed = answer.error_bound + self.tolerance
         if self.distance is None:
             return answer.distance < -allowed
@@ -74,10 +74,10 @@ class Opinion:
 
 @dataclass(frozen=True)
 class Replay:
-    """A question, the scene (YAML, every frame where it was), what was answered, and by what.
+    """A question with the scene (YAML with all poses), the answer and the software versions.
 
-    ``ids`` are those of the two geometries in the node's scene; ``opinion`` is another library's,
-    where that is why the answer was kept.
+    ``ids`` are those of the two geometries in the node's scene. ``opinion`` is another library's
+    answer, if it is the reason for the replay.
     """
 
     scene: str
@@ -89,7 +89,7 @@ class Replay:
 
 
 def answer_of(results: SignedDistanceResults, index: int) -> Answer:
-    """Return one of the results."""
+    """Return the answer for one of the results."""
     pair = results[index]
     return Answer(
         pair.distance,
@@ -112,10 +112,10 @@ def recorded(
     hint: tuple[float, ...] | None = None,
     opinion: Opinion | None = None,
 ) -> Replay:
-    """Return the replay of one of the ``results``, which ``query`` gave as it is posed now.
+    """Return the replay of one of the ``results`` of ``query`` at its current poses.
 
-    A ``hint`` is kept only where it matters: where the pair, asked without, has another answer.
-    Raises SceneFileError for a scene that the format cannot say.
+    A ``hint`` is stored only if the answer differs without it. Raises SceneFileError for a scene
+    that the format cannot express.
     """
     pair, answer = results[index], answer_of(results, index)
     inspector = query.inspector()
