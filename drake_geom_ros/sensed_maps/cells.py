@@ -1,4 +1,4 @@
-"""The occupied cells of a grid, by whole numbers: exact, and in one order whoever made them."""
+"""Occupied cells of a grid by integer keys, exact and in a canonical order."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from drake_geom_ros.sensed_maps.passes import (
 )
 
 MOST_CELLS = 5_000_000  # of a map: 120 MB as centres
-_FIRST_TABLE = 1 << 17  # places for cells while they are counted: half are filled at most
+_FIRST_TABLE = 1 << 17  # rows of the hash table for counting, filled at most by half
 LEAST_RESOLUTION, LARGEST_RESOLUTION = 1.0 / 8192.0, 1024.0  # [m]
 
 Floats = NDArray[np.float64]
@@ -27,15 +27,15 @@ Keys = NDArray[np.int64]
 
 
 class MapError(ArgumentError):
-    """A map, or a file of one, that cannot be."""
+    """A map, or the file of one, is invalid."""
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Cubes of a grid: that of key (i, j, k) has its centre at ((i, j, k) + 0.5) * resolution.
+    """Cubes of a grid; the one of key (i, j, k) has its centre at ((i, j, k) + 0.5) * resolution.
 
-    ``resolution`` is the edge length [m]; ``packed`` (n,) are the keys, each once and ascending
-    (see ``of_keys``). The grid is OctoMap's.
+    ``resolution`` is the edge length [m]; ``packed`` (n,) are the keys packed into integers,
+    unique and ascending (see ``of_keys``). The grid is OctoMap's.
 
     >>> Cells.of_points([[0.01, 0.02, -0.01], [0.04, 0.0, -0.04]], 0.05).centres().tolist()
     [[0.025, 0.025, -0.025]]
@@ -46,18 +46,18 @@ class Cells:
 
     @classmethod
     def of_points(cls, points: ArrayLike, resolution: float) -> Cells:
-        """Return the cells that hold points (n, 3) [m], in whatever order.
+        """Return the cells that contain points (n, 3) [m], in any order.
 
-        Raises MapError for what are no points, one that is not finite or too far away, and for a
-        resolution that is none.
+        Raises MapError for an invalid array, a point that is not finite or too far away, and an
+        invalid resolution.
         """
         return cls.counted(points, resolution)[0]
 
     @classmethod
     def counted(cls, points: ArrayLike, resolution: float) -> tuple[Cells, Keys]:
-        """Return the cells that hold points (n, 3) [m], and how many each (c,) holds.
+        """Return the cells that contain points (n, 3) [m], and their numbers of points (c,).
 
-        Raises MapError as ``of_points``.
+        Raises MapError like ``of_points``.
         """
         check_resolution(resolution)
         rows = _rows(points)
@@ -66,7 +66,7 @@ class Cells:
             table = empty_table(size)
             counted = count_in_cells(rows, float(resolution), table)
             if counted < len(rows):
-                _refuse_what_is_nowhere(rows[counted], counted, resolution)
+                _refuse_point_outside(rows[counted], counted, resolution)
                 size <<= math.ceil(math.log2(len(rows) / counted))
         filled = table[table[:, 0] != NO_KEY]
         keys, counts = filled[np.argsort(filled[:, 0])].T.copy()
@@ -74,7 +74,7 @@ class Cells:
 
     @classmethod
     def of_keys(cls, keys: Keys, resolution: float) -> Cells:
-        """Return the cells of keys (n, 3), each once; raises MapError as ``of_points`` does."""
+        """Return the unique cells of keys (n, 3); raises MapError like ``of_points``."""
         check_resolution(resolution)
         if keys.ndim != 2 or keys.shape[1] != 3:
             raise MapError(f'keys {keys.shape} must be (n, 3)')
@@ -84,9 +84,9 @@ class Cells:
 
     @classmethod
     def touching(cls, low: Floats, high: Floats, resolution: float) -> Cells:
-        """Return the cells that boxes reach into, whose corners are ``low``, ``high`` (n, 3) [m].
+        """Return the cells that boxes with corners ``low``, ``high`` (n, 3) [m] overlap.
 
-        Raises MapError where one would be too far away.
+        Raises MapError if one would be too far away.
         """
         first, last = np.floor(low / resolution), np.ceil(high / resolution) - 1.0
         if not ((first > -MOST_STEPS) & (last < MOST_STEPS)).all():
@@ -100,10 +100,10 @@ class Cells:
         return cls(float(resolution), packed)
 
     def changed(self, added: Cells | None = None, removed: Cells | None = None) -> Cells:
-        """Return these cells without some and with others, as if they had been made so.
+        """Return the cells after removing some and adding others.
 
-        What is removed and added is there then. Raises MapError for cells of another resolution,
-        and where one that is removed is not there.
+        A cell that is both removed and added is present. Raises MapError for cells of another
+        resolution, and if a removed cell is absent.
 
         >>> before = Cells.of_points([[0.01, 0.02, 0.0], [0.07, 0.0, 0.0]], 0.05)
         >>> seen, gone = (Cells.of_points([[x, 0.0, 0.0]], 0.05) for x in (0.11, 0.06))
@@ -132,7 +132,7 @@ class Cells:
         return Cells(self.resolution, packed)
 
     def moved(self, R: Floats, p: Floats) -> Cells:
-        """Return the cells of the same grid that cover these, turned by R and moved by p."""
+        """Return the cells of the same grid that cover these after a rotation R and a shift p."""
         centres = self.centres() @ R.T + p
         reach = 0.5 * self.resolution * np.abs(R).sum(axis=1)
         return Cells.touching(centres - reach, centres + reach, self.resolution)
@@ -151,9 +151,9 @@ class Cells:
         return np.asarray((self.keys() + 0.5) * self.resolution, dtype=np.float64)
 
     def coarser(self, resolution: float) -> Cells:
-        """Return the cells of another grid that cover these: all that one of these reaches into.
+        """Return the cells of a coarser grid that cover these.
 
-        Raises MapError for a finer grid, for what is seen is known to these cells only.
+        Raises MapError for a finer grid, since the contents are known only to these cells.
         """
         check_resolution(resolution)
         if resolution < self.resolution:
@@ -171,12 +171,12 @@ class Cells:
 
 
 def keys_of(points: Floats, resolution: float) -> Keys:
-    """Return the packed key of the cell of each point (n, 3) [m], all within reach of the grid."""
+    """Return the packed key (n,) of the cell of each point (n, 3) [m], all within the grid."""
     return _packed(np.floor(points / resolution).astype(np.int64))
 
 
 def check_resolution(resolution: float) -> None:
-    """Raise MapError for an edge length [m] that is none."""
+    """Raise MapError for an invalid edge length [m]."""
     is_number = isinstance(resolution, Real)
     if not is_number or not LEAST_RESOLUTION <= resolution <= LARGEST_RESOLUTION:
         raise MapError(
@@ -186,7 +186,7 @@ def check_resolution(resolution: float) -> None:
 
 
 def _rows(points: ArrayLike) -> Floats:
-    """Return points (n, 3) writable and in one piece: of others another version is compiled."""
+    """Return points (n, 3) writable and contiguous; others would compile another version."""
     try:
         rows = np.require(points, np.float64, ['C', 'W'])
     except (TypeError, ValueError) as problem:
@@ -196,8 +196,8 @@ def _rows(points: ArrayLike) -> Floats:
     return rows
 
 
-def _refuse_what_is_nowhere(point: Floats, number: int, resolution: float) -> None:
-    """Raise MapError for a point (3,) [m] that is not finite, or in no cell that has a key."""
+def _refuse_point_outside(point: Floats, number: int, resolution: float) -> None:
+    """Raise MapError for a point (3,) [m] that is not finite, or beyond the grid's keys."""
     with np.errstate(over='ignore'):
         steps = np.floor(point / resolution)
     if not (np.abs(steps) < MOST_STEPS).all():
@@ -208,7 +208,7 @@ def _refuse_what_is_nowhere(point: Floats, number: int, resolution: float) -> No
 
 
 def _places_in(packed: Keys, some: Keys) -> tuple[Keys, NDArray[np.bool_]]:
-    """Return where ascending keys belong among others that ascend, and which are there."""
+    """Return insertion places of ascending keys in others, and a mask of those present."""
     places = np.searchsorted(packed, some)
     is_there = np.zeros(len(some), dtype=np.bool_)
     within = places < len(packed)

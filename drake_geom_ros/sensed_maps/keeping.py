@@ -1,9 +1,9 @@
-"""Which cells are held from one cloud to the next: for some seconds, or until seen to be free.
+"""Persistence of cells from one cloud to the next, by age and by rays that clear them.
 
-A cloud says where something is. Cells of before are held for ``keep`` seconds since a point was
-last in them, be it one where several make a cell; with rays, those that the sensor looked through
-are not held: on the way from the sensor to a point there is nothing. A ray frees no cell next to
-the one that it ends in, for there it grazes the surface that it hit.
+A cloud shows occupied cells. Earlier cells stay for ``keep`` seconds since they last contained a
+point, even if one point is too few to make a cell. With rays, cells that the sensor looked
+through are removed, since the way from the sensor to a point is free. A ray does not clear the
+neighbours of the cell in which it ends, where it may graze the surface that it hit.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError
 
 Floats = NDArray[np.float64]
-_STEP = 0.5  # of a ray, in cells: it may miss the corner of a cell, which then is held
+_STEP = 0.5  # between samples of a ray, in cells; it may miss the corner of a cell, which stays
 _MOST_SAMPLES = 2_000_000  # of rays at once
 
 
 @dataclass(frozen=True)
 class KeptCells:
-    """Cells, and when [s] a point was last in each (n,)."""
+    """Cells with the times [s] when each (n,) last contained a point."""
 
     cells: Cells
     seen: Floats
@@ -40,7 +40,7 @@ class KeptCells:
         return KeptCells(cells, self.seen[left])
 
     def as_seen_at(self, now: float) -> KeptCells:
-        """Return these cells as if a point was last in each at ``now`` [s]."""
+        """Return these cells with all times set to ``now`` [s]."""
         return KeptCells(self.cells, np.full(len(self.seen), now))
 
     def and_then(
@@ -51,12 +51,12 @@ class KeptCells:
         free: Keys | None = None,
         sparse: Keys | None = None,
     ) -> KeptCells:
-        """Return what is held once a cloud of time ``now`` [s] has come with cells ``new``.
+        """Return the cells after a cloud of time ``now`` [s] with cells ``new``.
 
-        ``free`` are packed keys of cells that its rays went through, and ``sparse`` of those with
-        points, too few to make one: these hold it. Of another resolution nothing is held. What was
-        seen later than ``now`` counts as seen then: clocks are set back. Raises MapError where
-        these are more than a map may have.
+        ``free`` are packed keys of cells that its rays cleared, and ``sparse`` of cells with
+        points, too few to make one, which still refresh it. Cells of another resolution are
+        dropped. Times later than ``now`` become ``now``, since clocks are set back. Raises
+        MapError for more cells than a map may have.
         """
         old, seen = self.cells.packed, np.minimum(self.seen, now)
         if new.resolution != self.cells.resolution:
@@ -80,12 +80,12 @@ class KeptCells:
 
 
 def seen_through(origin: Floats, cells: Cells) -> Keys:
-    """Return the packed keys of cells that rays from ``origin`` (3,) [m] to cells went through."""
+    """Return the packed keys of cells that rays from ``origin`` (3,) [m] to cells traverse."""
     centres = cells.centres()
     ways = centres - origin
     lengths = np.linalg.norm(ways, axis=1)
     counts = np.maximum(0, np.floor((lengths / cells.resolution - 2.0) / _STEP)).astype(np.int64)
-    found = [np.zeros(0, dtype=np.int64)]
+    key_parts = [np.zeros(0, dtype=np.int64)]
     start = 0
     ends = np.cumsum(counts)
     while start < len(counts):
@@ -96,6 +96,6 @@ def seen_through(origin: Floats, cells: Cells) -> Keys:
         number = np.arange(len(which)) - np.repeat(np.cumsum(some) - some, some)
         share = number * _STEP * cells.resolution / lengths[which]
         samples = origin + ways[which] * share[:, np.newaxis]
-        found.append(Cells.of_points(samples, cells.resolution).packed)
+        key_parts.append(Cells.of_points(samples, cells.resolution).packed)
         start = stop
-    return np.unique(np.concatenate(found))
+    return np.unique(np.concatenate(key_parts))

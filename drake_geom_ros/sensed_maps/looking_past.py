@@ -1,7 +1,7 @@
-"""Which places a sensor looked past: rays that go by, and end farther away. Compiled.
+"""Compiled count of rays that pass places of interest and end farther away.
 
-Rays are many and places few: each place is in the buckets of directions that rays to it may have,
-and a ray looks into its own bucket only.
+There are many rays and few places: each place is in the buckets of directions that rays past it
+may have, and a ray searches only its own bucket.
 """
 
 from __future__ import annotations
@@ -16,32 +16,33 @@ from drake_geom_ros.sensed_maps.passes import Columns, as_columns
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-_STEP = 0.05  # edge of a bucket: directions are unit vectors
-_WIDEST = 0.2  # of a place as seen from the sensor; nearer ones take more buckets
+_STEP = 0.05  # edge of a bucket of unit vectors
+_WIDEST = 0.2  # greatest width of a place as a difference of unit vectors, to limit its buckets
 _BASE = 1 << 10  # buckets along an axis, in a key
 
 
 class _Places(NamedTuple):
-    """Where places are as seen from a sensor, and in which buckets."""
+    """Directions and ranges of places from a sensor, with their buckets."""
 
     directions: Floats  # (n, 3) unit vectors
-    ranges: Floats  # (n,) [m] a ray that goes past is longer
-    widths: Floats  # (n,) squares of the largest difference to the direction of such a ray
+    ranges: Floats  # (n,) [m] rays past a place are longer
+    widths: Floats  # (n,) squared greatest difference to the direction of such rays
     low: Floats  # (3,) corners of a box around the directions
     high: Floats
-    keys: Indices  # (k,) of buckets, ascending, with one of the places in each
-    owners: Indices  # (k,)
+    keys: Indices  # (k,) of buckets, ascending, one entry for each place in a bucket
+    owners: Indices  # (k,) places of the entries
 
 
 def rays_past(columns: Columns, p_FPs: Floats, width: float, noise: float) -> Indices:
-    """Return of each place (n, 3) [m] how many rays went past it.
+    """Return the number of rays (n,) that passed each place (n, 3) [m].
 
-    ``columns`` are x, y and z (a, b) [m] of the ends of rays, from the origin; one that is not
-    finite is none. A ray goes past within ``width`` [m], and ends more than ``noise`` [m] behind.
+    ``columns`` are x, y and z (a, b) [m] of the ends of rays from the origin; those that are not
+    finite are ignored. A ray passes a place within ``width`` [m] and ends more than ``noise`` [m]
+    behind it.
     """
     counts = np.zeros(len(p_FPs), dtype=np.int64)
     lengths = np.linalg.norm(p_FPs, axis=1)
-    seen = np.flatnonzero(lengths > 0.0)  # past the sensor itself nobody looks
+    seen = np.flatnonzero(lengths > 0.0)  # a place at the sensor has no direction
     if not len(seen):
         return counts
     lengths = lengths[seen]
@@ -58,13 +59,13 @@ def rays_past(columns: Columns, p_FPs: Floats, width: float, noise: float) -> In
     keys = ((steps[:, 0] + _BASE // 2) * _BASE + steps[:, 1] + _BASE // 2) * _BASE
     keys += steps[:, 2] + _BASE // 2
     order = np.argsort(keys, kind='stable')
-    found = np.zeros(len(seen), dtype=np.int64)
+    counts_of_seen = np.zeros(len(seen), dtype=np.int64)
     low, high = (directions - reach).min(axis=0), (directions + reach).max(axis=0)
     places = _Places(
         directions, lengths + noise, widths * widths, low, high, keys[order], owners[order]
     )
-    _count(as_columns(columns), places, found)
-    counts[seen] = found
+    _count(as_columns(columns), places, counts_of_seen)
+    counts[seen] = counts_of_seen
     return counts
 
 
@@ -98,7 +99,7 @@ def _count(columns: Columns, places: _Places, counts: Indices) -> None:
 
 
 def compile_looking_past() -> None:
-    """Compile it, or load it from the cache, for both kinds of numbers."""
+    """Compile ``rays_past``, or load it from the cache, for both types of numbers."""
     for number in (np.float32, np.float64):
         grid = np.ones((2, 2), dtype=number)
         rays_past((grid, grid, grid), np.ones((1, 3)), 0.1, 0.0)

@@ -1,4 +1,4 @@
-"""Files of what sensors saw, by their suffix: cells (``.bt``, ``.ot``) or points."""
+"""Map files by suffix: cells (``.bt``, ``.ot``) or points."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class MapFile:
-    """What a file holds: its finite points (n, 3) [m], which are centres where it has ``cells``.
+    """Contents of a map file: finite points (n, 3) [m], which are centres if it has ``cells``.
 
-    ``left_out`` counts points that were not finite, as organised clouds have them.
+    ``left_out`` counts the points that were not finite, as in organised clouds.
     """
 
     points: Floats
@@ -40,9 +40,9 @@ class MapFile:
     left_out: int = 0
 
     def as_cells(self, resolution: float | None = None) -> Cells:
-        """Return it as cells of a resolution [m]; None: its own.
+        """Return the contents as cells of a resolution [m]; None: that of its cells.
 
-        Raises MapError where points have none, and for one that is finer than its cells.
+        Raises MapError for None if the file has points, and for a resolution finer than its cells.
         """
         if self.cells is None:
             if resolution is None:
@@ -54,9 +54,9 @@ class MapFile:
 
 
 def read_map(path: str | os.PathLike[str]) -> MapFile:
-    """Return what a file holds, by its suffix; raises MapError, which names file and reason.
+    """Return the contents of a map file by its suffix; raises MapError with file and reason.
 
-    The file is looked at before memory is taken for what its header tells of.
+    The size of the file is checked before memory is allocated for the sizes in its header.
     """
     suffix = Path(path).suffix.lower()
     try:
@@ -76,15 +76,16 @@ def read_map(path: str | os.PathLike[str]) -> MapFile:
 
 
 def map_bytes(read: MapFile, suffix: str, resolution: float | None = None) -> bytes:
-    """Return the content of a file of a suffix; with a ``resolution`` [m] of cells of that.
+    """Return the content of a map file by suffix; with a ``resolution`` [m], of such cells.
 
-    Points of cells are their centres. Raises MapError for what the format cannot hold.
+    Cells become their centres in formats of points. Raises MapError for contents that the format
+    cannot hold.
     """
     if suffix == '.bt':
         return octree_file(read.as_cells(resolution))
     if suffix not in _WRITERS:
-        known = ', '.join(('.bt', *_WRITERS))
-        raise MapError(f'a map is not written as {suffix!r}; {known} are')
+        suffixes = ', '.join(('.bt', *_WRITERS))
+        raise MapError(f'a map is not written as {suffix!r}; {suffixes} are')
     points = read.points if resolution is None else read.as_cells(resolution).centres()
     return _WRITERS[suffix](points)
 
@@ -108,7 +109,7 @@ def _finite(points: Floats) -> MapFile:
 
 
 def _parse_xyz(data: bytes) -> Floats:
-    """Return the points of a text: three numbers a line, and maybe more, which are left out."""
+    """Return the points of a text with three numbers a line; further ones are ignored."""
     try:
         return np.loadtxt(io.BytesIO(data), usecols=(0, 1, 2), ndmin=2, comments=('#', '//'))
     except ValueError as error:
@@ -116,7 +117,7 @@ def _parse_xyz(data: bytes) -> Floats:
 
 
 def _parse_npy(data: bytes) -> Floats:
-    """Return the points of an array (n, 3) of floats, of which no other kind is read."""
+    """Return the points of an array (n, 3) of floats; MapError for other arrays."""
     stream = io.BytesIO(data)
     readers = {(1, 0): npy_format.read_array_header_1_0, (2, 0): npy_format.read_array_header_2_0}
     try:

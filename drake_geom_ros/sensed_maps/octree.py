@@ -1,10 +1,10 @@
-"""OctoMap's trees as bytes: the occupied leaves as cells, and cells as a binary tree.
+"""OctoMap's trees as bytes: decoding of occupied leaves to cells, encoding as a binary tree.
 
-A tree has 16 levels of cubes, each of which may have eight children; child c is the upper one
-along x, y and z where bits 0, 1 and 2 of c are set. Cells of the finest level have keys from
--32768 to 32767. Nodes come depth first. In a binary tree an inner node is two bytes, two bits for
-each child: nothing (0), free (1), occupied (2), inner (3). In a full tree a node is its log-odds
-(float32), of a coloured one three bytes more, and a byte with a bit for each child that there is.
+A tree has 16 levels of cubes, each with up to eight children; child c is the upper one along x, y
+and z if bits 0, 1 and 2 of c are set. Cells of the finest level have keys from -32768 to 32767.
+Nodes are stored depth first. In a binary tree an inner node is two bytes, two bits for each child:
+nothing (0), free (1), occupied (2), inner (3). In a full tree a node is its log-odds (float32),
+three more bytes if coloured, and a byte with a bit for each existing child.
 
 Source: Hornung et al., OctoMap: An efficient probabilistic 3D mapping framework based on octrees,
 Autonomous Robots 34 (2013), and the formats as octomap 1.10 reads and writes them.
@@ -24,13 +24,13 @@ from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError
 LEVELS = 16
 HALF = 1 << (LEVELS - 1)  # cells from the origin along an axis
 _OCCUPIED, _INNER = 2, 3
-# By the name of a tree's kind: the bytes of a node in a full tree before that of its children.
+# Bytes of a node in a full tree before the byte of its children, by kind of tree.
 _PAYLOADS = {'OcTree': 4, 'ColorOcTree': 7}
 KINDS = tuple(_PAYLOADS)
 
 
 def bytes_a_node(kind: str, *, binary: bool) -> int:
-    """Return how many bytes a node of a kind of tree has; raises MapError for another kind."""
+    """Return the number of bytes of a node, by kind of tree; MapError for another kind."""
     check_kind(kind)
     return 2 if binary else _PAYLOADS[kind] + 1
 
@@ -42,7 +42,7 @@ def check_kind(kind: str) -> None:
 
 
 def cells_of_binary(data: bytes | memoryview, resolution: float) -> Cells:
-    """Return the occupied cells of a binary tree; raises MapError for bytes that are none.
+    """Return the occupied cells of a binary tree; raises MapError for invalid bytes.
 
     >>> len(cells_of_binary(binary_of_cells(Cells.of_points([[1, 2, 3]], 0.1)).data, 0.1))
     1
@@ -52,7 +52,7 @@ def cells_of_binary(data: bytes | memoryview, resolution: float) -> Cells:
     words = np.frombuffer(data, dtype='<u2')
     paths = _paths(words.tolist(), _inner_children, LEVELS - 1)
     kinds = _kinds_of_children(data)
-    # Such a node would be a leaf of which nobody says whether anything is there.
+    # A node without children would be a leaf of unknown occupancy.
     if len(words) and not (kinds != 0).any(axis=1).all():
         raise MapError('an inner node of the tree has no children')
     node, child = np.nonzero(kinds == _OCCUPIED)
@@ -60,9 +60,9 @@ def cells_of_binary(data: bytes | memoryview, resolution: float) -> Cells:
 
 
 def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTree') -> Cells:
-    """Return the occupied cells of a full tree: leaves that are so as likely as not, or more.
+    """Return the occupied cells of a full tree: leaves with a probability of at least 0.5.
 
-    Raises MapError for bytes that are no tree, and for log-odds that are not finite.
+    Raises MapError for invalid bytes, and for log-odds that are not finite.
     """
     check_kind(kind)
     payload, step = _PAYLOADS[kind], bytes_a_node(kind, binary=False)
@@ -79,7 +79,7 @@ def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTr
 
 
 def count_nodes(data: bytes | memoryview, kind: str, *, binary: bool) -> int:
-    """Return how many nodes a tree has, of a binary one its leaves included, which have no bytes.
+    """Return the number of nodes of a tree, including leaves of a binary one, which have no bytes.
 
     >>> tree = binary_of_cells(Cells.of_points([[1, 2, 3]], 0.1))
     >>> (count_nodes(tree.data, 'OcTree', binary=True), tree.nodes)
@@ -91,14 +91,14 @@ def count_nodes(data: bytes | memoryview, kind: str, *, binary: bool) -> int:
 
 
 class BinaryTree(NamedTuple):
-    """A binary tree, and how many nodes it has, leaves included."""
+    """A binary tree as bytes, and its number of nodes, leaves included."""
 
     data: bytes
     nodes: int
 
 
 def binary_of_cells(cells: Cells) -> BinaryTree:
-    """Return the binary tree of cells; raises MapError for one that is too far for 16 levels."""
+    """Return the binary tree of cells; raises MapError for a cell beyond 16 levels."""
     keys = cells.keys() + HALF
     if keys.size and not 0 <= keys.min() <= keys.max() < 2 * HALF:
         raise MapError(
@@ -112,9 +112,8 @@ def binary_of_cells(cells: Cells) -> BinaryTree:
     words, orders = list[NDArray[np.int64]](), list[NDArray[np.int64]]()
     for depth in range(LEVELS - 1, -1, -1):
         parents, first = np.unique(below >> 3, return_index=True)
-        told = np.add.reduceat(kind << 2 * (below & 7), first)
-        words.append(told)
-        # Depth first: by where the cube begins, and of those the larger one first.
+        words.append(np.add.reduceat(kind << 2 * (below & 7), first))
+        # Depth first is the order by the first corner of a cube, with larger cubes first.
         orders.append((parents << 3 * (LEVELS - depth)) * (LEVELS + 1) + depth)
         below, kind, count = parents, _INNER, count + len(parents)
     order = np.argsort(np.concatenate(orders), kind='stable')
@@ -123,7 +122,7 @@ def binary_of_cells(cells: Cells) -> BinaryTree:
 
 
 def _kinds_of_children(data: bytes | memoryview) -> NDArray[np.int64]:
-    """Return what the children (n, 8) of the nodes of a binary tree are."""
+    """Return the kinds (n, 8) of the children of a binary tree's nodes."""
     words = np.frombuffer(data, dtype='<u2')
     kinds: NDArray[np.int64] = (words[:, np.newaxis] >> np.arange(0, 16, 2)) & 3
     return kinds
@@ -131,7 +130,7 @@ def _kinds_of_children(data: bytes | memoryview) -> NDArray[np.int64]:
 
 @lru_cache(maxsize=1 << 16)
 def _inner_children(word: int) -> tuple[int, ...]:
-    """Return the children of a node of a binary tree that are nodes of it, the last one first."""
+    """Return the inner children of a node of a binary tree, the last one first."""
     return tuple(c for c in range(7, -1, -1) if word >> 2 * c & 3 == _INNER)
 
 
@@ -141,17 +140,16 @@ def _set_bits(bits: int) -> tuple[int, ...]:
 
 
 def _paths(
-    told: list[int], children_of: Callable[[int], Sequence[int]], most_levels: int
+    nodes: list[int], children_of: Callable[[int], Sequence[int]], most_levels: int
 ) -> NDArray[np.int64]:
-    """Return the path (n,) of each node: a one, and then three bits for each child on its way."""
+    """Return the path (n,) of each node: a leading 1, then three bits for each child on it."""
     paths = list[int]()
-    stack = [1] if told else []
+    stack = [1] if nodes else []
     too_deep = 1 << 3 * (most_levels + 1)
-    for number in told:
+    for number in nodes:
         if not stack:
-            raise MapError(
-                f'the tree ends after {len(paths)} nodes, and {len(told) - len(paths)} more follow'
-            )
+            rest = len(nodes) - len(paths)
+            raise MapError(f'the tree ends after {len(paths)} nodes, and {rest} more follow')
         path = stack.pop()
         if path >= too_deep:
             raise MapError(f'the tree has more than {LEVELS} levels')
@@ -164,30 +162,30 @@ def _paths(
 
 
 def _cells_of_leaves(paths: NDArray[np.int64], resolution: float) -> Cells:
-    """Return the cells that leaves cover, those above the finest level included."""
+    """Return the cells that leaves cover, including leaves above the finest level."""
     depths = np.zeros(len(paths), dtype=np.int64)
     for level in range(1, LEVELS + 1):
         depths += paths >= 1 << 3 * level
     if (paths >= 1 << 3 * (LEVELS + 1)).any():
         raise MapError(f'the tree has more than {LEVELS} levels')
-    # Before a few bytes of coarse leaves become billions of cells.
+    # Checked first, since a few bytes of coarse leaves could become billions of cells.
     count = float((8.0 ** (LEVELS - depths)).sum())
     if count > MOST_CELLS:
         raise MapError(
             f'the tree holds {count:.3g} cells of {resolution:g} m; at most {MOST_CELLS} are read'
         )
-    found = [np.zeros((0, 3), dtype=np.int64)]
+    parts = [np.zeros((0, 3), dtype=np.int64)]
     for depth in np.unique(depths).tolist():
         own = paths[depths == depth] - (1 << 3 * depth)
         edge = 1 << (LEVELS - depth)
         within = np.indices((edge, edge, edge)).reshape(3, -1).T
         corners = _deinterleaved(own, depth) * edge
-        found.append((corners[:, np.newaxis] + within).reshape(-1, 3))
-    return Cells.of_keys(np.concatenate(found) - HALF, resolution)
+        parts.append((corners[:, np.newaxis] + within).reshape(-1, 3))
+    return Cells.of_keys(np.concatenate(parts) - HALF, resolution)
 
 
 def _interleaved(keys: Keys) -> NDArray[np.int64]:
-    """Return the path (n,) of cells (n, 3) of the finest level, without its leading one."""
+    """Return the path (n,) of cells (n, 3) of the finest level, without the leading 1."""
     path = np.zeros(len(keys), dtype=np.int64)
     for bit in range(LEVELS):
         for axis in range(3):

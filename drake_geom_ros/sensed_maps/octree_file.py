@@ -1,4 +1,4 @@
-"""OctoMap's files: ``.bt`` (binary) and ``.ot`` (full), a header of text and a tree of bytes."""
+"""OctoMap files: ``.bt`` (binary) and ``.ot`` (full), a text header and a tree of bytes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _FIRST_LINES = {
     '.ot': b'# Octomap OcTree file',
 }
 _LONGEST_HEADER = 10_000  # bytes
-# float and int take more: underscores, other digits, nan.
+# float() and int() accept more: underscores, other digits, nan.
 _NUMBER = re.compile(r'(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?', re.ASCII)
 _WHOLE = re.compile(r'\d{1,18}', re.ASCII)
 _DATA = re.compile(rb'^data[ \t]*\r?\n', re.MULTILINE)
@@ -27,20 +27,20 @@ _DATA = re.compile(rb'^data[ \t]*\r?\n', re.MULTILINE)
 def parse_octree_file(data: bytes, suffix: str) -> Cells:
     """Return the occupied cells of a file's content; ``suffix`` is ``.bt`` or ``.ot``.
 
-    Raises MapError for content that is not whole, or none.
+    Raises MapError for incomplete or invalid content.
     """
     if not data.startswith(first := _FIRST_LINES[suffix]):
         raise MapError(f'it does not begin with {first.decode()!r}')
-    found = _DATA.search(data, 0, _LONGEST_HEADER)
-    if found is None:
+    data_line = _DATA.search(data, 0, _LONGEST_HEADER)
+    if data_line is None:
         raise MapError("its header has no line 'data'")
-    header = _header(data[: found.start()].decode(errors='replace'))
+    header = _header(data[: data_line.start()].decode(errors='replace'))
     if missing := [key for key in ('id', 'size', 'res') if key not in header]:
         raise MapError(f'its header lacks {", ".join(missing)}')
     check_kind(header['id'])
     resolution, size = _numbers(header['res'], header['size'])
     check_resolution(resolution)
-    tree = memoryview(data)[found.end() :]
+    tree = memoryview(data)[data_line.end() :]
     if size > 0 and not tree:
         raise MapError(f'its header tells of {size} nodes, and none follow: it is truncated')
     is_binary = suffix == '.bt'
@@ -55,7 +55,7 @@ def parse_octree_file(data: bytes, suffix: str) -> Cells:
 
 
 def octree_file(cells: Cells) -> bytes:
-    """Return the content of a ``.bt`` file; raises MapError for cells that no OctoMap holds."""
+    """Return the content of a ``.bt`` file; raises MapError for cells beyond OctoMap's range."""
     tree = binary_of_cells(cells)
     header = (
         '# Octomap OcTree binary file\n'
@@ -78,7 +78,7 @@ def _header(text: str) -> dict[str, str]:
 
 
 def _numbers(res: str, size: str) -> tuple[float, int]:
-    """Return the resolution [m] and the count of nodes that a header tells as text."""
+    """Return the resolution [m] and the number of nodes from texts of a header."""
     if not _NUMBER.fullmatch(res) or not _WHOLE.fullmatch(size):
         raise MapError(
             f'its header says res {res[:80]!r}, size {size[:80]!r}; they must be a number [m] and '

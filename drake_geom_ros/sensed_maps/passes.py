@@ -1,7 +1,7 @@
-"""What is done to each point of a cloud, compiled: one pass over all of them for each question.
+"""Compiled passes over the points of a cloud, one for each operation.
 
-NumPy made a dozen arrays of the size of the cloud: for 300 000 points that took 0.1 s, mostly of
-waiting for memory. Here nobody waits for the interpreter, either: passes run without its lock.
+NumPy made a dozen arrays of the size of the cloud, which took 0.1 s for 300 000 points, mostly
+waiting for memory. These passes also run without the interpreter's lock.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ Columns = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
-BITS = 21  # of a key along each axis, so that all three are one whole number of 64 bits
+BITS = 21  # of a key along each axis, so that all three fit into 64 bits
 MOST_STEPS = 1 << (BITS - 1)  # cells from the origin along an axis
 NO_KEY = -1
-_MIX = 0x2545F4914F6CDD1D  # an odd number whose multiples are spread
-_DROPPED = 40  # low bits of a product, which depend on few of a key
+_MIX = 0x2545F4914F6CDD1D  # an odd multiplier that spreads keys
+_DROPPED = 40  # low bits of a product, which depend on few bits of a key
 
 
 class Reached(NamedTuple):
-    """What became of points: so many were finite, and of these so many kept."""
+    """Numbers of finite points, and of those that were kept."""
 
     finite: int
     kept: int
 
 
 class Cubes(NamedTuple):
-    """A grid of cubes with edges [m] from a corner (3,) [m] on; those that count are true."""
+    """A grid of cubes with edge [m] from a corner (3,) [m], with flags of selected cubes."""
 
     low: Floats
     edge: float
@@ -45,13 +45,13 @@ class Cubes(NamedTuple):
 def put_within_reach(
     columns: Columns, R: Floats, p: Floats, reach: float, p_WQs: Floats
 ) -> Reached:
-    """Write finite points within reach [m] of their origin, turned by R and moved by p.
+    """Write finite points within reach [m] of their origin, rotated by R and moved by p.
 
-    ``columns`` are their x, y and z (a, b) [m], see ``as_columns``. Never none: the nearest one is
-    where it is, however far. In the order of the points.
+    ``columns`` are their x, y and z (a, b) [m], see ``as_columns``. The order is preserved. The
+    nearest point is always written, however far it is.
     """
-    # Of a float32, Numba's float() makes no float64: in single precision a point a hair beyond
-    # the reach would count.
+    # Numba's float() does not widen a float32, and in single precision a point just beyond the
+    # reach would count.
     xs, ys, zs = columns
     finite, nearest = 0, math.inf
     for i in range(xs.shape[0]):
@@ -60,7 +60,7 @@ def put_within_reach(
             if math.isfinite(x) and math.isfinite(y) and math.isfinite(z):
                 finite += 1
                 nearest = min(nearest, math.sqrt(x * x + y * y + z * z))
-    limit, kept = max(reach, nearest), 0
+    limit, written = max(reach, nearest), 0
     for i in range(xs.shape[0]):
         for j in range(xs.shape[1]):
             x, y, z = np.float64(xs[i, j]), np.float64(ys[i, j]), np.float64(zs[i, j])
@@ -69,17 +69,17 @@ def put_within_reach(
             if math.sqrt(x * x + y * y + z * z) > limit:
                 continue
             for k in range(3):
-                p_WQs[kept, k] = R[k, 0] * x + R[k, 1] * y + R[k, 2] * z + p[k]
-            kept += 1
-    return Reached(finite, kept)
+                p_WQs[written, k] = R[k, 0] * x + R[k, 1] * y + R[k, 2] * z + p[k]
+            written += 1
+    return Reached(finite, written)
 
 
 @compiled
-def find_in_cubes(points: Floats, cubes: Cubes, found: Indices) -> int:
-    """Write which points (n, 3) [m] are in cubes that count; return how many."""
+def find_in_cubes(points: Floats, cubes: Cubes, rows: Indices) -> int:
+    """Write the rows of the points (n, 3) [m] in flagged cubes; return their number."""
     low, edge, flags = cubes.low, cubes.edge, cubes.flags
-    # Most points are far from all that: divisions take longer than to see it. A cube more, for
-    # what rounding makes of a border.
+    # Most points are far from all cubes, which this test finds without divisions. One cube is
+    # added for rounding at the border.
     far_x, far_y, far_z = (
         edge * (flags.shape[0] + 1),
         edge * (flags.shape[1] + 1),
@@ -94,19 +94,19 @@ def find_in_cubes(points: Floats, cubes: Cubes, found: Indices) -> int:
         if not (0 <= x < flags.shape[0] and 0 <= y < flags.shape[1] and 0 <= z < flags.shape[2]):
             continue
         if flags[int(x), int(y), int(z)]:
-            found[count] = i
+            rows[count] = i
             count += 1
     return count
 
 
 @compiled
 def keep_in_box(points: Floats, left_out: Flags, low: Floats, high: Floats) -> Reached:
-    """Move points (n, 3) [m] to the front that are not left out and in a box of two corners (3,).
+    """Move the points (n, 3) [m] in a box with corners (3,) to the front, except those left out.
 
-    Of those that are not left out the nearest to the box is kept where none is in it; ``finite``
-    counts them all. In the order of the points.
+    If none is in the box, the nearest point to it that is not left out is kept. ``finite`` counts
+    all points that are not left out. The order is preserved.
     """
-    count, kept, nearest, best = 0, 0, math.inf, -1
+    count, moved, nearest, best = 0, 0, math.inf, -1
     for i in range(points.shape[0]):
         if left_out[i]:
             continue
@@ -119,24 +119,25 @@ def keep_in_box(points: Floats, left_out: Flags, low: Floats, high: Floats) -> R
                 nearest, best = beyond, i
             continue
         for k in range(3):
-            points[kept, k] = points[i, k]
-        kept += 1
-    if kept == 0 and best >= 0:
+            points[moved, k] = points[i, k]
+        moved += 1
+    if moved == 0 and best >= 0:
         for k in range(3):
             points[0, k] = points[best, k]
-        kept = 1
-    return Reached(count, kept)
+        moved = 1
+    return Reached(count, moved)
 
 
 @compiled
 def count_in_cells(points: Floats, resolution: float, table: Indices) -> int:
-    """Fill a table of cells of a grid with how many points (n, 3) [m] each holds.
+    """Fill a hash table with the number of points (n, 3) [m] in each cell of a grid.
 
-    The rows of ``table`` (2^k, 2) are a key and a count, first NO_KEY and 0. Returns how many
-    points were counted: all, unless the next one is nowhere, or the table is half full.
+    The rows of ``table`` (2^k, 2) are a key and a count, initially NO_KEY and 0. Returns the
+    number of counted points: all, unless the next one is outside the grid, or the table is half
+    full.
     """
     mask, filled = len(table) - 1, 0
-    last, at = NO_KEY, 0  # neighbours in a cloud are mostly in one cell
+    last, at = NO_KEY, 0  # consecutive points of a cloud are mostly in one cell
     for i in range(len(points)):
         x = np.floor(points[i, 0] / resolution)
         y = np.floor(points[i, 1] / resolution)
@@ -158,12 +159,12 @@ def count_in_cells(points: Floats, resolution: float, table: Indices) -> int:
 
 @compiled
 def is_step(x: float) -> bool:
-    """Tell whether a number of cells from the origin fits into a key."""
+    """Return whether a number of cells from the origin fits into a key."""
     return -MOST_STEPS < x < MOST_STEPS
 
 
 def compile_passes() -> None:
-    """Compile all passes, or load them from the cache: the first cloud then does not wait."""
+    """Compile all passes, or load them from the cache, so that the first cloud does not wait."""
     points = np.zeros((1, 3))
     for number in (np.float32, np.float64):
         grid = np.zeros((2, 2), dtype=number)
@@ -176,11 +177,10 @@ def compile_passes() -> None:
 
 
 def as_columns(columns: Columns) -> Columns:
-    """Return x, y and z (a, b) as ``put_within_reach`` takes them.
+    """Return x, y and z (a, b) in the array type that ``put_within_reach`` is compiled for.
 
-    They are of float32 all, or of float64, lie apart in memory and cannot be written: for any
-    other kind of array another version would be compiled. What is copied for it may have more
-    rows and columns, of NaNs.
+    All are float32 or all float64, strided and read-only; any other type of array would compile
+    another version. Copies may have more rows and columns, of NaNs.
     """
     kind = np.float32 if np.result_type(*columns) == np.float32 else np.float64
     shown = []
@@ -189,7 +189,7 @@ def as_columns(columns: Columns) -> Columns:
         if column.dtype != kind or column.flags.forc:
             a, b = column.shape
             apart = np.full((max(a, 2), max(b, 2), 2), np.nan, dtype=kind)
-            with np.errstate(invalid='ignore'):  # there are NaNs that warn when they are widened
+            with np.errstate(invalid='ignore'):  # some NaNs warn when they are widened
                 apart[:a, :b, 0] = column
             seen = apart[..., 0]
         seen.flags.writeable = False
@@ -198,7 +198,7 @@ def as_columns(columns: Columns) -> Columns:
 
 
 def empty_table(size: int) -> Indices:
-    """Return a table for ``count_in_cells``, of so many rows: a power of two."""
+    """Return a table for ``count_in_cells`` with ``size`` rows, a power of two."""
     table = np.zeros((size, 2), dtype=np.int64)
     table[:, 0] = NO_KEY
     return table

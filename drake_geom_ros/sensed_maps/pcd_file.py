@@ -1,4 +1,4 @@
-"""Point clouds of PCL, ``.pcd``: ascii, binary, and binary_compressed.
+"""PCL's point cloud files, ``.pcd``: ascii, binary, and binary_compressed.
 
 Source: the Point Cloud Library's documentation of its file format, version 0.7; LZF is Marc
 Lehmann's LibLZF.
@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 def parse_pcd(data: bytes) -> Floats:
     """Return the points (n, 3) in a file's content, in its order; some may not be finite.
 
-    Raises MapError for content that is not whole, or none.
+    Raises MapError for incomplete or invalid content.
     """
     header, kind, start = _header(data)
     row, count = _row(header), _count(header)
@@ -61,7 +61,7 @@ def pcd_file(points: Floats) -> bytes:
 
 
 def _header(data: bytes) -> tuple[dict[str, list[str]], str, int]:
-    """Return the header by its keys, the kind of data, and where these begin."""
+    """Return the header by its keys, the kind of data, and the offset of the data."""
     header: dict[str, list[str]] = {}
     start = 0
     while (end := data.find(b'\n', start, _LONGEST_HEADER)) >= 0:
@@ -102,23 +102,23 @@ def _row(header: dict[str, list[str]]) -> np.dtype[np.void]:
         if name in ('x', 'y', 'z') and (kind != 'F' or many != 1):
             raise MapError(f'field {name} must be one number of TYPE F')
         # Padding is called '_', any number of times.
-        called = name if name in ('x', 'y', 'z') else str(k)
-        fields.append((called, f'<{kind.lower()}{width}', (many,) if many != 1 else ()))
+        field = name if name in ('x', 'y', 'z') else str(k)
+        fields.append((field, f'<{kind.lower()}{width}', (many,) if many != 1 else ()))
     return np.dtype(fields)
 
 
 def _count(header: dict[str, list[str]]) -> int:
-    """Return how many points it says it has."""
-    told = {
+    """Return the number of points by the header."""
+    sizes = {
         key: _whole(header[key][0], key)
         for key in ('WIDTH', 'HEIGHT', 'POINTS')
         if header.get(key)
     }
-    if 'POINTS' not in told and not {'WIDTH', 'HEIGHT'} <= told.keys():
+    if 'POINTS' not in sizes and not {'WIDTH', 'HEIGHT'} <= sizes.keys():
         raise MapError('its header lacks POINTS')
-    organised = told.get('WIDTH', 0) * told.get('HEIGHT', 1)
-    count = told.get('POINTS', organised)
-    if 'WIDTH' in told and organised != count:
+    organised = sizes.get('WIDTH', 0) * sizes.get('HEIGHT', 1)
+    count = sizes.get('POINTS', organised)
+    if 'WIDTH' in sizes and organised != count:
         raise MapError(f'its header tells of {count} points, and of {organised} by its rows')
     if count > MOST_POINTS:
         raise MapError(f'its header tells of {count} points; at most {MOST_POINTS} are read')
@@ -134,9 +134,9 @@ def _whole(word: str, key: str) -> int:
 def _refuse_viewpoint(words: list[str] | None) -> None:
     """Raise MapError for a sensor's pose other than the identity.
 
-    PCL's documentation leaves open whether points are in the sensor's frame or were moved by it:
-    there are writers of both kinds (CloudCompare puts what it would move points by there), and
-    readers too.
+    PCL's documentation leaves open whether points are in the sensor's frame or were already moved
+    by it. There are writers of both kinds (CloudCompare stores its pending transformation there),
+    and readers too.
     """
     if words is None:
         return
@@ -153,10 +153,10 @@ def _refuse_viewpoint(words: list[str] | None) -> None:
 
 
 def _refuse_other_size(body: memoryview, needed: int, start: int) -> None:
-    """Raise MapError for data of fewer bytes than are needed, or more.
+    """Raise MapError for data of fewer bytes than needed, or more.
 
-    A last newline is none, nor is what older versions of PCL left at the end: they made a file
-    longer than its data by a page, into which the header went.
+    A final newline is ignored, and so is the padding of older versions of PCL, which made a file
+    longer than its data by a page for the header.
     """
     if len(body) < needed:
         raise MapError(f'it is truncated: {len(body)} bytes of data of {needed}')
@@ -190,18 +190,18 @@ def _ascii(body: memoryview, row: np.dtype[np.void], count: int) -> Floats:
 
 
 def _rows_of(text: bytes, width: int) -> Iterator[bytes]:
-    """Yield the lines of a text but empty ones; raises MapError for other than so many words."""
+    """Yield the lines of a text without empty ones; MapError unless each has ``width`` words."""
     for number, line in enumerate(io.BytesIO(text), 1):
-        found = len(line.split())
-        if not found:
+        words = len(line.split())
+        if not words:
             continue
-        if found != width:
-            raise MapError(f'its fields have {width} numbers, and its row {number} has {found}')
+        if words != width:
+            raise MapError(f'its fields have {width} numbers, and its row {number} has {words}')
         yield line
 
 
 def _decompressed(body: memoryview, expected: int, start: int) -> bytes:
-    """Return what LZF compressed, whose sizes come first: 4 bytes each."""
+    """Return the decompressed data of a body: two sizes of 4 bytes, then LZF data."""
     if len(body) < 8:
         raise MapError(f'it is truncated: {len(body)} bytes of data of 8')
     packed, unpacked = np.frombuffer(body, '<u4', 2).tolist()
@@ -214,20 +214,20 @@ def _decompressed(body: memoryview, expected: int, start: int) -> bytes:
 
 
 def unpacked_lzf(packed: bytes, size: int) -> bytes:
-    """Return the ``size`` bytes that LZF packed; raises MapError for what it did not."""
+    """Return the ``size`` bytes of LZF data; raises MapError for damaged data."""
     out = bytearray()
     at, end = 0, len(packed)
     try:
         while at < end and len(out) <= size:
             control = packed[at]
             at += 1
-            if control < 32:  # so many bytes, and one, as they are
+            if control < 32:  # a literal run of control + 1 bytes
                 if at + control >= end:
                     raise IndexError
                 out += packed[at : at + control + 1]
                 at += control + 1
                 continue
-            length = control >> 5  # bytes that were there already
+            length = control >> 5  # a back reference to earlier bytes
             if length == 7:
                 length += packed[at]
                 at += 1
@@ -236,7 +236,7 @@ def unpacked_lzf(packed: bytes, size: int) -> bytes:
             if first < 0:
                 raise IndexError
             again = out[first : first + length + 2]
-            while len(again) < length + 2:  # it overlaps what it makes
+            while len(again) < length + 2:  # the reference overlaps its own output
                 again += again[: length + 2 - len(again)]
             out += again
     except IndexError:

@@ -1,9 +1,9 @@
-"""Cells beside bodies that the scene knows: too near to be no part of them, and no free space.
+"""Shells: sensed cells close to bodies of the scene, which are neither body nor free space.
 
-A point farther from a body than the noise of its sensor is not of the body's surface, and within
-the padding it may be: of a robot that is not where its joints say, or of what comes close. No
-distance is computed with these, and nothing may take them for free. A cell beside a body stays
-until the sensor looks past it: what a body hides, or has come too near to be told from, is there.
+A point farther from a body than the noise of its sensor is not on the body's surface. Within the
+padding it may still belong to the body, such as a robot that is not where its joints say, or to
+an approaching object. No distance uses such points, and they must not count as free. A cell of a
+shell stays until the sensor looks past it, since a body may hide or touch the object.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Flags = NDArray[np.bool_]
 
 
 class Shell(NamedTuple):
-    """Cells, of each a place [m] where something was seen, and when [s] that was."""
+    """Cells with a seen point [m] in each, and the time [s] when it was seen."""
 
     cells: Cells
     places: Floats  # (n, 3)
@@ -35,34 +35,34 @@ class Shell(NamedTuple):
 
     @classmethod
     def of_points(cls, points: Floats, distances: Floats, resolution: float, now: float) -> Shell:
-        """Return the cells of points (n, 3) [m]: of each that of the least distance (n,) [m]."""
-        if not len(points):  # as of most clouds
+        """Return the cells of points (n, 3) [m], each with the point of least distance (n,)."""
+        if not len(points):  # the common case
             return cls.none(resolution)
-        cells = Cells.of_points(points, resolution)  # refuses what is too far away for keys
+        cells = Cells.of_points(points, resolution)  # raises for points beyond the grid
         order = np.argsort(distances, kind='stable')
         _, firsts = np.unique(keys_of(points[order], resolution), return_index=True)
         return cls(cells, points[order[firsts]], np.full(len(cells), now))
 
     @classmethod
-    def of_map(cls, kept: KeptCells) -> Shell:
+    def of_map(cls, cells: KeptCells) -> Shell:
         """Return the cells of a map, each seen at its centre."""
-        return cls(kept.cells, kept.cells.centres(), kept.seen)
+        return cls(cells.cells, cells.cells.centres(), cells.seen)
 
     def as_seen_at(self, now: float) -> Shell:
-        """Return these cells as if something was seen in each at ``now`` [s]."""
+        """Return these cells with all times set to ``now`` [s]."""
         return self._replace(seen=np.full(len(self.seen), now))
 
     def among(self, flags: Flags) -> Shell:
-        """Return the cells (n,) that are flagged."""
+        """Return the flagged cells, by a mask (n,)."""
         cells = Cells(self.cells.resolution, self.cells.packed[flags])
         return Shell(cells, self.places[flags], self.seen[flags])
 
     def without(self, packed: Keys) -> Shell:
-        """Return the cells but those of ascending keys."""
+        """Return the cells without those of ascending ``packed`` keys."""
         return self.among(~_are_in(self.cells.packed, packed))
 
     def and_others(self, other: Shell) -> Shell:
-        """Return these cells and those of another one that are not of these."""
+        """Return the union with another shell; shared cells keep the values of this one."""
         more = other.without(self.cells.packed)
         packed = np.concatenate([self.cells.packed, more.cells.packed])
         order = np.argsort(packed, kind='stable')
@@ -74,12 +74,12 @@ class Shell(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """How far [m] a point in a cell is from its centre at most."""
+        """Greatest distance [m] of a point in a cell to its centre."""
         return 0.5 * math.sqrt(3.0) * self.cells.resolution
 
 
 def _are_in(packed: Keys, others: Keys) -> Flags:
-    """Return which keys (n,) are among others, which ascend."""
+    """Return a mask (n,) of the keys that are among ascending ``others``."""
     if not len(others):
         return np.zeros(len(packed), dtype=np.bool_)
     places = np.minimum(np.searchsorted(others, packed), len(others) - 1)
