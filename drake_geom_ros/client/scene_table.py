@@ -14,7 +14,7 @@ from drake_geom_msgs.msg import Role
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.frame_names import Frame, full_name, told_apart
+from drake_geom_ros.common.frame_names import Frame, full_name, unambiguous_name
 from drake_geom_ros.common.geometry_names import WORLD, GeometryNames, carrier_names, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
@@ -257,7 +257,7 @@ class SceneTable:
         if len(own_names) == 1:
             return own_names.pop()
         if frames:
-            both = ' and '.join(map(told_apart, frames))
+            both = ' and '.join(map(unambiguous_name, frames))
             raise UnknownNameError(f'{frame[:80]!r} stands for {both}')
         like = nearest(frame, islice(map(full_name, self.parents), _MOST_LOOKED_AT))
         raise UnknownNameError(

@@ -1,4 +1,4 @@
-"""Child processes: ended by their pids, and none outlives the process that started it."""
+"""Child processes that end with their parent, and the ending of processes by pid."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 def ends_with_parent() -> Callable[[], None] | None:
-    """Return a ``preexec_fn`` of Popen: the child gets a signal when its parent dies, however.
+    """Return a ``preexec_fn`` for Popen that makes the child get a signal when its parent dies.
 
-    The kernel sends it, so that a parent killed by SIGKILL counts too, and it outlasts ``exec``.
-    Strictly it is sent when the thread that started the child ends: start it in one that lasts.
-    None where the system is not Linux, which has no such thing.
+    The kernel sends it, so that it also works after SIGKILL of the parent, and it survives
+    ``exec``. Strictly it is sent when the starting thread ends, so start the child in a lasting
+    thread. None on systems other than Linux, which lack this feature.
     """
     if not sys.platform.startswith('linux'):
         return None
-    # Between fork and exec of the child there is no safe place to load a library.
+    # Loading a library between fork and exec of the child would not be safe.
     prctl = ctypes.CDLL(None, use_errno=True).prctl
     parent = os.getpid()
 
     def bind() -> None:
         if prctl(_PR_SET_PDEATHSIG, int(signal.SIGTERM), 0, 0, 0):
             raise OSError(ctypes.get_errno(), 'prctl')
-        if os.getppid() != parent:  # it died before it was asked for
+        if os.getppid() != parent:  # the parent died before the call of prctl
             os.kill(os.getpid(), signal.SIGTERM)
 
     return bind
 
 
-def end(process: subprocess.Popen[Any], grace: float, asked: int = signal.SIGTERM) -> int:
-    """Ask a process to end by a signal, kill it after ``grace`` [s]; return its exit code."""
+def end(process: subprocess.Popen[Any], grace: float, number: int = signal.SIGTERM) -> int:
+    """Send a signal to a process, kill it after ``grace`` [s], and return its exit code."""
     if process.poll() is None:
-        process.send_signal(asked)
+        process.send_signal(number)
         try:
             process.wait(grace)
         except subprocess.TimeoutExpired:

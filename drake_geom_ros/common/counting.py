@@ -1,4 +1,4 @@
-"""Numbers of things in sentences: 1 frame is, 2 frames are."""
+"""Numbers with nouns and verbs for texts: 1 frame is, 2 frames are."""
 
 from __future__ import annotations
 

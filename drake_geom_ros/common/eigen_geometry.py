@@ -1,4 +1,4 @@
-"""Quaternions and angle-axes, under the module name that pydrake has them in."""
+"""Quaternions and angle-axes, under pydrake's module name."""
 
 from drake_geom_ros.math.quaternions import AngleAxis, Quaternion
 

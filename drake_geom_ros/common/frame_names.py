@@ -1,4 +1,4 @@
-"""Frames by ``source::frame``, where either name may hold ``::``: looked up whole, never split."""
+"""Lookup of frames by ``source::frame`` as a whole, since both names may contain ``::``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ Frame = tuple[str, str]  # a source, and the frame's own name
 
 
 class AmbiguousNameError(ValueError):
-    """A text that several frames bear."""
+    """A full name that several frames share."""
 
 
 def full_name(frame: Frame) -> str:
@@ -29,23 +29,23 @@ class FrameNames:
         return iter(self._frames)
 
     def find(self, text: str) -> Frame | None:
-        """Return the frame of a full name, None where there is none.
+        """Return the frame of a full name, or None if there is none.
 
-        Raises AmbiguousNameError, which names them, where there are several.
+        Raises AmbiguousNameError, which names them, if there are several.
         """
-        found = self._frames.get(text, [])
-        if len(found) > 1:
-            both = ' and '.join(told_apart(frame) for frame in found)
+        frames = self._frames.get(text, [])
+        if len(frames) > 1:
+            both = ' and '.join(unambiguous_name(frame) for frame in frames)
             raise AmbiguousNameError(f'{text!r} stands for {both}; rename one of them')
-        return found[0] if found else None
+        return frames[0] if frames else None
 
     def label(self, frame: Frame) -> str:
-        """Return a text for people that no other frame has: the full name if that does."""
+        """Return a unique text for a frame: its full name if that is unique."""
         name = full_name(frame)
-        return name if len(self._frames[name]) == 1 else told_apart(frame)
+        return name if len(self._frames[name]) == 1 else unambiguous_name(frame)
 
 
-def told_apart(frame: Frame) -> str:
-    """Return a frame in words that leave no doubt where its source ends."""
+def unambiguous_name(frame: Frame) -> str:
+    """Return a text for a frame that separates its name from its source."""
     source, name = frame
     return f'{name!r} of source {source!r}'

@@ -1,4 +1,4 @@
-"""How much memory this process may still take."""
+"""Memory that the limits of this process leave."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ _STATM = Path('/proc/self/statm')
 
 
 def free_memory() -> float:
-    """Return how many bytes the limits of this process (``ulimit -v``) leave it.
+    """Return the memory [bytes] that the limit of this process (``ulimit -v``) leaves.
 
-    inf where there is no limit, or where what is used cannot be read. What the machine has, and
-    a limit of a whole container, are not asked for: pages that could be given back count there.
+    inf without a limit, or if the used memory cannot be read. The memory of the machine and the
+    limit of a container are not considered, since reclaimable pages count there as used.
     """
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
     if limit == resource.RLIM_INFINITY:

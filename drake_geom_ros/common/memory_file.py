@@ -1,11 +1,11 @@
-"""A file that is held in memory."""
+"""Files in memory."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-# Contents up to this many bytes are printed whole, so that what is printed makes the file again.
+# Contents up to this many bytes are printed whole, so that the repr recreates the file.
 MOST_PRINTED = 100
 
 

@@ -1,4 +1,4 @@
-"""The names that somebody may have meant who gave one that does not exist."""
+"""Suggestions for misspelt names."""
 
 import difflib
 from collections.abc import Iterable
@@ -7,13 +7,13 @@ _MOST = 3
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """Return the names that are most like ``name``, to go behind what is wrong with it.
+    """Return a clause with the names most similar to ``name``, to append to an error text.
 
-    Case does not count. Empty where no name is like it.
+    Case is ignored. Empty if no name is similar.
 
     >>> nearest('max_distanse', ['max_distance', 'rate'])
     "; nearest: 'max_distance'"
     """
-    given = {each.casefold(): each for each in names}
-    found = difflib.get_close_matches(name.casefold()[:200], given, n=_MOST)
-    return f'; nearest: {", ".join(repr(given[each]) for each in found)}' if found else ''
+    folded = {each.casefold(): each for each in names}
+    similar = difflib.get_close_matches(name.casefold()[:200], folded, n=_MOST)
+    return f'; nearest: {", ".join(repr(folded[each]) for each in similar)}' if similar else ''

@@ -1,4 +1,4 @@
-"""Files that stand where another one was meant to be: what they are, and what to do."""
+"""Recognition of files that were stored in place of the intended ones, such as LFS pointers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ _PAGE = (b'<!doctype html', b'<html')
 
 
 def stand_in(data: bytes) -> str:
-    """Return what is there in the place of a file, in words; empty where nothing is known to be.
+    """Return a remark about contents that replace the intended file; empty if none is recognised.
 
     >>> stand_in(b'')
     'it is empty'

@@ -1,4 +1,4 @@
-"""Moments between two others, rounded to the side that keeps what is said of them true."""
+"""Interpolation of times with directed rounding."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fractions import Fraction
 def time_between(begin: float, end: float, part: float, towards: float | None = None) -> float:
     """Return begin + part (end - begin), 0 <= part <= 1.
 
-    The float nearest to it, or rounded down or up where ``towards`` is -inf or inf.
+    The result is rounded to nearest, or down or up if ``towards`` is -inf or inf.
 
     >>> time_between(1.0, 3.0, 0.5)
     2.0

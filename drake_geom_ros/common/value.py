@@ -1,4 +1,4 @@
-"""Values that are handed around without their type, with the names of ``pydrake.common.value``."""
+"""Type-erased values, with the names of ``pydrake.common.value``."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class AbstractValue:
         return self._value
 
     def set_value(self, value: Any) -> None:
-        """Take another value; raises RuntimeError for one of another type."""
+        """Set another value; raises RuntimeError for one of another type."""
         if type(value) is not type(self._value):
             raise RuntimeError(
                 f'set_value: the value is of type {type(self._value).__name__}, given '
@@ -46,7 +46,7 @@ class AbstractValue:
         self._value = value
 
     def SetFrom(self, other: AbstractValue) -> None:
-        """Take a copy of the value in another box; raises RuntimeError for another type."""
+        """Set a copy of the value in another box; raises RuntimeError for another type."""
         self.set_value(copy.deepcopy(other._value))
 
     def Clone(self) -> AbstractValue:

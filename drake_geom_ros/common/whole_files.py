@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, and never over what was read to make them."""
+"""Atomic writing of files, and checks that outputs do not overwrite inputs."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
 
 @contextlib.contextmanager
 def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) -> Iterator[Any]:
-    """Give a file to write; it stands at ``path`` when the block is left without an error.
+    """Yield a file that replaces ``path`` when the context exits without an error.
 
-    ``mode`` is ``'w'`` (UTF-8) or ``'wb'``. Until then, and after an error for ever, what is there
-    stays as it is. A link is followed, and the permissions of a file that is replaced stay. What
-    is no plain file, such as a terminal or a pipe, is written to as it is. Raises OSError.
+    ``mode`` is ``'w'`` (UTF-8) or ``'wb'``. Until then, and after an error, an existing file is
+    unchanged. A link is followed, and the permissions of a replaced file are preserved. If the
+    path is no plain file, such as a terminal or a pipe, it is written directly. Raises OSError.
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
@@ -41,9 +41,9 @@ def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) ->
 
 @contextlib.contextmanager
 def replaced(folder: int, name: str, mode: str = 'w', newline: str | None = None) -> Iterator[Any]:
-    """Do as ``whole_file`` for a name in a folder that is open, whatever that name stands for.
+    """Yield a file like ``whole_file`` for a name in an open folder, without following links.
 
-    What is half written is a new file, whose name nobody can have prepared.
+    The unfinished file has a random new name, which nobody can have prepared.
     """
     part = f'.{secrets.token_hex(8)}.part'
     descriptor = os.open(part, _NEW, 0o666, dir_fd=folder)
@@ -56,7 +56,7 @@ def replaced(folder: int, name: str, mode: str = 'w', newline: str | None = None
                 before = os.stat(name, dir_fd=folder, follow_symlinks=False)
                 if stat.S_ISREG(before.st_mode):
                     os.fchmod(file.fileno(), stat.S_IMODE(before.st_mode))
-            # Else a machine that loses power could have the new name, and nothing in it.
+            # Without fsync a power loss could leave the new name with an empty file.
             os.fsync(file.fileno())
         os.replace(part, name, src_dir_fd=folder, dst_dir_fd=folder)
     except BaseException:
@@ -66,10 +66,10 @@ def replaced(folder: int, name: str, mode: str = 'w', newline: str | None = None
 
 
 def open_folder(path: Path) -> int:
-    """Return a descriptor of a folder by its resolved path; close it.
+    """Return a descriptor of a folder by its resolved path, which the caller must close.
 
-    No part of the path may be a link: one that became one since it was resolved leads nowhere.
-    Raises OSError.
+    No part of the path may be a link, so that a part that was replaced by a link since it was
+    resolved is refused. Raises OSError.
     """
     first, *names = path.parts
     folder = os.open(first, _ONLY_FOLDERS)
@@ -85,29 +85,29 @@ def open_folder(path: Path) -> int:
 def check_outputs(
     outputs: Mapping[str, str | Path | None], inputs: Iterable[str | Path | None]
 ) -> None:
-    """Raise FileExistsError where an output, by its option, is an input, or is another output.
+    """Raise FileExistsError if an output, by its option, is an input or another output.
 
-    By whatever name, also through links; what is empty or None is nothing.
+    Files are compared by identity, also through links. Empty paths and None are ignored.
     """
-    given = [Path(path) for path in inputs if path]
+    input_paths = [Path(path) for path in inputs if path]
     written: list[tuple[str, Path]] = []
     for option, path in outputs.items():
         if not path:
             continue
-        for read in given:
+        for read in input_paths:
             if _same(Path(path), read):
                 raise FileExistsError(
                     f'{option} {path} is the file {read} that is read: it would be written over; '
                     'give another name'
                 )
-        for other, there in written:
-            if _same(Path(path), there):
+        for other, other_path in written:
+            if _same(Path(path), other_path):
                 raise FileExistsError(f'{option} and {other} are the same file, {path}')
         written.append((option, Path(path)))
 
 
 def check_first_line(path: Path, first: str) -> None:
-    """Raise FileExistsError where a file is there that begins otherwise: it is somebody else's."""
+    """Raise FileExistsError if a file exists whose first line differs, and so is not ours."""
     if not os.path.lexists(path):
         return
     with contextlib.suppress(OSError, UnicodeDecodeError), path.open(encoding='utf-8') as file:
@@ -120,9 +120,9 @@ def check_first_line(path: Path, first: str) -> None:
 
 
 def _same(a: Path, b: Path) -> bool:
-    """Tell whether two paths are of one file, there or not yet."""
+    """Return whether two paths are of one file, existing or not."""
     try:
-        # Two commands may well share a terminal, or what keeps nothing.
+        # Sharing a terminal or the null device is fine.
         return os.path.samefile(a, b) and a.is_file()
     except OSError:
         return os.path.realpath(a) == os.path.realpath(b)
