@@ -1,4 +1,4 @@
-"""``report``: how near things came in what ROS recorded, as tables, a plot and a page."""
+"""Command ``report``: clearances of a ROS recording, as tables, a plot and a page."""
 
 import argparse
 import math
@@ -8,8 +8,8 @@ from typing import Any
 
 from drake_geom_ros.command_line.recording_input import add_topics_to
 from drake_geom_ros.command_line.report_making import THRESHOLDS, UNREADABLE, make_report
-from drake_geom_ros.command_line.scene_input import read_and_tell
-from drake_geom_ros.command_line.unforeseen import UNFORESEEN, tell_unforeseen
+from drake_geom_ros.command_line.scene_input import read_and_warn
+from drake_geom_ros.command_line.unforeseen import UNFORESEEN, print_unforeseen
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.recordings.comparing import WAYS
 from drake_geom_ros.recordings.files import runs_in
@@ -74,7 +74,7 @@ def add_to(commands: Any) -> None:
 
 
 def _add_judgements(parser: argparse.ArgumentParser) -> None:
-    """Add what more is to be found out, and by whom."""
+    """Add options for certification, comparison, audit, pictures and the cluster."""
     parser.add_argument(
         '--certify',
         type=float,
@@ -124,7 +124,7 @@ def _add_judgements(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_options_of_a_node(parser: argparse.ArgumentParser) -> None:
-    """Add what a node has as parameters and remapped topics."""
+    """Add the options that a node has as parameters and remapped topics."""
     parser.add_argument(
         '--stale-after', type=float, default=STALE_AFTER, metavar='S', help='[s] (default: 1)'
     )
@@ -141,7 +141,8 @@ def _add_options_of_a_node(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write the report and return the exit code; raises GeometryError or OSError for bad input.
 
-    Of a folder of runs there is a folder with the report of each, and the gravest exit code.
+    For a folder of runs, each run gets a folder with its report, and the gravest exit code is
+    returned.
     """
     options.out = options.out or name_of(options.recording[0])
     runs = runs_in(Path(options.recording[0])) if len(options.recording) == 1 else []
@@ -149,7 +150,7 @@ def run(options: argparse.Namespace) -> int:
     runs = [each for each in runs if not folder.is_relative_to(each.resolve())]
     scene = None
     if options.scene:
-        scene = read_and_tell(options.scene, package_roots=options.package_root)
+        scene = read_and_warn(options.scene, package_roots=options.package_root)
     if not runs:
         return make_report(options, scene)
     codes = []
@@ -167,13 +168,13 @@ def run(options: argparse.Namespace) -> int:
             )
             print(f'{place.name}: {error}{older}', file=sys.stderr)
             codes.append(UNREADABLE)
-        except Exception:  # a fault of ours in one run hides none of the others
-            tell_unforeseen(place.name)
+        except Exception:  # an internal error in one run must not prevent the other reports
+            print_unforeseen(place.name)
             codes.append(UNFORESEEN)
     return min(codes, key=_BY_GRAVITY.index)
 
 
 def name_of(recording: str) -> str:
-    """Return the folder of a report where none is named: in the current one."""
+    """Return the default folder of a report, in the current one."""
     place = Path(recording).resolve()
     return f'{place.name if place.is_dir() else place.stem}_report'

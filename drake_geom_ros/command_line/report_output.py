@@ -1,4 +1,4 @@
-"""What ``report`` says on standard output, and how far it is on standard error."""
+"""Output of ``report``: results on standard output, progress on standard error."""
 
 import math
 import sys
@@ -12,27 +12,27 @@ from drake_geom_ros.recordings import (
     IncompleteRecordingError,
     SetComparison,
 )
-from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.run import Progress
 
-_MOST_PAIRS = 5  # that are told of two runs
+_MOST_PAIRS = 5  # printed of a comparison
 
 
 def progress() -> Progress:
-    """Return what tells on standard error how far it is, once a second."""
+    """Return a callback that prints the progress on standard error once a second."""
     shown = time.monotonic()
 
-    def tell(states: int, seconds: float) -> None:
+    def show(states: int, seconds: float) -> None:
         nonlocal shown
         if time.monotonic() - shown >= 1.0:
             shown = time.monotonic()
             print(f'\r{states} states, {seconds:.0f} s', end='', file=sys.stderr, flush=True)
 
-    return tell
+    return show
 
 
-def tell_of_comparison(compared: Sequence[SetComparison], other: str, by: str) -> None:
-    """Tell how much nearer the run comes than the other one, and what is not known of both."""
+def print_comparison(compared: Sequence[SetComparison], other: str, by: str) -> None:
+    """Print how much nearer the run comes than the other one, and the reservations."""
     unit = ' s' if by == 'time' else ' of the motion'
     for each in compared:
         much, where = each.nearer(allow_incomplete=True)
@@ -44,16 +44,16 @@ def tell_of_comparison(compared: Sequence[SetComparison], other: str, by: str) -
         for pair in each.pairs[:_MOST_PAIRS]:
             here, there = (_or_never(least) for least in (pair.run, pair.other))
             print(f'  {pair.name_A} and {pair.name_B}: {here}, there {there}')
-    for told in compared[0].not_known_of_other:
-        print(f'not known of {other}: {told}')
+    for reservation in compared[0].not_known_of_other:
+        print(f'not known of {other}: {reservation}')
 
 
 def _or_never(least: float) -> str:
     return 'never the nearest' if least == math.inf else f'{least:.6g} m'
 
 
-def tell_of_audit(audited: Audit) -> None:
-    """Tell what is true of what a node said, and what was not audited."""
+def print_audit(audited: Audit) -> None:
+    """Print the outcomes of an audit, and the reservations."""
     counts = audited.counts().items()
     print('audit: ' + ', '.join(f'{count} {outcome.value}' for outcome, count in counts))
     for topic, first, count in audited.by_reason():
@@ -61,30 +61,30 @@ def tell_of_audit(audited: Audit) -> None:
             f'{first.outcome.value}: {count} of {topic}, the first at {first.time:.3f} s, '
             f'{first.what}: {first.because}'
         )
-    for told in audited.reservations():
-        print(f'not audited: {told}')
+    for reservation in audited.reservations():
+        print(f'not audited: {reservation}')
 
 
-def tell(found: Told) -> None:
-    """Tell the least distances of a run, and what is not known of it."""
-    print(f'states {found.count}, {found.duration:.3f} s')
-    for name in found.moments:
+def print_results(run: RunAnalysis) -> None:
+    """Print the minimum distances of a run, and the reservations."""
+    print(f'states {run.count}, {run.duration:.3f} s')
+    for name in run.moments:
         try:
-            least = found.least(name, allow_incomplete=True)
+            least = run.least(name, allow_incomplete=True)
             print(
                 f'{name}: distance {least.distance:.9g} m within {least.error_bound:.2g} m at '
                 f'{least.time:.3f} s between {least.name_A} {least.name_B}'
             )
         except IncompleteRecordingError as error:
             print(f'{name}: {error}')
-        if found.is_certified:
-            proved = found.certified(name)
+        if run.is_certified:
+            proved = run.certified(name)
             print(
                 f'{name}: motions between states: certified {proved.lower_bound:.9g} m where '
                 f'clear; {proved.clear} clear, {proved.contact} contact, {proved.unknown} unknown'
             )
-    print(f'read in {found.seconds_reading:.2f} s, computed in {found.seconds_computing:.2f} s')
-    for told in found.reservations():
-        print(f'not known: {told}')
-    for trouble in found.troubles:
+    print(f'read in {run.seconds_reading:.2f} s, computed in {run.seconds_computing:.2f} s')
+    for reservation in run.reservations():
+        print(f'not known: {reservation}')
+    for trouble in run.troubles:
         print(f'wrong: {trouble.words}')

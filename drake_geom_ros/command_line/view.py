@@ -1,4 +1,4 @@
-"""``view``: a page in the browser that shows a scene, its distances and its filters."""
+"""Command ``view``: a page in the browser with a scene, its distances and its filters."""
 
 import argparse
 import sys
@@ -80,8 +80,8 @@ def run(options: argparse.Namespace) -> int:
     """Serve a page until it is interrupted; raises GeometryError or OSError for bad input."""
     page = open_page(options)
     print(page.url, flush=True)
-    if told := warning(options.host):
-        print(f'warning: {told}', file=sys.stderr)
+    if remark := warning(options.host):
+        print(f'warning: {remark}', file=sys.stderr)
     try:
         threading.Event().wait()
     except KeyboardInterrupt:
@@ -109,7 +109,7 @@ def open_page(options: argparse.Namespace) -> Page:
         timeline = Timeline.of_moments(range(len(states.poses)), states.poses)
         joints.follow_states(states.values)
     if timeline is not None:
-        # Where a recording does not say where a robot is nobody knows it, at rest or elsewhere.
+        # Frames that a recording does not pose must not be shown at rest: they are unknown.
         show = scene.pose_only if timeline.names_all else scene.pose
         show(timeline.poses(timeline.start))
     return Page(
@@ -120,14 +120,14 @@ def open_page(options: argparse.Namespace) -> Page:
         max_distance=options.max_distance,
         accuracy=options.accuracy,
         contacts=options.contacts,
-        tell=lambda text: print(text, file=sys.stderr, flush=True),
+        log=lambda text: print(text, file=sys.stderr, flush=True),
     )
 
 
 def _timeline_of_recording(
     options: argparse.Namespace, posed: PosedScene, scene: LocalScene
 ) -> Timeline:
-    """Return the time line of what was recorded."""
+    """Return the timeline of a recording."""
     if options.motion or options.poses or options.states or options.joints:
         raise ArgumentError(
             'a recording is played by itself: no --motion, --poses, --states or --joints'
@@ -139,7 +139,7 @@ def _timeline_of_recording(
         topics=topics_of(options),
         world_frame=options.world_frame,
         package_roots=options.package_root,
-        tell=lambda words: print(f'not known, or wrong: {words}', file=sys.stderr),
+        warn=lambda words: print(f'not known, or wrong: {words}', file=sys.stderr),
     )
     vectors = [
         FramePoseVector.FromArrays([scene.frames[frame] for frame in each.frames], each.rows)
@@ -149,15 +149,15 @@ def _timeline_of_recording(
 
 
 def _timeline(posed: PosedScene, moments: list[PoseSet], file: str) -> Timeline:
-    """Return the time line of a pose file; a moment without a time is one second long."""
+    """Return the timeline of a pose file; moments without a time last one second each."""
     times = [k if each.time is None else each.time for k, each in enumerate(moments)]
-    known: dict[Any, Any] = {}
+    latest: dict[Any, Any] = {}
     vectors = []
     for moment in moments:
-        # What a moment does not name stays where the one before put it.
+        # Frames that a moment does not name keep the pose of the moment before.
         X_PFs = posed.vector(moment.poses)
-        known |= {frame: X_PFs.value(frame) for frame in X_PFs.ids()}
-        vectors.append(FramePoseVector(known))
+        latest |= {frame: X_PFs.value(frame) for frame in X_PFs.ids()}
+        vectors.append(FramePoseVector(latest))
     try:
         return Timeline.of_moments(times, vectors)
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""``clearance``: a recording, one call."""
+"""Function ``clearance``: the minimum distances over a recording in one call."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.pair_sets import Between, pair_sets
 from drake_geom_ros.recordings.results import Clearances
-from drake_geom_ros.recordings.run import STALE_AFTER, Asked, Progress, Run
+from drake_geom_ros.recordings.run import STALE_AFTER, Progress, Run, RunOptions
 from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.scene_files import SceneDescription
 
@@ -32,33 +32,39 @@ def clearance(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Clearances:
-    """Return the least distances over the time of a recording.
+    """Return the minimum distances over the time of a recording.
 
-    ``path`` is a file (MCAP or sqlite3), a folder that rosbag2 wrote, or several of these;
-    ``scene`` a scene file, or None for the robot whose description was recorded. ``between`` are
-    sets of pairs such as ``'left:right'``, by names or patterns of sources, frames or geometries;
-    without any, all pairs are the set ``'all'``. A state is taken with each message that poses
-    something, or ``rate`` times a second [Hz]. ``topics`` says what was recorded where.
-    ``stale_after`` [s], ``accuracy``, ``world_frame`` and ``package_roots`` are what a node has as
-    parameters, ``threads`` and ``max_distance`` [m] what ``batch.evaluate`` has.
+    The poses are those of a node that received the same messages at the times of recording. They
+    do not stay in memory; the result takes 113 bytes a state and set.
 
-    With ``certify`` [m] the motion between states is proved, too: see ``SetClearance``. Its bounds
-    are no farther than that below what was seen. It takes a state with each message: motions from
-    one moment of a ``rate`` to the next would leave out what was recorded between them.
+    Args:
+        path: A file (MCAP or sqlite3), a folder that rosbag2 wrote, or several of these.
+        scene: A scene file, or None for the robot whose description was recorded.
+        between: Sets of pairs such as ``'left:right'``, by names or patterns of sources, frames
+            or geometries; without any, all pairs are the set ``'all'``.
+        max_distance: As of ``batch.evaluate`` [m].
+        rate: States a second [Hz]; 0: one with each message that poses something.
+        topics: The names of the recorded topics.
+        stale_after: Parameter of a node [s].
+        accuracy: Parameter of a node.
+        world_frame: Parameter of a node.
+        package_roots: Parameter of a node.
+        threads: As of ``batch.evaluate``.
+        certify: If > 0 [m], the motions between states are certified too, with bounds at most
+            this far below the distances at states: see ``SetClearance``. It needs a state with
+            each message, since a ``rate`` would skip the messages between its moments.
+        executor: Computes distances instead of threads, for example ``batch.cluster_executor``.
+        progress: Called with the number of states so far, and the seconds of the recording.
 
-    ``executor`` computes distances in the place of threads, as of ``batch.cluster_executor``.
-    ``progress`` is called with the states so far, and the seconds of the recording.
-
-    Poses come to be as in a node that took the same messages at the times of recording. Poses do
-    not stay in memory; an answer takes 113 bytes a state and set.
-
-    Raises RecordingError for what cannot be read or used, SceneFileError for a scene file,
-    ArgumentError for other arguments.
+    Raises:
+        RecordingError: The recording cannot be read or used.
+        SceneFileError: The scene file is invalid.
+        ArgumentError: Another argument is invalid.
 
         over_time = clearance('run.mcap', 'cell.yaml', between=['left:right'])
         assert over_time.least().distance > 0.05
     """
-    asked = Asked(
+    options = RunOptions(
         sets=pair_sets(between),
         max_distance=max_distance,
         rate=rate,
@@ -75,6 +81,6 @@ def clearance(
         world_frame=world_frame,
         package_roots=package_roots,
     )
-    run = Run(opened, asked, threads=threads, executor=executor, progress=progress)
+    run = Run(opened, options, threads=threads, executor=executor, progress=progress)
     parts = list(run.parts())
     return Clearances.of(run.facts(), parts)

@@ -1,4 +1,4 @@
-"""The moments in which things came closest, with the poses of all, kept while states go by."""
+"""Moments of minimum distance with all poses, collected while states are processed."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from drake_geom_ros.geometry import FramePoseVector, QueryObject
 from drake_geom_ros.recordings.set_clearance import Moment, SetClearance
 from drake_geom_ros.recordings.states import Block
 
-_APART = 0.02  # of the duration: in a span of that there is one closest moment at most
+_APART = 0.02  # fraction of the duration, in which there is at most one closest moment
 
 
 @dataclass(frozen=True, eq=False)
 class CloseMoment:
-    """A state whose lower bound is the least for a while."""
+    """A state whose lower bound is a local minimum over time."""
 
     moment: Moment
-    left_out: int  # pairs that wait for a pose
+    left_out: int  # pairs omitted for lack of a pose
     is_stale: bool
-    age: float  # [s] of the oldest pose that matters
-    block: Block  # of this state alone
-    lower_bound: float  # [m] by what is known
+    age: float  # [s] of the oldest pose used by its pairs
+    block: Block  # of only this state
+    lower_bound: float  # [m] over the known pairs
 
     def scene(self) -> QueryObject | None:
-        """Return the scene then; None where a frame waited: nobody knows where that was."""
+        """Return the scene at that time; None if a frame had no pose."""
         if self.block.waiting:
             return None
         context = self.block.context.what_if()
@@ -35,23 +35,23 @@ class CloseMoment:
 
 
 class CloseMoments:
-    """Finds them of a set of pairs, block by block; of each span of time the least one is kept."""
+    """Finds the closest moments of a set of pairs, block by block, one for each time span."""
 
     def __init__(self, duration: float) -> None:
-        """``duration`` [s] of the recording."""
+        """Divide the ``duration`` [s] of the recording into time spans."""
         self._apart = _APART * duration or 1.0
         self._least: dict[int, CloseMoment] = {}
 
     def take(self, block: Block, pairs: SetClearance) -> None:
-        """Take the states of a block. Of those that do not tell all what is known counts, too."""
+        """Process the states of a block; of incomplete ones the known pairs count."""
         lower = pairs.known_lower_bound
         states = np.flatnonzero(lower < np.inf)
         spans = (pairs.times[states] / self._apart).astype(np.int64)
         order = np.lexsort((lower[states], spans))
-        firsts = order[np.flatnonzero(np.diff(spans[order], prepend=-1))]  # the least of each
+        firsts = order[np.flatnonzero(np.diff(spans[order], prepend=-1))]  # the minimum of each
         for k, span in zip(states[firsts].tolist(), spans[firsts].tolist(), strict=True):
-            known = self._least.get(span)
-            if known is None or lower[k] < known.lower_bound:
+            least = self._least.get(span)
+            if least is None or lower[k] < least.lower_bound:
                 self._least[span] = CloseMoment(
                     moment=pairs.at(k),
                     left_out=int(pairs.left_out[k]),
@@ -62,11 +62,11 @@ class CloseMoments:
                 )
 
     def result(self) -> tuple[CloseMoment, ...]:
-        """Return those that are nearer than what is beside them, the closest one first."""
+        """Return the moments that are closer than those of both adjacent spans, closest first."""
 
         def bound(span: int) -> float:
-            known = self._least.get(span)
-            return np.inf if known is None else known.lower_bound
+            least = self._least.get(span)
+            return np.inf if least is None else least.lower_bound
 
         chosen = [
             each

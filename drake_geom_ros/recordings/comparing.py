@@ -1,4 +1,4 @@
-"""Two runs beside each other: by time, or by the phase of the motion."""
+"""Comparison of two runs, by time or by phase of the motion."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
-from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import SetClearance
 
 Floats = NDArray[np.float64]
@@ -21,66 +21,66 @@ _PARTS = 1000  # into which a run is cut
 
 
 class PairDifference(NamedTuple):
-    """The least distance of a pair where it was the nearest of its set, in two runs."""
+    """Minimum distance of a pair in two runs, over the states where it was nearest of its set."""
 
     name_A: str
     name_B: str
-    run: float  # [m] inf: it never was the nearest
+    run: float  # [m] inf: it never was nearest
     other: float  # [m]
 
 
 @dataclass(frozen=True, eq=False)
 class SetComparison:
-    """A set of pairs in two runs, part by part; of each part the state of least distance."""
+    """Minimum distances of a set of pairs in two runs, in m parts of the run."""
 
     name: str
     ends: Floats  # (m + 1,) of the parts, [s] or phases from 0 to 1
-    run: Floats  # (m,) [m] least distance; nan: no state
+    run: Floats  # (m,) [m] minimum distance; nan: no state
     other: Floats  # (m,) [m]
-    is_whole: Flags  # (m,) both have states there, and all of these tell of all pairs
-    pairs: tuple[PairDifference, ...]  # by how much nearer they came in the run
+    is_whole: Flags  # (m,) both runs have states there, all of which are complete
+    pairs: tuple[PairDifference, ...]  # those that came nearer by most in the run first
     by: str  # 'time' or 'phase'
     not_known_of_run: tuple[str, ...] = ()  # ``Clearances.reservations()``
     not_known_of_other: tuple[str, ...] = ()
 
     @property
     def is_known(self) -> bool:
-        """Whether both runs are known in all parts, and have no reservations."""
+        """True if both runs are known in all parts, and have no reservations."""
         return bool(self.is_whole.all()) and not self.not_known_of_run + self.not_known_of_other
 
     @property
     def difference(self) -> Floats:
-        """By how much [m] the run's distance is larger (m,); nan where not both are known."""
+        """Distance of the run minus that of the other (m,) [m]; nan where one is unknown."""
         with np.errstate(invalid='ignore'):
-            found: Floats = self.run - self.other
-        alike = self.run == self.other  # both far, or both of half spaces that cross
-        return np.where(alike, 0.0, found)
+            difference: Floats = self.run - self.other
+        is_equal = self.run == self.other  # also where both are inf or both -inf
+        return np.where(is_equal, 0.0, difference)
 
     def nearer(self, *, allow_incomplete: bool = False) -> tuple[float, float]:
-        """Return by how much [m] the run comes nearer at most, and where; 0 where it does not.
+        """Return by how much [m] at most the run comes nearer, and where; 0 if it does not.
 
-        Raises IncompleteRecordingError where not all is known of both, unless
-        ``allow_incomplete``: then only parts count of which both tell something.
+        Raises IncompleteRecordingError if either run is not fully known, unless
+        ``allow_incomplete``: then only parts with states of both count.
         """
         if not (allow_incomplete or self.is_known):
             unknown = int(np.count_nonzero(~self.is_whole))
-            told = [f'{unknown} of {len(self.run)} parts are not known of both runs']
-            told += [f'this run: {each}' for each in self.not_known_of_run]
-            told += [f'the other run: {each}' for each in self.not_known_of_other]
+            reasons = [f'{unknown} of {len(self.run)} parts are not known of both runs']
+            reasons += [f'this run: {each}' for each in self.not_known_of_run]
+            reasons += [f'the other run: {each}' for each in self.not_known_of_other]
             raise IncompleteRecordingError(
-                f'{self.name}: {"; ".join(told)}. allow_incomplete=True takes what is known'
+                f'{self.name}: {"; ".join(reasons)}. allow_incomplete=True takes what is known'
             )
-        found = np.nan_to_num(-self.difference, nan=-np.inf, posinf=np.inf)
-        k = int(np.argmax(found))
-        return max(0.0, float(found[k])), float(self.ends[k])
+        nearer_by = np.nan_to_num(-self.difference, nan=-np.inf, posinf=np.inf)
+        k = int(np.argmax(nearer_by))
+        return max(0.0, float(nearer_by[k])), float(self.ends[k])
 
 
-def compare_runs(run: Told, other: Told, by: str = 'time') -> list[SetComparison]:
-    """Return the sets of pairs of a run beside those of another one, by their names.
+def compare_runs(run: RunAnalysis, other: RunAnalysis, by: str = 'time') -> list[SetComparison]:
+    """Return a comparison for each set of pairs of two runs.
 
-    Both are cut into 1000 parts: of the time of the longer one, or by ``'phase'`` of the motion of
-    each, which is what its frames went so far of all that they went (``Clearances.travelled``).
-    Raises ArgumentError for another way, and for runs with other sets of pairs.
+    Both runs are cut into 1000 parts, by ``'time'`` of the longer one or by ``'phase'`` of each
+    one's motion: the fraction of the way that its frames travelled (``Clearances.travelled``).
+    Raises ArgumentError for another ``by``, and for runs with different sets of pairs.
 
         for each in compare_runs(clearance(new, cell), clearance(old, cell), by='phase'):
             assert each.nearer()[0] < 0.01
@@ -99,7 +99,7 @@ def compare_runs(run: Told, other: Told, by: str = 'time') -> list[SetComparison
     else:
         end = 1.0
         wholes = [each.travelled_in_all or 1.0 for each in both]
-        holds = [1.0, 1.0]  # between two states nothing else was passed
+        holds = [1.0, 1.0]  # the phase does not pass other poses between two states
     of_run, of_other = (
         _cut(each, by, whole, hold) for each, whole, hold in zip(both, wholes, holds, strict=True)
     )
@@ -121,15 +121,15 @@ def compare_runs(run: Told, other: Told, by: str = 'time') -> list[SetComparison
 
 
 class _Parts(NamedTuple):
-    """A set of pairs in the parts of a run."""
+    """Minimum distances of a set of pairs in the parts of a run."""
 
-    least: Floats  # [m] that is known
+    least: Floats  # [m] over the known pairs
     is_whole: Flags
-    of_pairs: dict[frozenset[str], float]  # [m] the least of each where it was the nearest
+    of_pairs: dict[frozenset[str], float]  # [m] minimum of each over states where it is nearest
 
 
-def _cut(run: Told, by: str, whole: float, holds: float) -> dict[str, _Parts]:
-    """Return the sets of a run by parts of a ``whole`` way or time."""
+def _cut(run: RunAnalysis, by: str, whole: float, holds: float) -> dict[str, _Parts]:
+    """Return the sets of a run, cut into parts of the ``whole`` way or time."""
     cuts = {name: _Cut(holds) for name in run.moments}
     for states in run.parts():
         places = (states.times if by == 'time' else states.travelled) / whole
@@ -139,22 +139,23 @@ def _cut(run: Told, by: str, whole: float, holds: float) -> dict[str, _Parts]:
 
 
 class _Cut:
-    """Of each part of a run the least distance that is known, and whether all of it is known.
+    """Collects for each part of a run the minimum known distance, and whether it is complete.
 
-    A part without a state has the one before it, as long as that ``holds``.
+    A part without a state takes the last one before it, if not older than ``holds``, a fraction
+    of the whole.
     """
 
     def __init__(self, holds: float) -> None:
         self._holds = holds
         self._least = np.full(_PARTS, np.nan)
         self._lost, self._own = np.zeros((2, _PARTS), dtype=np.bool_)
-        # Of the last state of each part its distance, place, and whether it tells all.
+        # Distance, place and completeness of the last state in each part.
         self._last, self._place = np.full((2, _PARTS), np.nan)
         self._was_whole = np.zeros(_PARTS, dtype=np.bool_)
         self._of_pairs: dict[frozenset[str], float] = {}
 
     def take(self, pairs: SetClearance, places: Floats) -> None:
-        """Take the next states, and where they are from 0 to 1."""
+        """Process the next states, at ``places`` from 0 to 1."""
         parts = np.minimum((places * _PARTS).astype(np.int64), _PARTS - 1)
         np.fmin.at(self._least, parts, pairs.known_distance)
         self._lost[parts[~pairs.is_whole]] = True
@@ -167,7 +168,7 @@ class _Cut:
             self._of_pairs[names] = min(distance, self._of_pairs.get(names, np.inf))
 
     def result(self) -> _Parts:
-        """Return it of all states."""
+        """Return the parts after all states were processed."""
         before = np.maximum.accumulate(np.where(self._own, np.arange(_PARTS), -1))
         held = ~self._own & (before >= 0)
         held &= np.arange(1, _PARTS + 1) / _PARTS - self._place[before] <= self._holds
@@ -187,11 +188,11 @@ def _by_pair(
 
 
 def _least_of_pairs(pairs: SetClearance) -> dict[frozenset[str], float]:
-    known = np.flatnonzero((pairs.geometry_A >= 0) & (pairs.known_distance < np.inf))
-    both = np.column_stack((pairs.geometry_A, pairs.geometry_B))[known]
+    states = np.flatnonzero((pairs.geometry_A >= 0) & (pairs.known_distance < np.inf))
+    both = np.column_stack((pairs.geometry_A, pairs.geometry_B))[states]
     each, inverse = np.unique(both, axis=0, return_inverse=True)
     least = np.full(len(each), np.inf)
-    np.minimum.at(least, inverse.ravel(), pairs.known_distance[known])
+    np.minimum.at(least, inverse.ravel(), pairs.known_distance[states])
     return {
         frozenset((pairs.names[a], pairs.names[b])): float(distance)
         for (a, b), distance in zip(each.tolist(), least, strict=True)

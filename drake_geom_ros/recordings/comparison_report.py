@@ -1,4 +1,4 @@
-"""Two runs beside each other as a table and a picture."""
+"""Comparison of two runs as a table and a picture."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ _COLUMNS = 'set', 'from', 'to', 'distance_m', 'other_m', 'difference_m', 'all_kn
 _DOTS = 110  # an inch
 
 
-def write_comparison(found: Sequence[SetComparison], folder: Path, other: str) -> list[Path]:
+def write_comparison(comparisons: Sequence[SetComparison], folder: Path, other: str) -> list[Path]:
     """Write the files of a comparison with ``other``; return them."""
     with whole_file(folder / TABLE, newline='') as file:
         rows = csv.writer(file, lineterminator='\n')
         rows.writerow(_COLUMNS)
-        for each in found:
+        for each in comparisons:
             columns = each.ends[:-1], each.ends[1:], each.run, each.other, each.difference
             for numbers, whole in zip(zip(*columns, strict=True), each.is_whole, strict=True):
                 rows.writerow((each.name, *(repr(float(n)) for n in numbers), int(whole)))
     with whole_file(folder / PICTURE, 'wb') as picture:
-        picture.write(_draw(found, other))
+        picture.write(_draw(comparisons, other))
     return [folder / TABLE, folder / PICTURE]
 
 
-def _draw(found: Sequence[SetComparison], other: str) -> bytes:
+def _draw(comparisons: Sequence[SetComparison], other: str) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(12.0, 1.0 + 3.4 * len(found)), dpi=_DOTS, layout='constrained')
+    figure = Figure(figsize=(12.0, 1.0 + 3.4 * len(comparisons)), dpi=_DOTS, layout='constrained')
     FigureCanvasAgg(figure)
-    axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]
-    for place, each in zip(axes, found, strict=True):
+    axes = figure.subplots(len(comparisons), 1, sharex=True, squeeze=False)[:, 0]
+    for place, each in zip(axes, comparisons, strict=True):
         starts, width = each.ends[:-1], each.ends[1] - each.ends[0]
         for k, begin in enumerate(starts[~each.is_whole]):
             label = None if k else 'not, or not all, known of both'
@@ -60,7 +60,7 @@ def _draw(found: Sequence[SetComparison], other: str) -> bytes:
         place.set_title(plain(each.name), loc='left', fontsize='medium')
         place.set_ylabel('least distance [m]')
         place.legend(fontsize='x-small', loc='upper left', bbox_to_anchor=(1.0, 1.0))
-    is_time = found[0].by == 'time'
+    is_time = comparisons[0].by == 'time'
     axes[-1].set_xlabel('time since the recording began [s]' if is_time else 'phase of the motion')
     figure.suptitle(plain(f'This run beside {other}'))
     picture = BytesIO()

@@ -1,11 +1,11 @@
-"""What is raised about recordings."""
+"""Errors about recordings."""
 
 from drake_geom_ros.geometry import GeometryError
 
 
 class RecordingError(GeometryError):
-    """A recording that cannot be read, or has not what it is asked for."""
+    """A recording cannot be read, or lacks what is requested."""
 
 
 class IncompleteRecordingError(RecordingError):
-    """A figure is asked of a recording that does not tell all that it would take."""
+    """A recording is incomplete, and the caller did not allow that."""

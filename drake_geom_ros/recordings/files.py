@@ -1,4 +1,4 @@
-"""Which files and folders a recording consists of."""
+"""Files and folders of a recording."""
 
 from __future__ import annotations
 
@@ -19,21 +19,22 @@ _COMPRESSED = '.zstd'  # a whole file that rosbag2 compressed
 def places_of(paths: str | Path | Sequence[str | Path]) -> list[Path]:
     """Return the storage files of a recording in the order of their names.
 
-    ``paths`` is a file, a folder that rosbag2 wrote, whose metadata may be lost, or several of
-    these. A folder stands for itself where rosbag2 compressed whole files or each message. Raises
-    RecordingError for one that holds no recording, or several runs.
+    ``paths`` is a file, a folder that rosbag2 wrote, possibly without metadata, or several of
+    these. A folder is returned itself if rosbag2 compressed whole files or each message. Raises
+    RecordingError for a folder without a recording, or with several runs.
     """
-    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
-    places = [place for path in given for place in _places(Path(path))]
+    each_path = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    places = [place for path in each_path for place in _places(Path(path))]
     if not places:
         raise RecordingError('no recording was given')
     return list(dict.fromkeys(places))
 
 
 def missing_files(paths: str | Path | Sequence[str | Path]) -> list[Path]:
-    """Return the storage files that the metadata of folders name, and that are not there."""
-    given = [Path(paths)] if isinstance(paths, (str, Path)) else [Path(path) for path in paths]
-    folders = [path.parent if path.name == METADATA else path for path in given]
+    """Return the missing storage files that the metadata of folders name."""
+    each_path = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    every = [Path(path) for path in each_path]
+    folders = [path.parent if path.name == METADATA else path for path in every]
     return [
         folder / name
         for folder in dict.fromkeys(folders)
@@ -82,20 +83,21 @@ def _of_folder(folder: Path) -> list[Path]:
 
 
 def files_read(places: Iterable[Path]) -> list[Path]:
-    """Return the files that decide what is read of a recording's storage files and folders."""
-    found: list[Path] = []
+    """Return the files on which reading a recording's storage files and folders depends."""
+    files: list[Path] = []
     for place in places:
         beside = place.with_name(f'{place.name}-wal'), place.with_name(METADATA)
         inside = sorted(place.iterdir()) if place.is_dir() else []
-        found += [path for path in inside if path.name == METADATA or _holds([path])]
-        found += [place, *beside]
-    return [path for path in dict.fromkeys(found) if path.is_file()]
+        files += [path for path in inside if path.name == METADATA or _holds([path])]
+        files += [place, *beside]
+    return [path for path in dict.fromkeys(files) if path.is_file()]
 
 
 def runs_in(folder: Path) -> list[Path]:
-    """Return the folders in a folder that is no run itself, by their names; none without a run.
+    """Return the folders of runs in a folder that is no run itself, by name.
 
-    One that holds no recording is among them: its run was lost, and is to be told of.
+    Folders without a recording are included, since their runs were lost and must be reported;
+    but the result is empty if no folder has one.
     """
     if not folder.is_dir() or _holds(folder.iterdir()):
         return []
@@ -105,7 +107,7 @@ def runs_in(folder: Path) -> list[Path]:
 
 
 def _compresses_messages(folder: Path) -> bool:
-    """Return whether the metadata say so, without which such messages cannot be read."""
+    """Return whether messages are compressed, which readers can learn only from the metadata."""
     return str(_metadata(folder).get('compression_mode')).lower() == 'message'
 
 
@@ -116,8 +118,8 @@ def _named_files(folder: Path) -> list[str]:
 
 def _paths_named(folder: Path) -> list[str]:
     """Return the paths of the files that the metadata name."""
-    told = _metadata(folder).get('relative_file_paths')
-    return list(map(str, told)) if isinstance(told, list) else []
+    paths = _metadata(folder).get('relative_file_paths')
+    return list(map(str, paths)) if isinstance(paths, list) else []
 
 
 def _metadata(folder: Path) -> dict[str, Any]:
@@ -125,10 +127,10 @@ def _metadata(folder: Path) -> dict[str, Any]:
         return {}
     try:
         text = (folder / METADATA).read_text(encoding='utf-8')
-        told = yaml.safe_load(text)['rosbag2_bagfile_information']
-        return told if isinstance(told, dict) else {}
+        information = yaml.safe_load(text)['rosbag2_bagfile_information']
+        return information if isinstance(information, dict) else {}
     except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
-        return {}  # they may be lost, or be those of ROS 2 Dashing
+        return {}  # metadata may be lost, or have the format of ROS 2 Dashing
 
 
 def _holds(paths: Iterable[Path]) -> bool:
@@ -136,7 +138,7 @@ def _holds(paths: Iterable[Path]) -> bool:
 
 
 def _by_numbers(path: Path) -> list[tuple[int, str]]:
-    """Return what sorts run_10 behind run_9."""
+    """Return a sort key that places run_10 after run_9."""
     return [(int(part), '') if part.isdigit() else (-1, part) for part in _parts(path.name)]
 
 

@@ -1,7 +1,7 @@
-"""Many messages of one sender at once: where their numbers stand in bytes, learnt from rosbags.
+"""Layouts of repeating messages: byte positions of their numbers, learnt from rosbags.
 
-A sender's messages differ in stamps and numbers only, so all have the same length, and the same
-bytes elsewhere. Where numbers stand is seen by what rosbags writes for other values of them.
+Messages of one sender usually differ only in stamps and numbers, so they have the same length and
+equal bytes elsewhere. The positions of numbers follow from what rosbags writes for other values.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from drake_geom_ros.recordings.raw_messages import Topic
 Bytes = NDArray[np.uint8]
 Indices = NDArray[np.int64]
 
-# What may differ, by its path in the message, and its type: `*` stands for each of a sequence.
+# Fields that may differ, by path in the message, and their types; `*` is each of a sequence.
 _STAMP = {'header.stamp.sec': '<i4', 'header.stamp.nanosec': '<u4'}
 TRANSFORMS = 'transforms.*'
-# Of each transform x y z qx qy qz qw.
+# Each transform as x y z qx qy qz qw.
 TRANSFORM_NUMBERS = tuple(
     f'{TRANSFORMS}.transform.{part}.{axis}'
     for part, axes in (('translation', 'xyz'), ('rotation', 'xyzw'))
@@ -36,32 +36,32 @@ _FIELDS: dict[str, dict[str, str]] = {
         **dict.fromkeys(TRANSFORM_NUMBERS, '<f8'),
     },
 }
-_HEAD = 4  # bytes that say how what follows is written: they count, but for the last two
-_MOST_LAYOUTS = 64  # of a topic: its messages come one by one where they never repeat
+_HEAD = 4  # bytes of the encapsulation header, whose last two do not matter
+_MOST_LAYOUTS = 64  # of a topic; messages that never repeat are read one by one
 _MOST_BYTES = 1 << 16
-_MOST_TRIED = 1 << 25  # bytes of messages of a topic that are read again to find padding
+_MOST_TRIED = 1 << 25  # bytes of a topic's messages that are decoded again to find padding
 
 
 class Field(NamedTuple):
-    """Where the numbers of a field stand."""
+    """Byte positions of a field's numbers."""
 
     places: Indices  # of their bytes, in order
     type: str
 
 
 class Layout:
-    """Messages of one topic that differ in some numbers alone."""
+    """Layout of messages of one topic that differ only in some numbers."""
 
     def __init__(self, topic: Topic, data: bytes, most_tried: int = _MOST_TRIED) -> None:
-        """Learn it from the bytes of one message; raises ValueError where they are no model.
+        """Learn the layout from the bytes of one message; ValueError if that is impossible.
 
-        At most ``most_tried`` bytes are read again to find padding; what is left counts. What
-        bytes that are no message raise is raised here.
+        At most ``most_tried`` bytes are decoded again to find padding; other bytes must match.
+        Errors of decoding are raised unchanged.
         """
         store = store_of(topic)
 
-        def read(given: bytes) -> Any:
-            return store.deserialize_cdr(given, topic.type)
+        def read(content: bytes) -> Any:
+            return store.deserialize_cdr(content, topic.type)
 
         def written(message: Any) -> bytes:
             return bytes(store.serialize_cdr(message, topic.type))
@@ -86,9 +86,9 @@ class Layout:
                 self._counts[place] = False
 
     def _may_be_padding(self) -> Indices:
-        """Return the bytes that may say nothing: rosbags writes 0 there, behind another 0.
+        """Return the bytes that may be padding: zeros after another zero.
 
-        For padding comes behind the end of a text, or behind a length, which is no such large one.
+        Padding follows the end of a text, or a length whose highest byte is 0.
         """
         zero = self._model == 0
         may_be = self._counts & zero & np.append(False, zero[:-1])
@@ -96,40 +96,43 @@ class Layout:
         return np.flatnonzero(may_be)
 
     def of(self, rows: Bytes) -> NDArray[np.bool_]:
-        """Return which messages (n, bytes) are of this layout."""
+        """Return a mask (n,) of the messages (n, bytes) that have this layout."""
         same: NDArray[np.bool_] = ((rows == self._model) | ~self._counts).all(axis=1)
         return same
 
     def numbers(self, rows: Bytes, path: str) -> NDArray[Any]:
-        """Return the numbers (n, k) of a field of messages that are of this layout."""
+        """Return the numbers (n, k) of a field of messages that have this layout."""
         field = self.fields[path]
         return np.ascontiguousarray(rows[:, field.places]).view(field.type)
 
 
 class Layouts:
-    """The layouts that were seen so far."""
+    """Cache of the layouts that were learnt so far."""
 
     def __init__(self) -> None:
-        # By the whole topic: with another definition the same bytes are other numbers.
-        self._known: dict[tuple[Topic, int], list[Layout]] = {}
+        # The key includes the definition, since it decides the meaning of bytes.
+        self._layouts: dict[tuple[Topic, int], list[Layout]] = {}
         self._counts: dict[Topic, int] = {}
         self._tried: dict[Topic, int] = {}
 
     def may_know(self, topic: Topic, size: int, count: int) -> bool:
-        """Return whether messages of a size [bytes] are such as may share a layout."""
-        known = (topic, size) in self._known
-        return topic.type in _FIELDS and size <= _MOST_BYTES and (known or count > 1)
+        """Return whether ``count`` messages of a size [bytes] may share a layout."""
+        has_layouts = (topic, size) in self._layouts
+        return topic.type in _FIELDS and size <= _MOST_BYTES and (has_layouts or count > 1)
 
     def of(self, topic: Topic, rows: Bytes) -> list[tuple[Layout, Indices]]:
-        """Return which messages (n, bytes) of one length share a layout; others are left out."""
-        known = self._known.setdefault((topic, rows.shape[1]), [])
-        left, found = np.arange(len(rows)), []
-        for layout in known:
+        """Return layouts with the rows of ``rows`` (n, bytes) that share them.
+
+        All messages have one length; those without a layout are omitted.
+        """
+        layouts = self._layouts.setdefault((topic, rows.shape[1]), [])
+        left, groups = np.arange(len(rows)), []
+        for layout in layouts:
             same = layout.of(rows[left])
             if same.any():
-                found.append((layout, left[same]))
+                groups.append((layout, left[same]))
                 left = left[~same]
-        # What comes once is not worth it, and of what never repeats nothing is learnt.
+        # A single message is not worth a layout, and topics that never repeat learn no more.
         while len(left) > 1 and self._counts.get(topic, 0) < _MOST_LAYOUTS:
             self._counts[topic] = self._counts.get(topic, 0) + 1
             try:
@@ -137,27 +140,27 @@ class Layouts:
                 layout = Layout(topic, rows[left[0]].tobytes(), _MOST_TRIED - tried)
                 self._tried[topic] = tried + layout.tried
                 same = layout.of(rows[left])
-            except Exception:  # they are no messages: who takes them one by one says so
+            except Exception:  # not decodable, which reading one by one reports
                 left = left[1:]
                 continue
-            known.append(layout)
-            found.append((layout, left[same]))
+            layouts.append(layout)
+            groups.append((layout, left[same]))
             left = left[~same]
-        return found
+        return groups
 
 
 def _field(read: Any, path: str, kind: str, own: bytes, written: Any) -> Field:
-    """Return where a field stands: there all bytes differ when all of its bits do.
+    """Return the positions of a field: the bytes that change if all of its bits are inverted.
 
-    ``read()`` is a message of the bytes ``own``.
+    ``read()`` returns a message of the bytes ``own``.
     """
     values = _values(read(), path, kind)
     if not values.size:
         return Field(np.zeros(0, dtype=np.int64), kind)
     other = (~values.view(f'<u{values.itemsize}')).view(kind)
-    there = np.frombuffer(_changed(read(), path, other, written), np.uint8)
-    places = np.flatnonzero(there != np.frombuffer(own, np.uint8))
-    # All distinct, so their order is seen.
+    inverted = np.frombuffer(_changed(read(), path, other, written), np.uint8)
+    places = np.flatnonzero(inverted != np.frombuffer(own, np.uint8))
+    # Distinct values show the order of the numbers.
     some = np.arange(1, len(values) + 1).astype(kind)
     seen = np.frombuffer(_changed(read(), path, some, written), np.uint8)[places]
     if len(places) != values.nbytes or seen.tobytes() != some.tobytes():
@@ -166,7 +169,7 @@ def _field(read: Any, path: str, kind: str, own: bytes, written: Any) -> Field:
 
 
 def _owners(message: Any, path: str) -> Iterator[tuple[Any, str]]:
-    """Yield what has the fields of a path, and the name of the field there."""
+    """Yield the objects that own the fields of a path, and the field's name."""
     name, _, rest = path.partition('.')
     if not rest:
         yield message, name
@@ -178,8 +181,8 @@ def _owners(message: Any, path: str) -> Iterator[tuple[Any, str]]:
 
 
 def _values(message: Any, path: str, kind: str) -> NDArray[Any]:
-    found = (np.atleast_1d(getattr(*each)) for each in _owners(message, path))
-    return np.concatenate([np.zeros(0), *found]).astype(kind)
+    parts = (np.atleast_1d(getattr(*each)) for each in _owners(message, path))
+    return np.concatenate([np.zeros(0), *parts]).astype(kind)
 
 
 def _changed(message: Any, path: str, values: NDArray[Any], written: Any) -> bytes:
@@ -191,15 +194,15 @@ def _changed(message: Any, path: str, values: NDArray[Any], written: Any) -> byt
 
 
 def _is_padding(own: bytes, place: int, read: Any, written: Any) -> bool:
-    """Return whether a byte says nothing, so that a sender may have left anything there."""
+    """Return whether a byte has no effect, so that a sender may have left any value there."""
     changed = bytearray(own)
     changed[place] ^= 1
     try:
         return bool(written(read(bytes(changed))) == own)
-    except Exception:  # a length, for instance
+    except Exception:  # for example, the byte of a length
         return False
 
 
 def rows_of(messages: Sequence[bytes]) -> Bytes:
-    """Return messages of one length as rows."""
+    """Return messages of one length as rows (n, bytes)."""
     return np.frombuffer(b''.join(messages), dtype=np.uint8).reshape(len(messages), -1)

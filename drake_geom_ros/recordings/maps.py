@@ -1,4 +1,4 @@
-"""Which topics of a recording are what sensors see: no distance is computed with maps of it."""
+"""Topics of sensor data in a recording, whose maps are in no computed distance."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ from drake_geom_ros.recordings.message_types import CLOUD, IMAGE, OCTOMAP
 from drake_geom_ros.recordings.raw_messages import Topic
 from drake_geom_ros.recordings.topics import Topics, few_of
 
-_SENSED = (CLOUD, IMAGE, OCTOMAP)  # types of messages that a node makes maps of
+_SENSED = (CLOUD, IMAGE, OCTOMAP)  # types of messages from which a node makes maps
 
 
-def maps_in(recorded: Sequence[Topic], asked: Topics) -> tuple[str, ...]:
-    """Return the topics of which a node made maps, or may have: it remaps its inputs.
+def maps_in(recorded: Sequence[Topic], topics: Topics) -> tuple[str, ...]:
+    """Return the topics from which a node made maps, or may have, since it remaps its inputs.
 
-    Raises RecordingError for one that is named and was not recorded, or is of another type.
+    Raises RecordingError for a named topic that was not recorded, or is of another type.
     """
-    if asked.obstacles is None:
-        found = [topic.name for topic in recorded if _may_be_of_maps(topic)]
-        return tuple(dict.fromkeys(found))
-    named = tuple(asked.full(name) for name in asked.obstacles.split(',') if name)
-    known = {topic.name: topic for topic in recorded}
+    if topics.obstacles is None:
+        candidates = [topic.name for topic in recorded if _may_be_of_maps(topic)]
+        return tuple(dict.fromkeys(candidates))
+    named = tuple(topics.full(name) for name in topics.obstacles.split(',') if name)
+    by_name = {topic.name: topic for topic in recorded}
     like = [topic.name for topic in recorded if topic.type in _SENSED]
     for name in named:
-        if name not in known:
+        if name not in by_name:
             raise RecordingError(
                 f'obstacles: no topic {name!r} was recorded{nearest(name, like)}; there are '
                 f'{few_of(like)}'
             )
-        if known[name].type not in _SENSED:
+        if by_name[name].type not in _SENSED:
             raise RecordingError(
-                f'{name} is of the type {known[name].type}, and obstacles are of '
+                f'{name} is of the type {by_name[name].type}, and obstacles are of '
                 f'{", ".join(_SENSED)}; of these types there are {few_of(like)}'
             )
     return named
 
 
-def told_maps(maps: Sequence[str]) -> str:
-    """Return in words that what sensors see is not computed with; empty without maps."""
+def maps_remark(maps: Sequence[str]) -> str:
+    """Return a remark that sensed maps are in no distance; empty without maps."""
     if not maps:
         return ''
     return (

@@ -1,4 +1,4 @@
-"""Messages from their bytes: by the definitions that a recording bears, or by those of ROS."""
+"""Decoding of messages, by the definitions in a recording or by those of ROS."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ CLOUD = 'sensor_msgs/msg/PointCloud2'
 IMAGE = 'sensor_msgs/msg/Image'
 OCTOMAP = 'octomap_msgs/msg/Octomap'
 
-_ENCODINGS = 'ros2msg', 'ros2idl', 'omgidl', 'unknown', ''  # of the last two ROS has the text
-_BETWEEN = f'{"=" * 80}\n'  # definitions in the text of one
+_ENCODINGS = 'ros2msg', 'ros2idl', 'omgidl', 'unknown', ''  # the last two use ROS's definitions
+_BETWEEN = f'{"=" * 80}\n'  # separator of definitions in one text
 
-# As msg_defs has it, which no wheel holds: recordings before ROS 2 Iron bear no definitions.
+# A copy of msg_defs, which wheels lack; recordings before ROS 2 Iron have no definitions.
 FRAME_POSES = """
 std_msgs/Header header
 string source
@@ -36,7 +36,7 @@ float64[] poses
 
 @lru_cache(maxsize=64)
 def store_of(topic: Topic) -> Any:
-    """Return the rosbags store of types that knows the type of a topic."""
+    """Return a rosbags type store with the type of a topic."""
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     if topic.encoding not in _ENCODINGS:
@@ -51,7 +51,7 @@ def store_of(topic: Topic) -> Any:
     if topic.encoding in ('ros2idl', 'omgidl') and topic.definition:
         store = get_typestore(Stores.EMPTY)
         for text in topic.definition.split(_BETWEEN):
-            # Of several each stands below a line with its name.
+            # If there are several, each follows a line with its name.
             named = text.startswith('IDL: ')
             store.register(get_types_from_idl(text.partition('\n')[2] if named else text))
         return store
@@ -61,5 +61,5 @@ def store_of(topic: Topic) -> Any:
 
 
 def message_of(topic: Topic, data: bytes) -> Any:
-    """Return the message of some bytes; what is none raises an exception of any kind."""
+    """Return the message of some bytes; invalid bytes raise any kind of exception."""
     return store_of(topic).deserialize_cdr(data, topic.type)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from io import BytesIO
 
 from drake_geom_ros.geometry import GeometryId, QueryObject, Role
-from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import Moment
 from drake_geom_ros.ros.scene.scene_rules import geometry_names
 from drake_geom_ros.viewing.pairs import Pairs
@@ -15,14 +15,14 @@ _SIZE, _FOV_Y = (640, 420), 0.6  # [pixels], [rad]
 _SEE_THROUGH = 0.6
 
 
-def pictures_of(found: Told, count: int) -> dict[tuple[str, int], bytes]:
+def pictures_of(run: RunAnalysis, count: int) -> dict[tuple[str, int], bytes]:
     """Return PNGs by the name of a set and the number of a moment, the closest one being 1.
 
-    Of moments in which a frame waits for a pose there is none: nobody knows where that is.
+    Moments in which a frame has no pose get no picture.
     """
     return {
         (name, number): _picture(query, close.moment)
-        for name, moments in found.moments.items()
+        for name, moments in run.moments.items()
         for number, close in enumerate(moments[:count], 1)
         if (query := close.scene()) is not None
     }

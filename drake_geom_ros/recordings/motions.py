@@ -1,7 +1,7 @@
-"""What is proved of the recorded motion between one state and the next, by CheckMotion's rules.
+"""Certification of the recorded motion from each state to the next, as by ``CheckMotion``.
 
-Each frame goes straight from where one state has it to where the next one does, and turns about
-one axis by the shorter way. What a sender did not tell at a state rests until its next message.
+Each frame moves straight from its pose in one state to that in the next, and turns about one axis
+by the shorter way. Frames that a message does not pose rest until their sender's next message.
 """
 
 from __future__ import annotations
@@ -29,28 +29,32 @@ _PART = 64  # motions that a thread takes at once
 
 
 class Motions:
-    """Proves motions of a set of pairs, block by block.
+    """Certifies motions of a set of pairs, block by block.
 
-    ``take`` gives of each state what is known of the motion to it from the one before: a code,
-    and the certified lower bound [m] of a clear one, nan of others. The first state of all, and
-    one that follows a gap, another scene, or a state that does not tell all, is unknown.
+    ``take`` returns for each state a code of the motion from the previous one, and the certified
+    lower bound [m] if it is clear, else nan. The motion is unknown for the first state, and after
+    a gap, another scene or an incomplete state.
     """
 
     def __init__(
         self, number: int, tolerance: float, accuracy: str, longest: float, threads: int
     ) -> None:
-        """``tolerance`` [m]: how far bounds may be below what was seen; ``longest`` [s] motion."""
+        """Certify motions of the set of pairs with index ``number``.
+
+        Bounds are at most ``tolerance`` [m] below the distances at states; motions that take
+        longer than ``longest`` [s] are unknown.
+        """
         self._number, self._accuracy, self._threads = number, accuracy, threads or cores()
         self._question = MotionQuestion(bound_tolerance=tolerance)
         self._longest = longest
         self._before: Block | None = None
 
-    def take(self, block: Block, found: LeastDistances | None) -> tuple[Codes, Floats]:
-        """Return codes and bounds (N,) of a block's states; ``found`` are their distances."""
+    def take(self, block: Block, distances: LeastDistances | None) -> tuple[Codes, Floats]:
+        """Return codes and bounds (N,) of a block's states with their ``distances``."""
         codes = np.full(len(block.times), UNKNOWN, dtype=np.int8)
         bounds = np.full(len(block.times), np.nan)
         before, self._before = self._before, block
-        if found is None or block.asked[self._number].left_out:
+        if distances is None or block.selected[self._number].left_out:
             return codes, bounds
         first = 1
         poses, times, ages = block.poses, block.times, block.ages[:, self._number]
@@ -60,38 +64,38 @@ class Motions:
             times = np.append(before.times[-1], times)
             ages = np.append(before.ages[-1, self._number], ages)
         fresh = ages <= self._longest
-        known = fresh[:-1] & fresh[1:] & (np.diff(times) <= self._longest * NANOSECONDS)
+        is_known = fresh[:-1] & fresh[1:] & (np.diff(times) <= self._longest * NANOSECONDS)
         moves = (poses[:-1] != poses[1:]).any(axis=(1, 2))
-        here, there = codes[first:], bounds[first:]
-        lower = (found.distance - found.error_bound)[first:]
-        rests = known & ~moves
-        here[rests] = np.where(lower[rests] > 0.0, CLEAR, CONTACT)
-        there[rests] = np.where(lower[rests] > 0.0, lower[rests], np.nan)
-        asked = np.flatnonzero(known & ~rests)
-        if asked.size:
-            self._prove(block, poses, asked, here, there, lower)
+        own_codes, own_bounds = codes[first:], bounds[first:]
+        lower = (distances.distance - distances.error_bound)[first:]
+        rests = is_known & ~moves
+        own_codes[rests] = np.where(lower[rests] > 0.0, CLEAR, CONTACT)
+        own_bounds[rests] = np.where(lower[rests] > 0.0, lower[rests], np.nan)
+        moving = np.flatnonzero(is_known & ~rests)
+        if moving.size:
+            self._prove(block, poses, moving, own_codes, own_bounds, lower)
         return codes, bounds
 
     def pass_over(self, block: Block) -> None:
-        """Go on behind a block of which all is known already."""
+        """Skip a block whose motions are stored already."""
         self._before = block
 
     def _prove(
         self,
         block: Block,
         poses: Floats,
-        asked: NDArray[np.int64],
+        motions: NDArray[np.int64],
         codes: Codes,
         bounds: Floats,
         lower: Floats,
     ) -> None:
-        """Put what is proved of motions from rows of poses to the next ones."""
-        context = block.narrowed(block.asked[self._number])
+        """Fill codes and bounds of ``motions``, from rows of poses to the next rows."""
+        context = block.narrowed(block.selected[self._number])
         scene, _ = PackedScene.of(context, block.frames, about_points=False)
-        # Where what moves is in no pair of the set.
+        # No moving geometry is in a pair of the set, so the distances at states hold.
         if not scene.has_moving_pairs() and not len(scene.half_spaces):
-            codes[asked] = np.where(lower[asked] > 0.0, CLEAR, CONTACT)
-            bounds[asked] = np.where(lower[asked] > 0.0, lower[asked], np.nan)
+            codes[motions] = np.where(lower[motions] > 0.0, CLEAR, CONTACT)
+            bounds[motions] = np.where(lower[motions] > 0.0, lower[motions], np.nan)
             return
         Rs, ps = matrices_from_poses(poses.reshape(-1, 7))
         rows = np.hstack((Rs.reshape(-1, 9), ps)).reshape(len(poses), -1, 12)
@@ -101,11 +105,11 @@ class Motions:
             if not hasattr(own, 'queries'):
                 own.queries = MotionQueries(scene, self._accuracy, stop)
             for k in part.tolist():
-                told = own.queries.move(self._question, rows[k], rows[k + 1], 'slerp')
-                codes[k] = _CODES[told.outcome]
-                bounds[k] = told.lower_bound if told.outcome == 'clear' else math.nan
+                check = own.queries.move(self._question, rows[k], rows[k + 1], 'slerp')
+                codes[k] = _CODES[check.outcome]
+                bounds[k] = check.lower_bound if check.outcome == 'clear' else math.nan
 
-        parts = [asked[k : k + _PART] for k in range(0, len(asked), _PART)]
+        parts = [motions[k : k + _PART] for k in range(0, len(motions), _PART)]
         with ThreadPoolExecutor(self._threads) as pool:
             try:
                 list(pool.map(prove, parts))

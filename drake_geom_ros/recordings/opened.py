@@ -1,4 +1,4 @@
-"""A recording that is ready to be played: its scene, and which topic is used as what."""
+"""Opened recording, ready to play: its scene, and the roles of its topics."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.maps import maps_in
 from drake_geom_ros.recordings.playback import Playback
 from drake_geom_ros.recordings.recording import Recording
-from drake_geom_ros.recordings.topics import Topics, roles_of, told_no_robot
+from drake_geom_ros.recordings.topics import Topics, no_robot_reason, roles_of
 from drake_geom_ros.scene_files import SceneDescription, read_scene
 
 _ROBOT = 'robot_description'
 
 
 class Opened(NamedTuple):
-    """What is played, where it is played, and which topic is used as what."""
+    """A recording with its playback, the roles of its topics, and its sensor topics."""
 
     recording: Recording
     playback: Playback
     roles: dict[str, str]
-    maps: tuple[str, ...]  # topics of what sensors see, which nothing is computed with
+    maps: tuple[str, ...]  # topics of sensor data, which are in no distance
 
 
 def opened_recording(
@@ -35,18 +35,18 @@ def opened_recording(
     world_frame: str,
     package_roots: Sequence[str | Path],
 ) -> Opened:
-    """Make a recording ready, with the robot whose description was recorded if need be.
+    """Open a recording; without a scene, use the robot whose description was recorded.
 
     Arguments are those of ``clearance``. Raises RecordingError, SceneFileError.
     """
-    recording, asked = Recording(path), topics or Topics()
+    recording, topics = Recording(path), topics or Topics()
     if recording.is_empty:
         names = ', '.join(map(str, recording.files))
         raise RecordingError(f'{names}: no message was recorded')
     if isinstance(scene, (str, Path)):
         scene = read_scene(str(scene), package_roots=[str(root) for root in package_roots])
     alone = scene is None
-    roles = roles_of(recording.topics, asked)
+    roles = roles_of(recording.topics, topics)
     silent = _silent_clocks(recording, roles)
     playback = Playback(
         scene,
@@ -57,21 +57,21 @@ def opened_recording(
         accuracy=accuracy,
     )
     if alone and _ROBOT not in roles.values():
-        raise RecordingError(told_no_robot(recording.topics))
+        raise RecordingError(no_robot_reason(recording.topics))
     for topic in silent:
         playback.note(f'{topic} has no message: the time of recording counts', recording.begin)
     _take_robots(recording, playback, roles, alone=alone)
     robots = playback.robots_topics()
-    there = {topic.name for topic in recording.topics}
-    for missing in sorted({*map(asked.full, robots)} - there):
+    recorded = {topic.name for topic in recording.topics}
+    for missing in sorted({*map(topics.full, robots)} - recorded):
         playback.note(f'{missing}, which moves a robot, was not recorded', recording.begin)
-    roles = roles_of(recording.topics, asked, robots)
+    roles = roles_of(recording.topics, topics, robots)
     roles = {topic: role for topic, role in roles.items() if topic not in silent}
-    return Opened(recording, playback, roles, maps_in(recording.topics, asked))
+    return Opened(recording, playback, roles, maps_in(recording.topics, topics))
 
 
 def _silent_clocks(recording: Recording, roles: dict[str, str]) -> list[str]:
-    """Return the topics of clocks that nobody ticks: by them time would stand still."""
+    """Return the clock topics without messages, by which time would stand still."""
     clocks = [topic for topic, role in roles.items() if role == 'clock']
     return [
         topic
@@ -83,10 +83,10 @@ def _silent_clocks(recording: Recording, roles: dict[str, str]) -> list[str]:
 def _take_robots(
     recording: Recording, playback: Playback, roles: dict[str, str], *, alone: bool
 ) -> None:
-    """Take the first descriptions at once: they are latched, so a node has them at first.
+    """Process the first robot descriptions before others, since they are latched.
 
-    ``alone``: there is no scene beside the robot, so one that is refused ends the recording. Else
-    it is refused, and counted, when its turn comes.
+    ``alone``: there is no scene besides the robot, so a refused description raises
+    RecordingError. Otherwise it is refused, and counted, when its turn comes.
     """
     missing = {topic for topic, role in roles.items() if role.startswith(_ROBOT)}
     if not missing:

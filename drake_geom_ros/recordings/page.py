@@ -1,4 +1,4 @@
-"""``report.html``: one file that opens anywhere without a network."""
+"""Page ``report.html`` of a report, one self-contained file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.comparing import PairDifference, SetComparison
 from drake_geom_ros.recordings.highlights import AGES, Ages, Highlights
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
-from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import Moment
 
 Pictures = Mapping[tuple[str, int], bytes]  # PNGs by the set and the number of a moment
@@ -34,8 +34,8 @@ figure { display: inline-block; margin: 0 1em 1em 0; width: 23em; }
 
 
 def page(
-    found: Told,
-    told: Mapping[str, Highlights],
+    run: RunAnalysis,
+    highlights: Mapping[str, Highlights],
     title: str,
     files: Iterable[str],
     plot: bytes,
@@ -44,23 +44,23 @@ def page(
     compared: Sequence[SetComparison] | None = None,
     beside: bytes = b'',
 ) -> str:
-    """Return the report as HTML; in it are two PNGs, ``beside`` that of two runs."""
-    begin = datetime.fromtimestamp(found.begin / NANOSECONDS, timezone.utc)
+    """Return the report as HTML, with the PNG ``plot``, and ``beside`` if runs are compared."""
+    begin = datetime.fromtimestamp(run.begin / NANOSECONDS, timezone.utc)
     parts = [
         f'<h1>{escape(title)}</h1>',
-        f'<p>{begin:%Y-%m-%d %H:%M:%S} UTC, {found.duration:.3f} s, {found.count} states. '
+        f'<p>{begin:%Y-%m-%d %H:%M:%S} UTC, {run.duration:.3f} s, {run.count} states. '
         f'Files: {escape(", ".join(files))}.</p>',
-        _reservations(found.reservations()),
+        _reservations(run.reservations()),
         f'<img alt="least distances over time" src="{_data(plot)}">',
     ]
-    for name, each in told.items():
-        parts += _of_set(found, name, each, pictures or {})
-    parts += _troubles(found)
+    for name, each in highlights.items():
+        parts += _of_set(run, name, each, pictures or {})
+    parts += _troubles(run)
     parts += [] if audited is None else _audited(audited)
     parts += [] if compared is None else _compared(compared, beside)
     parts.append(
-        f'<p>Read and played in {found.seconds_reading:.2f} s, computed in '
-        f'{found.seconds_computing:.2f} s.</p>'
+        f'<p>Read and played in {run.seconds_reading:.2f} s, computed in '
+        f'{run.seconds_computing:.2f} s.</p>'
     )
     body = '\n'.join(parts)
     return (
@@ -70,23 +70,23 @@ def page(
 
 
 def _data(picture: bytes) -> str:
-    """Return a PNG as the address of an image."""
+    """Return a PNG as a data URL."""
     return f'data:image/png;base64,{b64encode(picture).decode()}'
 
 
-def _reservations(told: Sequence[str], of: str = '') -> str:
-    if not told:
+def _reservations(reservations: Sequence[str], of: str = '') -> str:
+    if not reservations:
         return f'<p class="good">{of}Every state tells of all pairs, by fresh poses.</p>'
-    return _warning(f'{of}Not all is known:', told)
+    return _warning(f'{of}Not all is known:', reservations)
 
 
-def _warning(head: str, told: Sequence[str]) -> str:
-    listed = ''.join(f'<li>{escape(each)}</li>' for each in told)
+def _warning(head: str, items: Sequence[str]) -> str:
+    listed = ''.join(f'<li>{escape(each)}</li>' for each in items)
     return f'<div class="warn">{head}<ul>{listed}</ul></div>'
 
 
-def _of_set(found: Told, name: str, told: Highlights, pictures: Pictures) -> list[str]:
-    more = told.contact_count - len(told.contacts)
+def _of_set(run: RunAnalysis, name: str, highlights: Highlights, pictures: Pictures) -> list[str]:
+    more = highlights.contact_count - len(highlights.contacts)
     return [
         f'<h2>{escape(name)}</h2>',
         '<h3>Closest moments</h3>',
@@ -94,7 +94,7 @@ def _of_set(found: Told, name: str, told: Highlights, pictures: Pictures) -> lis
             ('', 'time [s]', 'distance [m]', 'error bound [m]', 'between', 'and', 'state'),
             (
                 (k, *_moment(close.moment), _state(close))
-                for k, close in enumerate(found.moments[name][:MOMENTS], 1)
+                for k, close in enumerate(run.moments[name][:MOMENTS], 1)
             ),
         ),
         *(
@@ -117,7 +117,7 @@ def _of_set(found: Told, name: str, told: Highlights, pictures: Pictures) -> lis
             ),
             (
                 (f'{c.begin:.3f}', f'{c.end:.3f}', c.states, *_moment(c.deepest))
-                for c in told.contacts
+                for c in highlights.contacts
             ),
         )
         + (f'<p>and {more} more, see clearance.csv.</p>' if more else ''),
@@ -126,24 +126,24 @@ def _of_set(found: Told, name: str, told: Highlights, pictures: Pictures) -> lis
             ('threshold [m]', 'time [s]', 'and where not all is known, by what is [s]'),
             (
                 (f'{low.threshold:g}', f'{low.seconds:.3f}', f'{low.at_known:.3f}')
-                for low in told.below
+                for low in highlights.below
             ),
         ),
-        *_motion(found, name),
+        *_motion(run, name),
         '<h3>What is known</h3>',
         _table(
             ('all pairs [s]', 'stale [s]', 'pairs left out [s]', 'nothing recorded [s]'),
-            [[f'{seconds:.3f}' for seconds in told.held]],
+            [[f'{seconds:.3f}' for seconds in highlights.held]],
         ),
         '<h3>How old data were</h3>',
-        *_how_old(told.ages),
-        f'<p>A pose is stale after {found.stale_after:g} s. The longest time without a state is '
-        f'{found.silence.end - found.silence.begin:.3f} s, from {found.silence.begin:.3f} s.</p>',
+        *_how_old(highlights.ages),
+        f'<p>A pose is stale after {run.stale_after:g} s. The longest time without a state is '
+        f'{run.silence.end - run.silence.begin:.3f} s, from {run.silence.begin:.3f} s.</p>',
     ]
 
 
 def _how_old(ages: Ages) -> list[str]:
-    """Return how old the oldest pose that mattered was, over states."""
+    """Return the maximum age of used poses, and a table of states by it."""
     oldest = 'unknown' if np.isnan(ages.oldest) else f'{ages.oldest:.3f} s'
     steps = [*(f'up to {age:g} s' for age in AGES), f'more than {AGES[-1]:g} s', 'unknown']
     rows = zip(steps, (*ages.counts, ages.unknown), strict=True)
@@ -153,15 +153,19 @@ def _how_old(ages: Ages) -> list[str]:
     ]
 
 
-def _motion(found: Told, name: str) -> list[str]:
-    if not found.is_certified:
+def _motion(run: RunAnalysis, name: str) -> list[str]:
+    if not run.is_certified:
         return []
-    told = found.certified(name)
-    where = 'nowhere' if told.span is None else f'{told.span.begin:.3f} to {told.span.end:.3f}'
+    certified = run.certified(name)
+    where = (
+        'nowhere'
+        if certified.span is None
+        else f'{certified.span.begin:.3f} to {certified.span.end:.3f}'
+    )
     heads = 'least certified [m]', 'at [s]', 'clear', 'contact', 'unknown'
     return [
         '<h3>Motions between states</h3>',
-        _table(heads, [(f'{told.lower_bound:.9g}', where, *told[2:])]),
+        _table(heads, [(f'{certified.lower_bound:.9g}', where, *certified[2:])]),
     ]
 
 
@@ -184,7 +188,7 @@ def _audited(audited: Audit) -> list[str]:
     heads = 'topic', 'outcome', 'how many', 'the first at [s]', 'what', 'because'
     return [
         '<h2>What the node said, computed again</h2>',
-        *([_warning('Not audited:', told)] if (told := audited.reservations()) else []),
+        *([_warning('Not audited:', items)] if (items := audited.reservations()) else []),
         _table(('', 'results and events'), [(outcome.value, n) for outcome, n in counts]),
         '<h3>What was not confirmed, and why</h3>',
         _table(
@@ -198,7 +202,7 @@ def _audited(audited: Audit) -> list[str]:
 
 
 def _compared(compared: Sequence[SetComparison], beside: bytes) -> list[str]:
-    """Return how much nearer the run comes than another one, and what is not known of that."""
+    """Return the comparison with another run, and the reservations about it."""
     rows = []
     for each in compared:
         much, where = each.nearer(allow_incomplete=True)
@@ -222,7 +226,7 @@ def _compared(compared: Sequence[SetComparison], beside: bytes) -> list[str]:
 
 
 def _pair(pair: PairDifference) -> tuple[str, ...]:
-    """Return a pair in two runs; what never was the nearest in one has no distance there."""
+    """Return the cells of a pair in two runs; without a distance where it never was nearest."""
     both = tuple(
         'never the nearest' if least == np.inf else f'{least:.9g}'
         for least in (pair.run, pair.other)
@@ -231,8 +235,8 @@ def _pair(pair: PairDifference) -> tuple[str, ...]:
     return pair.name_A, pair.name_B, *both, f'{pair.run - pair.other:.6g}' if is_known else ''
 
 
-def _troubles(found: Told) -> list[str]:
-    if not found.troubles:
+def _troubles(run: RunAnalysis) -> list[str]:
+    if not run.troubles:
         return []
     return [
         '<h2>What was wrong</h2>',
@@ -240,18 +244,18 @@ def _troubles(found: Told) -> list[str]:
             ('from [s]', 'to [s]', 'seen', ''),
             (
                 (
-                    *(f'{(t - found.begin) / NANOSECONDS:.3f}' for t in (each.first, each.last)),
+                    *(f'{(t - run.begin) / NANOSECONDS:.3f}' for t in (each.first, each.last)),
                     each.seen,
                     each.words,
                 )
-                for each in found.troubles
+                for each in run.troubles
             ),
         ),
     ]
 
 
 def _table(heads: Sequence[str], rows: Iterable[Iterable[Any]]) -> str:
-    """Return a table; none where there are no rows."""
+    """Return a table, or 'None.' without rows."""
     lines = [''.join(_cell(value) for value in row) for row in rows]
     if not lines:
         return '<p>None.</p>'

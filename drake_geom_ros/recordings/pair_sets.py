@@ -1,4 +1,4 @@
-"""Which pairs are asked about: those of two sets of names, or all of the scene."""
+"""Sets of pairs to analyse: those between two name patterns, or all of the scene."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class PairSet(NamedTuple):
 
 
 def pair_sets(between: Sequence[Between]) -> tuple[PairSet, ...]:
-    """Return the sets that ``'left:right'`` or ``('left', 'right')`` say; without any, all pairs.
+    """Return the sets of ``'left:right'`` or ``('left', 'right')``; without any, all pairs.
 
-    Raises ArgumentError for other texts, and for a name that is there twice.
+    Raises ArgumentError for other texts, and for a duplicate name.
     """
-    found = []
+    sets = []
     for text in between:
         sides = _BETWEEN.split(text) if isinstance(text, str) else list(text)
         if len(sides) != 2 or not all(sides):
@@ -42,40 +42,40 @@ def pair_sets(between: Sequence[Between]) -> tuple[PairSet, ...]:
                 f'between={text!r} must be two names or patterns, as left:right; names of '
                 'sources, frames (source::frame) or geometries'
             )
-        found.append(PairSet(':'.join(sides), *sides))
-    if len({pairs.name for pairs in found}) < len(found):
+        sets.append(PairSet(':'.join(sides), *sides))
+    if len({pairs.name for pairs in sets}) < len(sets):
         raise ArgumentError(f'between={list(between)} has two sets of pairs of one name')
-    return tuple(found) or (PairSet(ALL),)
+    return tuple(sets) or (PairSet(ALL),)
 
 
-class AskedPairs(NamedTuple):
+class SelectedPairs(NamedTuple):
     """The pairs of a set in one version of a scene."""
 
-    considered: Flags  # (n, n) symmetric: pairs that are placed, no filter leaving them out
-    left_out: int  # pairs that would be considered, and wait for a pose
-    needed: tuple[FrameId, ...]  # frames whose poses matter to pairs that are considered
-    waiting: tuple[FrameId, ...]  # frames for whose poses pairs wait
+    considered: Flags  # (n, n) symmetric: unfiltered pairs whose geometries have a pose
+    left_out: int  # unfiltered pairs with a geometry that has no pose
+    needed: tuple[FrameId, ...]  # frames whose poses the considered pairs use
+    waiting: tuple[FrameId, ...]  # frames without a pose, of pairs left out
 
 
-def asked_pairs(query: QueryObject, pairs: PairSet) -> AskedPairs:
-    """Return which pairs of a scene are meant; raises ArgumentError where there are none."""
+def selected_pairs(query: QueryObject, pairs: PairSet) -> SelectedPairs:
+    """Return the pairs of a set in a scene; raises ArgumentError if there are none."""
     inspector = query.inspector()
     ids, reported = inspector.candidate_matrix()
     geometries = [GeometryId(value) for value in ids.tolist()]
-    asked = reported & _between(pairs, [geometry_names(inspector, g) for g in geometries])
-    if not asked.any():
+    selected = reported & _between(pairs, [geometry_names(inspector, g) for g in geometries])
+    if not selected.any():
         raise ArgumentError(
             f'between {pairs.name}: the scene has no pair that queries report: all are filtered, '
             'of one frame, or of two anchored geometries'
         )
     placed = np.array([query.is_placed(geometry) for geometry in geometries], dtype=np.bool_)
     both = placed[:, None] & placed[None, :]
-    considered, waiting = asked & both, np.asarray((asked & ~both).any(axis=1))
+    considered, waiting = selected & both, np.asarray((selected & ~both).any(axis=1))
     on = hanging(inspector, geometries)
     rows = np.asarray(considered.any(axis=1))
-    return AskedPairs(
+    return SelectedPairs(
         considered=considered,
-        left_out=int(np.count_nonzero(asked & ~both)) // 2,
+        left_out=int(np.count_nonzero(selected & ~both)) // 2,
         needed=tuple(FrameId(frame) for frame, some in on.items() if rows[some].any()),
         waiting=tuple(
             f for f in query.waiting_frames() if waiting[on.get(f.get_value(), [])].any()
@@ -84,7 +84,7 @@ def asked_pairs(query: QueryObject, pairs: PairSet) -> AskedPairs:
 
 
 def _between(pairs: PairSet, names: Sequence[GeometryNames]) -> Flags:
-    """Return which pairs (n, n) have a geometry of each side."""
+    """Return a mask (n, n) of the pairs with one geometry on each side."""
     if not pairs.side_a:
         return np.ones((len(names), len(names)), dtype=np.bool_)
     in_a, in_b = (_members(pattern, names, pairs.name) for pattern in pairs[1:])
@@ -93,12 +93,13 @@ def _between(pairs: PairSet, names: Sequence[GeometryNames]) -> Flags:
 
 
 def _members(pattern: str, names: Sequence[GeometryNames], of: str) -> Flags:
-    """Return which geometries a pattern stands for; raises ArgumentError for none."""
+    """Return a mask (n,) of the geometries that match a pattern; ArgumentError for none."""
     members = np.array([matches(each.found_by, pattern) for each in names], dtype=np.bool_)
     if not members.any():
-        known = dict.fromkeys(name for each in names for name in each.found_by)
+        every_name = dict.fromkeys(name for each in names for name in each.found_by)
         raise ArgumentError(
             f'between {of}: {pattern!r} stands for no geometry with the proximity role'
-            f'{nearest(pattern, known)}; there are {", ".join(list(known)[:10]) or "none"}'
+            f'{nearest(pattern, every_name)}; there are '
+            f'{", ".join(list(every_name)[:10]) or "none"}'
         )
     return members

@@ -1,7 +1,7 @@
-"""A live scene that takes the messages of a recording as a node would have taken them.
+"""Playback of a recording into a live scene, as a node would have processed its messages.
 
-The same classes take them; in the place of steady time stands the time of recording, and in that
-of the node's time the recorded ``/clock``, where there is one.
+It uses the classes of the node. Steady time is the time of recording, and the node's time is the
+recorded ``/clock`` if there is one.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
-from drake_geom_ros.recordings.recorded_robots import GivenRobots
+from drake_geom_ros.recordings.recorded_robots import SceneRobots
 from drake_geom_ros.recordings.recording import Recorded
 from drake_geom_ros.recordings.report_record import digest
 from drake_geom_ros.recordings.scene_differences import SceneDifferences
@@ -26,8 +26,8 @@ from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import SceneDescription, files_of
 
-LOOKS = 4 * NANOSECONDS  # [ns] between two looks at what is wrong, which is told for 5 s
-_MOST_TOLD = 200
+LOOKS = 4 * NANOSECONDS  # [ns] between two checks for troubles, which last at least 5 s
+_MOST_TROUBLES = 200
 _BY_IDS = (
     'frame_ids are numbers of the node that ran, which a recording does not explain: have the '
     'sender give frame_names'
@@ -35,36 +35,36 @@ _BY_IDS = (
 
 
 class Trouble(NamedTuple):
-    """What was wrong, from when to when [ns], and how often it was seen or refused."""
+    """A trouble with its first and last time [ns], and the number of occurrences."""
 
     words: str
     first: int
     last: int
     seen: int
-    is_doubt: bool = False  # then results are not known to be those of the poses that held
+    is_doubt: bool = False  # true: it is doubtful which poses held, and so are the results
 
 
 class Refused(NamedTuple):
-    """Messages of a topic that were refused, in whole or in part."""
+    """Refused messages of a topic, in whole or in part."""
 
     topic: str
-    seen: int  # how many there were
+    seen: int  # number of messages
     reason: str  # of the first one
 
     def in_words(self) -> str:
-        """Return it in words."""
+        """Return a text about the refusals."""
         return f'{counted(self.seen, "message")} of {self.topic} refused, first: {self.reason}'
 
 
 class Moment(NamedTuple):
-    """What the clocks say [s]; simulated None: there is no such clock."""
+    """Times of the clocks [s]; ``simulated`` is None without a recorded clock."""
 
     recorded: float
     simulated: float | None
 
 
 class _Times:
-    """The times [s] that stand for those of a node."""
+    """Replacements of a node's clocks, with times in [s]."""
 
     def __init__(self, *, simulated: bool) -> None:
         self.recorded = 0.0
@@ -78,13 +78,13 @@ class _Times:
 
 
 def is_jump(before: Any, now: Any) -> Any:
-    """Return whether simulated time [s] jumps, or begins; of arrays for each."""
+    """Return whether simulated time [s] jumps or begins; elementwise for arrays."""
     step = now - before
     return (before == 0.0) | (step <= -JUMP_BACKWARD) | (step >= JUMP_FORWARD)
 
 
 class Playback:
-    """The scene of a recording at the time up to which it was played."""
+    """The live scene of a recording, at the time up to which it was played."""
 
     def __init__(
         self,
@@ -96,7 +96,10 @@ class Playback:
         package_roots: Sequence[str | Path] = (),
         accuracy: str = 'exact',
     ) -> None:
-        """``stale_after`` [s] as the node's; ``simulated``: its time is that of ``/clock``."""
+        """Start with a scene; ``simulated``: the node's time is that of ``/clock``.
+
+        ``stale_after`` [s] is the parameter of the node.
+        """
         self._times = _Times(simulated=simulated)
         self.clocks = Clocks(self._times.node, self._times.steady)
         self.live = LiveScene(accuracy, self.clocks, world_frame)
@@ -106,29 +109,29 @@ class Playback:
             TfInput(self.clocks), JointInput(self.clocks, stale_after, by_default=True)
         )
         self._robot = RobotInput(self.live)
-        # What scenes with robots of descriptions were made of, and its digests.
+        # Digests of the files that robot descriptions named.
         self.robot_files: dict[Path, str] = {}
-        self._told: dict[str, Trouble] = {}
+        self._troubles: dict[str, Trouble] = {}
         self._refused: dict[str, Refused] = {}
         self._differences = SceneDifferences()
         self._looked = -math.inf
         if description is not None:
             with self.live.editing() as scene:
                 scene.add(description)
-        self._given = GivenRobots(self.live)
+        self._scene_robots = SceneRobots(self.live)
 
     def robots_topics(self) -> set[str]:
-        """Return the topics of joint values that robots of the scene name."""
+        """Return the topics of joint states that robots of the scene name."""
         assert self.inputs.joints is not None
         with self.live.reading() as scene:
             return self.inputs.joints.topics(scene)
 
     def take_robot(self, text: str, *, is_semantic: bool = False) -> None:
-        """Take a robot's description; raises RuntimeError for none.
+        """Load a robot's description; raises RuntimeError for an invalid one.
 
-        One of a robot that the scene has is left out, as the node refuses it.
+        The description of a robot that the scene has is skipped, since the node refuses it.
         """
-        if not is_semantic and self._given.has(text):
+        if not is_semantic and self._scene_robots.has(text):
             return
         (self._robot.take_semantics if is_semantic else self._robot.take)(text)
         with self.live.editing() as scene:
@@ -136,7 +139,7 @@ class Playback:
         self.robot_files |= {p: digest(p) for p in named if p not in self.robot_files}
 
     def take(self, recorded: Recorded, role: str) -> bool:
-        """Take a message; return whether it posed anything."""
+        """Process a message; return whether it posed anything."""
         self._times.recorded = max(self._times.recorded, recorded.time / NANOSECONDS)
         if recorded.time >= self.next_look:
             if self._looked > 0:
@@ -148,7 +151,7 @@ class Playback:
         try:
             return self._take(recorded, role)
         except NothingOfOursError as error:
-            self._note_refusal(recorded, str(error))  # another robot's: nothing is lost of ours
+            self._note_refusal(recorded, str(error))  # of another robot, so nothing is lost
             return False
         except RuntimeError as error:
             self._refuse(recorded, str(error))
@@ -156,22 +159,22 @@ class Playback:
 
     @property
     def refused(self) -> list[Refused]:
-        """What was refused of messages that may have said something of the scene, by topic."""
+        """Refusals, by topic, of messages that may have concerned the scene."""
         return list(self._refused.values())
 
     def differences(self) -> tuple[str, ...]:
-        """Return in words how recorded ``~/scene`` and the scene of now differ."""
+        """Return texts on the differences between the recorded ``~/scene`` and this scene."""
         with self.live.reading() as scene:
             return tuple(self._differences.in_words(scene.inspector))
 
     @property
     def next_look(self) -> float:
-        """The time [ns] from which on the next message has it looked what is wrong."""
+        """The time [ns] from which the next message triggers a check for troubles."""
         return self._looked + LOOKS
 
     @property
     def moment(self) -> Moment:
-        """The times of now."""
+        """The current times of the clocks."""
         return Moment(self._times.recorded, self._times.simulated)
 
     @moment.setter
@@ -179,15 +182,15 @@ class Playback:
         self._times.recorded, self._times.simulated = moment
 
     def tick(self, now: float) -> None:
-        """Let simulated time be ``now`` [s], which is no jump."""
+        """Set simulated time to ``now`` [s], which is no jump."""
         self._times.simulated = now
 
     def wait_until(self, time: int) -> None:
-        """Let time go on to a moment [ns] before the next message."""
+        """Advance the time of recording to ``time`` [ns]."""
         self._times.recorded = max(self._times.recorded, time / NANOSECONDS)
 
     def look(self, time: int) -> None:
-        """Note what is wrong now [ns]."""
+        """Collect the current troubles at ``time`` [ns]."""
         with self.live.editing() as scene:
             doubts = set(scene.sender_troubles())
             troubles = [*scene.troubles(), *self.inputs.troubles(scene, self.stale_after)]
@@ -198,8 +201,8 @@ class Playback:
 
     @property
     def troubles(self) -> list[Trouble]:
-        """What was wrong, in the order in which it was seen first."""
-        return sorted(self._told.values(), key=lambda trouble: trouble.first)
+        """All troubles, in the order of their first occurrence."""
+        return sorted(self._troubles.values(), key=lambda trouble: trouble.first)
 
     def _take(self, recorded: Recorded, role: str) -> bool:
         message = recorded.message
@@ -228,10 +231,10 @@ class Playback:
                     self._refuse(recorded, refusal.reason)
                 return self.inputs.pose_by_transforms(scene) > 0
             self.inputs.follow(scene)
-            return False  # a node has no cycle for it, either
+            return False  # a node runs no cycle for it either
 
     def _tick(self, now: float, time: int) -> None:
-        """Let simulated time be ``now`` [s]; ages begin anew where it jumps, as a node's do."""
+        """Set simulated time to ``now`` [s]; as in a node, a jump resets all ages."""
         before = self._times.simulated
         self.tick(now)
         if before is None or not is_jump(before, now):
@@ -242,19 +245,19 @@ class Playback:
 
     def _refuse(self, recorded: Recorded, reason: str) -> None:
         topic = recorded.topic.name
-        known = self._refused.get(topic, Refused(topic, 0, reason))
-        self._refused[topic] = known._replace(seen=known.seen + 1)
+        before = self._refused.get(topic, Refused(topic, 0, reason))
+        self._refused[topic] = before._replace(seen=before.seen + 1)
         self._note_refusal(recorded, reason)
 
     def _note_refusal(self, recorded: Recorded, reason: str) -> None:
         self.note(f'a message of {recorded.topic.name} was refused: {reason}', recorded.time)
 
     def note(self, words: str, time: int, *, is_doubt: bool = False) -> None:
-        """Note what was wrong at a time [ns]."""
-        known = self._told.get(words)
-        if known is None and len(self._told) >= _MOST_TOLD:
+        """Add an occurrence of a trouble at ``time`` [ns]."""
+        before = self._troubles.get(words)
+        if before is None and len(self._troubles) >= _MOST_TROUBLES:
             words = 'more was wrong than is told here'
-            known = self._told.get(words)
-        first, seen = (time, 0) if known is None else (known.first, known.seen)
-        is_doubt |= known is not None and known.is_doubt
-        self._told[words] = Trouble(words, first, time, seen + 1, is_doubt)
+            before = self._troubles.get(words)
+        first, seen = (time, 0) if before is None else (before.first, before.seen)
+        is_doubt |= before is not None and before.is_doubt
+        self._troubles[words] = Trouble(words, first, time, seen + 1, is_doubt)

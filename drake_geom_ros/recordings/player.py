@@ -1,7 +1,7 @@
-"""Plays a recording and takes its states: message by message, and whole runs of them at once.
+"""Player of a recording that collects its states, by single messages and by runs of messages.
 
-What a run is, and why its states are those of its messages one by one, ``ros/inputs/pose_runs.py``
-says. What is not known to be that simple is played message by message.
+``ros/inputs/pose_runs.py`` defines runs, and explains why their states equal those of single
+messages. Everything that is not certainly a run is played message by message.
 """
 
 from __future__ import annotations
@@ -24,30 +24,31 @@ from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
 from drake_geom_ros.ros.scene import feeders
 
-_SHORTEST = 8  # messages of a run: to tell one takes as long as some messages
-_MOST_POSES = 2**19  # of a run: 30 MB, and some times that while it is told
-_MOST_STATES = 10**9  # of a rate: hours of computing
+_SHORTEST = 8  # messages of a run, since finding one takes as long as a few messages
+_MOST_POSES = 2**19  # of a run: 30 MB, and several times that while it is processed
+_MOST_STATES = 10**9  # of a rate, which take hours to compute
 _FEEDERS = {JOINTS: feeders.JOINTS, POSES: feeders.MESSAGES, TF: feeders.TF}
 
 
 class Player:
-    """Plays batches of messages, and yields the states in blocks."""
+    """Player of batches of messages, which yields the states in blocks."""
 
     def __init__(self, opened: Opened, states: StateBlocks, rate: float) -> None:
-        """``rate`` [Hz] of states; 0: one with each message that poses something.
+        """Take states at ``rate`` [Hz]; 0: one with each message that poses something.
 
-        Raises RecordingError where there would be more states than anybody waits for.
+        Raises RecordingError if the number of states would be unreasonable.
         """
         self._recording, self._playback = opened.recording, opened.playback
         self._roles = opened.roles
         self._states, self._rate = states, rate
         self._layouts = Layouts()
-        # What the senders pose whose last message was taken, by layout: nothing else came since.
+        # Subjects, by layout, of senders whose last message was processed since any other posed
+        # the same.
         self._taken: dict[int, frozenset[Any]] = {}
-        self._patience = _SHORTEST  # messages to be taken one by one where no run could be told
+        self._patience = _SHORTEST  # messages to play singly after a failed attempt at a run
         self._first = -1  # the first pose's time [ns]
         self.count = 0  # of states
-        # [ns] of the whole recording: a sender that fell silent before its end is to be seen.
+        # [ns] of the whole recording, so that a sender that falls silent early leaves a gap.
         self.begin, self.end = opened.recording.begin, opened.recording.end
         duration = (self.end - self.begin) / NANOSECONDS
         if duration * rate > _MOST_STATES:
@@ -69,11 +70,11 @@ class Player:
         self._playback.look(self.end)
 
     def _due(self) -> int:
-        """Return when [ns] the next state of a rate is."""
+        """Return the time [ns] of the next state of a rate."""
         return self._first + round(self.count * NANOSECONDS / self._rate)
 
     def _is_due(self, time: int) -> bool:
-        """Return whether a state of a rate is taken before a message [ns]."""
+        """Return whether a state of a rate is due before a message at ``time`` [ns]."""
         return bool(self._rate) and self._first >= 0 and self._due() < time
 
     def _take(self, time: int) -> Iterator[Block]:
@@ -91,7 +92,7 @@ class Player:
                 k = stretch.end
                 continue
             end = max(k + 1, stretch.end)
-            if stretch.count >= _SHORTEST:  # what hindered may have gone some messages later
+            if stretch.count >= _SHORTEST:  # the obstacle may be gone some messages later
                 end = min(end, k + self._patience)
                 self._patience *= 2
             for each in range(k, end):
@@ -99,11 +100,11 @@ class Player:
             k = end
 
     def _stretch(self, batch: Batch, begin: int) -> Stretch:
-        """Return the messages from one on that may be a run."""
-        known = [r.topic.type == CLOCK or id(r.layout) in self._taken for r in batch.repeated]
-        if not (batch.is_good[begin] and known[batch.owner[begin]]):
+        """Return the longest stretch of messages from ``begin`` that may be a run."""
+        is_taken = [r.topic.type == CLOCK or id(r.layout) in self._taken for r in batch.repeated]
+        if not (batch.is_good[begin] and is_taken[batch.owner[begin]]):
             return Stretch(batch, begin, begin)
-        may_be = batch.is_good[begin:] & np.array([*known, False])[batch.owner[begin:]]
+        may_be = batch.is_good[begin:] & np.array([*is_taken, False])[batch.owner[begin:]]
         may_be &= batch.times[begin:] < self._playback.next_look
         with self._playback.live.reading() as scene:
             most = max(_SHORTEST, _MOST_POSES // scene.inspector.num_frames())
@@ -111,7 +112,7 @@ class Player:
         return Stretch(batch, begin, begin + min(stops))
 
     def _play_one(self, batch: Batch, k: int) -> Iterator[Block]:
-        """Take one message."""
+        """Play one message."""
         raw = batch.raws[k]
         self.end = max(self.end, raw.time)
         while self._is_due(raw.time):
@@ -126,12 +127,12 @@ class Player:
             self._first = raw.time
 
     def _learn(self, batch: Batch, k: int, message: Recorded, *, has_posed: bool) -> None:
-        """Note whose message was taken last."""
+        """Update the senders whose last message was processed."""
         owner, topic = int(batch.owner[k]), message.topic
         if topic.type == CLOCK:
             return
         role = self._roles[topic.name]
-        # Transforms that pose nothing change nothing for others, either.
+        # Transforms that pose nothing do not affect other senders.
         if not (has_posed or role == 'tf') or role == 'tf_static' or owner < 0:
             self._taken.clear()
             return
@@ -143,7 +144,7 @@ class Player:
         self._taken[id(batch.repeated[owner].layout)] = named
 
     def _feeder(self, topic: Topic) -> tuple[str, str]:
-        """Return how a topic poses, and that of joint states as robots name it."""
+        """Return the kind of a topic's feeder, and the topic of joint states as robots name it."""
         return _FEEDERS[topic.type], self._roles[topic.name].partition(':')[2]
 
     def _run_of(self, stretch: Stretch) -> PoseRun | None:
@@ -157,7 +158,7 @@ class Player:
                     sample=repeated.layout.sample,
                     feeder=feeder,
                     topic=topic,
-                    # None is good that is the first of a batch, so there is one before.
+                    # The first message of a batch is never good, so there is one before.
                     before=repeated.numbers[rows[0] - 1],
                     at=at,
                     numbers=repeated.numbers[rows],
@@ -172,10 +173,10 @@ class Player:
 
     def _play_run(self, stretch: Stretch, run: PoseRun) -> Iterator[Block]:
         yield from self._states.begin_run(run)
-        found, moments = self._states_of_run(stretch, run)
+        states, moments = self._states_of_run(stretch, run)
         self.end = max(self.end, int(stretch.batch.times[stretch.begin : stretch.end].max()))
-        yield from self._states.take_run(run, found)
-        # The last message of each sender leaves the scene as all of them would have.
+        yield from self._states.take_run(run, states)
+        # The last message of each sender leaves the scene in the same state as all of them.
         now = self._playback.moment
         for k, moment in moments:
             self._playback.moment = moment
@@ -186,19 +187,19 @@ class Player:
     def _states_of_run(
         self, stretch: Stretch, run: PoseRun
     ) -> tuple[RunStates, list[tuple[int, Moment]]]:
-        """Return the states of a run, by the rules of ages a message at a time.
+        """Return the states of a run, with ages by the rules for single messages.
 
-        And the last message of each sender, with what the clocks said then.
+        Also return the last message of each sender, with the times of the clocks then.
         """
         playback, arrival = self._playback, self._playback.clocks.arrival
-        heard, found = list(run.heard), RunStates([], [], [])
+        heard, states = list(run.heard), RunStates([], [], [])
         last = {int(stretch.rows_of(number)[0][-1]) for number in range(len(heard))}
         moments: list[tuple[int, Moment]] = []
 
         def take(time: int, messages: int) -> None:
-            found.times.append(time)
-            found.messages.append(messages)
-            found.ages.append(self._states.ages_of_run(heard))
+            states.times.append(time)
+            states.messages.append(messages)
+            states.ages.append(self._states.ages_of_run(heard))
             self.count += 1
 
         for k, (time, sender, stamp) in enumerate(stretch.messages()):
@@ -214,12 +215,12 @@ class Player:
             heard[sender] = arrival().since(seconds_of(stamp))
             if not self._rate and sender in run.posing:
                 take(time, k + 1)
-        return found, moments
+        return states, moments
 
 
 def _times(batch: Batch, owner: int, rows: Indices) -> Floats:
-    """Return the stamps [s] of messages and the one before; without stamps, when they came."""
+    """Return the stamps [s] of messages and of the one before; without stamps, arrival times."""
     repeated, chosen = batch.repeated[owner], np.arange(rows[0] - 1, rows[-1] + 1)
     stamps = repeated.seconds[chosen] + repeated.nanoseconds[chosen] / NANOSECONDS
-    came: Floats = batch.times[repeated.at[chosen]] / NANOSECONDS
-    return came if not stamps.any() else np.asarray(stamps, dtype=np.float64)
+    arrivals: Floats = batch.times[repeated.at[chosen]] / NANOSECONDS
+    return arrivals if not stamps.any() else np.asarray(stamps, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""The time line of a report as a picture: what is not known is grey, and never a line."""
+"""Plot of distances over time for a report; unknown times are grey, and no line crosses them."""
 
 from __future__ import annotations
 
@@ -12,21 +12,24 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.highlights import Highlights
-from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 
-MOMENTS = 5  # that are marked in each set of pairs
+MOMENTS = 5  # marked in each set of pairs
 _COLOURED = 8  # pairs with a colour of their own
 _DOTS = 110  # an inch
 _GREY, _OTHERS, _KNOWN = '0.85', '0.35', '0.55'
-_ROOM = 0.05  # above and below what is drawn, of its height
-_BESIDE = 0.01  # of its width
+_MARGIN = 0.05  # above and below the data, as a fraction of their height
+_BESIDE = 0.01  # beside the data, as a fraction of their width
 
 
 def draw(
-    found: Told, told: Mapping[str, Highlights], thresholds: Sequence[float], title: str
+    run: RunAnalysis,
+    highlights: Mapping[str, Highlights],
+    thresholds: Sequence[float],
+    title: str,
 ) -> bytes:
-    """Return a PNG with an axis for each set of pairs; raises RecordingError: no matplotlib."""
+    """Return a PNG with axes for each set of pairs; RecordingError without matplotlib."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
@@ -34,15 +37,15 @@ def draw(
         raise RecordingError(
             f"the plot takes matplotlib: pip install matplotlib, or the extra 'pictures' ({error})"
         ) from None
-    rows = len(told)
+    rows = len(highlights)
     figure = Figure(figsize=(12.0, 1.0 + 3.4 * rows), dpi=_DOTS, layout='constrained')
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
-    for place, each in zip(axes, told.values(), strict=True):
-        _draw_set(place, found, each, thresholds)
+    for place, each in zip(axes, highlights.values(), strict=True):
+        _draw_set(place, run, each, thresholds)
     axes[-1].set_xlabel('time since the recording began [s]')
-    end = max(found.duration, found.stale_after / 2)
-    axes[-1].set_xlim(-_BESIDE * end, (1.0 + _BESIDE) * end)  # marks at both ends are whole
+    end = max(run.duration, run.stale_after / 2)
+    axes[-1].set_xlim(-_BESIDE * end, (1.0 + _BESIDE) * end)  # shows marks at the ends whole
     figure.suptitle(plain(title))
     picture = BytesIO()
     figure.savefig(picture, format='png')
@@ -50,26 +53,28 @@ def draw(
 
 
 def plain(name: str) -> str:
-    """Return a name so that matplotlib shows it as it is: no formula, no label to be hidden."""
+    """Return a name escaped so that matplotlib neither parses it as a formula nor hides it."""
     escaped = name.replace('$', r'\$')
     return f' {escaped}' if escaped.startswith('_') else escaped
 
 
-def _draw_set(axes: Any, found: Told, told: Highlights, thresholds: Sequence[float]) -> None:
-    pairs = told.shown
+def _draw_set(
+    axes: Any, run: RunAnalysis, highlights: Highlights, thresholds: Sequence[float]
+) -> None:
+    pairs = highlights.shown
     _shade_thresholds(axes, thresholds)
-    _shade_what_is_not_known(axes, [*found.gaps, *told.lost])
+    _shade_unknown(axes, [*run.gaps, *highlights.lost])
     whole, times, distances = pairs.is_whole, pairs.times, pairs.known_distance
     far = distances == np.inf
-    top = _limits(axes, distances, thresholds, found.max_distance)
+    top = _limits(axes, distances, thresholds, run.max_distance)
     line = np.where(whole & ~far, distances, np.nan)
-    # No line leads over a gap.
-    breaks = np.flatnonzero(np.diff(times) > found.stale_after) + 1
+    # The line is interrupted at gaps.
+    breaks = np.flatnonzero(np.diff(times) > run.stale_after) + 1
     axes.plot(
         np.insert(times, breaks, np.nan), np.insert(line, breaks, np.nan), color='0.6', lw=0.8
     )
     if far.any():
-        label = f'all farther than {found.max_distance:g} m'
+        label = f'all farther than {run.max_distance:g} m'
         axes.plot(
             times[far & whole],
             np.full((far & whole).sum(), top),
@@ -89,7 +94,7 @@ def _draw_set(axes: Any, found: Told, told: Highlights, thresholds: Sequence[flo
         label='what is known, where not all is' if some.any() else None,
     )
     _colour_pairs(axes, pairs, np.flatnonzero(whole & ~far))
-    for number, close in enumerate(found.moments[pairs.name][:MOMENTS]):
+    for number, close in enumerate(run.moments[pairs.name][:MOMENTS]):
         at = close.moment.time, close.moment.distance
         axes.plot(*at, 'v', color='black', ms=7, zorder=5)
         axes.annotate(f'{number + 1}', at, (0, 9), textcoords='offset points', ha='center')
@@ -101,13 +106,13 @@ def _draw_set(axes: Any, found: Told, told: Highlights, thresholds: Sequence[flo
 def _limits(
     axes: Any, distances: NDArray[np.float64], thresholds: Sequence[float], farthest: float
 ) -> float:
-    """Set the limits of the distances; return where what is farther than asked is drawn."""
-    there = distances[np.isfinite(distances)]
-    top = farthest if np.isfinite(farthest) else float(there.max(initial=0.0))
-    ends = [*there.tolist(), *thresholds, top]
+    """Set the limits of the distances; return the height for states beyond ``farthest``."""
+    finite = distances[np.isfinite(distances)]
+    top = farthest if np.isfinite(farthest) else float(finite.max(initial=0.0))
+    ends = [*finite.tolist(), *thresholds, top]
     low, high = min(ends), max(ends)
-    room = _ROOM * (high - low) or _ROOM
-    axes.set_ylim(low - room, high + 2 * room)
+    margin = _MARGIN * (high - low) or _MARGIN
+    axes.set_ylim(low - margin, high + 2 * margin)
     return top
 
 
@@ -115,19 +120,21 @@ def _shade_thresholds(axes: Any, thresholds: Sequence[float]) -> None:
     for k, threshold in enumerate(sorted(thresholds, reverse=True)):
         colour = ('tab:orange', 'tab:red')[min(k, 1)] if threshold > 0.0 else 'darkred'
         axes.axhspan(-1e9, threshold, color=colour, alpha=0.12, lw=0)
-        label = f'threshold {threshold:g} m'  # in the legend: beside the line, data would cover it
+        label = (
+            f'threshold {threshold:g} m'  # in the legend, since data would cover it at the line
+        )
         axes.axhline(threshold, color=colour, lw=0.8, ls='--', zorder=1, label=label)
 
 
-def _shade_what_is_not_known(axes: Any, spans: Sequence[Span]) -> None:
-    """Grey the gaps, and the times whose states do not tell of all pairs."""
+def _shade_unknown(axes: Any, spans: Sequence[Span]) -> None:
+    """Shade gaps and times of incomplete states in grey."""
     for k, (begin, end) in enumerate(spans):
         label = None if k else 'not, or not all, known'
         axes.axvspan(begin, max(end, begin), color=_GREY, lw=0.5, zorder=0.5, label=label)
 
 
 def _colour_pairs(axes: Any, pairs: SetClearance, states: NDArray[np.int64]) -> None:
-    """Draw states in the colours of their pairs, as far as there are colours."""
+    """Draw states in the colours of their pairs, with one colour for rare pairs."""
     a, b = pairs.geometry_A[states].tolist(), pairs.geometry_B[states].tolist()
     nearest = Counter(zip(a, b, strict=True)).most_common(_COLOURED)
     left = np.ones(len(states), dtype=np.bool_)

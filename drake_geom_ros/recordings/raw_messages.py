@@ -1,4 +1,4 @@
-"""What storages hold: topics, messages as bytes, and what of them could not be read."""
+"""Topics, messages as bytes, and damage of storages."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ NANOSECONDS = 10**9  # in a second
 
 
 class Topic(NamedTuple):
-    """A topic as a recording knows it."""
+    """A topic of a recording, with the definition of its type."""
 
     name: str
     type: str
-    encoding: str = ''  # of the definition: 'ros2msg', 'ros2idl', or empty where there is none
+    encoding: str = ''  # of the definition: 'ros2msg', 'ros2idl', or empty without one
     definition: str = ''
 
 
@@ -25,27 +25,27 @@ class Raw(NamedTuple):
 
 
 class Lost(NamedTuple):
-    """Why something is lost, and from when to when [ns]; None: that is not known."""
+    """The reason of a loss, and its time span [ns], None if unknown."""
 
     reason: str
     span: tuple[int, int] | None = None
 
 
 class Damage(NamedTuple):
-    """What could not be read of a file, and until when [ns] it told something; 0: never."""
+    """A loss in a file, and the time ``until`` [ns] of its last readable message, 0: none."""
 
     file: str
     lost: Lost
     until: int
 
     def in_words(self, begin: int) -> str:
-        """Return it in words, times by the beginning [ns] of the recording."""
+        """Return a text about the damage, with times since the beginning [ns] of the recording."""
         reason, span = self.lost
         where = ''
         if span is not None:
             first, last = ((time - begin) / NANOSECONDS for time in span)
             where = f', from {first:.3f} to {last:.3f} s'
-        told = 'it told nothing'
+        rest = 'it told nothing'
         if self.until >= max(begin, 1):
-            told = f'it told something until {(self.until - begin) / NANOSECONDS:.3f} s'
-        return f'{self.file}: {reason}{where}; {told}'
+            rest = f'it told something until {(self.until - begin) / NANOSECONDS:.3f} s'
+        return f'{self.file}: {reason}{where}; {rest}'

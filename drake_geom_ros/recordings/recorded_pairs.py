@@ -1,4 +1,4 @@
-"""What a node said of pairs, as it was recorded, beside what is computed of them now."""
+"""Comparison of recorded pairs of a node with those recomputed now."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Names = Mapping[int, str]  # full names of geometries by id
 
 
 class Outcome(Enum):
-    """What is true of something that a node said."""
+    """Outcome of the audit of a result or event."""
 
     SAME = 'same to the bit'
     WITHIN = 'within bound'
@@ -31,22 +31,22 @@ class Outcome(Enum):
 
 
 class Compared(NamedTuple):
-    """What is true of a message, and why."""
+    """Outcome for a message, with the reason."""
 
     outcome: Outcome
     because: str = ''
 
 
 class Pairs(NamedTuple):
-    """Pairs by their names, and what is told of each; of penetrations, too, as distances."""
+    """Pairs by name with distances and witnesses; penetrations count as negative distances."""
 
     names: list[tuple[str, str]]
     distance: Floats  # (n,) [m]
     error_bound: Floats  # (n,) [m]
-    waiting: int  # how many pairs are left out for want of poses
-    reach: float  # [m] farther apart than this they are left out
+    waiting: int  # number of pairs omitted for lack of poses
+    reach: float  # [m] pairs farther apart are omitted
     witnesses: Witnesses
-    has_points: Flags  # (n,) false: bounds alone are told, and points promise nothing
+    has_points: Flags  # (n,) false: only bounds are known, and points are not guaranteed
 
 
 def names_in(scene: Any) -> dict[int, str]:
@@ -60,7 +60,7 @@ def names_in(scene: Any) -> dict[int, str]:
 
 
 def recorded_pairs(kind: str, message: Any, names: Names) -> Pairs:
-    """Return what a SignedDistancePairs or PenetrationPairs says.
+    """Return the pairs of a SignedDistancePairs or PenetrationPairs message.
 
     Raises KeyError for an id without a name.
     """
@@ -85,40 +85,41 @@ def recorded_pairs(kind: str, message: Any, names: Names) -> Pairs:
 def computed_pairs(
     kind: str, query: QueryObject, names: Names, waiting: int, reach: float
 ) -> Pairs:
-    """Return what a node would say now."""
-    found = query.ComputeSignedDistancePairwiseClosestPoints(reach)
+    """Return the pairs that a node would report for the state of a query object."""
+    results = query.ComputeSignedDistancePairwiseClosestPoints(reach)
     if kind == DISTANCES:
-        witnesses = Witnesses(found.p_ACa, found.p_BCb, found.nhat_BA_W, are_local=True)
-        told = found.distance, found.error_bound
-        points = np.asarray(found.method) != _BOUND_ONLY
-        return Pairs(_named(found, names), *told, waiting, reach, witnesses, points)
-    deep = found.penetrations()
+        witnesses = Witnesses(results.p_ACa, results.p_BCb, results.nhat_BA_W, are_local=True)
+        numbers = results.distance, results.error_bound
+        points = np.asarray(results.method) != _BOUND_ONLY
+        return Pairs(_named(results, names), *numbers, waiting, reach, witnesses, points)
+    deep = results.penetrations()
     witnesses = Witnesses(deep.p_WCa, deep.p_WCb, deep.nhat_BA_W, are_local=False)
-    told, points = (-deep.depth, deep.error_bound), np.asarray(deep.method) != _BOUND_ONLY
-    return Pairs(_named(deep, names), *told, waiting, reach, witnesses, points)
+    numbers, points = (-deep.depth, deep.error_bound), np.asarray(deep.method) != _BOUND_ONLY
+    return Pairs(_named(deep, names), *numbers, waiting, reach, witnesses, points)
 
 
-def _named(found: Any, names: Names) -> list[tuple[str, str]]:
-    both = zip(found.id_A.tolist(), found.id_B.tolist(), strict=True)
+def _named(results: Any, names: Names) -> list[tuple[str, str]]:
+    both = zip(results.id_A.tolist(), results.id_B.tolist(), strict=True)
     return [(names[i], names[j]) for i, j in both]
 
 
-def compare(said: Pairs, now: Pairs, query: QueryObject, names: Names) -> Compared:
-    """Return whether what a node said is what is computed ``now`` of the state of a query object.
+def compare(recorded: Pairs, now: Pairs, query: QueryObject, names: Names) -> Compared:
+    """Return the verdict on recorded pairs, by those computed ``now`` for a query object.
 
-    Witness points and normals that are others than now are judged by what is promised of them.
+    Witness points and normals that differ are judged by what messages guarantee of them.
     """
     here = {frozenset(pair): k for k, pair in enumerate(now.names)}
-    told = {frozenset(pair) for pair in said.names}
-    same = len(told) == len(here) and said.waiting == now.waiting
-    others: list[tuple[int, int]] = []  # pairs of other witnesses, there and here
-    rows = zip(said.names, said.distance.tolist(), said.error_bound.tolist(), strict=True)
+    recorded_names = {frozenset(pair) for pair in recorded.names}
+    same = len(recorded_names) == len(here) and recorded.waiting == now.waiting
+    others: list[tuple[int, int]] = []  # pairs with other witnesses, recorded and computed row
+    numbers = recorded.distance.tolist(), recorded.error_bound.tolist()
+    rows = zip(recorded.names, *numbers, strict=True)
     for place, (pair, distance, bound) in enumerate(rows):
         if not (math.isfinite(distance) and 0.0 <= bound < math.inf):
             return Compared(Outcome.REFUTED, f'{_called(pair)}: {distance!r} ± {bound!r} m')
         k = here.get(frozenset(pair))
         if k is None:
-            if distance + bound < said.reach:
+            if distance + bound < recorded.reach:
                 why = f'{_called(pair)} is no pair that queries report here; it says {distance} m'
                 return Compared(Outcome.REFUTED, why)
             same = False
@@ -129,37 +130,41 @@ def compare(said: Pairs, now: Pairs, query: QueryObject, names: Names) -> Compar
             why = f'{_called(pair)}: it says {distance!r} m ± {bound:.1e} m, and it is {there!r} m'
             return Compared(Outcome.REFUTED, f'{why} ± {other:.1e} m')
         turned = now.names[k] != pair
-        if turned or not said.witnesses.same(place, now.witnesses, k):
+        if turned or not recorded.witnesses.same(place, now.witnesses, k):
             others.append((place, k))
     for both, k in here.items():
-        if both not in told and now.distance[k] + now.error_bound[k] < said.reach:
+        if both not in recorded_names and now.distance[k] + now.error_bound[k] < recorded.reach:
             why = f'{_called(now.names[k])}, {now.distance[k]} m apart, is left out'
             return Compared(Outcome.REFUTED, f'{why}; filters of the node are to be in the scene')
-    if fault := _fault_of_witnesses(said, now, others, query, names):
+    if fault := _fault_of_witnesses(recorded, now, others, query, names):
         return Compared(Outcome.REFUTED, fault)
     if same and not others:
         return Compared(Outcome.SAME)
-    if said.waiting != now.waiting:
-        why = f'{said.waiting} pairs waited for a pose, and here {now.waiting} do'
+    if recorded.waiting != now.waiting:
+        why = f'{recorded.waiting} pairs waited for a pose, and here {now.waiting} do'
         return Compared(Outcome.NOT_REPRODUCIBLE, why)
     return Compared(Outcome.WITHIN)
 
 
 def _fault_of_witnesses(
-    said: Pairs, now: Pairs, others: Sequence[tuple[int, int]], query: QueryObject, names: Names
+    recorded: Pairs,
+    now: Pairs,
+    others: Sequence[tuple[int, int]],
+    query: QueryObject,
+    names: Names,
 ) -> str:
-    """Return in words what cannot be of witnesses that are not those of now; empty: all can."""
+    """Return the first fault of recorded witnesses that differ from those of now; '' for none."""
     by_name = {name: value for value, name in names.items()}
-    judged_ones = [(place, k) for place, k in others if said.has_points[place]]
+    judged_ones = [(place, k) for place, k in others if recorded.has_points[place]]
     places, here = [place for place, _ in judged_ones], [k for _, k in judged_ones]
     judged = Judged(
         places=places,
-        ids=np.array([[by_name[n] for n in said.names[k]] for k in places]).reshape(-1, 2),
-        distance=said.distance[places],
-        error_bound=said.error_bound[places] + now.error_bound[here],
+        ids=np.array([[by_name[n] for n in recorded.names[k]] for k in places]).reshape(-1, 2),
+        distance=recorded.distance[places],
+        error_bound=recorded.error_bound[places] + now.error_bound[here],
     )
-    fault = fault_of(query, said.witnesses, judged)
-    return '' if fault is None else f'{_called(said.names[places[fault[0]]])}: {fault[1]}'
+    fault = fault_of(query, recorded.witnesses, judged)
+    return '' if fault is None else f'{_called(recorded.names[places[fault[0]]])}: {fault[1]}'
 
 
 def of_event_points(
@@ -170,9 +175,9 @@ def of_event_points(
     *,
     is_same: bool,
 ) -> Compared:
-    """Return whether the points of an event can be those of its pair, whose distance is right.
+    """Return the verdict on the points of an event whose distance was confirmed.
 
-    ``now`` is what is computed of the pair, ``is_same`` whether to the bit.
+    ``now`` are the results computed for its pair; ``is_same``: the distance is equal to the bit.
     """
     outcome = Outcome.SAME if is_same else Outcome.WITHIN
     if event.points is None or now.method[0] == _BOUND_ONLY:
@@ -182,14 +187,14 @@ def of_event_points(
         points = points[::-1]
     if np.array_equal(event.points, points):
         return Compared(outcome)
-    said = Witnesses(event.points[:1], event.points[1:], None, are_local=False)
+    witnesses = Witnesses(event.points[:1], event.points[1:], None, are_local=False)
     judged = Judged(
         places=[0],
         ids=np.array([[each.get_value() for each in pair]]),
         distance=np.array([event.distance]),
         error_bound=np.array([event.error_bound + float(now.error_bound[0])]),
     )
-    fault = fault_of(query, said, judged)
+    fault = fault_of(query, witnesses, judged)
     return Compared(Outcome.WITHIN) if fault is None else Compared(Outcome.REFUTED, fault[1])
 
 

@@ -1,4 +1,4 @@
-"""The poses of a recording over time, to be looked at."""
+"""Poses of a recording over time, for display."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.recordings.maps import told_maps
+from drake_geom_ros.recordings.maps import maps_remark
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.player import Player
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
@@ -22,7 +22,7 @@ from drake_geom_ros.scene_files import SceneDescription, poses_in_parents
 
 
 class TimedPoses(NamedTuple):
-    """Poses that hold from a time on until the next: of all frames that have one by then."""
+    """Poses of all frames that have one, valid from a time until the next."""
 
     time: float  # [s] since the recording began
     frames: tuple[Frame, ...]  # by source and name
@@ -36,11 +36,11 @@ def recorded_poses(
     topics: Topics | None = None,
     world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
-    tell: Callable[[str], None] | None = None,
+    warn: Callable[[str], None] | None = None,
 ) -> list[TimedPoses]:
-    """Return the poses of a recording, so often a second [Hz]; raises as ``clearance``.
+    """Return the poses of a recording at ``rate`` [Hz]; raises the errors of ``clearance``.
 
-    ``tell`` is called with what is not known, was refused, or could not be read.
+    ``warn`` is called with texts on unknown, refused and unreadable parts.
     """
     opened = opened_recording(
         path,
@@ -52,7 +52,7 @@ def recorded_poses(
         package_roots=package_roots,
     )
     player = Player(opened, StateBlocks(opened.playback, ()), rate)
-    found = []
+    timed_poses = []
     for block in player.blocks():
         still = _still(block)
         inspector = block.context_query().inspector()
@@ -61,18 +61,18 @@ def recorded_poses(
         rest = np.array([X_PF.ToArray() for X_PF in still.values()]).reshape(-1, 7)
         for stamp, rows in zip(block.times.tolist(), block.poses, strict=True):
             time = (stamp - player.begin) / NANOSECONDS
-            found.append(TimedPoses(time, names, np.vstack((rows, rest))))
-    if tell is not None:
-        told = [each.in_words(player.begin) for each in opened.recording.damage]
-        told += [each.words for each in opened.playback.troubles]
-        told += opened.playback.differences()
-        for words in [*told, *filter(None, [told_maps(opened.maps)])]:
-            tell(words)
-    return found
+            timed_poses.append(TimedPoses(time, names, np.vstack((rows, rest))))
+    if warn is not None:
+        warnings = [each.in_words(player.begin) for each in opened.recording.damage]
+        warnings += [each.words for each in opened.playback.troubles]
+        warnings += opened.playback.differences()
+        for words in [*warnings, *filter(None, [maps_remark(opened.maps)])]:
+            warn(words)
+    return timed_poses
 
 
 def _still(block: Block) -> dict[FrameId, RigidTransform]:
-    """Return the poses X_PF of the frames that have one, and are no part of a block's states."""
+    """Return X_PF of the posed frames that are not among the moving frames of a block."""
     X_PFs = poses_in_parents(block.context_query())
     others = {*map(FrameId, block.frames.tolist()), *block.waiting}
     return {frame: X_PF for frame, X_PF in X_PFs.items() if frame not in others}

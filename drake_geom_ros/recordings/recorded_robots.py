@@ -1,4 +1,4 @@
-"""A recorded ``robot_description`` beside a scene that may have the same robot."""
+"""Comparison of a recorded ``robot_description`` with the robots of the scene."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from drake_geom_ros.scene_files import read_scene, register, robot_name
 _HINT = 'the node takes that of the scene; --topic robot_description= says that they are the same'
 
 
-class GivenRobots:
-    """The robots of the scene that was given."""
+class SceneRobots:
+    """The robots of the scene at the start of a playback."""
 
     def __init__(self, live: LiveScene) -> None:
-        """``live`` holds what was given, and nothing that was recorded."""
+        """Note the sources of ``live``, before any recorded message changes it."""
         self._live = live
-        self._same: set[str] = set()  # texts of robots that the scene has
+        self._same: set[str] = set()  # descriptions of robots that the scene has
         with live.reading() as scene:
             inspector = scene.inspector
             self._sources = {*map(inspector.GetName, inspector.GetAllSourceIds())}
 
     def has(self, text: str) -> bool:
-        """Return whether the scene that was given has the robot of a URDF.
+        """Return whether the scene has the robot of a URDF.
 
-        Raises RuntimeError where it has another one of the name, and for what is no URDF.
+        Raises RuntimeError if it has a different robot of the name, and for an invalid URDF.
         """
         if text in self._same:
             return True
@@ -39,10 +39,10 @@ class GivenRobots:
         )
         register(alone := SceneGraph(), described)
         with self._live.reading() as scene:
-            given = _robot(table_of(scene.inspector), name)
+            own = _robot(table_of(scene.inspector), name)
         recorded = _robot(table_of(alone.model_inspector()), name)
-        others = recorded.without(given) | given.without(recorded)
-        others |= {each for each, _ in recorded.otherwise(given)}
+        others = recorded.without(own) | own.without(recorded)
+        others |= {each for each, _ in recorded.otherwise(own)}
         if others:
             raise RuntimeError(
                 f'the robot {name!r} of the scene that was given is another than the recorded one '
@@ -53,6 +53,6 @@ class GivenRobots:
 
 
 def _robot(table: SceneTable, name: str) -> SceneTable:
-    """Return the geometries of a robot; where its frames hang a scene file says."""
+    """Return the geometries of a robot, without frames, whose parents a scene file may change."""
     own = {n: each for n, each in table.geometries.items() if n.startswith(f'{name}::')}
     return SceneTable({}, own)

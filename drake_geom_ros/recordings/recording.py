@@ -1,4 +1,4 @@
-"""A recording as a stream of messages in the order in which they were recorded."""
+"""Recording as a stream of messages, in the order of recording."""
 
 from __future__ import annotations
 
@@ -18,54 +18,54 @@ _MOST_MESSAGES, _MOST_BYTES = 4096, 1 << 23  # of a batch
 
 
 class Recorded(NamedTuple):
-    """A message as it was recorded."""
+    """A recorded message."""
 
-    time: int  # [ns] when it was recorded
+    time: int  # [ns] of recording
     topic: Topic
-    message: Any  # None: its bytes are no message of its type
-    reason: str = ''  # why it is none
+    message: Any  # None: its bytes cannot be decoded as its type
+    reason: str = ''  # why they cannot
 
 
 class Recording:
     """The files of one recording, MCAP or sqlite3, whole or damaged.
 
-    ``topics`` are those of all files, ``damage`` is what could not be read so far; from ``begin``
-    to ``end`` [ns] go the messages of all topics, used or not. Raises RecordingError where nothing
-    can be read.
+    ``topics`` are those of all files, ``damage`` are the unreadable parts so far. ``begin`` and
+    ``end`` [ns] are the first and last time of all messages, used or not. Raises RecordingError if
+    nothing can be read.
     """
 
     def __init__(self, paths: str | Path | Sequence[str | Path]) -> None:
-        """``paths``: a file, a folder that rosbag2 wrote, or several of these."""
+        """Open ``paths``: a file, a folder that rosbag2 wrote, or several of these."""
         self._storages = [Storage(place) for place in places_of(paths)]
         self._missing = [Damage(str(path), Lost(_MISSING), 0) for path in missing_files(paths)]
         spans = [storage.span for storage in self._storages if storage.span is not None]
         self.begin = min((first for first, _ in spans), default=0)
         self.end = max((last for _, last in spans), default=0)
-        found = (topic for storage in self._storages for topic in storage.topics)
-        self.topics: list[Topic] = list(dict.fromkeys(found))
+        topics = (topic for storage in self._storages for topic in storage.topics)
+        self.topics: list[Topic] = list(dict.fromkeys(topics))
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is no message of any topic; one may be of the time 0."""
+        """True if there is no message of any topic; a message may have the time 0."""
         return all(storage.span is None for storage in self._storages)
 
     @property
     def files(self) -> list[Path]:
-        """The files and folders that are read."""
+        """The storage files and folders."""
         return [storage.path for storage in self._storages]
 
     @property
     def damage(self) -> list[Damage]:
-        """What could not be read, as far as messages were asked for."""
-        found = (each for storage in self._storages for each in storage.damage)
-        return list(dict.fromkeys([*self._missing, *found]))
+        """Unreadable parts, as far as messages were read."""
+        damages = (each for storage in self._storages for each in storage.damage)
+        return list(dict.fromkeys([*self._missing, *damages]))
 
     def messages(self, names: Collection[str]) -> Iterator[Recorded]:
-        """Yield the messages of some topics in the order of their times, file by file merged."""
+        """Yield the messages of some topics in the order of their times, merged over files."""
         return map(recorded, self._raw(names))
 
     def batches(self, names: Collection[str]) -> Iterator[list[Raw]]:
-        """Yield the messages of some topics as bytes, many at once."""
+        """Yield the messages of some topics as bytes, in batches."""
         batch, size = [], 0
         for raw in self._raw(names):
             batch.append(raw)
@@ -82,9 +82,9 @@ class Recording:
 
 
 def recorded(raw: Raw) -> Recorded:
-    """Return a message of its bytes."""
+    """Return the message of some bytes, or the reason why they cannot be decoded."""
     try:
         message, reason = message_of(raw.topic, raw.data), ''
-    except Exception as error:  # whatever the bytes make of a reader that is generated
+    except Exception as error:  # generated decoders raise any kind for invalid bytes
         message, reason = None, f'{raw.topic.type} cannot be read of its bytes: {error}'
     return Recorded(raw.time, raw.topic, message, reason)

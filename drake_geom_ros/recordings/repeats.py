@@ -1,4 +1,4 @@
-"""What of a batch of messages comes again and again, as arrays; and stretches of nothing else."""
+"""Repeating messages of a batch as arrays, and stretches of only such messages."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _FINITE = {JOINTS: ('position', 'velocity'), POSES: ('poses',), CLOCK: ()}
 
 
 class Stamp(NamedTuple):
-    """What is used of a builtin_interfaces/Time."""
+    """The fields of a builtin_interfaces/Time."""
 
     sec: int
     nanosec: int
@@ -52,20 +52,21 @@ class Repeated(NamedTuple):
     at: Indices  # (n,) their places in the batch
     seconds: Indices  # (n,) of stamps, or of the clock
     nanoseconds: Indices  # (n,)
-    numbers: Floats  # (n, k) positions, poses or transforms; of a clock none
-    # (n,) finite, and no clock that jumps; no stamp is that of the one before. Those of TF have
-    # one stamp each, behind that of the one before, and nothing of them is refused.
+    numbers: Floats  # (n, k) positions, poses or transforms; none for a clock
+    # (n,) usable in a run: numbers are finite, the clock does not jump, and the stamp differs
+    # from the previous one. Of TF, all transforms are valid and have one stamp, which is later
+    # than the previous one.
     is_good: Flags
 
 
 class Batch:
-    """Messages as bytes, and what of them comes again and again."""
+    """Messages as bytes, with the repeating ones as arrays."""
 
     def __init__(self, raws: Sequence[Raw], layouts: Layouts) -> None:
         self.raws = raws
         self.times = np.array([raw.time for raw in raws], dtype=np.int64)
         self.repeated = _repeated(raws, layouts)
-        # Of each message which of these it is part of, and where in that; -1: of none.
+        # The index in ``repeated`` of each message, and its row there; -1: it does not repeat.
         self.owner, self.row = np.full((2, len(raws)), -1, dtype=np.int64)
         self.is_good = np.zeros(len(raws), dtype=np.bool_)
         self.stamps = np.zeros((len(raws), 2), dtype=np.int64)
@@ -77,7 +78,7 @@ class Batch:
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Messages of a batch, one after another, that repeat."""
+    """Consecutive repeating messages of a batch."""
 
     batch: Batch
     begin: int
@@ -85,17 +86,17 @@ class Stretch:
 
     @property
     def count(self) -> int:
-        """How many messages there are."""
+        """Number of messages."""
         return self.end - self.begin
 
     @cached_property
     def owners(self) -> list[int]:
-        """Which repeated messages of the batch are here but for clocks: those of a sender each."""
-        here = np.unique(self.batch.owner[self.begin : self.end]).tolist()
-        return [k for k in here if self.batch.repeated[k].topic.type != CLOCK]
+        """Indices of the senders' repeated messages in the batch, without clocks."""
+        owners = np.unique(self.batch.owner[self.begin : self.end]).tolist()
+        return [k for k in owners if self.batch.repeated[k].topic.type != CLOCK]
 
     def rows_of(self, sender: int) -> tuple[Indices, Indices]:
-        """Return where a sender's messages are here, and where among all that it repeats."""
+        """Return places of a sender's messages in the stretch, and their rows in ``repeated``."""
         owner = self.batch.owner[self.begin : self.end]
         at = np.flatnonzero(owner == self.owners[sender])
         return at, self.batch.row[self.begin + at]
@@ -118,24 +119,25 @@ def _repeated(raws: Sequence[Raw], layouts: Layouts) -> list[Repeated]:
     alike: dict[tuple[Topic, int], list[int]] = {}
     for k, raw in enumerate(raws):
         alike.setdefault((raw.topic, len(raw.data)), []).append(k)
-    found = []
+    repeated = []
     for (topic, size), places in alike.items():
         if not layouts.may_know(topic, size, len(places)):
             continue
         at, rows = np.array(places), rows_of([raws[k].data for k in places])
         for layout, chosen in layouts.of(topic, rows):
-            found.append(_arrays_of(topic, layout, at[chosen], rows[chosen]))
-    return found
+            repeated.append(_arrays_of(topic, layout, at[chosen], rows[chosen]))
+    return repeated
 
 
 def _arrays_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeated:
-    """Return what messages of a layout say."""
+    """Return the contents of messages of a layout as arrays."""
     if topic.type == TF:
         return _transforms_of(topic, layout, at, rows)
     stamp = _STAMP[topic.type]
     parts = (layout.numbers(rows, f'{stamp}.{name}')[:, 0] for name in ('sec', 'nanosec'))
     seconds, nanoseconds = (part.astype(np.int64) for part in parts)
-    is_good = np.append(False, np.ones(len(at) - 1, dtype=np.bool_))  # behind what is not here
+    # The first has no previous one in the batch to compare with.
+    is_good = np.append(False, np.ones(len(at) - 1, dtype=np.bool_))
     for path in _FINITE[topic.type]:
         is_good &= np.isfinite(layout.numbers(rows, path)).all(axis=1)
     if topic.type == CLOCK:
@@ -149,7 +151,7 @@ def _arrays_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeat
 
 
 def _transforms_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeated:
-    """Return what messages of TF say."""
+    """Return the contents of TF messages as arrays."""
     seconds, nanoseconds = (
         layout.numbers(rows, f'{_STAMP[TF]}.{name}').astype(np.int64)
         for name in ('sec', 'nanosec')
@@ -164,7 +166,7 @@ def _transforms_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Re
         is_good &= (parts == parts[:, :1]).all(axis=1)
     stamps = zip(seconds[:, 0].tolist(), nanoseconds[:, 0].tolist(), strict=True)
     held = np.array([seconds_of(Stamp(*each)) for each in stamps])
-    is_good[0] = False  # behind what is not here
+    is_good[0] = False  # it has no previous one in the batch to compare with
     is_good[1:] &= (np.diff(held) > 0.0) | ((held == 0.0)[1:] & (held == 0.0)[:-1])
     return Repeated(
         topic, layout, at, seconds[:, 0], nanoseconds[:, 0], numbers.reshape(len(at), -1), is_good

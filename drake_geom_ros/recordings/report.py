@@ -1,4 +1,4 @@
-"""The folder of a report: tables, plot and page."""
+"""Files of a report: tables, plot and page."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drake_geom_ros.recordings.highlights import highlights
 from drake_geom_ros.recordings.page import Pictures, page
 from drake_geom_ros.recordings.plot import draw
 from drake_geom_ros.recordings.report_record import RECORD
-from drake_geom_ros.recordings.results import Told
+from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.tables import write_audit, write_csv, write_npz
 
 CSV, NPZ, PLOT, PAGE = 'clearance.csv', 'clearance.npz', 'clearance.png', 'report.html'
@@ -26,20 +26,20 @@ _ALL = (
 
 
 def check_folder(folder: Path, inputs: Iterable[str | Path | None]) -> None:
-    """Make the folder; raises FileExistsError where a file of it would replace an input."""
+    """Make the folder; raises FileExistsError if a file of the report would replace an input."""
     folder.mkdir(parents=True, exist_ok=True)
     check_outputs({name: folder / name for name in _ALL}, inputs)
 
 
 def leave_only(folder: Path, written: Iterable[Path]) -> None:
-    """Remove what an earlier report of other options left beside a new one."""
+    """Remove files of an earlier report that the new one did not write."""
     moments = (path.name for path in folder.glob(_MOMENT.format('*', '*')))
     for name in {*_ALL, *moments} - {path.name for path in written}:
         (folder / name).unlink(missing_ok=True)
 
 
 def write_report(
-    found: Told,
+    run: RunAnalysis,
     folder: Path,
     title: str,
     files: Sequence[str],
@@ -49,16 +49,24 @@ def write_report(
     compared: Sequence[SetComparison] | None = None,
 ) -> list[Path]:
     """Write the files of a report about recorded ``files``; return them."""
-    write_csv(found, folder / CSV)
-    write_npz(found, folder / NPZ)
-    told = highlights(found, thresholds)
-    plot = draw(found, told, thresholds, title)
+    write_csv(run, folder / CSV)
+    write_npz(run, folder / NPZ)
+    highlights_by_set = highlights(run, thresholds)
+    plot = draw(run, highlights_by_set, thresholds, title)
     with whole_file(folder / PLOT, 'wb') as picture:
         picture.write(plot)
     with whole_file(folder / PAGE) as text:
         beside = b'' if compared is None else (folder / comparison_report.PICTURE).read_bytes()
-        text.write(page(found, told, title, files, plot, audited, pictures, compared, beside))
-    names = [CSV, NPZ, PLOT, PAGE, *_write_pictures(folder, list(told), pictures or {})]
+        text.write(
+            page(run, highlights_by_set, title, files, plot, audited, pictures, compared, beside)
+        )
+    names = [
+        CSV,
+        NPZ,
+        PLOT,
+        PAGE,
+        *_write_pictures(folder, list(highlights_by_set), pictures or {}),
+    ]
     if audited is not None:
         write_audit(audited, folder / AUDIT)
         names.append(AUDIT)

@@ -1,4 +1,4 @@
-"""What is found of a recording: least distances over time, and all that was not told."""
+"""Results of a recording: minimum distances over time, and reservations about them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
-from drake_geom_ros.recordings.maps import told_maps
+from drake_geom_ros.recordings.maps import maps_remark
 from drake_geom_ros.recordings.playback import Refused, Trouble
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.set_clearance import (
@@ -33,122 +33,122 @@ _MOST_NAMES = 8
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """Least distances of sets of pairs over N states in a row."""
+    """Minimum distances of sets of pairs over N consecutive states."""
 
     times: Floats  # (N,) [s] since the recording began
     stamps: Indices  # (N,) [ns] when the messages were recorded
-    # (N,) how far all frames went until then: [m] of their origins, and [rad] of their turns
+    # (N,) way of all frames until then: [m] of their origins plus [rad] of their turns
     travelled: Floats
     sets: Mapping[str, SetClearance]
 
 
 @dataclass(frozen=True, eq=False)
 class Facts:
-    """What is known of a recording as a whole.
+    """Facts about a recording as a whole.
 
-    ``gaps`` are the times without a state for longer than ``stale_after``, from the first to the
-    last message of the recording, of whatever topic: a sender that died before the end leaves one.
+    ``gaps`` are the times without a state for longer than ``stale_after``. They are sought from
+    the first to the last message of any topic, so that a sender that died early leaves a gap.
     """
 
-    begin: int  # [ns] the first message of the recording, used or not
-    end: int  # [ns] the last one
+    begin: int  # [ns] of the first message of the recording, used or not
+    end: int  # [ns] of the last one
     gaps: tuple[Span, ...]
-    silence: Span  # the longest time without a state, be it a gap or not
+    silence: Span  # the longest time without a state, a gap or not
     damage: tuple[Damage, ...]
-    refused: tuple[Refused, ...]  # messages that say nothing of use, by topic
-    maps: tuple[str, ...]  # topics of what sensors see, which is in no distance
+    refused: tuple[Refused, ...]  # refused messages, by topic
+    maps: tuple[str, ...]  # topics of sensor data, which are in no distance
     differences: tuple[str, ...]  # between the recorded ``~/scene`` and the scene played here
     troubles: tuple[Trouble, ...]
     stale_after: float  # [s]
     max_distance: float  # [m]
-    travelled_in_all: float  # as ``States.travelled`` of the last state
+    travelled_in_all: float  # ``States.travelled`` of the last state
     seconds_reading: float
     seconds_computing: float
-    # By set the moments in which things were closest for a while, the closest one first.
+    # Moments of locally minimum distance by set, the closest one first.
     moments: Mapping[str, tuple[CloseMoment, ...]]
 
     @property
     def duration(self) -> float:
-        """How long the recording is [s]."""
+        """Duration of the recording [s]."""
         return (self.end - self.begin) / NANOSECONDS
 
 
 @dataclass(frozen=True, eq=False)
-class Told(Facts):
-    """What is known of a recording as a whole, and its states, which may be too many to hold."""
+class RunAnalysis(Facts):
+    """Facts about a recording, with its states, which may be too many to hold in memory."""
 
     @abstractmethod
     def parts(self) -> Iterator[States]:
-        """Yield all states, some in a row at a time."""
+        """Yield all states in consecutive parts."""
 
     @cached_property
     def _sums(self) -> dict[str, _Sum]:
-        found = {name: _Sum() for name in self.moments}
+        sums = {name: _Sum() for name in self.moments}
         for part in self.parts():
             for name, pairs in part.sets.items():
-                found[name].take(pairs)
-        return found
+                sums[name].take(pairs)
+        return sums
 
     @property
     def count(self) -> int:
-        """How many states there are."""
+        """Number of states."""
         return next(iter(self._sums.values())).states
 
     def certified(self, name: str) -> Certified:
-        """Return what is proved of the motion; raises ArgumentError: it was not asked."""
+        """Return the certificate of a set's motion; ArgumentError if none was requested."""
         return self._sums[name].proofs.result()
 
     @property
     def is_certified(self) -> bool:
-        """Whether motions were asked to be certified."""
+        """True if certificates of motions were requested."""
         return any(each.is_certified for each in self._sums.values())
 
     def reservations(self) -> list[str]:
-        """Return in words what is not known; empty where everything is."""
-        told = [each.in_words(self.begin) for each in self.damage]
+        """Return texts on everything that is not known; empty if the result is complete."""
+        reservations = [each.in_words(self.begin) for each in self.damage]
         if self.gaps:
             lost = sum(gap.end - gap.begin for gap in self.gaps)
             ends = 'at the beginning' if self.gaps[0].begin <= 0.0 else ''
             if self.gaps[-1].end >= self.duration:
                 ends += f'{" and " if ends else ""}at the end'
-            told.append(
+            reservations.append(
                 f'{counted(len(self.gaps), "gap")} without data, {lost:.3f} s in all'
                 f'{f", also {ends} of the recording" if ends else ""}'
             )
-        told += [each.in_words() for each in self.refused]
-        told += [trouble.words for trouble in self.troubles if trouble.is_doubt]
-        if maps := told_maps(self.maps):
-            told.append(maps)
-        told += self.differences
+        reservations += [each.in_words() for each in self.refused]
+        reservations += [trouble.words for trouble in self.troubles if trouble.is_doubt]
+        if maps := maps_remark(self.maps):
+            reservations.append(maps)
+        reservations += self.differences
         for name, each in self._sums.items():
-            told += [f'{name}: {words}' for words in each.reservations()]
-        return told
+            reservations += [f'{name}: {words}' for words in each.reservations()]
+        return reservations
 
     def least(self, name: str = '', *, allow_incomplete: bool = False) -> Moment:
-        """Return the state and pair of the least lower bound, of one set or of all.
+        """Return the moment and pair of the minimum lower bound, of one set or of all.
 
-        Raises IncompleteRecordingError where anything is not known, unless ``allow_incomplete``:
-        then what is known counts, stale poses too; and where nothing is known.
+        Raises IncompleteRecordingError if there are reservations, unless ``allow_incomplete``:
+        then known pairs count, with stale poses too. Also raises it if no pair is known.
         """
         sums = [self._sums[name]] if name else list(self._sums.values())
-        if not allow_incomplete and (told := self.reservations()):
+        if not allow_incomplete and (reservations := self.reservations()):
             raise IncompleteRecordingError(
-                f'the recording does not tell all: {"; ".join(told)}. allow_incomplete=True takes '
-                'what is known'
+                f'the recording does not tell all: {"; ".join(reservations)}. '
+                'allow_incomplete=True takes what is known'
             )
-        found = [(each.lower, each.least) for each in sums if each.least is not None]
-        if not found:
+        minima = [(each.lower, each.least) for each in sums if each.least is not None]
+        if not minima:
             raise IncompleteRecordingError('no pair is known at any time of the recording')
-        return min(found, key=lambda pair: pair[0])[1]
+        return min(minima, key=lambda pair: pair[0])[1]
 
 
 @dataclass(frozen=True, eq=False)
-class Clearances(States, Told):
-    """Least distances of sets of pairs over the N states of a recording: ``found['all']``."""
+class Clearances(States, RunAnalysis):
+    """Minimum distances of sets of pairs over the N states of a recording, by set name."""
 
     @classmethod
     def of(cls, facts: Facts, parts: list[States]) -> Clearances:
-        """Put parts that follow each other together."""
+        """Return the concatenation of consecutive parts."""
         return cls(
             times=np.concatenate([part.times for part in parts]),
             stamps=np.concatenate([part.stamps for part in parts]),
@@ -158,22 +158,22 @@ class Clearances(States, Told):
         )
 
     def __getitem__(self, name: str) -> SetClearance:
-        """Return a set of pairs by its name, ``'all'`` where none were named."""
+        """Return a set of pairs by its name, ``'all'`` if none was named."""
         return self.sets[name]
 
     def parts(self) -> Iterator[States]:
-        """Yield all states at once."""
+        """Yield all states as one part."""
         yield self
 
 
 class _Sum:
-    """What is told of all states of a set of pairs, taken part by part."""
+    """Accumulator of the summary of a set of pairs."""
 
     def __init__(self) -> None:
         self.states = self._stale = self._waiting = self._left_out = 0
-        self._first, self._last = math.inf, 0.0  # [s] stale ones
+        self._first, self._last = math.inf, 0.0  # [s] of stale states
         self._frames: dict[str, None] = {}
-        self.lower = math.inf  # [m] the least
+        self.lower = math.inf  # [m] minimum lower bound
         self.least: Moment | None = None
         self.proofs, self.is_certified = Proofs(), False
 

@@ -1,4 +1,4 @@
-"""One pass through a recording: its states are asked about, block by block."""
+"""One pass through a recording, which computes the distances of its states block by block."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from drake_geom_ros.batch import LeastDistances, evaluate
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.close_moments import CloseMoments
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.kept_states import KeptStates
 from drake_geom_ros.recordings.motions import Motions
 from drake_geom_ros.recordings.opened import Opened
 from drake_geom_ros.recordings.pair_sets import PairSet
@@ -26,15 +25,16 @@ from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.results import Facts, States
 from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 from drake_geom_ros.recordings.states import Block, StateBlocks, Travelled
-from drake_geom_ros.recordings.topics import told_nothing
+from drake_geom_ros.recordings.stored_states import StoredStates
+from drake_geom_ros.recordings.topics import topics_remark
 
 Progress = Callable[[int, float], None]  # states, seconds of the recording
 STALE_AFTER = 1.0  # [s] the node's default
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked of each state, as the arguments of ``clearance`` say; raises ArgumentError."""
+class RunOptions:
+    """Options of a run, as arguments of ``clearance``; raises ArgumentError for invalid ones."""
 
     sets: tuple[PairSet, ...]
     max_distance: float = math.inf  # [m]
@@ -68,43 +68,43 @@ class Run:
     def __init__(
         self,
         opened: Opened,
-        asked: Asked,
+        options: RunOptions,
         *,
         threads: int = 0,
         executor: Executor | None = None,
         progress: Progress | None = None,
     ) -> None:
-        """Take a recording that was not played yet; nobody else may play it."""
-        self._opened, self._asked = opened, asked
+        """Prepare to play a recording, which was not played yet, and is not played elsewhere."""
+        self._opened, self._options = opened, options
         self._threads, self._executor, self._progress = threads, executor, progress
-        self._player = Player(opened, StateBlocks(opened.playback, asked.sets), asked.rate)
+        self._player = Player(opened, StateBlocks(opened.playback, options.sets), options.rate)
         self._motions = [
-            Motions(k, asked.certify, asked.accuracy, asked.stale_after, threads)
-            for k in range(len(asked.sets) if asked.certify else 0)
+            Motions(k, options.certify, options.accuracy, options.stale_after, threads)
+            for k in range(len(options.sets) if options.certify else 0)
         ]
         self._travelled = Travelled()
         duration = (self._player.end - self._player.begin) / NANOSECONDS
-        self._moments = {pairs.name: CloseMoments(duration) for pairs in asked.sets}
+        self._moments = {pairs.name: CloseMoments(duration) for pairs in options.sets}
         self._gaps: list[Span] = []
         self._silence = Span(0.0, 0.0)  # the longest time without a state
-        self._last = 0.0  # [s] the time of the last state
+        self._last = 0.0  # [s] of the last state
         self._seconds = self._computing = 0.0
 
-    def parts(self, kept: KeptStates | None = None) -> Iterator[States]:
-        """Yield the states and what is found; raises RecordingError where there are none.
+    def parts(self, stored: StoredStates | None = None) -> Iterator[States]:
+        """Yield the states with their distances; raises RecordingError if there are none.
 
-        What is ``kept`` of another pass is not computed again, and what is found is kept there.
+        Blocks that are ``stored`` by another pass are not computed again; new ones are added.
         """
         start = time.perf_counter()
         for block in self._player.blocks():
-            question = '' if kept is None else self._question(block)
+            question = '' if stored is None else self._question(block)
             began = time.perf_counter()
             travelled = self._travelled.take(block)
-            states = None if kept is None else kept.find(question)
+            states = None if stored is None else stored.find(question)
             if states is None:
-                states = self._answered(block, travelled)
-                if kept is not None:
-                    kept.add(question, states)
+                states = self._computed(block, travelled)
+                if stored is not None:
+                    stored.add(question, states)
             else:
                 for motions in self._motions:
                     motions.pass_over(block)
@@ -119,11 +119,11 @@ class Run:
             troubles = [trouble.words for trouble in self._opened.playback.troubles][:5]
             raise RecordingError(
                 'nothing that was recorded poses anything of the scene; '
-                + '; '.join([told_nothing(recording.topics, roles), *troubles])
+                + '; '.join([topics_remark(recording.topics, roles), *troubles])
             )
 
     def facts(self) -> Facts:
-        """Return what is known of the recording, all of its states having been taken."""
+        """Return the facts about the recording, after all ``parts`` were taken."""
         begin, end = self._player.begin, self._player.end
         self._note_gaps(np.array([(end - begin) / NANOSECONDS]))
         return Facts(
@@ -136,8 +136,8 @@ class Run:
             maps=self._opened.maps,
             differences=self._opened.playback.differences(),
             troubles=tuple(self._opened.playback.troubles),
-            stale_after=self._asked.stale_after,
-            max_distance=self._asked.max_distance,
+            stale_after=self._options.stale_after,
+            max_distance=self._options.max_distance,
             travelled_in_all=self._travelled.in_all,
             seconds_reading=self._seconds - self._computing,
             seconds_computing=self._computing,
@@ -145,89 +145,90 @@ class Run:
         )
 
     def _take(self, block: Block, states: States) -> None:
-        """Note what is told of the whole recording."""
+        """Update the closest moments and gaps of the whole recording."""
         for name, moments in self._moments.items():
             moments.take(block, states.sets[name])
         self._note_gaps(states.times)
 
     def _note_gaps(self, times: NDArray[np.float64]) -> None:
-        """Note where no state is for longer than poses stay fresh."""
+        """Add the gaps between states that are longer than ``stale_after``."""
         ends = np.append(self._last, times)
         silences = np.diff(ends)
         k = int(np.argmax(silences))
         if silences[k] > self._silence.end - self._silence.begin:
             self._silence = Span(float(ends[k]), float(ends[k + 1]))
-        for k in np.flatnonzero(silences > self._asked.stale_after).tolist():
+        for k in np.flatnonzero(silences > self._options.stale_after).tolist():
             self._gaps.append(Span(float(ends[k]), float(ends[k + 1])))
         self._last = float(ends[-1])
 
     def _question(self, block: Block) -> str:
-        """Return what tells the question about a block from others, for the same options."""
-        files = sorted((str(p), told) for p, told in self._opened.playback.robot_files.items())
+        """Return a digest of a block and its robot files, to recognise stored states."""
+        digests = self._opened.playback.robot_files
+        files = sorted((str(path), digest) for path, digest in digests.items())
         return sha256(f'{block.digest()} {files}'.encode()).hexdigest()
 
-    def _answered(self, block: Block, travelled: NDArray[np.float64]) -> States:
-        """Return the states of a block with what is found of them."""
+    def _computed(self, block: Block, travelled: NDArray[np.float64]) -> States:
+        """Return the states of a block with their distances."""
         times = (block.times - self._player.begin) / NANOSECONDS
         sets = {
             pairs.name: self._of_set(block, number, times)
-            for number, pairs in enumerate(self._asked.sets)
+            for number, pairs in enumerate(self._options.sets)
         }
         return States(times, block.times, travelled, sets)
 
     def _of_set(self, block: Block, number: int, times: NDArray[np.float64]) -> SetClearance:
-        found, count, asked = self._least(block, number), len(times), block.asked[number]
+        least, count, selected = self._least(block, number), len(times), block.selected[number]
         nothing, nowhere = np.full(count, np.nan), np.full((count, 3), np.nan)
         names: dict[str, int] = {}
         columns: dict[str, Any] = {
-            'known_distance': nothing if found is None else found.distance,
-            'known_error_bound': nothing if found is None else found.error_bound,
-            'p_WCa': nowhere if found is None else found.p_WCa,
-            'p_WCb': nowhere if found is None else found.p_WCb,
+            'known_distance': nothing if least is None else least.distance,
+            'known_error_bound': nothing if least is None else least.error_bound,
+            'p_WCa': nowhere if least is None else least.p_WCa,
+            'p_WCb': nowhere if least is None else least.p_WCb,
         }
         for side in ('A', 'B'):
-            columns[f'geometry_{side}'] = _places(found, side, count, names)
+            columns[f'geometry_{side}'] = _places(least, side, count, names)
         if self._motions:
-            motion = self._motions[number].take(block, found)
+            motion = self._motions[number].take(block, least)
             columns['motion'], columns['motion_bound'] = motion
         inspector = block.context_query().inspector()
         ages = block.ages[:, number]
         return SetClearance(
-            name=self._asked.sets[number].name,
+            name=self._options.sets[number].name,
             times=times,
             names=tuple(names),
             age=ages,
-            left_out=np.full(count, asked.left_out, dtype=np.int64),
-            waiting_frames=tuple(inspector.full_name(frame) for frame in asked.waiting),
-            is_stale=ages > self._asked.stale_after,
+            left_out=np.full(count, selected.left_out, dtype=np.int64),
+            waiting_frames=tuple(inspector.full_name(frame) for frame in selected.waiting),
+            is_stale=ages > self._options.stale_after,
             **columns,
         )
 
     def _least(self, block: Block, number: int) -> LeastDistances | None:
-        """Return the least distances of a block; None where no pair is known."""
-        pairs = block.asked[number]
+        """Return the minimum distances of a block; None if no pair is known."""
+        pairs = block.selected[number]
         if not pairs.considered.any():
             return None
-        found = evaluate(
+        distances = evaluate(
             block.narrowed(pairs),
             block.frames,
             block.poses,
-            max_distance=self._asked.max_distance,
-            accuracy=self._asked.accuracy,
+            max_distance=self._options.max_distance,
+            accuracy=self._options.accuracy,
             threads=self._threads,
             executor=self._executor,
         )
-        assert isinstance(found, LeastDistances)
-        return found
+        assert isinstance(distances, LeastDistances)
+        return distances
 
 
 def _places(
-    found: LeastDistances | None, side: str, count: int, names: dict[str, int]
+    least: LeastDistances | None, side: str, count: int, names: dict[str, int]
 ) -> NDArray[np.int32]:
-    """Return the places of geometries among the names, -1 for none; new names are added."""
-    if found is None:
+    """Return the indices (N,) of geometries in ``names``, -1 for none; add new names."""
+    if least is None:
         return np.full(count, -1, dtype=np.int32)
-    values, each = np.unique(getattr(found, f'id_{side}'), return_inverse=True)
-    told: Sequence[str] = found.names_of(values).tolist()
-    places = [names.setdefault(name, len(names)) if name else -1 for name in told]
+    values, each = np.unique(getattr(least, f'id_{side}'), return_inverse=True)
+    geometry_names: Sequence[str] = least.names_of(values).tolist()
+    places = [names.setdefault(name, len(names)) if name else -1 for name in geometry_names]
     return np.array(places, dtype=np.int32)[each]

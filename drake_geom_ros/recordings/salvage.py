@@ -1,4 +1,4 @@
-"""What is left in damaged storage files: of an MCAP each chunk, of a database row by row."""
+"""Recovery of messages from damaged storage files: chunks of MCAP files, rows of databases."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.raw_messages import Lost, Raw, Topic
 from drake_geom_ros.recordings.schemas import DEFINED
 
-_RECORD = struct.Struct('<BQ')  # how each record of an MCAP begins: kind, length
+_RECORD = struct.Struct('<BQ')  # head of each record of an MCAP: kind, length
 _CHUNK = struct.Struct('<QQQII')  # times, size and checksum, length of the compression's name
 _IS_CHUNK = 6
 
 
 def rest_of(path: Path, lost: list[Lost]) -> Iterator[Raw]:
-    """Yield the messages that can be read of a damaged file, and append what cannot."""
+    """Yield the readable messages of a damaged file, and append the losses to ``lost``."""
     yield from (_of_mcap if path.suffix == '.mcap' else _of_sqlite)(path, lost)
 
 
 def words_of(error: BaseException) -> str:
-    """Return an error in one line; its kind where it is a mere name or nothing."""
+    """Return an error in one line, with its type if its text is only a name or empty."""
     words = ' '.join(str(error).split())
     kind = type(error).__name__
     return f'{kind} {words}'.strip() if isinstance(error, KeyError) else words or kind
 
 
 def _of_mcap(path: Path, lost: list[Lost]) -> Iterator[Raw]:
-    """Yield the messages of the whole chunks in the order of the file, sorted in each chunk.
+    """Yield the messages of intact chunks in the order of the file, sorted in each chunk.
 
-    And those at the beginning of a chunk in which the file breaks off.
+    Then yield those at the beginning of a truncated chunk.
     """
     from mcap.records import Chunk
     from mcap.stream_reader import StreamReader, breakup_chunk
@@ -49,12 +49,12 @@ def _of_mcap(path: Path, lost: list[Lost]) -> Iterator[Raw]:
                     yield from reader.messages([record])
                     continue
                 try:
-                    found = reader.messages(breakup_chunk(record, validate_crc=True))
+                    messages = reader.messages(breakup_chunk(record, validate_crc=True))
                 except Exception as error:
                     span = record.message_start_time, record.message_end_time
                     lost.append(Lost(f'a chunk is damaged and left out: {words_of(error)}', span))
                     continue
-                yield from found
+                yield from messages
         except GeneratorExit:
             raise
         except Exception as error:
@@ -63,28 +63,28 @@ def _of_mcap(path: Path, lost: list[Lost]) -> Iterator[Raw]:
 
 
 class _Records:
-    """Takes the records of an MCAP in their order, and returns its messages."""
+    """Decoder of the records of an MCAP in their order."""
 
     def __init__(self) -> None:
         self._topics: dict[int, Topic] = {}
         self._schemas: dict[int, Any] = {}
 
     def messages(self, records: Iterable[Any]) -> list[Raw]:
-        """Return those among some records by their times; raises whatever damage makes of it."""
+        """Return the messages among records by time; damage raises any kind of exception."""
         from mcap.records import Channel, Message, Schema
 
-        found = []
+        messages = []
         for record in records:
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
                 self._topics[record.id] = self._topic(record)
             elif isinstance(record, Message):
-                found.append(Raw(record.log_time, self._topics[record.channel_id], record.data))
-        return sorted(found, key=lambda raw: raw.time)
+                messages.append(Raw(record.log_time, self._topics[record.channel_id], record.data))
+        return sorted(messages, key=lambda raw: raw.time)
 
     def _topic(self, channel: Any) -> Topic:
-        """Return the topic of a channel; 0 is the number of no schema."""
+        """Return the topic of a channel, whose schema 0 is none."""
         if not channel.schema_id:
             return Topic(channel.topic, '')
         schema = self._schemas[channel.schema_id]
@@ -92,27 +92,27 @@ class _Records:
         return Topic(channel.topic, schema.name, schema.encoding, text)
 
     def messages_known(self, records: Iterable[Any]) -> list[Raw]:
-        """Return those whose topics are known: what tells of these may be damaged."""
-        found = []
+        """Return the messages whose topics are known, since records of topics may be damaged."""
+        messages = []
         for record in records:
             with suppress(Exception):
-                found += self.messages([record])
-        return sorted(found, key=lambda raw: raw.time)
+                messages += self.messages([record])
+        return sorted(messages, key=lambda raw: raw.time)
 
 
 def _begun_chunk(path: Path, at: int) -> list[Any]:
-    """Return the whole records at the beginning of a chunk whose end the file has not.
+    """Return the complete records at the beginning of a truncated chunk.
 
-    Nothing of it bears a checksum that could be checked: what is not cut is as it was written.
-    The layout is that of https://mcap.dev/spec: kind and length of a record, then of a chunk its
-    times, size, checksum, compression and the length of its data.
+    They have no checksum that could be verified. The layout is that of https://mcap.dev/spec:
+    kind and length of a record, then times, size, checksum, compression and data length of a
+    chunk.
     """
     from mcap.stream_reader import StreamReader
 
     with path.open('rb') as file:
         file.seek(at)
         data = file.read()
-    found: list[Any] = []
+    intact: list[Any] = []
     try:
         kind, length = _RECORD.unpack_from(data)
         if kind != _IS_CHUNK or length <= len(data) - _RECORD.size:
@@ -122,14 +122,14 @@ def _begun_chunk(path: Path, at: int) -> list[Any]:
         compression = data[begin : begin + named].decode()
         records = _decompressed(data[begin + named + 8 :], compression)
         for record in StreamReader(BytesIO(records), skip_magic=True, emit_chunks=True).records:
-            found.append(record)
-    except Exception:  # at the cut: what came before is whole
-        return found
-    return found
+            intact.append(record)
+    except Exception:  # at the cut; earlier records are complete
+        return intact
+    return intact
 
 
 def _decompressed(data: bytes, compression: str) -> bytes:
-    """Return what the beginning of compressed data tells."""
+    """Return the decompressed beginning of truncated data."""
     if compression == 'lz4':
         from lz4.frame import LZ4FrameDecompressor
 
@@ -142,7 +142,7 @@ def _decompressed(data: bytes, compression: str) -> bytes:
 
 
 def rows_by_time(path: Path, lost: list[Lost]) -> Iterator[Raw]:
-    """Yield the messages of a whole database in the order of their times."""
+    """Yield the messages of an intact database in the order of their times."""
     return _of_sqlite(path, lost, order='timestamp, id')
 
 
@@ -151,13 +151,13 @@ def _of_sqlite(path: Path, lost: list[Lost], order: str = 'id') -> Iterator[Raw]
     unnamed = 0
     try:
         with closing(sqlite3.connect(_place(path), uri=True)) as database:
-            # Else a file that is shorter than its header says is refused as a whole.
+            # Without this SQLite refuses a file that is shorter than its header says.
             database.execute('PRAGMA writable_schema=ON')
             if strange := strange_part_of(database):
                 raise sqlite3.DatabaseError(strange)
             topics = _topics(database)
-            asked = f'SELECT topic_id, timestamp, data FROM messages ORDER BY {order}'
-            for number, time, data in database.execute(asked):
+            select = f'SELECT topic_id, timestamp, data FROM messages ORDER BY {order}'
+            for number, time, data in database.execute(select):
                 if number in topics and isinstance(time, int) and isinstance(data, bytes):
                     yield Raw(time, topics[number], data)
                 else:
@@ -169,14 +169,14 @@ def _of_sqlite(path: Path, lost: list[Lost], order: str = 'id') -> Iterator[Raw]
 
 
 def strange_part_of(database: sqlite3.Connection) -> str:
-    """Return what a database holds that no recorder writes; empty for nothing.
+    """Return a remark about a part of a database that no recorder writes; empty for none.
 
-    A view may go on for ever, and a virtual table or a computed column do anything.
+    A view may be endless, and a virtual table or a computed column may run anything.
     """
-    asked = (
+    select = (
         "SELECT type, name, sql FROM sqlite_master WHERE name NOT LIKE 'sqlite\\_%' ESCAPE '\\'"
     )
-    for kind, name, text in database.execute(asked):
+    for kind, name, text in database.execute(select):
         words = str(text).upper().split()[:2]
         if kind not in ('table', 'index') or words == ['CREATE', 'VIRTUAL']:
             return f'it holds the {kind} {name!r}, which no recorder writes'
@@ -189,27 +189,27 @@ def strange_part_of(database: sqlite3.Connection) -> str:
 
 
 def check_database(path: Path) -> None:
-    """Raise sqlite3.Error for a database that is none, or is not as recorders write it."""
+    """Raise sqlite3.Error for an invalid database, or one with parts that no recorder writes."""
     with closing(sqlite3.connect(_place(path), uri=True)) as database:
         if strange := strange_part_of(database):
             raise sqlite3.DatabaseError(strange)
 
 
 def hidden_fault_of(path: Path) -> str:
-    """Return what is wrong with a database that can be read to its end; empty for nothing.
+    """Return the fault of a database that reads without an error; empty for none.
 
-    A harmed page may hide rows without an error: SQLite's own check holds rows and indices against
-    each other. It bears no checksums: numbers that are others than were written are not seen.
+    A damaged page may hide rows without an error, so SQLite's own check compares rows and
+    indices. There are no checksums, so changed numbers remain undetected.
     """
     strays = 'SELECT count(*) FROM messages LEFT JOIN topics ON topics.id = topic_id'
     try:
         with closing(sqlite3.connect(_place(path), uri=True)) as database:
-            ((told,),) = database.execute('PRAGMA integrity_check(1)')
+            ((verdict,),) = database.execute('PRAGMA integrity_check(1)')
             ((count,),) = database.execute(f'{strays} WHERE topics.id IS NULL')
     except sqlite3.Error as error:
         return words_of(error)
-    if told != 'ok':
-        return f'it is damaged: {words_of(ValueError(told))}'
+    if verdict != 'ok':
+        return f'it is damaged: {words_of(ValueError(verdict))}'
     return f'{counted(count, "message")} of it have no topic' if count else ''
 
 
@@ -229,8 +229,8 @@ def _topics(database: sqlite3.Connection) -> dict[Any, Topic]:
 
 def _definitions(database: sqlite3.Connection) -> dict[str, tuple[str, str]]:
     """Return encoding and text of message types, which recordings have since ROS 2 Iron."""
-    asked = 'SELECT topic_type, encoding, encoded_message_definition FROM message_definitions'
+    select = 'SELECT topic_type, encoding, encoded_message_definition FROM message_definitions'
     try:
-        return {kind: (encoding, text) for kind, encoding, text in database.execute(asked)}
+        return {kind: (encoding, text) for kind, encoding, text in database.execute(select)}
     except sqlite3.Error:
         return {}

@@ -1,4 +1,4 @@
-"""Differences between the scene that a node published and the one that is played here."""
+"""Differences between the scene that a node published and the one of the playback."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SUBJECT = 'the scene that is played here'
 
 
 class _Placed(NamedTuple):
-    """A geometry that distances are computed of."""
+    """A geometry with the proximity role, as far as distances depend on it."""
 
     frame: str
     pose: tuple[float, ...]  # X_FG: x y z qx qy qz qw
@@ -39,23 +39,23 @@ class SceneTable(NamedTuple):
         return {*self.frames, *self.geometries}
 
     def without(self, other: SceneTable) -> set[str]:
-        """Return the names that ``other`` lacks; of a frame that it lacks, the frame alone."""
+        """Return the names that ``other`` lacks; for a missing frame only its own name."""
         frames = self.frames.keys() - other.frames.keys()
         geometries = self.geometries.keys() - other.geometries.keys()
         return frames | {n for n in geometries if self.geometries[n].frame not in frames}
 
     def otherwise(self, other: SceneTable) -> Iterator[tuple[str, str]]:
-        """Yield the names that both have, and what is not the same of them."""
+        """Yield the names that both have with differences, and the kind of the difference."""
         for name in self.frames.keys() & other.frames.keys():
             if self.frames[name] != other.frames[name]:
                 yield name, 'parent'
         for name in self.geometries.keys() & other.geometries.keys():
-            mine, their = self.geometries[name], other.geometries[name]
-            if not _is_pose(mine.pose, their.pose):
+            a, b = self.geometries[name], other.geometries[name]
+            if not _is_pose(a.pose, b.pose):
                 yield name, 'pose in its frame'
-            sizes = mine.type, mine.vertices, len(mine.dimensions)
-            is_like = sizes == (their.type, their.vertices, len(their.dimensions))
-            if not (is_like and np.allclose(mine.dimensions, their.dimensions, atol=0)):
+            sizes = a.type, a.vertices, len(a.dimensions)
+            is_like = sizes == (b.type, b.vertices, len(b.dimensions))
+            if not (is_like and np.allclose(a.dimensions, b.dimensions, atol=0)):
                 yield name, 'shape'
 
 
@@ -78,7 +78,7 @@ def table_of_message(message: Any) -> SceneTable:
 
 
 class _Shape:
-    """A Shape message without ROS."""
+    """Stand-in for a Shape message, without ROS."""
 
     type = 0
     mesh_uri = ''
@@ -107,20 +107,20 @@ def table_of(inspector: SceneGraphInspector) -> SceneTable:
 
 
 class SceneDifferences:
-    """Takes the recorded ``~/scene`` of nodes and collects in what the played scene differs.
+    """Collects differences between the recorded ``~/scene`` of nodes and the played scene.
 
-    What a table shows and the played scene lacks, or has otherwise, counts at once. What the
-    played scene has beyond it counts where an earlier table had it or the last one lacks it: a
-    node that starts does not yet have all that it reads.
+    Parts of a recorded scene that the played one lacks, or has differently, count at once. Parts
+    that only the played scene has count if an earlier recorded scene had them, or the last one
+    lacks them, since a starting node does not yet have everything that it reads.
     """
 
     def __init__(self) -> None:
         self._last: dict[str, SceneTable] = {}  # by topic
         self._seen: dict[str, set[str]] = {}
-        self._found: dict[tuple[str, str], dict[str, None]] = {}  # names by topic and kind
+        self._differences: dict[tuple[str, str], dict[str, None]] = {}  # names by topic and kind
 
     def take(self, topic: str, message: Any, inspector: SceneGraphInspector) -> None:
-        """Compare a recorded Scene message with the scene that is played now."""
+        """Compare a recorded Scene message with the current scene."""
         recorded, played = table_of_message(message), table_of(inspector)
         self._last[topic] = recorded
         self._note(topic, f'shows what {_SUBJECT} lacks', recorded.without(played))
@@ -131,31 +131,31 @@ class SceneDifferences:
         seen |= recorded.names
 
     def in_words(self, inspector: SceneGraphInspector) -> list[str]:
-        """Return the differences at the end of the recording; empty for none."""
+        """Return texts on the differences at the end of the recording; empty for none."""
         played = table_of(inspector)
         for topic, recorded in self._last.items():
             self._note(topic, _LACKS, played.without(recorded))
         return [
             f'{topic} {kind}: {few_of(list(names))}'
-            for (topic, kind), names in self._found.items()
+            for (topic, kind), names in self._differences.items()
         ]
 
     def _note(self, topic: str, kind: str, names: Any) -> None:
         if names:
-            self._found.setdefault((topic, kind), {}).update(dict.fromkeys(sorted(names)))
+            self._differences.setdefault((topic, kind), {}).update(dict.fromkeys(sorted(names)))
 
 
 _LACKS = f'lacks what {_SUBJECT} has'
 
 
 def _placed(frame: str, pose: tuple[float, ...], shape: Any) -> _Placed:
-    """Return a geometry of a Shape message, or of what has its fields."""
+    """Return a geometry of a Shape message, or of a stand-in with its fields."""
     sizes = tuple(map(float, shape.dimensions))
     return _Placed(frame, pose, int(shape.type), sizes, len(shape.vertices))
 
 
 def _is_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
-    """Return whether two poses are the same; a quaternion and its negative turn alike."""
+    """Return whether two poses are equal, with either sign of the quaternions."""
     a, b = np.array(first), np.array(second)
     turns = min(np.abs(a[3:] - b[3:]).max(), np.abs(a[3:] + b[3:]).max())
     scale = max(1.0, np.abs(a[:3]).max())

@@ -1,8 +1,7 @@
-"""Schemas of MCAP that are none of ROS 2: rosbags refuses a file for one, on whatever topic.
+"""Support for MCAP files with schemas that are not of ROS 2, which rosbags refuses.
 
 A bridge writes ``protobuf`` or ``jsonschema`` beside ROS topics, and ``ros2 bag record`` writes
-``unknown`` with an empty text where it cannot find a definition. None of it matters to other
-topics.
+``unknown`` with an empty text if it cannot find a definition. Other topics remain readable.
 """
 
 from __future__ import annotations
@@ -13,12 +12,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-DEFINED = ('ros2msg', 'ros2idl', 'omgidl')  # encodings of schemas that are texts
+DEFINED = ('ros2msg', 'ros2idl', 'omgidl')  # encodings of schemas as text
 _patching = threading.Lock()
 
 
 class _NoText(str):
-    """Stands for bytes that are no UTF-8."""
+    """Placeholder text for bytes that are not UTF-8."""
 
     __slots__ = ('error',)
     error: UnicodeDecodeError
@@ -26,11 +25,11 @@ class _NoText(str):
 
 @contextmanager
 def any_schema() -> Iterator[None]:
-    """Have rosbags open MCAP files with any schema.
+    """Let rosbags open MCAP files with any schema within the context.
 
-    A schema of another encoding counts as a definition without a format whose text is the name of
-    the encoding. All else that is no UTF-8 raises UnicodeDecodeError as before. rosbags has no
-    option for it, so its two functions are replaced while a file is opened.
+    A schema of another encoding becomes a definition without a format, whose text is the name of
+    the encoding. Other bytes that are not UTF-8 raise UnicodeDecodeError as before. rosbags has
+    no option for this, so its functions are replaced while a file is opened.
     """
     from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat
     from rosbags.rosbag2 import storage_mcap
@@ -75,7 +74,7 @@ def any_schema() -> Iterator[None]:
 
 @contextmanager
 def open_reader(path: Path) -> Iterator[Any]:
-    """Open a recording by rosbags; raises exceptions of many kinds for what it cannot read."""
+    """Open a recording by rosbags, which raises many kinds of exceptions for invalid files."""
     from rosbags.rosbag2 import Reader
 
     reader = Reader(path)
@@ -88,7 +87,7 @@ def open_reader(path: Path) -> Iterator[Any]:
 
 
 def _check(fields: Any) -> None:
-    """Raise UnicodeDecodeError where a field that has to be a text is none."""
+    """Raise UnicodeDecodeError if a field that has to be a text is not UTF-8."""
     for field in fields:
         if isinstance(field, _NoText):
             raise field.error

@@ -1,4 +1,4 @@
-"""The least distances of a set of pairs over states in a row."""
+"""Minimum distances of a set of pairs over consecutive states."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drake_geom_ros.geometry import ArgumentError
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-# By state, and present in each set; of motions only where they are certified.
+# Columns by state; those of motions exist only if motions are certified.
 COLUMNS = (
     *('known_distance', 'known_error_bound', 'geometry_A', 'geometry_B'),
     *('p_WCa', 'p_WCb', 'age', 'left_out', 'is_stale'),
@@ -31,20 +31,20 @@ class Span(NamedTuple):
 
 
 class Certified(NamedTuple):
-    """What is proved of the motion between states: all of it is clear if all motions are."""
+    """Certificate of the motions between states; the whole motion is clear if all are."""
 
-    lower_bound: float  # [m] of the clear ones, the least; nan where there is none
-    span: Span | None  # where that is
-    clear: int  # motions from one state to the next
-    contact: int  # that come into contact
-    unknown: int  # of which nothing is proved
+    lower_bound: float  # [m] minimum over the clear motions; nan if there is none
+    span: Span | None  # of the motion with this bound
+    clear: int  # number of clear motions from one state to the next
+    contact: int  # number of motions with a contact
+    unknown: int  # number of motions without a proof
 
 
 class Moment(NamedTuple):
-    """The pair of the least lower bound at a time."""
+    """The pair with the minimum lower bound at a time."""
 
     time: float  # [s] since the recording began
-    distance: float  # [m]; inf: farther than was asked for
+    distance: float  # [m]; inf: all pairs are beyond ``max_distance``
     error_bound: float  # [m]
     name_A: str
     name_B: str
@@ -54,89 +54,89 @@ class Moment(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SetClearance:
-    """The least distance of a set of pairs in each of N states.
+    """Minimum distance of a set of pairs in each of N states.
 
     ``distance`` and ``error_bound`` are those of ``batch.evaluate`` with ``want='least'``, and nan
-    where the state ``is_waiting`` or ``is_stale``: there ``known_distance`` is what the pairs and
-    poses that are known tell, nan where no pair is known. inf: all pairs are certified to be
-    farther apart than ``max_distance``.
+    if the state ``is_waiting`` or ``is_stale``. ``known_distance`` is the minimum over the known
+    pairs and poses, nan if no pair is known. inf: all pairs are certified to be farther apart
+    than ``max_distance``.
     """
 
     name: str
     times: Floats  # (N,) [s] since the recording began
     known_distance: Floats  # (N,) [m]
     known_error_bound: Floats  # (N,) [m]
-    geometry_A: NDArray[np.int32]  # (N,) places in ``names``; -1 where no pair is told
+    geometry_A: NDArray[np.int32]  # (N,) indices into ``names``; -1 if there is no pair
     geometry_B: NDArray[np.int32]  # (N,)
     names: tuple[str, ...]
     p_WCa: Floats  # (N, 3) [m] witness points
     p_WCb: Floats  # (N, 3) [m]
-    age: Floats  # (N,) [s] of the oldest pose that matters; inf: unknown
-    left_out: Indices  # (N,) how many pairs wait for a pose
-    waiting_frames: tuple[str, ...]  # for which they wait, at any time
-    is_stale: Flags  # (N,) a pose that matters is older than ``stale_after``, or of unknown age
-    # Of the motion to each state from the one before, where it was asked to be certified:
+    age: Floats  # (N,) [s] of the oldest pose used; inf: unknown
+    left_out: Indices  # (N,) number of pairs omitted for lack of a pose
+    waiting_frames: tuple[str, ...]  # frames without a pose at any state
+    is_stale: Flags  # (N,) a pose used is older than ``stale_after``, or of unknown age
+    # The motion to each state from the previous one, if certificates were requested:
     motion: NDArray[np.int8] | None = None  # (N,) 0: unknown, 1: clear, 2: contact
-    motion_bound: Floats | None = None  # (N,) [m] certified all the way; nan but of a clear one
+    motion_bound: Floats | None = None  # (N,) [m] certified lower bound; nan unless clear
 
     @property
     def is_waiting(self) -> Flags:
-        """Whether pairs are left out (N,), for frames that never had a pose."""
+        """True (N,) if pairs are omitted because frames have never received a pose."""
         return self.left_out > 0
 
     @property
     def is_whole(self) -> Flags:
-        """Whether a state tells of all pairs, by fresh poses (N,)."""
+        """True (N,) if a state is complete: all pairs, with fresh poses."""
         return ~(self.is_waiting | self.is_stale)
 
     @property
     def distance(self) -> Floats:
-        """The least distance (N,) [m], nan where not all is known."""
+        """Minimum distance (N,) [m], nan in incomplete states."""
         return np.where(self.is_whole, self.known_distance, np.nan)
 
     @property
     def error_bound(self) -> Floats:
-        """How far the distance may be off (N,) [m], nan where that is."""
+        """Error bound of the distance (N,) [m], nan in incomplete states."""
         return np.where(self.is_whole, self.known_error_bound, np.nan)
 
     @property
     def lower_bound(self) -> Floats:
-        """Distance minus error bound (N,) [m]: no pair is certified to be nearer."""
+        """Distance minus error bound (N,) [m]: every pair is certified to be this far apart."""
         return self.distance - self.error_bound
 
     @property
     def name_A(self) -> NDArray[np.str_]:
-        """The name of the first geometry (N,), empty where no pair is told."""
+        """Name of the first geometry (N,), empty if there is no pair."""
         return np.array([*self.names, ''])[self.geometry_A]
 
     @property
     def name_B(self) -> NDArray[np.str_]:
-        """The name of the second geometry (N,)."""
+        """Name of the second geometry (N,), empty if there is no pair."""
         return np.array([*self.names, ''])[self.geometry_B]
 
     @property
     def known_lower_bound(self) -> Floats:
-        """The lower bound (N,) [m] by the pairs and poses that are known."""
+        """Lower bound (N,) [m] over the known pairs and poses."""
         return self.known_distance - self.known_error_bound
 
     def certified(self) -> Certified:
-        """Return what is proved of the whole motion; raises ArgumentError: it was not asked."""
+        """Return the certificate of the whole motion; ArgumentError if none was requested."""
         proofs = Proofs()
         proofs.take(self)
         return proofs.result()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return what is held by state, but for the times."""
+        """Return the columns by state, without the times."""
         names = COLUMNS if self.motion is None else (*COLUMNS, *MOTION_COLUMNS)
         return {name: getattr(self, name) for name in names}
 
     def some(self, states: Indices | slice) -> SetClearance:
-        """Return some of the states."""
+        """Return the rows of some states."""
         columns: dict[str, Any] = {n: values[states] for n, values in self.columns().items()}
         return replace(self, times=self.times[states], **columns)
 
     def at(self, state: int) -> Moment:
-        """Return what is known of a state."""
+        """Return the moment of a state, by its known pairs."""
         a, b = int(self.geometry_A[state]), int(self.geometry_B[state])
         return Moment(
             float(self.times[state]),
@@ -144,23 +144,23 @@ class SetClearance:
             float(self.known_error_bound[state]),
             '' if a < 0 else self.names[a],
             '' if b < 0 else self.names[b],
-            self.p_WCa[state].copy(),  # and no view of all others
+            self.p_WCa[state].copy(),  # a view would keep all states alive
             self.p_WCb[state].copy(),
         )
 
 
 class Proofs:
-    """Counts what is proved of motions, over the states of a recording part by part."""
+    """Accumulator of the certificate of motions, over the states of a recording."""
 
     def __init__(self) -> None:
         self._counts = np.zeros(3, dtype=np.int64)
         self._least, self._span = math.nan, Span(math.nan, math.nan)
         self._time: float | None = None  # [s] of the last state
-        self._was_asked = False
+        self._is_requested = False
 
     def take(self, pairs: SetClearance) -> None:
-        """Take the next states; the motion to the first state of all is none."""
-        self._was_asked = pairs.motion is not None and pairs.motion_bound is not None
+        """Process the next states; there is no motion to the very first state."""
+        self._is_requested = pairs.motion is not None and pairs.motion_bound is not None
         if pairs.motion is None or pairs.motion_bound is None or not len(pairs.times):
             return
         first = int(self._time is None)
@@ -176,8 +176,8 @@ class Proofs:
             self._span = Span(float(before[k]), float(pairs.times[k]))
 
     def result(self) -> Certified:
-        """Return what is proved; raises ArgumentError: it was not asked."""
-        if not self._was_asked:
+        """Return the certificate; raises ArgumentError if none was requested."""
+        if not self._is_requested:
             raise ArgumentError('motions were not certified: clearance(..., certify=0.001)')
         unknown, clear, contact = self._counts.tolist()
         span = self._span if clear else None
@@ -185,11 +185,11 @@ class Proofs:
 
 
 def joined(parts: Sequence[SetClearance]) -> SetClearance:
-    """Return the states of parts that follow each other as one."""
+    """Return the concatenation of consecutive parts."""
     names: dict[str, int] = {}
     columns: dict[str, list[NDArray[Any]]] = {}
     for part in parts:
-        # The last one stands for none: -1.
+        # The last entry, at index -1, stands for no geometry.
         places = [*(names.setdefault(name, len(names)) for name in part.names), -1]
         for name, values in {'times': part.times, **part.columns()}.items():
             if name in ('geometry_A', 'geometry_B'):

@@ -1,4 +1,4 @@
-"""The states of a played scene in blocks: poses of the frames that move, above one still scene."""
+"""States of a played scene in blocks: poses of moving frames over one static scene."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.recordings.pair_sets import AskedPairs, PairSet, asked_pairs
+from drake_geom_ros.recordings.pair_sets import PairSet, SelectedPairs, selected_pairs
 from drake_geom_ros.recordings.playback import Playback
 from drake_geom_ros.ros.inputs.pose_runs import PoseRun
 from drake_geom_ros.ros.scene.clocks import Since
@@ -21,75 +21,76 @@ from drake_geom_ros.ros.scene.editable_scene import EditableScene
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-_NUMBERS = 2**20  # of a block's poses: 8 MB
+_NUMBERS = 2**20  # in a block's poses: 8 MB
 _MOST_STATES = 16384
 
 
 @dataclass(frozen=True)
 class Block:
-    """Some states (N) of one scene."""
+    """N consecutive states of one scene."""
 
-    context: SceneGraphContext  # all that does not move, and what waits at any place
-    asked: tuple[AskedPairs, ...]  # of each set of pairs
-    frames: Indices  # (n,) id values of the frames that move
+    context: SceneGraphContext  # static poses, and arbitrary ones of frames without a pose
+    selected: tuple[SelectedPairs, ...]  # of each set of pairs
+    frames: Indices  # (n,) id values of the moving frames
     times: Indices  # (N,) [ns]
-    poses: Floats  # (N, n, 7) X_PF, as they came
-    ages: Floats  # (N, sets) [s] of the oldest pose that matters; inf: of unknown age
-    waiting: tuple[FrameId, ...]  # frames that wait for their first pose
+    poses: Floats  # (N, n, 7) X_PF as received
+    ages: Floats  # (N, sets) [s] of the oldest pose used; inf: unknown
+    waiting: tuple[FrameId, ...]  # frames without a pose
 
     def context_query(self) -> QueryObject:
-        """Return a query object of the still scene."""
+        """Return a query object of the static scene."""
         return QueryObject(self.context)
 
     def alone(self, state: int) -> Block:
-        """Return one of the states, by itself."""
+        """Return a block of only one state."""
         one = slice(state, state + 1)
         own = {name: getattr(self, name)[one].copy() for name in ('times', 'poses', 'ages')}
         return replace(self, **own)
 
     def digest(self) -> str:
-        """Return what tells the states from others of a scene, in other processes, too."""
+        """Return a digest of the states, which is equal in other processes."""
         inspector = self.context_query().inspector()
         names = [inspector.full_name(FrameId(value)) for value in self.frames.tolist()]
-        found = sha256('\n'.join(names).encode())
-        for values in (self.times, self.poses, self.ages, *(a.considered for a in self.asked)):
-            found.update(str(values.shape).encode() + values.tobytes())
-        return found.hexdigest()
+        sha = sha256('\n'.join(names).encode())
+        considered = (pairs.considered for pairs in self.selected)
+        for values in (self.times, self.poses, self.ages, *considered):
+            sha.update(str(values.shape).encode() + values.tobytes())
+        return sha.hexdigest()
 
-    def narrowed(self, pairs: AskedPairs) -> SceneGraphContext:
-        """Return the still scene with some pairs alone."""
+    def narrowed(self, pairs: SelectedPairs) -> SceneGraphContext:
+        """Return the static scene restricted to some pairs."""
         return self.context.narrowed(pairs.considered)
 
 
 class _Latest:
-    """The poses that came last, as they came, by frame."""
+    """The latest received poses by frame."""
 
     def __init__(self) -> None:
-        self.generation = 0  # grows when other frames came, or one that is no part of states
+        self.generation = 0  # grows with new frames, and when a frame outside the states moves
         self.columns: dict[int, int] = {}
         self.rows: Floats = np.zeros((0, 7))
-        self.still: set[int] = set()  # that came, and are no part of states
-        self._known: dict[bytes, tuple[Indices, Indices]] = {}
+        self.still: set[int] = set()  # received frames that are not part of states
+        self._places: dict[bytes, tuple[Indices, Indices]] = {}  # by list of ids
 
     def forget(self) -> None:
-        """Know of no frame: those of before are gone."""
+        """Forget all frames, which another scene replaces."""
         self.__init__()  # type: ignore[misc]
 
-    def keep(self, ids: Indices, rows: Floats) -> None:
-        """Take the poses (n, 7) of frames."""
+    def update(self, ids: Indices, rows: Floats) -> None:
+        """Store the poses (n, 7) of frames."""
         key = ids.tobytes()
-        if key not in self._known:
+        if key not in self._places:
             self._learn(key, ids)
-        columns, still = self._known[key]
+        columns, still = self._places[key]
         if still.size and (rows[still] != self.rows[columns[still]]).any():
             self.generation += 1
         self.rows[columns] = rows
 
     def set_still(self, frames: set[int]) -> None:
-        """Say which frames are no part of states."""
+        """Set the frames that are not part of states."""
         if frames != self.still:
             self.still = frames
-            self._known.clear()
+            self._places.clear()
 
     def _learn(self, key: bytes, ids: Indices) -> None:
         new = [frame for frame in ids.tolist() if frame not in self.columns]
@@ -99,50 +100,50 @@ class _Latest:
                 zip(new, range(len(self.rows), len(self.rows) + len(new)), strict=True)
             )
             self.rows = np.vstack((self.rows, np.zeros((len(new), 7))))
-        if len(self._known) >= 1000:  # a sender whose lists never repeat
-            self._known.clear()
+        if len(self._places) >= 1000:  # a sender whose lists of frames never repeat
+            self._places.clear()
         columns = np.array([self.columns[frame] for frame in ids.tolist()], dtype=np.int64)
         still = np.flatnonzero([frame in self.still for frame in ids.tolist()])
-        self._known[key] = columns, still
+        self._places[key] = columns, still
 
 
 class Travelled:
-    """How far the frames of a recording went, state by state."""
+    """Accumulator of the way that the frames of a recording travelled."""
 
     def __init__(self) -> None:
-        self.in_all = 0.0  # until the last state that was taken
+        self.in_all = 0.0  # until the last state
         self._before: Block | None = None
 
     def take(self, block: Block) -> Floats:
-        """Return it of the states of a block (N,); other frames begin where they are."""
+        """Return the way (N,) until each state of a block; new frames begin at rest."""
         poses, before, self._before = block.poses, self._before, block
         is_same = before is not None and np.array_equal(before.frames, block.frames)
         first = before.poses[-1:] if before is not None and is_same else poses[:1]
         poses = np.concatenate((first, poses))
         way = np.linalg.norm(np.diff(poses[..., :3], axis=0), axis=-1)
-        # The chord of two quaternions keeps the small angles that a cosine loses.
+        # The chord of two quaternions resolves small angles that a cosine loses.
         same, turned = (
             np.linalg.norm(poses[1:, :, 3:] - sign * poses[:-1, :, 3:], axis=-1)
             for sign in (1, -1)
         )
         half = np.arcsin(np.minimum(np.minimum(same, turned) / 2.0, 1.0))
-        # One running sum of all states: that of each block by itself would round elsewhere.
+        # One running sum over all states, so that rounding does not depend on block sizes.
         steps = np.concatenate(([self.in_all], (way + 4.0 * half).sum(axis=1)))
-        found = np.cumsum(steps)[1:]
-        self.in_all = float(found[-1])
-        return found
+        travelled = np.cumsum(steps)[1:]
+        self.in_all = float(travelled[-1])
+        return travelled
 
 
 class RunStates(NamedTuple):
     """The states of a run."""
 
     times: list[int]  # (n,) [ns]
-    messages: list[int]  # (n,) how many messages of the run were taken before
-    ages: list[list[float]]  # (n, sets) [s] of the oldest pose that matters
+    messages: list[int]  # (n,) number of messages of the run before the state
+    ages: list[list[float]]  # (n, sets) [s] of the oldest pose used
 
 
 class PoseSince:
-    """Since when the poses that matter to a set of pairs hold; those of a run by its senders."""
+    """Times since when the poses used by a set of pairs hold; in a run, by sender."""
 
     def __init__(
         self, scene: EditableScene, needed: Collection[FrameId], run: PoseRun | None = None
@@ -154,13 +155,13 @@ class PoseSince:
         self._groups = [group for group in groups if not frames.isdisjoint(group.frames)]
 
     def oldest(self, age: Callable[[Since], float], heard: Sequence[Since] = ()) -> float:
-        """Return the age [s] of the oldest, by what was heard last of each sender."""
+        """Return the age [s] of the oldest pose, by the last message of each sender."""
         since = {*self._still, *(group.since(heard) for group in self._groups)}
         return max((math.inf if each is None else age(each) for each in since), default=0.0)
 
 
 class StateBlocks:
-    """Collects the states of a scene that is played; a block is full, or its scene changes."""
+    """Collects the states of a played scene; a block ends if it is full or the scene changes."""
 
     def __init__(self, playback: Playback, pairs: Sequence[PairSet]) -> None:
         self._playback = playback
@@ -173,31 +174,31 @@ class StateBlocks:
             self._watch(scene)
 
     def take(self, time: int) -> Iterator[Block]:
-        """Take the state of now [ns]; yield the block before it where it is done."""
+        """Add the current state at ``time`` [ns]; yield the block that this completes."""
         with self._playback.live.editing() as scene:
             yield from self._ready(scene)
             k = len(self._times)
             self._poses[k] = self._latest.rows[self._moving]
             age = self._playback.clocks.ages()
-            for s, pairs in enumerate(self._asked):
+            for s, pairs in enumerate(self._selected):
                 self._ages[k, s] = PoseSince(scene, pairs.needed).oldest(age)
             self._times.append(time)
         if len(self._times) == len(self._poses):
             yield from self.rest()
 
     def begin_run(self, run: PoseRun) -> Iterator[Block]:
-        """Make ready for the states of a run; yield the block before it where it is done."""
+        """Prepare for the states of a run; yield the block that this completes."""
         with self._playback.live.editing() as scene:
             yield from self._ready(scene)
-            self._run_ages = [PoseSince(scene, each.needed, run) for each in self._asked]
+            self._run_ages = [PoseSince(scene, each.needed, run) for each in self._selected]
 
     def ages_of_run(self, heard: Sequence[Since]) -> list[float]:
-        """Return the age [s] of now of the oldest pose that matters to each set of pairs."""
+        """Return the current age [s] of the oldest pose that each set of pairs uses."""
         age = self._playback.clocks.ages()
         return [each.oldest(age, heard) for each in self._run_ages]
 
     def take_run(self, run: PoseRun, states: RunStates) -> Iterator[Block]:
-        """Take the states of a run; yield the blocks that are full."""
+        """Add the states of a run; yield the blocks that are full."""
         moving = {frame: k for k, frame in enumerate(self._frames.tolist())}
         columns = np.array([moving[frame] for frame in run.ids.tolist()], dtype=np.int64)
         latest = self._latest.rows[self._moving]
@@ -220,12 +221,12 @@ class StateBlocks:
             self._begin(scene)
 
     def rest(self) -> Iterator[Block]:
-        """Yield the states that were taken and not yielded yet."""
+        """Yield the states that were added and not yielded yet."""
         if count := len(self._times):
             times, self._times = np.array(self._times, dtype=np.int64), []
             yield Block(
                 context=self._context,
-                asked=self._asked,
+                selected=self._selected,
                 frames=self._frames,
                 times=times,
                 poses=self._poses[:count].copy(),
@@ -234,18 +235,18 @@ class StateBlocks:
             )
 
     def _watch(self, scene: EditableScene) -> None:
-        scene.keep_rows = self._keep
+        scene.keep_rows = self._update
         self._watched = scene.version
 
-    def _keep(self, ids: Indices, rows: Floats) -> None:
+    def _update(self, ids: Indices, rows: Floats) -> None:
         with self._playback.live.reading() as scene:
-            if scene.version != self._watched:  # another scene: its frames are others
+            if scene.version != self._watched:  # frames of another scene
                 self._latest.forget()
                 self._watched = scene.version
-        self._latest.keep(ids, rows)
+        self._latest.update(ids, rows)
 
     def _begin(self, scene: EditableScene) -> None:
-        """Begin a block with the scene of now."""
+        """Begin a block with the current scene."""
         if scene.version != self._watched:
             self._latest.forget()
             self._watched = scene.version
@@ -256,8 +257,8 @@ class StateBlocks:
         self._frames = np.array(moving, dtype=np.int64)
         self._moving = np.array([self._latest.columns[f] for f in moving], dtype=np.int64)
         self._context = scene.view().context
-        self._asked = tuple(asked_pairs(QueryObject(self._context), p) for p in self._pairs)
-        # What waits is in no pair that is considered; any pose lets the others be asked about.
+        self._selected = tuple(selected_pairs(QueryObject(self._context), p) for p in self._pairs)
+        # Frames without a pose are in no considered pair; any pose lets other pairs be queried.
         self._waiting = tuple(QueryObject(self._context).waiting_frames())
         anywhere = FramePoseVector({frame: RigidTransform() for frame in self._waiting})
         self._context.UpdateFramePoses(anywhere)

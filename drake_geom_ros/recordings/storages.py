@@ -1,7 +1,7 @@
-"""Storage files, message by message as bytes: whole ones by rosbags, of damaged ones what is left.
+"""Storage files as streams of raw messages: intact ones by rosbags, damaged ones by salvage.
 
-A whole file is read in the order of its times. What is wrong with a damaged one is kept as
-``Damage``, with the time until which it told something.
+An intact file is read in the order of its times. Damage of a file is recorded as ``Damage``, with
+the time of the last readable message.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ _LIBRARIES = (
 )
 
 
-_LAST = 2**63 - 1  # [ns] the last time that any clock of ROS tells, in the year 2262
+_LAST = 2**63 - 1  # [ns] the last time that ROS can represent, in the year 2262
 
 
 class Storage:
     """One file of a recording, or a folder whose files are compressed as a whole."""
 
     def __init__(self, path: Path) -> None:
-        """Look which topics there are; raises RecordingError where nothing can be read."""
+        """Read the topics and the time span; raises RecordingError if nothing can be read."""
         self.path = path
         self.damage: list[Damage] = []
         self.topics: list[Topic] = []
@@ -62,13 +62,13 @@ class Storage:
                 return
             except GeneratorExit:
                 raise
-            except Exception as error:  # of rosbags, sqlite or any codec: nobody lists them
+            except Exception as error:  # of rosbags, sqlite or any codec, without a common type
                 self._reason = words_of(error)
             if self.path.is_dir():
                 self._damaged(self._reason, until)
                 return
         for raw in self._rest(names):
-            # What was read before the damage is not read twice.
+            # Messages before the damage were yielded already.
             if raw.time > until:
                 yield raw
 
@@ -88,7 +88,7 @@ class Storage:
         except Exception as error:
             if self.path.is_dir():
                 raise RecordingError(f'{self.path}: {words_of(error)}') from None
-            # rosbags knows no definition of another encoding, which may be of an unused topic.
+            # rosbags refuses definitions of other encodings, possibly of unused topics.
             self._is_foreign = _is_foreign(self.path, error)
             self._is_whole, self.span = False, None
             self._reason = words_of(error)
@@ -99,23 +99,23 @@ class Storage:
                 ) from None
 
     def _look_at_the_rest(self) -> None:
-        found: dict[Topic, None] = {}
+        topics: dict[Topic, None] = {}
         for raw in rest_of(self.path, []):
             if raw.time > _LAST:
                 continue
-            found[raw.topic] = None
+            topics[raw.topic] = None
             first, last = self.span or (raw.time, raw.time)
             self.span = min(first, raw.time), max(last, raw.time)
-        self.topics = list(found)
+        self.topics = list(topics)
 
     def _whole(self, names: Collection[str]) -> Iterator[Raw]:
         with open_reader(self.path) as reader:
-            asked = [each for each in reader.connections if each.topic in names]
-            topics = {(each.topic, each.id): _topic(each) for each in asked}
-            if not asked:
+            connections = [each for each in reader.connections if each.topic in names]
+            topics = {(each.topic, each.id): _topic(each) for each in connections}
+            if not connections:
                 return
-            left = sum(each.msgcount for each in asked)
-            for connection, time, data in reader.messages(asked):
+            left = sum(each.msgcount for each in connections)
+            for connection, time, data in reader.messages(connections):
                 left -= 1
                 yield Raw(time, topics[connection.topic, connection.id], data)
         if left > 0:
@@ -129,7 +129,7 @@ class Storage:
         return hidden_fault_of(self.path)
 
     def _rest(self, names: Collection[str]) -> Iterator[Raw]:
-        """Yield what can be read of a damaged file of some topics, and note what cannot."""
+        """Yield the readable messages of some topics in a damaged file, and note its damage."""
         lost: list[Lost] = []
         until = beyond = 0
         rows = rows_by_time if self._is_foreign else rest_of
@@ -155,23 +155,23 @@ class Storage:
 
 
 def _is_foreign(path: Path, error: Exception) -> bool:
-    """Return whether a database is refused for the encoding of a definition alone."""
+    """Return whether a database is refused only for the encoding of a definition."""
     key = error.args[0] if isinstance(error, KeyError) and error.args else None
     return path.suffix == '.db3' and isinstance(key, str) and key not in DEFINED
 
 
 def _check_time(last: int) -> None:
-    """Raise RecordingError for the time [ns] of a last message that no clock tells."""
+    """Raise RecordingError if the time [ns] of the last message is beyond that of ROS."""
     if last > _LAST:
         raise RecordingError(f'a message was recorded at {last} ns, behind the year 2262')
 
 
 def _topic(connection: Any) -> Topic:
-    """Return a topic of rosbags."""
+    """Return the topic of a rosbags connection."""
     from rosbags.interfaces import MessageDefinitionFormat
 
     kind = {MessageDefinitionFormat.MSG: 'ros2msg', MessageDefinitionFormat.IDL: 'ros2idl'}
     encoding, text = kind.get(connection.msgdef.format, ''), connection.msgdef.data
-    if not encoding:  # the text is the name of another one
+    if not encoding:  # the text is the name of another encoding
         encoding, text = text, ''
     return Topic(connection.topic, connection.msgtype, encoding, text)

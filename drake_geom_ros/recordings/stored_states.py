@@ -1,8 +1,8 @@
-"""States in a file while a recording is played: memory stays flat, and what was found is not lost.
+"""Storage of computed states on disk, which bounds memory and allows a run to be resumed.
 
-Rows stand in one file, and a line of another one tells of each block: the digest of what was asked
-about it, that of its rows, and names. A block counts if both digests are right; so half a block,
-or a disk that lost what it was told, is computed again.
+Rows are in one file, and another has a line for each block: the digest of the question about it,
+the digest of its rows, and names. A block is valid if both digests match, so that half a block,
+or one that the disk lost, is computed again.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.recordings.results import Facts, States, Told
+from drake_geom_ros.recordings.results import Facts, RunAnalysis, States
 from drake_geom_ros.recordings.set_clearance import COLUMNS, MOTION_COLUMNS, SetClearance
 
-_ROWS, _BLOCKS, _ASKED = 'states', 'blocks.jsonl', 'asked.json'
+_ROWS, _BLOCKS, _REQUEST = 'states', 'blocks.jsonl', 'asked.json'
 _TIMES = 'times', 'stamps', 'travelled'
 _WIDE = 'p_WCa', 'p_WCb'  # of three numbers a state
 _TYPES = {'stamps': '<i8', 'left_out': '<i8', 'geometry_A': '<i4', 'geometry_B': '<i4'}
@@ -28,7 +28,7 @@ _TYPES |= {'is_stale': '?', 'motion': 'i1'}  # others are '<f8'
 
 
 class _Line(NamedTuple):
-    """What is told of a block."""
+    """Index entry of a block."""
 
     question: str
     states: int
@@ -37,14 +37,14 @@ class _Line(NamedTuple):
     waiting: list[list[str]]  # frames, by set
 
 
-class KeptStates:
-    """A folder with the states of a recording that were found so far."""
+class StoredStates:
+    """A folder with the states of a recording that were computed so far."""
 
     def __init__(
-        self, folder: Path, sets: Sequence[str], asked: Mapping[str, Any], *, certified: bool
+        self, folder: Path, sets: Sequence[str], request: Mapping[str, Any], *, certified: bool
     ) -> None:
-        """Look what is there of the same ``asked``, which is as JSON is, and sets of pairs."""
-        self._folder, self._sets, self._asked = folder, list(sets), dict(asked)
+        """Open a folder; contents of another ``request``, a JSON value, are removed."""
+        self._folder, self._sets, self._request = folder, list(sets), dict(request)
         columns = (*COLUMNS, *(MOTION_COLUMNS if certified else ()))
         self._columns = columns
         self._dtype = np.dtype(
@@ -55,27 +55,27 @@ class KeptStates:
                 for name in columns
             ]
         )
-        self._rows = self._bytes = 0  # how long what counts is, in both files
+        self._rows = self._bytes = 0  # length of the valid part of both files
         self._left = self._lines()
-        if not self._is_of_the_same():
+        if not self._has_same_request():
             self.remove()
 
     def find(self, question: str) -> States | None:
-        """Return the states of the next block if they are kept; None: ``add`` them."""
+        """Return the states of the next block if they are stored, or None to ``add`` them."""
         line = next(self._left, None)
         if line is not None and line.question == question:
             rows = self._read(self._rows, line.states)
             if _digest(rows) == line.rows:
                 self._go_on(line)
                 return self._states(rows, line)
-        self._left.close()  # what stands behind is not what comes next
+        self._left.close()  # later lines do not match the next blocks
         return None
 
     def add(self, question: str, states: States) -> None:
-        """Keep the states of the next block."""
+        """Store the states of the next block."""
         if not self._folder.exists():
             self._folder.mkdir(parents=True)
-            (self._folder / _ASKED).write_text(json.dumps(self._asked), encoding='utf-8')
+            (self._folder / _REQUEST).write_text(json.dumps(self._request), encoding='utf-8')
         rows = np.zeros(len(states.times), dtype=self._dtype)
         for name in _TIMES:
             rows[name] = getattr(states, name)
@@ -104,14 +104,14 @@ class KeptStates:
             first += line.states
 
     def remove(self) -> None:
-        """Forget all."""
+        """Remove all stored states."""
         self._left.close()
         self.remove_from(self._folder)
 
     @staticmethod
     def remove_from(folder: Path) -> None:
-        """Remove the files of a folder that is one of kept states, and the folder."""
-        for name in (_ROWS, _BLOCKS, _ASKED):
+        """Remove a folder of stored states with its files."""
+        for name in (_ROWS, _BLOCKS, _REQUEST):
             (folder / name).unlink(missing_ok=True)
         if folder.is_dir():
             folder.rmdir()
@@ -120,10 +120,10 @@ class KeptStates:
         self._rows += line.states
         self._bytes += len(_text(line))
 
-    def _is_of_the_same(self) -> bool:
+    def _has_same_request(self) -> bool:
         try:
-            text = (self._folder / _ASKED).read_text(encoding='utf-8')
-            return bool(json.loads(text) == self._asked)
+            text = (self._folder / _REQUEST).read_text(encoding='utf-8')
+            return bool(json.loads(text) == self._request)
         except (OSError, ValueError):
             return False
 
@@ -133,7 +133,7 @@ class KeptStates:
                 for text in file:
                     yield _Line(**json.loads(text))
         except (OSError, ValueError, TypeError):
-            return  # the last one is cut
+            return  # the last line is incomplete
 
     def _read(self, first: int, count: int) -> NDArray[Any]:
         try:
@@ -159,21 +159,21 @@ class KeptStates:
 
 
 @dataclass(frozen=True, eq=False)
-class KeptClearances(Told):
-    """What ``Clearances`` tells, its states in a folder."""
+class StoredClearances(RunAnalysis):
+    """Results like ``Clearances``, with states on disk."""
 
-    kept: KeptStates
+    stored: StoredStates
 
     @classmethod
-    def of(cls, facts: Facts, kept: KeptStates) -> KeptClearances:
-        """Put what is known of the recording to its states."""
+    def of(cls, facts: Facts, stored: StoredStates) -> StoredClearances:
+        """Return the results of a recording with these facts and states."""
         return cls(
-            **{field.name: getattr(facts, field.name) for field in fields(Facts)}, kept=kept
+            **{field.name: getattr(facts, field.name) for field in fields(Facts)}, stored=stored
         )
 
     def parts(self) -> Iterator[States]:
         """Yield all states, a block at a time."""
-        return self.kept.parts()
+        return self.stored.parts()
 
 
 def _digest(rows: NDArray[Any]) -> str:
@@ -185,7 +185,7 @@ def _text(line: _Line) -> bytes:
 
 
 def _put(path: Path, length: int, data: bytes) -> None:
-    """Let a file end with some bytes behind its first ones."""
+    """Cut a file to ``length`` bytes and append data."""
     with path.open('ab') as file:
         file.truncate(length)
         file.write(data)

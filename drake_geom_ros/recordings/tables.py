@@ -1,4 +1,4 @@
-"""Distances over time as files: ``clearance.csv`` to be read, ``clearance.npz`` to be computed."""
+"""Distances over time as files: ``clearance.csv`` for reading, ``clearance.npz`` for computing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.recordings.audit import Audit
-from drake_geom_ros.recordings.results import States, Told
+from drake_geom_ros.recordings.results import RunAnalysis, States
 from drake_geom_ros.recordings.set_clearance import COLUMNS as SET_COLUMNS
 from drake_geom_ros.recordings.set_clearance import MOTION_COLUMNS, SetClearance
 
@@ -25,21 +25,21 @@ COLUMNS = (
     *('oldest_pose_s', 'pairs_left_out'),
 )
 CERTIFIED_COLUMNS = 'motion_before', 'certified_bound_m'
-_COMPUTED = 'distance', 'error_bound'  # of what is held
+_COMPUTED = 'distance', 'error_bound'  # derived from stored columns
 _MOTIONS = 'unknown', 'clear', 'contact'
-_ROWS = 10_000  # that are written at once: memory stays flat
+_ROWS = 10_000  # written at once, to bound memory
 
 
-def write_csv(found: Told, path: Path) -> None:
-    """Write a row for each state and set of pairs; ``distance_m`` is nan where not all is known.
+def write_csv(run: RunAnalysis, path: Path) -> None:
+    """Write a row for each state and set of pairs; ``distance_m`` is nan in incomplete states.
 
     ``state`` is ``whole``, ``stale``, ``waiting`` or ``waiting, stale``.
     """
     with whole_file(path, newline='') as file:
-        heads = (*COLUMNS, *(CERTIFIED_COLUMNS if found.is_certified else ()))
+        heads = (*COLUMNS, *(CERTIFIED_COLUMNS if run.is_certified else ()))
         csv.writer(file, lineterminator='\n').writerow(heads)
-        for name in found.moments:
-            for part in found.parts():
+        for name in run.moments:
+            for part in run.parts():
                 for first in range(0, len(part.times), _ROWS):
                     rows = _columns(part, name, slice(first, first + _ROWS))
                     file.writelines(','.join(row) + '\n' for row in zip(*rows, strict=True))
@@ -81,7 +81,7 @@ def _cell(text: str) -> str:
 
 
 def states_in_words(pairs: SetClearance) -> list[str]:
-    """Return of each state whether it tells of all pairs, or why not."""
+    """Return a word for each state: whole, or the reason why it is incomplete."""
     flags = zip(pairs.is_waiting.tolist(), pairs.is_stale.tolist(), strict=True)
     words = {
         (False, False): 'whole',
@@ -93,7 +93,7 @@ def states_in_words(pairs: SetClearance) -> list[str]:
 
 
 def write_audit(audited: Audit, path: Path) -> None:
-    """Write a row for each result and event that was computed again."""
+    """Write a row for each audited result and event."""
     with whole_file(path, newline='') as file:
         rows = csv.writer(file, lineterminator='\n')
         rows.writerow(('time_s', 'topic', 'what', 'outcome', 'because'))
@@ -101,36 +101,36 @@ def write_audit(audited: Audit, path: Path) -> None:
             rows.writerow((repr(entry.time), *entry[1:3], entry.outcome.value, entry.because))
 
 
-def write_npz(found: Told, path: Path) -> None:
-    """Write ``times`` (N,), ``stamps`` (N,) [ns], ``sets`` (k,), ``gaps`` (g, 2) [s].
+def write_npz(run: RunAnalysis, path: Path) -> None:
+    """Write ``times`` (N,), ``stamps`` (N,) [ns], ``sets`` (k,), ``gaps`` (g, 2) [s], and columns.
 
-    And of set k ``distance_k``, ``error_bound_k`` and the other fields of ``SetClearance``. Arrays
-    are written part by part.
+    Columns of set k are ``distance_k``, ``error_bound_k`` and the other fields of
+    ``SetClearance``. Arrays are written part by part.
     """
     with whole_file(path, 'wb') as file, ZipFile(file, 'w', ZIP_DEFLATED) as archive:
 
         def put(name: str, parts: Iterable[NDArray[Any]], count: int) -> None:
             _put_array(archive, name, parts, count)
 
-        gaps = np.array(found.gaps, dtype=np.float64).reshape(-1, 2)
-        put('times', (part.times for part in found.parts()), found.count)
-        put('stamps', (part.stamps for part in found.parts()), found.count)
-        put('sets', [np.array(list(found.moments))], len(found.moments))
+        gaps = np.array(run.gaps, dtype=np.float64).reshape(-1, 2)
+        put('times', (part.times for part in run.parts()), run.count)
+        put('stamps', (part.stamps for part in run.parts()), run.count)
+        put('sets', [np.array(list(run.moments))], len(run.moments))
         put('gaps', [gaps], len(gaps))
-        columns = (*_COMPUTED, *SET_COLUMNS, *(MOTION_COLUMNS if found.is_certified else ()))
-        for k, name in enumerate(found.moments):
-            names = dict.fromkeys(n for part in found.parts() for n in part.sets[name].names)
+        columns = (*_COMPUTED, *SET_COLUMNS, *(MOTION_COLUMNS if run.is_certified else ()))
+        for k, name in enumerate(run.moments):
+            names = dict.fromkeys(n for part in run.parts() for n in part.sets[name].names)
             places = {each: place for place, each in enumerate(names)}
             for column in columns:
-                put(f'{column}_{k}', _column(found, name, column, places), found.count)
+                put(f'{column}_{k}', _column(run, name, column, places), run.count)
             put(f'names_{k}', [np.array(list(names), dtype=np.str_)], len(names))
 
 
 def _column(
-    found: Told, name: str, column: str, places: Mapping[str, int]
+    run: RunAnalysis, name: str, column: str, places: Mapping[str, int]
 ) -> Iterator[NDArray[Any]]:
-    """Yield a column of a set part by part, geometries by their places among all names."""
-    for part in found.parts():
+    """Yield a column of a set part by part; geometries become indices into all names."""
+    for part in run.parts():
         pairs = part.sets[name]
         values = getattr(pairs, column)
         if column.startswith('geometry_'):
@@ -140,7 +140,7 @@ def _column(
 
 
 def _put_array(archive: ZipFile, name: str, parts: Iterable[NDArray[Any]], count: int) -> None:
-    """Write an array of ``count`` rows as ``numpy.load`` reads it, its parts one by one."""
+    """Write an array of ``count`` rows in NumPy's format, part by part."""
     with archive.open(f'{name}.npy', 'w', force_zip64=True) as file:
         head: dict[str, Any] = {}
         for part in parts:

@@ -1,4 +1,4 @@
-"""Which topics of a recording are used, and as what."""
+"""Topics of a recording and their roles."""
 
 from __future__ import annotations
 
@@ -22,18 +22,19 @@ _MOST_SHOWN = 20
 
 @dataclass(frozen=True)
 class Topics:
-    """The topic of each kind of input; empty: none, None: the usual one if it was recorded.
+    """Topic names by kind of input; empty: none, None: the default topic if it was recorded.
 
-    The usual ones are ``/tf``, ``/joint_states`` and so on, of poses the only topic of
-    ``drake_geom_msgs/msg/FramePoses``. Descriptions of robots are taken beside a scene, too, as a
-    node takes them. ``scene`` is the ``~/scene`` of the node, which the scene is compared with:
-    None: that beside the poses, or all of them. In a ``namespace``, such as ``cell_1``, are all of
-    these but ``/clock``, and ``/tf`` and ``/tf_static`` where they were recorded there; so are
-    names that do not begin with a slash, also those that robots of the scene have, and what the
-    node said.
+    Defaults are ``/tf``, ``/joint_states`` and so on, and for poses the only topic of
+    ``drake_geom_msgs/msg/FramePoses``. Robot descriptions are used besides a scene too, as in a
+    node. ``scene`` is the ``~/scene`` of the node, with which the played scene is compared; by
+    default the one beside the poses, or all.
 
-    ``obstacles`` are the topics of which a node made maps, with commas between; None: all clouds
-    and OctoMaps, and images with ``depth`` in their topic's name, for any of these may be.
+    A ``namespace``, such as ``cell_1``, applies to all defaults but ``/clock``, to ``/tf`` and
+    ``/tf_static`` if they were recorded in it, to names without a leading slash, also those of
+    robots in the scene, and to the node's results.
+
+    ``obstacles`` are the topics from which a node made maps, separated by commas. None: all
+    clouds and OctoMaps, and images with ``depth`` in their topic's name, since any may be one.
     """
 
     tf: str | None = None
@@ -49,8 +50,8 @@ class Topics:
 
     @classmethod
     def of(cls, texts: Iterable[str], namespace: str = '') -> Topics:
-        """Return what ``NAME=TOPIC`` says; raises RecordingError for other names, or one twice."""
-        given = {'namespace': namespace}
+        """Return topics of texts ``NAME=TOPIC``; RecordingError for unknown or duplicate names."""
+        topics = {'namespace': namespace}
         for text in texts:
             name, equals, topic = text.partition('=')
             if name not in NAMES or not equals:
@@ -58,13 +59,13 @@ class Topics:
                     f'a topic is given as NAME=TOPIC, and not {text!r}; NAME is one of '
                     f'{", ".join(NAMES)}'
                 )
-            if name in given:
+            if name in topics:
                 raise RecordingError(
-                    f'{name} is given twice, as {given[name]!r} and {topic!r}; obstacles may be '
+                    f'{name} is given twice, as {topics[name]!r} and {topic!r}; obstacles may be '
                     'several topics with commas between, all others are one'
                 )
-            given[name] = topic
-        return replace(cls(), **given)
+            topics[name] = topic
+        return replace(cls(), **topics)
 
     def full(self, name: str) -> str:
         """Return the full name of a topic, as a node in the namespace resolves it."""
@@ -72,12 +73,12 @@ class Topics:
 
     @property
     def prefix(self) -> str:
-        """What names in the namespace begin with."""
+        """The prefix of names in the namespace."""
         space = self.namespace.strip('/')
         return f'/{space}/' if space else '/'
 
 
-KINDS = {  # of messages, by what they are used as
+KINDS = {  # types of messages by role
     'tf': TF,
     'tf_static': TF,
     'joint_states': JOINTS,
@@ -88,55 +89,55 @@ KINDS = {  # of messages, by what they are used as
     'scene': SCENE,
 }
 
-NAMES = (*KINDS, 'obstacles')  # of what Topics knows
+NAMES = (*KINDS, 'obstacles')  # fields of Topics
 
 
 def roles_of(
     recorded: Sequence[Topic],
-    asked: Topics,
+    topics: Topics,
     robots_topics: Collection[str] = (),
 ) -> dict[str, str]:
-    """Return {topic: what it is used as} of those that were recorded.
+    """Return the roles of recorded topics by name.
 
-    Topics of joint values that robots of the scene name have the role ``joint_states:TOPIC``.
-    Raises RecordingError for one that is named and was not recorded, that is of another type, or
-    where several could be meant.
+    Topics of joint states that robots of the scene name have the role ``joint_states:TOPIC``.
+    Raises RecordingError for a named topic that was not recorded or is of another type, and for
+    an ambiguous default.
     """
-    _check_namespace(asked, recorded)
-    found: dict[str, str] = {}
+    _check_namespace(topics, recorded)
+    roles: dict[str, str] = {}
     for role, kind in KINDS.items():
-        if role == 'scene' and asked.scene is None:
+        if role == 'scene' and topics.scene is None:
             continue
-        if topic := _topic_of(role, kind, asked, recorded):
-            found[topic] = role
-    if asked.scene is None:
-        found |= dict.fromkeys(_topics_of_scenes(asked, recorded, found), 'scene')
+        if topic := _topic_of(role, kind, topics, recorded):
+            roles[topic] = role
+    if topics.scene is None:
+        roles |= dict.fromkeys(_topics_of_scenes(topics, recorded, roles), 'scene')
     for name in robots_topics:
-        topic = asked.full(name)
+        topic = topics.full(name)
         _check(topic, 'the topic of joint values of a robot in the scene', JOINTS, recorded)
         if any(each.name == topic for each in recorded):
-            found[topic] = f'joint_states:{name}'
-    return found
+            roles[topic] = f'joint_states:{name}'
+    return roles
 
 
-def _check_namespace(asked: Topics, recorded: Sequence[Topic]) -> None:
+def _check_namespace(topics: Topics, recorded: Sequence[Topic]) -> None:
     """Raise RecordingError for a namespace in which nothing was recorded."""
     names = [topic.name for topic in recorded]
-    if names and not any(name.startswith(asked.prefix) for name in names):
+    if names and not any(name.startswith(topics.prefix) for name in names):
         raise RecordingError(
-            f'namespace {asked.namespace!r}: no topic in it was recorded; there are '
+            f'namespace {topics.namespace!r}: no topic in it was recorded; there are '
             f'{few_of(names)}'
         )
 
 
-def _topic_of(role: str, kind: str, asked: Topics, recorded: Sequence[Topic]) -> str:
+def _topic_of(role: str, kind: str, topics: Topics, recorded: Sequence[Topic]) -> str:
     """Return the topic of a role; empty for none."""
-    names, named = [topic.name for topic in recorded], getattr(asked, role)
+    names, named = [topic.name for topic in recorded], getattr(topics, role)
     if named == '':
         return ''
     if named is None and role == 'frame_poses':
-        return _topic_of_poses(asked, recorded)
-    topic = _usual(role, asked, names) if named is None else asked.full(named)
+        return _topic_of_poses(topics, recorded)
+    topic = _usual(role, topics, names) if named is None else topics.full(named)
     if topic not in names:
         if named is None:
             return ''
@@ -148,10 +149,10 @@ def _topic_of(role: str, kind: str, asked: Topics, recorded: Sequence[Topic]) ->
     return topic
 
 
-def _topic_of_poses(asked: Topics, recorded: Sequence[Topic]) -> str:
-    """Return the only topic of poses, whatever the node was called."""
+def _topic_of_poses(topics: Topics, recorded: Sequence[Topic]) -> str:
+    """Return the only topic of poses, whatever the name of the node."""
     of_type = sorted({topic.name for topic in recorded if topic.type == POSES})
-    of_type = [name for name in of_type if name.startswith(asked.prefix)]
+    of_type = [name for name in of_type if name.startswith(topics.prefix)]
     if len(of_type) > 1:
         raise RecordingError(
             f'poses were recorded on {" and ".join(of_type)}: say which by '
@@ -162,24 +163,24 @@ def _topic_of_poses(asked: Topics, recorded: Sequence[Topic]) -> str:
 
 
 def _topics_of_scenes(
-    asked: Topics, recorded: Sequence[Topic], roles: dict[str, str]
+    topics: Topics, recorded: Sequence[Topic], roles: dict[str, str]
 ) -> list[str]:
-    """Return the scene of the node whose poses are used, or of all nodes of the namespace."""
+    """Return the scene topic of the node whose poses are used, or those of the namespace."""
     names = [topic.name for topic in recorded if topic.type == SCENE]
-    names = [name for name in names if name.startswith(asked.prefix)]
+    names = [name for name in names if name.startswith(topics.prefix)]
     nodes = [name.rpartition('/')[0] for name, role in roles.items() if role == 'frame_poses']
     beside = [name for name in names if name.rpartition('/')[0] in nodes]
     return beside or names
 
 
-def _usual(role: str, asked: Topics, names: Sequence[str]) -> str:
-    """Return the topic that a node of the namespace hears; TF is everybody's or its own."""
-    everybodys, own = f'/{role}', asked.full(role)
+def _usual(role: str, topics: Topics, names: Sequence[str]) -> str:
+    """Return the default topic of a node in the namespace; TF may be global or its own."""
+    shared, own = f'/{role}', topics.full(role)
     if role == 'clock' or (role.startswith('tf') and own not in names):
-        return everybodys
-    if role.startswith('tf') and own != everybodys and everybodys in names:
+        return shared
+    if role.startswith('tf') and own != shared and shared in names:
         raise RecordingError(
-            f'both {everybodys} and {own} were recorded: say which by --topic {role}={own}'
+            f'both {shared} and {own} were recorded: say which by --topic {role}={own}'
         )
     return own
 
@@ -200,13 +201,13 @@ def _check(topic: str, role: str, kind: str, recorded: Sequence[Topic]) -> None:
         )
 
 
-def told_nothing(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
-    """Return in words which topics were used, and which others could be."""
+def topics_remark(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
+    """Return a remark about the used topics, and about others that could be used."""
     return f'topics used: {few_of(sorted(roles)) if roles else "none"}{_others(recorded, roles)}'
 
 
-def told_no_robot(recorded: Sequence[Topic]) -> str:
-    """Return in words that there is no robot, and where one could be."""
+def no_robot_reason(recorded: Sequence[Topic]) -> str:
+    """Return the error text for a missing robot description, with possible topics."""
     texts = [topic.name for topic in recorded if topic.type == TEXT]
     words = 'no scene was given, and no robot_description was recorded: give a scene file'
     if not texts:
@@ -222,7 +223,7 @@ def told_no_robot(recorded: Sequence[Topic]) -> str:
 
 
 def _others(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
-    """Return in words which topics could be used that are not."""
+    """Return a remark about unused topics that could be used."""
     like = {
         topic.name: role
         for topic in recorded
@@ -236,6 +237,6 @@ def _others(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
 
 
 def few_of(names: Sequence[str]) -> str:
-    """Return names with commas between, the first of them where they are many."""
+    """Return names separated by commas, only the first ones if they are many."""
     more = f' and {len(names) - _MOST_SHOWN} more' if len(names) > _MOST_SHOWN else ''
     return (', '.join(names[:_MOST_SHOWN]) or 'none') + more

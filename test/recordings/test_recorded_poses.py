@@ -58,7 +58,7 @@ def shown(page, time):
     """Return the names of frames that are shown at a time, and of those that wait."""
     page['scene'].pose_only(page['timeline'].poses(time))
     moment = page['scene'].moment(1.0, 'exact')
-    return {name for _, name in page['scene'].poses()}, set(moment.cast.waiting)
+    return {name for _, name in page['scene'].poses()}, set(moment.geometries.waiting)
 
 
 def test_what_the_recording_does_not_pose_is_not_shown(tmp_path, monkeypatch, capsys):

@@ -73,7 +73,7 @@ def test_what_the_recorded_scene_has_otherwise_is_a_reservation(
     assert main(asked) == NOT_WHOLE
     assert f'not known: {TOPIC} {told}' in capsys.readouterr().out
     said = []
-    recorded_poses(run, balls, 10.0, tell=said.append)
+    recorded_poses(run, balls, 10.0, warn=said.append)
     assert said == [f'{TOPIC} {told}']
     assert main([*asked, '--topic', 'scene=']) == 0
 

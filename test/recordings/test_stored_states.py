@@ -16,11 +16,11 @@ from drake_geom_ros.command_line.program import main
 from drake_geom_ros.recordings import clearance, compare_runs, recording, run, states
 from drake_geom_ros.recordings.comparing import SetComparison
 from drake_geom_ros.recordings.highlights import highlights
-from drake_geom_ros.recordings.kept_states import KeptClearances, KeptStates
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.pair_sets import pair_sets
 from drake_geom_ros.recordings.plot import draw
-from drake_geom_ros.recordings.run import Asked, Run
+from drake_geom_ros.recordings.run import Run, RunOptions
+from drake_geom_ros.recordings.stored_states import StoredClearances, StoredStates
 from drake_geom_ros.recordings.tables import write_csv, write_npz
 
 BETWEEN = ['a:b', 'floor:a']
@@ -48,14 +48,14 @@ def kept_in(folder, recorded, scene, asked=(), **more):
         world_frame='world',
         package_roots=(),
     )
-    question = Asked(sets=pair_sets(BETWEEN), **more)
+    question = RunOptions(sets=pair_sets(BETWEEN), **more)
     certified = bool(question.certify)
-    return Run(opened, question), KeptStates(folder, BETWEEN, dict(asked), certified=certified)
+    return Run(opened, question), StoredStates(folder, BETWEEN, dict(asked), certified=certified)
 
 
 def all_of(passing, kept):
     list(passing.parts(kept))
-    return KeptClearances.of(passing.facts(), kept)
+    return StoredClearances.of(passing.facts(), kept)
 
 
 def flat(value):
@@ -170,15 +170,15 @@ def test_what_was_asked_otherwise_does_not_count(tmp_path, recorded, balls, monk
 KILLED = """
 import os, signal, sys
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.recordings import kept_states, states
+from drake_geom_ros.recordings import stored_states, states
 states._MOST_STATES = 10
-put, done = kept_states.KeptStates.add, []
+put, done = stored_states.StoredStates.add, []
 def add(self, *given):
     put(self, *given)
     done.append(1)
     if len(done) == 5:
         os.kill(os.getpid(), signal.SIGKILL)
-kept_states.KeptStates.add = add
+stored_states.StoredStates.add = add
 main(sys.argv[1:])
 """
 

@@ -205,7 +205,7 @@ def test_maps_that_sensors_see_are_in_no_distance_and_told_of(
     assert main([*arguments, '--topic', 'obstacles=']) == 0
     assert 'what sensors see' not in (tmp_path / 'out' / 'report.html').read_text()
     poses = []
-    recorded_poses(run, balls, 10.0, tell=poses.append)
+    recorded_poses(run, balls, 10.0, warn=poses.append)
     assert poses == [reserved]
 
 
