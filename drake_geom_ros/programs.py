@@ -1,7 +1,7 @@
-"""The programs: each imports what it runs, and is silent where it is told to end meanwhile.
+"""Entry points of the programs, which end quietly if they are interrupted while importing.
 
-Imports take a second, and much more on a busy machine. An interrupt that came then left a
-traceback, or was lost where it hit a destructor.
+Imports take a second, and much more on a busy machine. An interrupt during an import would leave
+a traceback, or be lost in a destructor.
 """
 
 import os
@@ -10,20 +10,20 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
-_INTERRUPTED = 130  # as a shell reports a process that SIGINT ended
+_INTERRUPTED = 130  # exit code, as shells report SIGINT
 _STDERR = 2
 
 
 @contextmanager
 def _ending_at_once(code: int, last_words: bytes = b'') -> Iterator[None]:
-    """While entered, an interrupt ends the process: nothing has begun that could be finished."""
+    """End the process at once on an interrupt within the context, where no work has begun."""
 
     def leave(number: int, frame: FrameType | None) -> None:
-        os.write(_STDERR, last_words)  # whose buffer may be in use: this comes at any moment
+        os.write(_STDERR, last_words)  # unbuffered: the interrupted code may hold the buffer
         os._exit(code)
 
     before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # else it is ignored, as under nohup
+    if before is signal.default_int_handler:  # otherwise it is ignored, as under nohup
         signal.signal(signal.SIGINT, leave)
     try:
         yield
@@ -40,14 +40,14 @@ def drake_geom_ros(arguments: Sequence[str] | None = None, prog: str = 'drake_ge
 
 def scene_graph_node() -> int:
     """Run the node."""
-    with _ending_at_once(0):  # before the node handles signals, and again behind it
+    with _ending_at_once(0):  # covers the time before and after the node handles signals
         from drake_geom_ros.ros.scene_graph_node import main
 
         return main()
 
 
 def scene_viewer() -> int:
-    """Run the page of a node."""
+    """Run the viewer page of a node."""
     with _ending_at_once(0):
         from drake_geom_ros.ros.viewer.scene_viewer import main
 
@@ -63,7 +63,7 @@ def pose_player() -> int:
 
 
 def status() -> int:
-    """Tell the status of a node."""
+    """Print the status of a node."""
     with _ending_at_once(_INTERRUPTED):
         from drake_geom_ros.ros.status.program import main
 

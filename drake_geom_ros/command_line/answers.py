@@ -1,8 +1,8 @@
-"""Answers as tables, and tables as CSV or JSON.
+"""Query results as tables, and tables as CSV or JSON.
 
-A table is a mapping from column names to arrays (k,) or, for points and directions, (k, 3). In
-CSV such a column becomes three, ``p_wca_x`` and so on; in JSON a row is an object with lists.
-Numbers are written with all their digits.
+A table maps column names to arrays (k,) or, for points and directions, (k, 3). In CSV the latter
+become three columns, ``p_wca_x`` and so on; in JSON a row is an object with lists. Numbers are
+written with all digits.
 """
 
 import csv
@@ -22,54 +22,54 @@ _METHOD_NAMES = {number: name for name, number in METHODS.items()}
 
 def distances(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
     """Return the signed distances up to a limit [m]; witness points in the world."""
-    found = scene.query.ComputeSignedDistancePairwiseClosestPoints(limit, accuracy=accuracy)
-    return _pairs(scene, found.id_A, found.id_B) | {
-        'distance': found.distance,
-        'p_wca': found.p_WCa,
-        'p_wcb': found.p_WCb,
-        'nhat_ba_w': found.nhat_BA_W,
-        'is_nhat_ba_w_unique': found.is_nhat_BA_W_unique,
-        'error_bound': found.error_bound,
-        'method': _methods(found.method),
+    pairs = scene.query.ComputeSignedDistancePairwiseClosestPoints(limit, accuracy=accuracy)
+    return _pairs(scene, pairs.id_A, pairs.id_B) | {
+        'distance': pairs.distance,
+        'p_wca': pairs.p_WCa,
+        'p_wcb': pairs.p_WCb,
+        'nhat_ba_w': pairs.nhat_BA_W,
+        'is_nhat_ba_w_unique': pairs.is_nhat_BA_W_unique,
+        'error_bound': pairs.error_bound,
+        'method': _methods(pairs.method),
     }
 
 
 def penetrations(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
-    """Return the pairs that overlap."""
-    found = scene.query.ComputePointPairPenetration(accuracy=accuracy)
-    return _pairs(scene, found.id_A, found.id_B) | {
-        'depth': found.depth,
-        'p_wca': found.p_WCa,
-        'p_wcb': found.p_WCb,
-        'nhat_ba_w': found.nhat_BA_W,
-        'error_bound': found.error_bound,
-        'method': _methods(found.method),
+    """Return the overlapping pairs."""
+    overlaps = scene.query.ComputePointPairPenetration(accuracy=accuracy)
+    return _pairs(scene, overlaps.id_A, overlaps.id_B) | {
+        'depth': overlaps.depth,
+        'p_wca': overlaps.p_WCa,
+        'p_wcb': overlaps.p_WCb,
+        'nhat_ba_w': overlaps.nhat_BA_W,
+        'error_bound': overlaps.error_bound,
+        'method': _methods(overlaps.method),
     }
 
 
 def point_distances(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
     """Return the signed distances up to a limit [m] from points (m, 3) [m] in the world."""
-    found = scene.query.ComputeSignedDistanceToPoint(points, limit, accuracy=accuracy)
+    nearest = scene.query.ComputeSignedDistanceToPoint(points, limit, accuracy=accuracy)
     return {
-        'point_index': found.point_index,
-        'geometry': _names(scene, found.id_G),
-        'distance': found.distance,
-        'p_gn': found.p_GN,
-        'grad_w': found.grad_W,
-        'is_grad_w_unique': found.is_grad_W_unique,
-        'error_bound': found.error_bound,
-        'method': _methods(found.method),
+        'point_index': nearest.point_index,
+        'geometry': _names(scene, nearest.id_G),
+        'distance': nearest.distance,
+        'p_gn': nearest.p_GN,
+        'grad_w': nearest.grad_W,
+        'is_grad_w_unique': nearest.is_grad_W_unique,
+        'error_bound': nearest.error_bound,
+        'method': _methods(nearest.method),
     }
 
 
 def candidates(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
-    """Return the pairs that bounds alone do not keep apart."""
+    """Return the candidate pairs, which bounding volumes do not separate."""
     ids = scene.query.collision_candidates()
     return _pairs(scene, ids[:, 0], ids[:, 1])
 
 
 def collisions(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
-    """Return one row: whether any pair overlaps."""
+    """Return one row with the flag whether any pair overlaps."""
     return {'has_collisions': np.array([scene.query.HasCollisions(accuracy=accuracy)])}
 
 
@@ -83,7 +83,7 @@ KINDS: dict[str, Callable[[PosedScene, float, Any, str], Table]] = {
 
 
 def half_spaces_beside(scene: PosedScene) -> list[str]:
-    """Return in words which half spaces overlap, of which no list of pairs tells."""
+    """Return remarks about overlapping half spaces, which no list of pairs includes."""
     return [
         f'{" and ".join(_names(scene, ids))} are half spaces that overlap, and in no list of '
         'distances or penetrations: ask for collisions, or filter the pair'
@@ -91,8 +91,8 @@ def half_spaces_beside(scene: PosedScene) -> list[str]:
     ]
 
 
-OF_PAIRS = ('distance', 'penetration')  # the kinds that are lists of pairs
-LIMITED = ('distance', 'points')  # the kinds that heed a limit
+OF_PAIRS = ('distance', 'penetration')  # kinds that are lists of pairs
+LIMITED = ('distance', 'points')  # kinds with a maximum distance
 
 
 def _names(scene: PosedScene, ids: NDArray[Any]) -> list[str]:
@@ -108,7 +108,7 @@ def _methods(numbers: NDArray[Any]) -> list[str]:
 
 
 def write_csv(answers: Iterable[tuple[float | None, Table]], timed: bool, file: TextIO) -> None:
-    """Write the tables of moments below one header; the column ``time`` only if ``timed``."""
+    """Write the tables of moments below one header, with a column ``time`` if ``timed``."""
     writer = csv.writer(file, lineterminator='\n')
     header: list[str] = []
     for time, table in answers:
@@ -126,7 +126,7 @@ def write_csv(answers: Iterable[tuple[float | None, Table]], timed: bool, file: 
 
 
 def write_json(answers: Iterable[tuple[float | None, Table]], file: TextIO) -> None:
-    """Write a list with one object a moment: its ``time`` (or null) and its ``rows``."""
+    """Write a list of one object a moment, with its ``time`` (or null) and its ``rows``."""
     file.write('[')
     for number, (time, table) in enumerate(answers):
         columns = [np.asarray(values).tolist() for values in table.values()]

@@ -1,4 +1,4 @@
-"""``batch``: one question about many states of a scene, into a file."""
+"""Command ``batch``: one query of many states of a scene, with results in a file."""
 
 import argparse
 import math
@@ -23,13 +23,13 @@ from drake_geom_ros.batch.state_files import States, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
 from drake_geom_ros.command_line.query import points_of_file
-from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
+from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_warn
 from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
 
-INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
+INTERRUPTED = 130  # exit code, as shells report SIGINT
 
 
 def add_to(commands: Any) -> None:
@@ -85,15 +85,15 @@ def add_to(commands: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Answer and return the exit code; raises GeometryError or OSError for bad input."""
+    """Compute, write and return the exit code; GeometryError or OSError for bad input."""
     output = Path(options.output)
     check_suffix(output)
-    given = [options.scene, options.srdf, options.states, options.points]
+    inputs = [options.scene, options.srdf, options.states, options.points]
     outputs = {'--output': output, '--picture': options.picture}
-    check_outputs(outputs, given)
+    check_outputs(outputs, inputs)
     check_place(output)
     scene_graph = SceneGraph()
-    loaded = load_and_tell(options.scene, scene_graph, options.srdf, options.package_root)
+    loaded = load_and_warn(options.scene, scene_graph, options.srdf, options.package_root)
     check_outputs(outputs, files_of(scene_graph, loaded.robots.values()))
     if options.picture and options.what in ('collision', 'contacts'):
         raise SceneFileError(
@@ -125,19 +125,19 @@ def run(options: argparse.Namespace) -> int:
             for block, columns in computed(job, states.rows, missing, executor, progress=True):
                 parts.put(block, columns)
         except (PoseError, SceneFileError):
-            parts.remove()  # it would be refused each time, and is of no use to another run
+            parts.remove()  # every run would refuse this input, so the parts are useless
             raise
         except KeyboardInterrupt:
             print(f'interrupted; --resume goes on with {parts.folder}', file=sys.stderr)
             return INTERRUPTED
-    said = About.of(
+    about = About.of(
         (job.scene.digest, question.words, {'drake_geom_ros': version()}),
         lists.pop('geometries'),
         lists,
     )
-    check_place(output)  # once more: hours may have passed
+    check_place(output)  # again, since hours may have passed
     summary = Summary()
-    write(output, summary.of(_columns(parts, states, options.without_states)), said)
+    write(output, summary.of(_columns(parts, states, options.without_states)), about)
     if options.picture:
         summary.draw(Path(options.picture), f'{Path(options.scene).stem}: {question.want}')
     if not parts.remove():
@@ -147,7 +147,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _frames(loaded: LoadedScene, texts: Iterable[str]) -> NDArray[np.int64]:
-    """Return the values of the ids of the frames that are named ``source::frame``."""
+    """Return the id values of frames by their names ``source::frame``."""
     names, ids = FrameNames(loaded.frames), []
     for text in texts:
         try:
@@ -168,7 +168,7 @@ def _say(text: str, options: argparse.Namespace) -> None:
 
 
 def _columns(parts: Parts, states: States, without_states: bool) -> Iterator[Columns]:
-    """Yield the answers of each block and, unless they are left out, the states behind them."""
+    """Yield the results of each block, with its states unless ``without_states``."""
     name = 'poses' if states.are_poses else 'states'
     for block in parts.blocks:
         columns = parts.get(block)
@@ -180,7 +180,7 @@ def _columns(parts: Parts, states: States, without_states: bool) -> Iterator[Col
 def _job(
     scene_graph: SceneGraph, loaded: LoadedScene, states: States, question: Question
 ) -> tuple[Job, dict[str, list[str]]]:
-    """Return the job, and names: of geometries by their place in it, and of what states are of."""
+    """Return the job, and the names of its geometries, and of the joints or frames of states."""
     arms: tuple[Any, ...] = ()
     named_by: dict[str, list[str]] = {'frames': list(states.names or ())}
     if states.are_poses:

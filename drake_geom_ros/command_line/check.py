@@ -1,4 +1,4 @@
-"""``check``: whether a scene file can be loaded, and what is in it."""
+"""Command ``check``: load a scene file and list its contents."""
 
 import argparse
 import sys
@@ -22,7 +22,7 @@ from drake_geom_ros.scene_files.description import (
     GroupDescription,
 )
 
-BAD_SCENE = DISAGREED = 1  # the exit codes
+BAD_SCENE = DISAGREED = 1  # exit codes
 # Reasons that hold in every scene: such pairs are counted, not listed.
 _ALWAYS = {'anchored', 'same frame'}
 _ROLE_NAMES = {
@@ -102,7 +102,7 @@ def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:
 
 
 def _mesh(shape: Shape, solid: bool) -> str:
-    """Return how queries see a mesh, in words; empty for what is none."""
+    """Return a text on how queries treat a mesh; empty for other shapes."""
     if not isinstance(shape, (Convex, Mesh)):
         return ''
     name = file_name(shape)
@@ -119,7 +119,7 @@ def _has_role(scene: PosedScene, geometry: GeometryId, role: Role) -> bool:
 
 
 def _pairs(scene: PosedScene, all_pairs: bool) -> Iterator[str]:
-    """Yield the pairs that are filtered, with the reasons, and what was counted."""
+    """Yield a line for each filtered pair with the reasons, and one with counts."""
     manager = scene.scene_graph.collision_filter_manager()
     geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
     counts: Counter[str] = Counter()
@@ -140,7 +140,7 @@ def _pairs(scene: PosedScene, all_pairs: bool) -> Iterator[str]:
 
 
 def _filter(entry: FilterDescription) -> str:
-    """Return a filter in one line."""
+    """Return one line about a filter."""
     if isinstance(entry, GroupDescription):
         ignores = ', '.join(entry.ignores) or 'nothing'
         return f'group {entry.name} ({_members(entry.members)}) ignores {ignores}'

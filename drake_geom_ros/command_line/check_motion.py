@@ -1,4 +1,4 @@
-"""``check-motion``: whether a whole path of joint values, or a motion, is clear for all times."""
+"""Command ``check-motion``: certify that a path of joint values or a motion is clear."""
 
 import argparse
 import csv
@@ -76,43 +76,45 @@ def add_to(commands: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check and return the exit code; raises GeometryError or OSError for bad input."""
+    """Check, report and return the exit code; GeometryError or OSError for bad input."""
     outputs = {'--csv': options.csv, '--picture': options.picture}
     check_outputs(outputs, [options.scene, options.srdf, options.path, options.motion])
-    found = (of_motion if options.motion else of_path)(options)
-    check_outputs(outputs, found.files)
-    check = found.check
-    print(f'outcome {found.outcome}', *_lines(check, found.name_of), *found.told, sep='\n')
-    profile = found.profile() if options.csv or options.picture else None
+    checked = (of_motion if options.motion else of_path)(options)
+    check_outputs(outputs, checked.files)
+    check = checked.check
+    print(
+        f'outcome {checked.outcome}', *_lines(check, checked.name_of), *checked.remarks, sep='\n'
+    )
+    profile = checked.profile() if options.csv or options.picture else None
     if profile is not None and options.csv:
         _write(Path(options.csv), profile)
     if profile is not None and options.picture:
-        title = f'{Path(options.scene).stem}: {found.outcome}'
+        title = f'{Path(options.scene).stem}: {checked.outcome}'
         file = Path(options.picture)
-        draw_profile(profile, check, options.min_distance, title, file, found.unit)
-    return {'clear': 0, CLEAR_IN_PIECES: IN_PIECES}.get(found.outcome, NOT_CLEAR)
+        draw_profile(profile, check, options.min_distance, title, file, checked.unit)
+    return {'clear': 0, CLEAR_IN_PIECES: IN_PIECES}.get(checked.outcome, NOT_CLEAR)
 
 
 def _lines(check: MotionCheck, name_of: Callable[[GeometryId], str]) -> list[str]:
-    """Return what there is to tell of a check, but for its outcome."""
-    told = [f'times {check.times[0]!r} {check.times[1]!r}']
+    """Return the lines of a check's report, without its outcome."""
+    lines = [f'times {check.times[0]!r} {check.times[1]!r}']
     if check.id_A is not None and check.id_B is not None:
         names = ' '.join(name_of(id) for id in (check.id_A, check.id_B))
-        told.append(f'distance {check.distance:.9g} at {check.time:.9g} between {names}')
-    told.append(f'lower_bound {check.lower_bound:.9g}')
-    told.append(f'evaluations {check.evaluations}')
+        lines.append(f'distance {check.distance:.9g} at {check.time:.9g} between {names}')
+    lines.append(f'lower_bound {check.lower_bound:.9g}')
+    lines.append(f'evaluations {check.evaluations}')
     if check.ignored:
-        told.append(f'ignored {check.ignored} pairs that are not clear at the start')
-    return told
+        lines.append(f'ignored {check.ignored} pairs that are not clear at the start')
+    return lines
 
 
 def _write(file: Path, profile: PathProfile) -> None:
-    """Write the pieces as rows of a table."""
+    """Write the pieces of a profile as CSV."""
     with file.open('w', newline='') as stream:
         rows = csv.writer(stream)
         rows.writerow(('begin', 'end', 'outcome', 'lower_bound', 'distance', 'error_bound'))
         ends = profile.times[1:] if len(profile.times) > 1 else profile.times
         for k, outcome in enumerate(profile.outcomes):
             numbers = profile.lower_bounds[k], profile.distances[k], profile.error_bounds[k]
-            told = (repr(float(x)) for x in numbers)
-            rows.writerow((repr(float(profile.times[k])), repr(float(ends[k])), outcome, *told))
+            digits = (repr(float(x)) for x in numbers)
+            rows.writerow((repr(float(profile.times[k])), repr(float(ends[k])), outcome, *digits))

@@ -1,4 +1,4 @@
-"""What ``check-motion`` finds: of a path of joint values, or of a motion file."""
+"""Results of ``check-motion``, for a path of joint values or a motion file."""
 
 import argparse
 import math
@@ -13,7 +13,7 @@ from drake_geom_ros.batch import Joints, check_path
 from drake_geom_ros.batch.path_profile import PathProfile, profile_of_path
 from drake_geom_ros.batch.state_files import read_states
 from drake_geom_ros.command_line.posed_scene import PosedScene
-from drake_geom_ros.command_line.scene_input import load_and_tell
+from drake_geom_ros.command_line.scene_input import load_and_warn
 from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, files_of
@@ -25,50 +25,53 @@ from drake_geom_ros.viewing.timeline import (
     leaves_pieces_by,
 )
 
-CLEAR_IN_PIECES = 'clear in pieces'  # of a motion: of its curve between them nothing is proved
+# The straight pieces of a motion are clear; its curve between their ends is not proved.
+CLEAR_IN_PIECES = 'clear in pieces'
 _OF_PATHS = ('names', 'ignore_start_contacts', 'ignore_limits', 'max_evaluations')
 
 
 class CheckedMotion(NamedTuple):
-    """What is found of a whole motion, and how to tell it."""
+    """Check of a whole motion, and the data for its report."""
 
     check: MotionCheck
-    outcome: str  # of the check, or where more is left open than that tells
+    outcome: str  # that of the check, or CLEAR_IN_PIECES
     profile: Callable[[], PathProfile]  # of its pieces
     name_of: Callable[[GeometryId], str]
-    told: list[str]  # what else there is to say
+    remarks: list[str]  # further lines of the report
     unit: str  # of times
-    files: list[Path]  # that the scene is made of
+    files: list[Path]  # input files of the scene
 
 
 def of_path(options: argparse.Namespace) -> CheckedMotion:
     """Check a path of joint values; raises GeometryError or OSError for bad input."""
     scene_graph = SceneGraph()
-    loaded = load_and_tell(options.scene, scene_graph, options.srdf, options.package_root)
+    loaded = load_and_warn(options.scene, scene_graph, options.srdf, options.package_root)
     states = read_states(options.path, options.names)
     if states.are_poses:
         raise SceneFileError('--path takes joint values (k, q), not poses', options.path)
     joints = Joints.of(loaded, states.names)
     path = np.array(states.rows[: len(states.rows)])
-    asked = {
-        **_asked(options),
+    question = {
+        **_question(options),
         'ignore_start_contacts': options.ignore_start_contacts,
         'ignore_limits': options.ignore_limits,
     }
-    check = check_path(scene_graph, joints, path, max_evaluations=options.max_evaluations, **asked)
+    check = check_path(
+        scene_graph, joints, path, max_evaluations=options.max_evaluations, **question
+    )
     return CheckedMotion(
         check=check,
         outcome=check.outcome,
-        profile=lambda: profile_of_path(scene_graph, joints, path, options.pieces, **asked),
+        profile=lambda: profile_of_path(scene_graph, joints, path, options.pieces, **question),
         name_of=loaded.name_of,
-        told=[],
+        remarks=[],
         unit='rows of the path',
         files=list(files_of(scene_graph, loaded.robots.values())),
     )
 
 
 def of_motion(options: argparse.Namespace) -> CheckedMotion:
-    """Check a motion file, in pieces that are straight from pose to pose; raises as above."""
+    """Check a motion file in pieces, straight from pose to pose; errors as of ``of_path``."""
     for name in _OF_PATHS:
         if getattr(options, name):
             raise OSError(f'--{name.replace("_", "-")} goes with --path, not with --motion')
@@ -79,10 +82,10 @@ def of_motion(options: argparse.Namespace) -> CheckedMotion:
             f'a motion of {motion.duration:g} s has no {count} pieces', options.motion
         )
     timeline = Timeline.of_motion(motion, posed.loaded.frames, count + 1)
-    asked = _asked(options)
-    # Of a piece times go from 0 to 1.
-    asked['time_tolerance'] = options.time_tolerance / (motion.duration / count)
-    checks = list(checks_between(timeline, posed.context, **asked))
+    question = _question(options)
+    # Times of a piece go from 0 to 1.
+    question['time_tolerance'] = options.time_tolerance / (motion.duration / count)
+    checks = list(checks_between(timeline, posed.context, **question))
     check = _of_pieces(checks, timeline)
     far, turned = leaves_pieces_by(timeline)
 
@@ -103,7 +106,7 @@ def of_motion(options: argparse.Namespace) -> CheckedMotion:
         outcome=CLEAR_IN_PIECES if check.outcome == 'clear' else check.outcome,
         profile=profile,
         name_of=posed.names.__getitem__,
-        told=[
+        remarks=[
             f'pieces {count}, each straight from pose to pose and proved as such: at quarters of '
             f'their time the motion itself is up to {far:.3g} m and {turned:.3g} rad beside them'
         ],
@@ -112,7 +115,7 @@ def of_motion(options: argparse.Namespace) -> CheckedMotion:
     )
 
 
-def _asked(options: argparse.Namespace) -> dict[str, Any]:
+def _question(options: argparse.Namespace) -> dict[str, Any]:
     return {
         'min_distance': options.min_distance,
         'time_tolerance': options.time_tolerance,
@@ -122,12 +125,12 @@ def _asked(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _of_pieces(checks: list[MotionCheck], timeline: Timeline) -> MotionCheck:
-    """Return what is true of all pieces, up to the first that is not clear; times in seconds."""
+    """Return one check of all pieces up to the first that is not clear; times in seconds."""
     count = next((k for k, each in enumerate(checks) if each.outcome != 'clear'), len(checks) - 1)
     proved, last = checks[: count + 1], checks[count]
-    told = count
+    reported = count
     if last.outcome == 'clear':
-        told = int(np.argmin([check.distance for check in proved]))
+        reported = int(np.argmin([check.distance for check in proved]))
 
     def seconds(piece: int, time: float, towards: float | None = None) -> float:
         begin, end = timeline.times[piece : piece + 2].tolist()
@@ -135,10 +138,10 @@ def _of_pieces(checks: list[MotionCheck], timeline: Timeline) -> MotionCheck:
 
     times = last.times
     return replace(
-        checks[told],
+        checks[reported],
         outcome=last.outcome,
         times=(seconds(count, times[0], -math.inf), seconds(count, times[1], math.inf)),
-        time=seconds(told, checks[told].time),
+        time=seconds(reported, checks[reported].time),
         lower_bound=min(check.lower_bound for check in proved),
         evaluations=sum(check.evaluations for check in proved),
     )

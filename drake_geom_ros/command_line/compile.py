@@ -1,4 +1,4 @@
-"""``compile``: what queries run, compiled before anybody waits for it."""
+"""Command ``compile``: compile kernels of queries ahead of time."""
 
 import argparse
 import time
@@ -32,10 +32,10 @@ def add_to(commands: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compile, tell how far it is, and return the exit code."""
+    """Compile, print the progress, and return the exit code."""
     start = time.monotonic()
 
-    def tell(name: str, number: int, last: int) -> None:
+    def show_progress(name: str, number: int, last: int) -> None:
         seconds = time.monotonic() - start
         print(f'{seconds:5.0f} s  compiling {name} ({number} of {last})', flush=True)
 
@@ -43,9 +43,9 @@ def run(options: argparse.Namespace) -> int:
         raise OSError(f'compile --part {options.part} needs a scene: compile SCENE --part ...')
     if options.scene:
         scene = PosedScene(options.scene, options.srdf, options.package_root)
-        kernels = scene.compile_kernels(tell, options.part)
+        kernels = scene.compile_kernels(show_progress, options.part)
     else:
-        kernels = compile_all_kernels(tell)
+        kernels = compile_all_kernels(show_progress)
     seconds, folder = time.monotonic() - start, kernel_cache()
     where = f'in {folder}' if folder else 'for this process only: no cache can be written'
     print(f'{seconds:5.0f} s  {len(kernels)} kernels are ready, {where}')

@@ -39,17 +39,17 @@ def add_states_to(parser: argparse.ArgumentParser | argparse._MutuallyExclusiveG
     )
 
 
-def pose_joints(scene: PosedScene, given: Sequence[str]) -> dict[str, float]:
-    """Pose a scene's robots by texts ``NAME=VALUE``, and return the values by their full names.
+def pose_joints(scene: PosedScene, assignments: Sequence[str]) -> dict[str, float]:
+    """Pose a scene's robots by texts ``NAME=VALUE``, and return the values by full names.
 
-    What is beyond its limits is told on standard error, and shown. Raises SceneFileError for what
-    is no joint of the scene, or no number.
+    Values beyond limits are applied, with a warning on standard error. Raises SceneFileError for
+    an unknown joint, or a value that is no number.
     """
-    if not given:
+    if not assignments:
         return {}
     joints = Joints.of(scene.loaded)
     values: dict[str, float] = {}
-    for text in given:
+    for text in assignments:
         name, _, number = text.partition('=')
         full = _full_name(name, joints.names)
         if full in values:
@@ -62,7 +62,7 @@ def pose_joints(scene: PosedScene, given: Sequence[str]) -> dict[str, float]:
             raise SceneFileError(f'{text!r}: a joint value must be finite', '--joints')
     some = Joints.of(scene.loaded, list(values))
     state = np.array([list(values.values())])
-    _tell_limits(some, state)
+    _warn_of_limits(some, state)
     scene.context.UpdateFramePoses(
         FramePoseVector.FromArrays(some.frame_ids, some.poses(state)[0])
     )
@@ -70,22 +70,27 @@ def pose_joints(scene: PosedScene, given: Sequence[str]) -> dict[str, float]:
 
 
 class StatePoses(NamedTuple):
-    """States: the poses of each, and its joint values by ``robot::joint``, none of poses."""
+    """Frame poses of states, and their joint values by ``robot::joint``.
+
+    States that are given as poses have no values.
+    """
 
     poses: list[FramePoseVector]
     values: list[dict[str, float]]
 
 
 def poses_of_states(scene: PosedScene, file: str) -> StatePoses:
-    """Return the states of a file; raises SceneFileError for what does not fit the scene."""
+    """Return the states of a file; raises SceneFileError for states that do not fit the scene."""
     values: list[dict[str, float]] = []
     states = read_states(file)
     if states.are_poses:
-        known = {f'{source}::{frame}': id for (source, frame), id in scene.loaded.frames.items()}
+        frame_ids = {
+            f'{source}::{frame}': id for (source, frame), id in scene.loaded.frames.items()
+        }
         names = states.names or ()
-        if unknown := [name for name in names if name not in known]:
+        if unknown := [name for name in names if name not in frame_ids]:
             raise SceneFileError(f'the scene has no frame {unknown[0]!r}', file)
-        ids, poses = [known[name] for name in names], states.rows[:]
+        ids, poses = [frame_ids[name] for name in names], states.rows[:]
     else:
         try:
             joints = Joints.of(scene.loaded, states.names)
@@ -100,7 +105,7 @@ def poses_of_states(scene: PosedScene, file: str) -> StatePoses:
         rows = np.asarray(states.rows[:])
         if bad := np.flatnonzero(~np.isfinite(rows).all(axis=1)).tolist():
             raise SceneFileError(f'state {bad[0]} has a value that is not finite', file)
-        _tell_limits(joints, rows)
+        _warn_of_limits(joints, rows)
         ids, poses = joints.frame_ids, joints.poses(rows)
         values = [dict(zip(joints.names, row, strict=True)) for row in rows.tolist()]
     if not len(poses):
@@ -108,19 +113,20 @@ def poses_of_states(scene: PosedScene, file: str) -> StatePoses:
     return StatePoses([FramePoseVector.FromArrays(ids, each) for each in poses], values)
 
 
-def _full_name(name: str, known: Sequence[str]) -> str:
+def _full_name(name: str, joint_names: Sequence[str]) -> str:
     """Return ``robot::joint`` of a joint's name, with or without its robot."""
-    found = [full for full in known if full == name or full.endswith(f'::{name}')]
-    if name in known:
+    matches = [full for full in joint_names if full == name or full.endswith(f'::{name}')]
+    if name in joint_names:
         return name
-    if len(found) != 1:
-        problem = f'{" and ".join(found)} are called so' if found else 'no joint is called so'
-        raise SceneFileError(f'{name!r}: {problem}; there are {", ".join(known)}', '--joints')
-    return found[0]
+    if len(matches) != 1:
+        problem = f'{" and ".join(matches)} are called so' if matches else 'no joint is called so'
+        names = ', '.join(joint_names)
+        raise SceneFileError(f'{name!r}: {problem}; there are {names}', '--joints')
+    return matches[0]
 
 
-def _tell_limits(joints: Joints, states: np.ndarray) -> None:
-    """Tell on standard error which joints are beyond their limits, and in how many states."""
+def _warn_of_limits(joints: Joints, states: np.ndarray) -> None:
+    """Print warnings about joints beyond their limits, with the number of states."""
     beyond = ((states < joints.lower) | (states > joints.upper)).sum(axis=0)
     for name, low, high, count in zip(
         joints.names, joints.lower, joints.upper, beyond.tolist(), strict=True

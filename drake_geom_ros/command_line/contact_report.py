@@ -1,4 +1,4 @@
-"""The parts of ``check`` about contact surfaces and meshes of them, and pairs of half spaces."""
+"""Sections of ``check`` about contact surfaces with their meshes, and pairs of half spaces."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -22,10 +22,10 @@ def contact_lines(scene: PosedScene) -> Iterator[str]:
             if title:
                 yield title
             title = ''
-            told = [_WORDS[kind]]
+            parts = [_WORDS[kind]]
             if kind is HydroelasticType.kCompliant:
-                told.append(f'{properties.GetProperty(_GROUP, "hydroelastic_modulus"):g} Pa')
-            yield f'  {scene.names[geometry]}: {", ".join([*told, _mesh(scene, geometry)])}'
+                parts.append(f'{properties.GetProperty(_GROUP, "hydroelastic_modulus"):g} Pa')
+            yield f'  {scene.names[geometry]}: {", ".join([*parts, _mesh(scene, geometry)])}'
 
 
 def half_space_lines(scene: PosedScene) -> Iterator[str]:
@@ -44,7 +44,7 @@ def half_space_lines(scene: PosedScene) -> Iterator[str]:
 
 
 def _mesh(scene: PosedScene, geometry: GeometryId) -> str:
-    """Return what stands for a geometry, in words."""
+    """Return a text about the hydroelastic mesh of a geometry."""
     if isinstance(scene.inspector.GetShape(geometry), HalfSpace):
         return 'half space'
     mesh = scene.inspector.maybe_get_hydroelastic_mesh(geometry)

@@ -1,4 +1,4 @@
-"""``convert``: a URDF to a scene file, a pose file or a sensed map to another format."""
+"""Command ``convert``: convert a URDF to a scene file, or pose files and maps between formats."""
 
 import argparse
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Any
 
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
-from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
+from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_warn
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
         raise SceneFileError('is no map, and --resolution is for these alone', str(source))
     elif source.suffix not in POSE_SUFFIXES and target.suffix in _SCENE_SUFFIXES:
         scene_graph = SceneGraph()
-        loaded = load_and_tell(str(source), scene_graph, options.srdf, options.package_root)
+        loaded = load_and_warn(str(source), scene_graph, options.srdf, options.package_root)
         check_outputs({'OUT': target}, files_of(scene_graph, loaded.robots.values()))
         text = save_scene(scene_graph, loaded.X_PFs, loaded.robots.values())
         with whole_file(target) as file:

@@ -1,4 +1,4 @@
-"""The part of ``check`` that lists meshes, and warns of sizes that a unit may explain."""
+"""Section of ``check`` about meshes, with warnings about sizes that suggest a wrong unit."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,12 +20,12 @@ def mesh_lines(scene: PosedScene) -> Iterator[str]:
             title = ''
             facts = mesh_facts(shape)
             yield f'  {scene.names[geometry]}: {_line(shape, is_solid(scene, geometry), facts)}'
-            if told := _warning(facts):
-                yield f'warning: {scene.names[geometry]}: {told}'
+            if warning := _warning(facts):
+                yield f'warning: {scene.names[geometry]}: {warning}'
 
 
 def is_solid(scene: PosedScene, geometry: GeometryId) -> bool:
-    """Return whether queries take a mesh for a solid."""
+    """Return whether queries treat a mesh as a solid."""
     properties = scene.inspector.GetProperties(geometry, Role.kProximity)
     return properties is not None and bool(properties.GetPropertyOrDefault('mesh', 'solid', False))
 
@@ -50,7 +50,7 @@ def _line(shape: Shape, solid: bool, facts: MeshFacts) -> str:
 
 
 def _warning(facts: MeshFacts) -> str:
-    """Return what is strange about the size of a mesh; empty where nothing is."""
+    """Return a warning about an unusual size of a mesh; empty if it is usual."""
     size = float((facts.high - facts.low).max())
     if size > LARGEST_PART:
         return (

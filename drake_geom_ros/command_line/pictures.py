@@ -1,4 +1,4 @@
-"""Images as files: what programs read, and what people look at."""
+"""Writers of rendered images, as data for programs and as pictures for people."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import GeometryError, RenderedImages, RenderLabel
 
 _LIBRARIES = {'PIL': 'pillow', 'matplotlib': 'matplotlib'}
-_MILLIMETRE = 1000.0  # of them in a metre
+_MILLIMETRES = 1000.0  # in a metre
 _LARGEST = 2**16 - 1
 _DOTS = 100  # pixels an inch, in pictures for people
 _MOST_NAMES = 24  # in the legend of a picture
@@ -25,7 +25,7 @@ Legend = dict[int, list[str]]
 
 
 def check_libraries() -> None:
-    """Raise GeometryError, naming what is missing, where pictures cannot be written."""
+    """Raise GeometryError, naming the missing packages, if pictures cannot be written."""
     missing = [pip for name, pip in _LIBRARIES.items() if not importlib.util.find_spec(name)]
     if missing:
         raise GeometryError(
@@ -37,9 +37,9 @@ def check_libraries() -> None:
 def write_all(
     images: RenderedImages, legend: Legend, path: Path, inputs: Sequence[Path] = ()
 ) -> list[Path]:
-    """Write the images that are there as ``PATH_color.png`` and so on; return the files.
+    """Write the rendered images as ``PATH_color.png`` and so on; return the files.
 
-    Raises FileExistsError, before any is written, where one is a file of ``inputs``.
+    Raises FileExistsError, before any is written, if one is a file of ``inputs``.
     """
     names: list[str] = []
     if images.color is not None:
@@ -66,9 +66,9 @@ def write_all(
 
 
 def millimetres(depths: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Return depths [m] as whole millimetres, 0 where none is told: as 16UC1 has it in ROS."""
-    told = np.isfinite(depths) & (depths * _MILLIMETRE < _LARGEST)
-    return np.rint(np.where(told, depths, 0.0) * _MILLIMETRE).astype(np.uint16)
+    """Return depths [m] as whole millimetres, 0 where unknown, as 16UC1 images of ROS."""
+    has_depth = np.isfinite(depths) & (depths * _MILLIMETRES < _LARGEST)
+    return np.rint(np.where(has_depth, depths, 0.0) * _MILLIMETRES).astype(np.uint16)
 
 
 def _write_png(pixels: NDArray[Any], path: Path) -> None:
@@ -79,7 +79,7 @@ def _write_png(pixels: NDArray[Any], path: Path) -> None:
 
 
 def _figure(shape: tuple[int, ...]) -> tuple[Any, Any]:
-    """Return a figure without a screen, and the axes of an image of (rows, columns)."""
+    """Return an off-screen figure, and axes for an image of (rows, columns)."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -97,29 +97,29 @@ def _save(figure: Any, path: Path) -> None:
 
 
 def _write_depth_map(depths: NDArray[np.float32], path: Path) -> None:
-    """Write depths as colours with a scale; what is told no depth of stays grey."""
+    """Write depths as colours with a scale; pixels without a depth stay grey."""
     from matplotlib.colors import LogNorm
 
     figure, axes = _figure(depths.shape)
-    told = np.isfinite(depths) & (depths > 0.0)
-    shown = np.ma.masked_array(depths, ~told)
+    has_depth = np.isfinite(depths) & (depths > 0.0)
+    shown = np.ma.masked_array(depths, ~has_depth)
     axes.imshow(np.full((*depths.shape, 3), _NO_COLOUR), interpolation='nearest')
-    if told.any():
-        # By orders: what is near differs by less than what the floor does towards the horizon.
+    if has_depth.any():
+        # Logarithmic, since near bodies differ by less than the floor does towards the horizon.
         image = axes.imshow(shown, norm=LogNorm(), cmap='viridis_r', interpolation='nearest')
         figure.colorbar(image, ax=axes, label='depth [m]', fraction=0.046)
     _save(figure, path)
 
 
 def _present(labels: NDArray[np.int16]) -> list[int]:
-    """Return the labels that an image shows, but that of nothing, most pixels first."""
+    """Return the labels in an image, without the empty one, by descending pixel count."""
     values, counts = np.unique(labels, return_counts=True)
     order = np.argsort(-counts, kind='stable')
     return [int(values[k]) for k in order if values[k] != int(RenderLabel.kEmpty)]
 
 
 def _write_label_map(labels: NDArray[np.int16], legend: Legend, path: Path) -> None:
-    """Write labels as colours, with the names of those that take most pixels."""
+    """Write labels as colours, with a legend of those with most pixels."""
     from matplotlib import colormaps
     from matplotlib.patches import Patch
 
@@ -141,7 +141,7 @@ def _write_label_map(labels: NDArray[np.int16], legend: Legend, path: Path) -> N
 
 
 def _write_legend(labels: NDArray[np.int16], legend: Legend, path: Path) -> None:
-    """Write label, geometry and pixels, a line for each geometry that could be seen."""
+    """Write label, geometry and pixel count, one line for each geometry of the role."""
     values, counts = np.unique(labels, return_counts=True)
     pixels = dict(zip(values.tolist(), counts.tolist(), strict=True))
     with whole_file(path, newline='') as file:

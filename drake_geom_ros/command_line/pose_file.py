@@ -1,4 +1,4 @@
-"""Pose files: where frames are, at one moment or at several, as CSV or JSON.
+"""Pose files: poses of frames at one moment or at several, as CSV or JSON.
 
 CSV has the header ``frame,x,y,z,qx,qy,qz,qw``, with ``time`` [s] before or after ``frame`` where
 there are several moments; rows of one time stand together. JSON is an object
@@ -25,7 +25,7 @@ SUFFIXES = ('.csv', '.json')
 
 @dataclass(frozen=True)
 class FramePose:
-    """The pose of a frame in its parent, and the place of the file that says so."""
+    """The pose of a frame in its parent, and its place in the file."""
 
     frame: str
     X_PF: RigidTransform
@@ -34,7 +34,7 @@ class FramePose:
 
 @dataclass
 class PoseSet:
-    """Frames at one moment; ``time`` [s] is None where the file tells none."""
+    """Poses of frames at one moment; ``time`` [s] is None if the file has none."""
 
     time: float | None = None
     poses: list[FramePose] = field(default_factory=list)
@@ -43,8 +43,8 @@ class PoseSet:
 def read_poses(path: str | Path) -> list[PoseSet]:
     """Return the moments of a pose file in its order.
 
-    Raises SceneFileError, naming file and line (CSV) or key (JSON), for what is not of the form
-    above, numbers that are no pose, and a frame that is posed twice at the same time.
+    Raises SceneFileError, naming file and line (CSV) or key (JSON), for another format, numbers
+    that are no pose, and a frame that is posed twice at the same time.
     """
     path = Path(path)
     if path.suffix not in SUFFIXES:
@@ -64,7 +64,7 @@ def read_poses(path: str | Path) -> list[PoseSet]:
 
 
 def write_poses(sets: Iterable[PoseSet], file: TextIO, suffix: str) -> None:
-    """Write moments in the form that ``suffix`` names; ``read_poses`` reads the same again."""
+    """Write moments in the format of ``suffix``; ``read_poses`` reads back the same."""
     sets = list(sets)
     if suffix == '.csv':
         _to_csv(sets, file)
@@ -141,13 +141,13 @@ def _from_json(text: str, file: str) -> Iterator[PoseSet]:
 
 
 def _each_once(file: str, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return an object of JSON; raises SceneFileError for a key that is there twice."""
-    found: dict[str, Any] = {}
+    """Return a JSON object; raises SceneFileError for a duplicate key."""
+    entries: dict[str, Any] = {}
     for key, value in pairs:
-        if key in found:
+        if key in entries:
             raise SceneFileError('the key is there twice in one object', file, key=key)
-        found[key] = value
-    return found
+        entries[key] = value
+    return entries
 
 
 def _number(value: Any, where: Location) -> float:

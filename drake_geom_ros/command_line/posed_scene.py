@@ -1,11 +1,11 @@
-"""A scene file made ready for questions: registered, named, every frame at its first pose."""
+"""Scene loaded from a file and posed for queries, with names of its geometries."""
 
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from drake_geom_ros.command_line.pose_file import FramePose
-from drake_geom_ros.command_line.scene_input import read_and_tell
+from drake_geom_ros.command_line.scene_input import read_and_warn
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryObject, SceneGraph
 from drake_geom_ros.scene_files import (
     SceneDescription,
@@ -20,21 +20,18 @@ from drake_geom_ros.trajectories.motion_file import load_motion
 
 
 class PosedScene:
-    """A scene, and where its frames are.
+    """A scene with the poses of its frames.
 
-    A frame stands where the scene file says, a link of a robot where forward kinematics puts it
-    with all joints in the configuration that the file gives, or at 0 (or at their limit nearest
-    to 0). Any other frame waits for a pose: so do links below a planar or floating joint without
-    values, and those of a robot that is no tree of joints.
+    Frames have the poses of the scene file. Links of robots have those of forward kinematics, in
+    the configuration of the file; other joints are at 0, or at their limit nearest to 0. All other
+    frames have no pose, among them links below a planar or floating joint without values, and
+    links of a robot whose joints form no tree.
     """
 
     def __init__(self, path: str, srdf: str = '', package_roots: Sequence[str] = ()) -> None:
-        """Load a file; raises SceneFileError for one that cannot be.
-
-        What is not understood in it is told on standard error.
-        """
+        """Load a file and print its warnings; raises SceneFileError for an invalid one."""
         self._path = path
-        self.description: SceneDescription = read_and_tell(path, srdf, package_roots)
+        self.description: SceneDescription = read_and_warn(path, srdf, package_roots)
         self.scene_graph = SceneGraph()
         self.loaded = loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames
@@ -48,15 +45,15 @@ class PosedScene:
 
     @property
     def query(self) -> QueryObject:
-        """The query object of the scene as it is posed."""
+        """The query object of the scene at its current poses."""
         return self.scene_graph.get_query_output_port().Eval(self.context)
 
-    def compile_kernels(self, tell: Callable[[str, int, int], None], part: str) -> list[str]:
-        """Compile what queries of the scene run: see ``SceneGraphContext.compile_kernels``.
+    def compile_kernels(self, progress: Callable[[str, int, int], None], part: str) -> list[str]:
+        """Compile the kernels of the scene's queries; see ``SceneGraphContext.compile_kernels``.
 
-        Where it has cameras, what these run too, as a part of 'cycle'.
+        The kernels of its cameras are compiled too, as a part of 'cycle'.
         """
-        kernels = self.context.compile_kernels(tell, part)
+        kernels = self.context.compile_kernels(progress, part)
         if self.cameras and part != 'kernels':
             add_renderers(self.scene_graph)
             for frame, camera in list(self.cameras.values())[:1]:
@@ -64,11 +61,11 @@ class PosedScene:
         return kernels
 
     def files(self) -> Iterator[Path]:
-        """Yield the files that the scene is made of, beside its own."""
+        """Yield the input files of the scene, besides its own."""
         return files_of(self.scene_graph, self.description.robots)
 
     def check_whole(self) -> None:
-        """Raise SceneFileError, naming the frames, while some have no pose."""
+        """Raise SceneFileError, naming the frames, if some have no pose."""
         if waiting := self.query.waiting_frames():
             raise SceneFileError(
                 f'these frames have no pose: {", ".join(map(self.frame_name, waiting))}; give '
@@ -77,11 +74,11 @@ class PosedScene:
             )
 
     def pose(self, poses: Iterable[FramePose]) -> None:
-        """Pose frames; raises SceneFileError that blames the pose's place for a name."""
+        """Pose frames; raises SceneFileError, with the pose's place, for an unknown frame."""
         self.context.UpdateFramePoses(self.vector(poses))
 
     def vector(self, poses: Iterable[FramePose]) -> FramePoseVector:
-        """Return poses by the ids of their frames; raises SceneFileError as ``pose``."""
+        """Return poses by frame ids; raises SceneFileError like ``pose``."""
         X_PFs = FramePoseVector()
         for pose in poses:
             member = self._table.find(pose.frame, pose.where)
@@ -113,8 +110,8 @@ class PosedScene:
             return FramePoseVector()
         motion = load_motion(None, self.description)
         for robot, reason in motion.left_out.items():
-            told = f'warning: {reason}. No joint values pose the links of {robot!r}: give poses'
-            print(told, file=sys.stderr)
+            warning = f'warning: {reason}. No joint values pose the links of {robot!r}: give poses'
+            print(warning, file=sys.stderr)
         robots = {robot.name for robot in self.description.robots} & motion.frame_names.keys()
         poses = motion.poses(0.0)
         rows = [row for robot in robots for row in poses[robot]]

@@ -1,4 +1,4 @@
-"""The program ``drake_geom_ros``, or ``python -m drake_geom_ros``: one subcommand a module."""
+"""Program ``drake_geom_ros``, or ``python -m drake_geom_ros``; each subcommand is a module."""
 
 import argparse
 import os
@@ -18,23 +18,26 @@ from drake_geom_ros.command_line import (
     suggest_filters,
     view,
 )
-from drake_geom_ros.command_line.unforeseen import UNFORESEEN, tell_unforeseen
+from drake_geom_ros.command_line.unforeseen import UNFORESEEN, print_unforeseen
 from drake_geom_ros.geometry import GeometryError
 
-BAD_INPUT = 2  # the exit code of what was asked wrongly, as argparse has it
-_READER_LEFT = 141  # as a shell reports a process that SIGPIPE ended
+BAD_INPUT = 2  # exit code of wrong arguments, as of argparse
+_READER_LEFT = 141  # exit code, as shells report SIGPIPE
 
 
 def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -> int:
     """Run the subcommand that the arguments name and return the exit code.
 
-    ``prog`` is how it was started, as its help shows it.
+    ``prog`` is the name of the program in its help. Exit codes are
 
-    0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
-    still broken or the disagreement still there, ``report`` that not all is known; 2: what was
-    asked cannot be, said in one line on standard error; 3: ``report --audit`` refutes what a node
-    said; 4: ``report --compare`` finds a run nearer than the other one; 70: an error that nobody
-    foresaw, with its traceback on standard error; 130: interrupted.
+    - 0: done;
+    - 1: ``check`` finds the scene invalid or python-fcl disagrees, ``replay`` still exceeds the
+      tolerance or still disagrees, ``report`` has reservations;
+    - 2: invalid arguments or input, reported in one line on standard error;
+    - 3: ``report --audit`` refutes a node;
+    - 4: ``report --compare`` finds the run nearer than the other one;
+    - 70: an internal error, with its traceback on standard error;
+    - 130: interrupted.
     """
     try:
         options = _parser(prog).parse_args(arguments)
@@ -42,7 +45,7 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         sys.stdout.flush()
         return code
     except BrokenPipeError:
-        # Whoever read has what it wanted. Python flushes once more at its end: into nothing.
+        # The reader closed the pipe. Python flushes once more at exit, so give it another file.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _READER_LEFT
     except KeyboardInterrupt:
@@ -53,7 +56,7 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         print(f'drake_geom_ros: {reason}', file=sys.stderr)
         return BAD_INPUT
     except Exception:
-        tell_unforeseen()
+        print_unforeseen()
         return UNFORESEEN
 
 

@@ -1,4 +1,4 @@
-"""``query``: distances, penetrations, candidates or point distances of a scene file."""
+"""Command ``query``: distances, penetrations, candidates or point distances of a scene file."""
 
 import argparse
 import csv
@@ -67,7 +67,7 @@ def add_to(commands: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Answer and return the exit code; raises GeometryError or OSError for bad input."""
+    """Query, write and return the exit code; GeometryError or OSError for bad input."""
     if (options.what == 'points') != bool(options.points):
         raise SceneFileError('--what points and --points FILE go together', options.scene)
     if options.what not in LIMITED and options.max_distance < math.inf:
@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
                 beside.update(dict.fromkeys(half_spaces_beside(scene)))
             yield moment.time, ask(scene, options.max_distance, points, options.accuracy)
 
-    # Everything is computed before the file is opened: bad input leaves an old one alone.
+    # Everything is computed before the file is opened, so that bad input keeps an old file.
     done = list(answers())
     timed = any(time is not None for time, _ in done)
     with _target(options.output) as file:
@@ -102,18 +102,18 @@ def run(options: argparse.Namespace) -> int:
             write_json(done, file)
         else:
             write_csv(done, timed, file)
-    for told in beside:
-        print(told, file=sys.stderr)
+    for remark in beside:
+        print(remark, file=sys.stderr)
     return 0
 
 
 def _target(path: str | None) -> AbstractContextManager[TextIO]:
-    """Return the file to write to, standard output where none is named."""
+    """Return the file to write to, or standard output without a path."""
     return whole_file(path) if path else nullcontext(sys.stdout)
 
 
 def limit(text: str) -> float:
-    """Return a distance [m] that was given as an argument; ArgumentTypeError for none."""
+    """Return the distance [m] of an argument; ArgumentTypeError unless it is >= 0."""
     value = float(text)
     if not value >= 0.0:
         raise argparse.ArgumentTypeError(f'{text} must be a distance >= 0 [m]')
@@ -121,7 +121,7 @@ def limit(text: str) -> float:
 
 
 def points_of_file(path: str) -> NDArray[np.float64]:
-    """Return the points (m, 3) [m] of a file; raises SceneFileError for what holds none."""
+    """Return the points (m, 3) [m] of a file; raises SceneFileError for another format."""
     text = text_of(Path(path).read_bytes(), path)
     try:
         if Path(path).suffix == '.json':

@@ -1,4 +1,4 @@
-"""Options that say how the topics of a recording are called."""
+"""Command-line options for the topic names of a recording."""
 
 import argparse
 
@@ -7,7 +7,7 @@ from drake_geom_ros.recordings.topics import NAMES
 
 
 def add_topics_to(parser: argparse.ArgumentParser) -> None:
-    """Add what a node has as namespace, remapped topics and world frame."""
+    """Add options for namespace, remapped topics and world frame."""
     parser.add_argument(
         '--topic',
         action='append',
@@ -32,5 +32,5 @@ def add_topics_to(parser: argparse.ArgumentParser) -> None:
 
 
 def topics_of(options: argparse.Namespace) -> Topics:
-    """Return which topics are asked for; raises RecordingError for a name that is none."""
+    """Return the topics of the options; raises RecordingError for an unknown name."""
     return Topics.of(options.topic, options.namespace)

@@ -1,4 +1,4 @@
-"""``render``: colour, depth and label images of a scene file, as pictures."""
+"""Command ``render``: colour, depth and label images of a scene file, as pictures."""
 
 import argparse
 import sys
@@ -120,8 +120,8 @@ def run(options: argparse.Namespace) -> int:
     add_renderers(scene.scene_graph)
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
-    given = (options.scene, options.srdf, options.poses, options.states)
-    inputs = [Path(each) for each in given if each]
+    paths = (options.scene, options.srdf, options.poses, options.states)
+    inputs = [Path(each) for each in paths if each]
     inputs += scene.files()
     total = len(cameras) * (1 if options.time is not None else len(moments))
     done = 0
@@ -139,7 +139,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _posed(scene: PosedScene, moments: Moments, time: float | None) -> Iterator[int | None]:
-    """Pose the scene for each moment, or for that of a time, and yield its number."""
+    """Pose the scene for each moment, or only for the one at ``time``, and yield its number."""
     if time is not None:
         timed = [m for m in moments if isinstance(m, PoseSet) and m.time is not None]
         past = [m for m in timed if m.time is not None and m.time <= time]
@@ -185,15 +185,15 @@ def _write_view(
     inputs: Sequence[Path],
     options: argparse.Namespace,
 ) -> None:
-    """Write what a person looks at: nearest points drawn, bodies that one can see through."""
+    """Write a picture for people, with nearest points, contacts or transparent bodies."""
     query = scene.query
     pairs = None
     if options.nearest is not None:
         pairs = Pairs.of(query.ComputeSignedDistancePairwiseClosestPoints(options.nearest))
     patches = None
     if options.contacts:
-        patches, said, missing = contacts_of(query, lambda id: scene.names[GeometryId(id)])
-        for remark in (*said, *missing):
+        patches, remarks, missing = contacts_of(query, lambda id: scene.names[GeometryId(id)])
+        for remark in (*remarks, *missing):
             print(f'{path.name}: {remark}')
     camera = Camera(query.X_WF(frame) @ description.X_FC, description.intrinsics)
     cover = 1.0 if options.see_through is None else options.see_through
@@ -205,7 +205,7 @@ def _write_view(
 
 
 def _cameras(scene: PosedScene, options: argparse.Namespace) -> Cameras:
-    """Return the cameras that are asked for, and their frames."""
+    """Return the cameras that the options select, and their frames."""
     if options.from_W is not None:
         return [(scene.inspector.world_frame_id(), _placed(scene, options))]
     if options.camera is None:
@@ -215,8 +215,8 @@ def _cameras(scene: PosedScene, options: argparse.Namespace) -> Cameras:
             )
         return list(scene.cameras.values())
     if options.camera not in scene.cameras:
-        known = ', '.join(scene.cameras) or 'none'
-        raise SceneFileError(f'no camera {options.camera!r}; it has {known}', options.scene)
+        names = ', '.join(scene.cameras) or 'none'
+        raise SceneFileError(f'no camera {options.camera!r}; it has {names}', options.scene)
     return [scene.cameras[options.camera]]
 
 
@@ -224,9 +224,9 @@ def _placed(scene: PosedScene, options: argparse.Namespace) -> CameraDescription
     """Return the camera that the options place in the world."""
     shows = options.shows
     if shows is None:
-        seen = scene.inspector.NumGeometriesWithRole(Role.kPerception)
-        shows = 'perception' if seen else 'proximity'
-        if not seen:
+        has_perception = scene.inspector.NumGeometriesWithRole(Role.kPerception) > 0
+        shows = 'perception' if has_perception else 'proximity'
+        if not has_perception:
             print('no geometry has the perception role: shown is what has the proximity role')
             sys.stdout.flush()
     try:
@@ -242,7 +242,7 @@ def _placed(scene: PosedScene, options: argparse.Namespace) -> CameraDescription
 
 
 def _show_progress(done: int, total: int) -> None:
-    """Draw a bar on standard error, for a person who waits for several images."""
+    """Draw a progress bar on standard error if it is a terminal and there are several images."""
     if total > 1 and sys.stderr.isatty():
         filled = '#' * (_BAR * done // total)
         end = '\n' if done == total else ''

@@ -1,4 +1,4 @@
-"""``replay``: ask once more what a replay file of the node holds, or recorded events."""
+"""Command ``replay``: reproduce the query of a replay file, or recorded rule events."""
 
 import argparse
 from collections import Counter
@@ -17,7 +17,7 @@ from drake_geom_ros.replay import (
     reproduce,
 )
 
-STILL_BROKEN = 1  # the exit code
+STILL_BROKEN = 1  # exit code
 
 
 def add_to(commands: Any) -> None:
@@ -53,8 +53,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _judge(file: str, scene: Path) -> int:
-    """Print of each recorded event whether it was founded; return the exit code."""
-    judge, found, missing, last = Judge(scene), Counter[Finding](), 0, 0
+    """Print the verdict on each recorded event; return the exit code."""
+    judge, verdicts, missing, last = Judge(scene), Counter[Finding](), 0, 0
     for event in read_events(file):
         if 0 < last < event.sequence - 1:
             missing += event.sequence - 1 - last
@@ -65,7 +65,7 @@ def _judge(file: str, scene: Path) -> int:
             )
         last = event.sequence
         verdict = judge.verdict(event)
-        found[verdict.finding] += 1
+        verdicts[verdict.finding] += 1
         verb = 'entered' if event.entered else 'left'
         print(f'{event.sequence} {event.rule}: {verb}, {event.why.name.lower()}: '
               f'{verdict.finding.value}: {verdict.because}')  # fmt: skip
@@ -77,9 +77,9 @@ def _judge(file: str, scene: Path) -> int:
         ):
             if now is not None:
                 print(f'    {title} [m]: recorded {then!r}, now {now!r}')
-    counts = [f'{found[finding]} {finding.value}' for finding in Finding]
+    counts = [f'{verdicts[finding]} {finding.value}' for finding in Finding]
     print(', '.join([*counts, f'{missing} MISSING'] if missing else counts))
-    return STILL_BROKEN if found[Finding.UNFOUNDED] or missing else 0
+    return STILL_BROKEN if verdicts[Finding.UNFOUNDED] or missing else 0
 
 
 def _report(replay: Replay, now: Answer) -> Iterator[str]:
@@ -117,7 +117,7 @@ def _verdict(now: Answer) -> str:
 
 
 def _second(opinion: Opinion, now: Answer) -> str:
-    """Return the other library's answer in one line, and whether ours is still another one."""
-    said = 'no contact' if opinion.distance is None else f'{opinion.distance!r} m'
+    """Return one line on whether the answer still differs from the other library's."""
+    answer = 'no contact' if opinion.distance is None else f'{opinion.distance!r} m'
     verb = 'still differs from' if opinion.differs(now) else 'agrees with'
-    return f'it {verb} {opinion.library}: {said} within {opinion.tolerance:.3g} m'
+    return f'it {verb} {opinion.library}: {answer} within {opinion.tolerance:.3g} m'

@@ -1,4 +1,4 @@
-"""Scene files of the commands: what is not understood in one is told on standard error."""
+"""Scene files of the commands, whose warnings are printed on standard error."""
 
 import argparse
 import sys
@@ -9,7 +9,7 @@ from drake_geom_ros.scene_files import LoadedScene, SceneDescription, read_scene
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
-    """Add what goes with a scene file to the parser of a command."""
+    """Add the options that go with a scene file to the parser of a command."""
     parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
     parser.add_argument(
         '--package-root',
@@ -21,18 +21,18 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read_and_tell(
+def read_and_warn(
     path: str, srdf: str = '', package_roots: Sequence[str] = ()
 ) -> SceneDescription:
-    """Return what a scene file describes; raises SceneFileError for one that cannot be read."""
+    """Return the description of a scene file and print its warnings; errors of ``read_scene``."""
     description = read_scene(path, srdf=srdf, package_roots=package_roots)
-    for told in description.warnings:
-        print(f'warning: {told}', file=sys.stderr)
+    for warning in description.warnings:
+        print(f'warning: {warning}', file=sys.stderr)
     return description
 
 
-def load_and_tell(
+def load_and_warn(
     path: str, scene_graph: SceneGraph, srdf: str = '', package_roots: Sequence[str] = ()
 ) -> LoadedScene:
-    """Register what a scene file describes, and return the ids; errors are those of reading."""
-    return register(scene_graph, read_and_tell(path, srdf, package_roots))
+    """Register a scene file, print its warnings, and return the ids; errors of ``load_scene``."""
+    return register(scene_graph, read_and_warn(path, srdf, package_roots))

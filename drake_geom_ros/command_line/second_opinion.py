@@ -1,4 +1,4 @@
-"""``check --cross-check``: python-fcl is asked about each pair of a scene as it is posed."""
+"""Option ``check --cross-check``: compare each pair of a posed scene with python-fcl."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from drake_geom_ros.geometry import GeometryError, GeometryId
 
 
 def cross_checked(scene: PosedScene) -> tuple[list[str], bool]:
-    """Return what came of it, in lines, and whether there was no disagreement.
+    """Return the lines of the report, and whether there was no disagreement.
 
-    Raises GeometryError where python-fcl, or what it is judged with, is not installed.
+    Raises GeometryError if python-fcl, or a package that judges it, is not installed.
     """
     if names := missing():
         raise GeometryError(
             f'--cross-check needs {" and ".join(names)}: pip install {" ".join(names)}, or this '
             "package with its extra 'cross_check'"
         )
-    # Only now: nobody else needs what this imports.
+    # Imported late, because other commands do not need the optional packages.
     from drake_geom_ros.cross_check.second_opinion import SecondOpinion
 
     query = scene.query
@@ -41,8 +41,8 @@ def cross_checked(scene: PosedScene) -> tuple[list[str], bool]:
     finally:
         opinion.close()
     counts = counted(verdicts)
-    told = ', '.join(f'{verdict} {counts[verdict]}' for verdict in VERDICTS)
-    lines = [f'cross-checked by {opinion.library}: pairs {len(questions)}: {told}']
+    summary = ', '.join(f'{verdict} {counts[verdict]}' for verdict in VERDICTS)
+    lines = [f'cross-checked by {opinion.library}: pairs {len(questions)}: {summary}']
     for question, verdict in zip(questions, verdicts, strict=True):
         if verdict.verdict in (DISAGREED, LOST):
             a, b = (scene.names[GeometryId(value)] for value in question.ids)

@@ -1,4 +1,4 @@
-"""``suggest-filters``: which pairs of a robot's links to filter, by sampled configurations."""
+"""Command ``suggest-filters``: suggest filters between links from sampled configurations."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
-from drake_geom_ros.command_line.scene_input import add_scene_options, read_and_tell
+from drake_geom_ros.command_line.scene_input import add_scene_options, read_and_warn
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import (
@@ -32,16 +32,16 @@ from drake_geom_ros.scene_files import (
 
 LinkPair = tuple[str, str]
 _BLOCK = 1000  # states at once
-_TURN = np.pi  # [rad] each way that a joint without limits is turned, or [m] that it is moved
-# With no collision in n states the chance of one is below 3 / n, at 95 % confidence.
+_TURN = np.pi  # [rad] or [m] range of a joint without limits, in each direction
+# With no collision in n states its probability is below 3 / n, at 95 % confidence.
 _RULE_OF_THREE = 3.0
 
 
 class Suggestion(NamedTuple):
-    """A pair of links, why it should be filtered, and in how many states it ``collided``."""
+    """A pair of links, the reason to filter it, and the number of states in which it collided."""
 
     links: LinkPair
-    reason: str  # as SRDF has it: Adjacent, Always, Default or Never
+    reason: str  # as in SRDF: Adjacent, Always, Default or Never
     collided: int
 
 
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     if output is not None and output.suffix not in ('.srdf', '.yaml', '.yml'):
         raise SceneFileError('--output ends with .srdf, .yaml or .yml', str(output))
     check_outputs({'--output': output}, [options.scene, options.srdf])
-    description = read_and_tell(options.scene, options.srdf, options.package_root)
+    description = read_and_warn(options.scene, options.srdf, options.package_root)
     robot = _chosen(description, options.robot, options.scene)
     scene_graph = SceneGraph()
     loaded = register(scene_graph, _alone(description, robot))
@@ -85,32 +85,31 @@ def run(options: argparse.Namespace) -> int:
     links = {frame for _, frame, _ in loaded.geometries}
     joined = _adjacent(loaded.robots[robot].tree.joints, links)  # type: ignore[union-attr]
     counts, at_rest = sampled(scene_graph, loaded, options.states, options.seed)
-    found = list(_suggested(scene_graph, loaded, joined, counts, at_rest, options.states))
+    suggestions = list(_suggested(scene_graph, loaded, joined, counts, at_rest, options.states))
     if options.without_never:
-        found = [each for each in found if each.reason != 'Never']
+        suggestions = [each for each in suggestions if each.reason != 'Never']
     as_yaml = output is not None and output.suffix != '.srdf'
-    said = Counter(each.reason for each in found)
-    told = ', '.join(f'{reason.lower()} {said[reason]}' for reason in sorted(said)) or 'none'
+    reasons = Counter(each.reason for each in suggestions)
+    summary = ', '.join(f'{name.lower()} {reasons[name]}' for name in sorted(reasons)) or 'none'
     chance = _RULE_OF_THREE / options.states
     note = (
         f'{options.states} configurations, seed {options.seed}. A pair that never collided in '
         f'them does so in less than {100 * chance:.2g} % of all, at 95 % confidence'
     )
-    text = '\n'.join([*(_yaml if as_yaml else _srdf)(robot, found, note), ''])
+    text = '\n'.join([*(_yaml if as_yaml else _srdf)(robot, suggestions, note), ''])
     if output is None:
         print(text, end='')
     else:
         with whole_file(output) as file:
             file.write(text)
-    print(f'{robot}: {told}; {note}', file=sys.stderr)
+    print(f'{robot}: {summary}; {note}', file=sys.stderr)
     return 0
 
 
 def _adjacent(joints: Iterable[Any], links: set[str]) -> set[LinkPair]:
-    """Return the pairs of links with shapes that joints connect, through links without shapes.
+    """Return the pairs of links with shapes that joints connect, also via links without shapes.
 
-    As MoveIt's assistant has it (``disableAdjacentLinks``): what a link without shapes connects
-    is taken for connected.
+    The latter follows MoveIt's setup assistant (``disableAdjacentLinks``).
     """
     neighbours: dict[str, set[str]] = {}
     for joint in joints:
@@ -126,7 +125,7 @@ def _adjacent(joints: Iterable[Any], links: set[str]) -> set[LinkPair]:
 def sampled(
     scene_graph: SceneGraph, loaded: LoadedScene, count: int, seed: int
 ) -> tuple[Counter[LinkPair], set[LinkPair]]:
-    """Return in how many states each pair of links collided, and which pairs do at rest."""
+    """Return the numbers of colliding states by pair of links, and the pairs that do at rest."""
     joints = Joints.of(loaded)
     lower = np.where(np.isfinite(joints.lower), joints.lower, -_TURN)
     upper = np.where(np.isfinite(joints.upper), joints.upper, _TURN)
@@ -146,12 +145,12 @@ def _colliding(
 ) -> Iterator[set[LinkPair]]:
     """Yield the pairs of links that collide in each state."""
     link_of = {id.get_value(): frame for (_, frame, _), id in loaded.geometries.items()}
-    found: Any = evaluate(
+    pairs: Any = evaluate(
         scene_graph, want='within', max_distance=0.0, states=states, joints=joints
     )
-    for first, last in zip(found.offsets, found.offsets[1:], strict=False):
-        deep = np.flatnonzero(found.distance[first:last] < 0.0) + first
-        yield {_ordered(link_of[int(found.id_A[k])], link_of[int(found.id_B[k])]) for k in deep}
+    for first, last in zip(pairs.offsets, pairs.offsets[1:], strict=False):
+        deep = np.flatnonzero(pairs.distance[first:last] < 0.0) + first
+        yield {_ordered(link_of[int(pairs.id_A[k])], link_of[int(pairs.id_B[k])]) for k in deep}
 
 
 def _suggested(
@@ -162,17 +161,17 @@ def _suggested(
     at_rest: set[LinkPair],
     states: int,
 ) -> Iterator[Suggestion]:
-    """Yield what to filter, in the order of the links."""
+    """Yield the suggestions, in the order of the links."""
     manager = scene_graph.collision_filter_manager()
     by_link: dict[str, list[Any]] = {}
     for (_, frame, _), id in loaded.geometries.items():
         by_link.setdefault(frame, []).append(id)
     for a, b in combinations(by_link, 2):
         pair, count = _ordered(a, b), counts[_ordered(a, b)]
-        told = [not manager.explain(g, h) for g in by_link[a] for h in by_link[b]]
+        reported = [not manager.explain(g, h) for g in by_link[a] for h in by_link[b]]
         if pair in joined:
             yield Suggestion((a, b), 'Adjacent', count)
-        elif not any(told):
+        elif not any(reported):
             continue  # filtered already
         elif count == states:
             yield Suggestion((a, b), 'Always', count)
@@ -182,20 +181,20 @@ def _suggested(
             yield Suggestion((a, b), 'Never', count)
 
 
-def _srdf(robot: str, found: list[Suggestion], note: str) -> Iterator[str]:
+def _srdf(robot: str, suggestions: list[Suggestion], note: str) -> Iterator[str]:
     yield '<?xml version="1.0"?>'
     yield f'<!-- {note} -->'
     yield f'<robot name={quoteattr(robot)}>'
-    for (a, b), reason, count in found:
+    for (a, b), reason, count in suggestions:
         links = f'link1={quoteattr(a)} link2={quoteattr(b)}'
         yield f'  <disable_collisions {links} reason="{reason}"/> <!-- {count} -->'
     yield '</robot>'
 
 
-def _yaml(robot: str, found: list[Suggestion], note: str) -> Iterator[str]:
+def _yaml(robot: str, suggestions: list[Suggestion], note: str) -> Iterator[str]:
     yield f'# {note}'
-    yield 'filters:' if found else 'filters: []'
-    for links, reason, count in found:
+    yield 'filters:' if suggestions else 'filters: []'
+    for links, reason, count in suggestions:
         a, b = (f'{{source: {_quoted(robot)}, frame: {_quoted(link)}}}' for link in links)
         yield f'- exclude_between: [[{a}], [{b}]]  # {reason.lower()}, in {count} states'
 
@@ -210,14 +209,14 @@ def _chosen(description: SceneDescription, name: str | None, file: str) -> str:
     if name is None and len(names) == 1:
         return names[0]
     if name not in names:
-        asked = 'name one by --robot' if name is None else f'--robot {name!r} is none of them'
+        remedy = 'name one by --robot' if name is None else f'--robot {name!r} is none of them'
         there = f'robots are {", ".join(names)}' if names else 'there is no robot'
-        raise SceneFileError(f'{there}; {asked}', file)
+        raise SceneFileError(f'{there}; {remedy}', file)
     return str(name)
 
 
 def _alone(description: SceneDescription, robot: str) -> SceneDescription:
-    """Return a scene of one robot, with what is filtered among its own links."""
+    """Return a scene of one robot, with the filters among its own links."""
 
     def own(entry: FilterDescription) -> bool:
         sets = (
@@ -244,7 +243,7 @@ def _ordered(a: str, b: str) -> LinkPair:
 
 
 def _count(text: str) -> int:
-    """Return a number of states that was given as an argument; ArgumentTypeError for none."""
+    """Return the positive integer of an argument; ArgumentTypeError for others."""
     if not text.isdecimal() or int(text) == 0:
         raise argparse.ArgumentTypeError(f'{text} must be a whole number > 0')
     return int(text)

@@ -1,13 +1,13 @@
-"""Errors that are faults of this program, and not of what it was asked."""
+"""Report of internal errors, which are faults of this program and not of its input."""
 
 import sys
 import traceback
 
-UNFORESEEN = 70  # the exit code, as sysexits.h has it for an internal error
+UNFORESEEN = 70  # exit code of an internal error, as in sysexits.h
 
 
-def tell_unforeseen(name: str = 'drake_geom_ros') -> None:
-    """Print the exception that is handled, with its traceback, on standard error."""
+def print_unforeseen(name: str = 'drake_geom_ros') -> None:
+    """Print the handled exception with its traceback on standard error."""
     error = sys.exc_info()[1]
     traceback.print_exc()
     print(
