@@ -1,4 +1,4 @@
-"""A scene as batches: copies of one surface that are posed together, in a few array operations."""
+"""Batches of a scene: copies of one surface, posed together in a few array operations."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """Copies of one surface: of a layer, and as transparent as one another.
+    """Copies of one surface in one layer, all with the same transparency.
 
     ``bodies`` (n,) are the rows of the poses that the copies follow, ``geometries`` (n,) the
-    values of their geometries' ids, ``scales`` (n, 3) and ``colours`` (n, 3) theirs.
+    values of their geometries' ids, ``scales`` (n, 3) and ``colours`` (n, 3) those of the copies.
     """
 
     layer: str
@@ -39,7 +39,7 @@ class Batch:
     def posed(self, R_WGs: Floats, p_WGs: Floats) -> tuple[Floats, Floats]:
         """Return p_WS (n, 3) [m] and the unit quaternions w x y z (n, 4) of the copies.
 
-        R_WG (k, 3, 3) and p_WG (k, 3) [m] are the poses of all geometries that are shown.
+        R_WG (k, 3, 3) and p_WG (k, 3) [m] are the poses of all shown geometries.
         """
         R_WSs, p_WSs = compose(R_WGs[self.bodies], p_WGs[self.bodies], self.R_GSs, self.p_GSs)
         return p_WSs, np.roll(quaternions_from_rotations(R_WSs), 1, axis=1)
@@ -47,7 +47,7 @@ class Batch:
 
 @dataclass(frozen=True)
 class Batches:
-    """All batches of a scene, and why what is not in them cannot be drawn."""
+    """All batches of a scene, and the reasons why other geometries cannot be drawn."""
 
     batches: list[Batch]
     troubles: list[str]
@@ -58,10 +58,11 @@ def batches_of(
     row_of: Callable[[int], int],
     progress: Callable[[int], None] = lambda done: None,
 ) -> Batches:
-    """Return the batches of looks; ``row_of`` says which pose a geometry's id value follows.
+    """Return the batches of looks; ``row_of`` maps a geometry's id value to its row of poses.
 
-    ``progress(done)`` is told how many looks are done: large meshes take time. What cannot be
-    drawn, such as a mesh that cannot be read, is left out and told.
+    ``progress(done)`` is called with the number of looks done, since large meshes take time.
+    Shapes that cannot be drawn, such as unreadable meshes, are skipped and reported in
+    ``troubles``.
     """
     members: defaultdict[tuple[str, str, float], list[tuple[Look, Part]]] = defaultdict(list)
     troubles = []
@@ -75,7 +76,7 @@ def batches_of(
             troubles.append(f'{look.name}: {error}')
         progress(done)
     return Batches(
-        [_batch(layer, alpha, given, row_of) for (layer, _, alpha), given in members.items()],
+        [_batch(layer, alpha, group, row_of) for (layer, _, alpha), group in members.items()],
         troubles,
     )
 

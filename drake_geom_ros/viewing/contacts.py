@@ -1,4 +1,4 @@
-"""Contact surfaces of a scene as it stands, and what is said beside them. One place for both."""
+"""Contact surfaces of a posed scene for display, with remarks about them."""
 
 from __future__ import annotations
 
@@ -12,43 +12,46 @@ from drake_geom_ros.viewing.patches import Patches, in_pascals
 
 
 class ShownContacts(NamedTuple):
-    """Surfaces to be drawn, what is said of them, and what they do not show.
+    """Surfaces to draw, remarks about them, and remarks about contacts that they do not show.
 
-    No patch in a picture is no proof that nothing presses.
+    A picture without patches does not prove that nothing touches.
     """
 
     patches: Patches
-    said: list[str]
+    remarks: list[str]
     missing: list[str]
 
     @classmethod
     def none(cls) -> ShownContacts:
-        """Return what there is where nobody asked."""
+        """Return no contacts, for a display that shows none."""
         return cls(Patches.none(), [], [])
 
     @classmethod
     def of(cls, patches: Patches, participants: int, surfaces: int, left: Left) -> ShownContacts:
-        """Return so many surfaces, of so many geometries with hydroelastic properties."""
+        """Return contacts with counts of surfaces and of geometries with hydroelastic properties.
+
+        ``left`` describes the pairs that overlap without a surface.
+        """
         if not participants:
             words = 'no contact surfaces: no geometry has hydroelastic properties'
             return cls(patches, [], [words])
-        said = counted(surfaces, 'contact surface')
+        remark = counted(surfaces, 'contact surface')
         if surfaces:
-            said += (
+            remark += (
                 f', from no pressure (dark blue) to {in_pascals(patches.max_pressure)} (yellow)'
             )
-        return cls(patches, [said], left.in_words())
+        return cls(patches, [remark], left.in_words())
 
 
 class Left(NamedTuple):
-    """How many pairs overlap without a surface; the names of the first, and why: a NoSurface."""
+    """Number of pairs that overlap without a surface, with names and NoSurface of the first."""
 
     pairs: int
     names: tuple[str, str] = ('', '')
     reason: int = 0
 
     def in_words(self) -> list[str]:
-        """Return what there is to tell."""
+        """Return a remark about these pairs, or none."""
         if not self.pairs:
             return []
         overlap = 'overlaps' if self.pairs == 1 else 'overlap'
@@ -60,9 +63,9 @@ class Left(NamedTuple):
 
 
 def contacts_of(query: QueryObject, name_of: Callable[[int], str]) -> ShownContacts:
-    """Return the contact surfaces of now; nothing is computed where no geometry has any.
+    """Return the current contact surfaces; nothing is computed without hydroelastic geometries.
 
-    ``name_of`` gives the name of a geometry by its id's value.
+    ``name_of`` returns the name of a geometry by its id's value.
     """
     participants = len(query.hydroelastic_geometries())
     if not participants:

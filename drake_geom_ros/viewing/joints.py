@@ -1,4 +1,4 @@
-"""The joints of a scene's robots: values within limits in, poses of links out."""
+"""Joint sliders of a scene's robots, which pose the links."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.trajectories.motion import RobotMotion
 from drake_geom_ros.trajectories.pose_matrices import poses_of_matrices
 
-# What a slider covers where a joint has no limit: a turn each way, or [m].
+# Range of a slider [rad] or [m], in each direction, if the joint has no limit.
 _FREE = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
 class JointSlider:
-    """A joint of a robot, and the range [rad] or [m] in which a slider moves it."""
+    """A joint of a robot, and the range [rad] or [m] of its slider."""
 
     robot: str
     name: str
@@ -28,14 +28,14 @@ class JointSlider:
 
 
 class JointSliders:
-    """Joint values of robots, by the names of their sources."""
+    """Current joint values of robots, by the names of their sources."""
 
     def __init__(
         self, robots: Mapping[str, RobotMotion], frames: Mapping[Frame, FrameId], time: float = 0.0
     ) -> None:
-        """Begin with the values that the robots' motions have at a time [s].
+        """Start with the values of the robots' motions at ``time`` [s].
 
-        ``frames`` are the scene's, by source and name.
+        ``frames`` are those of the scene, by source and name.
         """
         self._robots = robots
         self.values = {name: robot.joint_values.value(time) for name, robot in robots.items()}
@@ -65,7 +65,7 @@ class JointSliders:
     def move(self, joint: JointSlider, value: float) -> FramePoseVector:
         """Set a joint, within its limits, and return the poses of its robot's links.
 
-        Raises ValueError for what is no number.
+        Raises ValueError for NaN.
         """
         if np.isnan(value):
             raise ValueError(f'{joint.robot}: {joint.name} cannot be set to {value}')
@@ -75,28 +75,28 @@ class JointSliders:
         return self.poses(joint.robot)
 
     def take(self, values: Mapping[str, float]) -> None:
-        """Begin with values [rad] or [m] of joints by ``robot::joint``, also beyond their limits.
+        """Set values [rad] or [m] of joints by ``robot::joint``, also beyond their limits.
 
-        Links are not posed by it. Raises KeyError for a joint that is not here.
+        This poses no links. Raises KeyError for an unknown joint.
         """
-        known = {
+        columns = {
             f'{name}::{joint}': (name, column)
             for name, robot in self._robots.items()
             for column, joint in enumerate(robot.kinematics.joint_names)
         }
         for name, value in values.items():
-            robot, column = known[name]
+            robot, column = columns[name]
             q = np.array(self.values[robot])
             q[column] = value
             self.values[robot] = q
 
     def follow_states(self, states: Sequence[Mapping[str, float]]) -> None:
-        """Take the values of states one after another, as ``take``, one each second."""
+        """Take the values of states by time, one state each second; see ``take``."""
         self._states = states
         self.follow(0.0)
 
     def follow(self, time: float) -> None:
-        """Take the values that the robots' motions, or the states, have at a time [s]."""
+        """Take the values of the robots' motions, or of the states, at a time [s]."""
         if self._states:
             self.take(self._states[min(int(time), len(self._states) - 1)])
             return
@@ -104,7 +104,7 @@ class JointSliders:
             self.values[name] = robot.joint_values.value(time)
 
     def poses(self, robot: str) -> FramePoseVector:
-        """Return the poses of a robot's links, which stand in the world."""
+        """Return the poses of a robot's links, whose parent is the world."""
         kinematics, X_WB = self._robots[robot].kinematics, self._robots[robot].X_WB
         X_WLs = kinematics.link_transforms(self.values[robot], X_WB)
         links = self._links[robot]

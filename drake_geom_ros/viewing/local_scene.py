@@ -1,4 +1,4 @@
-"""A scene in this process: posed, asked and filtered from a page's threads."""
+"""Scene of this process for a page, whose threads pose, query and filter it."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from drake_geom_ros.scene_files import poses_in_parents
 from drake_geom_ros.viewing.contacts import ShownContacts, contacts_of
 from drake_geom_ros.viewing.looks import geometry_name, looks_of
 from drake_geom_ros.viewing.pairs import Pairs
-from drake_geom_ros.viewing.scene import Cast, Moment
+from drake_geom_ros.viewing.scene import Moment, ShownGeometries
 
 
 @dataclass(frozen=True)
 class Declared:
-    """A transient declaration of the page's: in force (``filter_id``) or switched off (None)."""
+    """A transient declaration of the page; its ``filter_id`` is None while it is switched off."""
 
     text: str
     declaration: CollisionFilterDeclaration
@@ -40,10 +40,10 @@ class Declared:
 
 
 class LocalScene:
-    """What a page shows of a scene graph and a context that shares its model."""
+    """Scene for a page, of a scene graph and a context that shares its model."""
 
     def __init__(self, scene_graph: SceneGraph, context: SceneGraphContext) -> None:
-        """``context`` comes from ``CreateSharedContext``, so that filters reach its answers."""
+        """Show ``context``, which must share its model, so that filters change its results."""
         self._lock = threading.RLock()
         self._scene_graph, self._context = scene_graph, context
         self._filters = scene_graph.collision_filter_manager()
@@ -63,45 +63,45 @@ class LocalScene:
             for f in inspector.GetAllFrameIds()
             if f != inspector.world_frame_id()
         }
-        self._cast: Cast | None = None
+        self._geometries: ShownGeometries | None = None
 
-    # As ShownScene says.
+    # Implementation of ShownScene.
 
     def version(self) -> object:
         """Return a number that grows with every change."""
         return self._changes
 
     def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
-        """Return where everything is, the pairs up to a distance [m], and contact surfaces."""
+        """Return current poses, the pairs up to a distance [m], and contact surfaces."""
         shown = ShownContacts.none()
         with self._lock:
-            R_WFs, p_WFs, there = self._context.X_WFs(self._frame_ids)
+            R_WFs, p_WFs, is_posed = self._context.X_WFs(self._frame_ids)
             results = self._query.ComputeSignedDistancePairwiseClosestPoints(
                 max_distance, accuracy=accuracy
             )
             R_WGs, p_WGs, placed = self._fixed.X_WGs(self._context)
-            cast = self._cast_of(placed)
+            geometries = self._shown_geometries(placed)
             if contacts:
                 shown = contacts_of(self._query, self._names.__getitem__)
         return Moment(
-            *(cast, R_WGs, p_WGs, Pairs.of(results), R_WFs[there], p_WFs[there]),
-            remarks=[*shown.said, *shown.missing],
+            *(geometries, R_WGs, p_WGs, Pairs.of(results), R_WFs[is_posed], p_WFs[is_posed]),
+            remarks=[*shown.remarks, *shown.missing],
             patches=shown.patches,
         )
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
-        """Return why a pair is not reported; raises RuntimeError for what has no such role."""
+        """Return why a pair is not reported; RuntimeError without the proximity role."""
         with self._lock:
             return self._filters.explain(*map(GeometryId, pair))
 
-    def _cast_of(self, placed: NDArray[np.bool_]) -> Cast:
+    def _shown_geometries(self, placed: NDArray[np.bool_]) -> ShownGeometries:
         ids = self._fixed.ids[placed]
-        if self._cast is None or not np.array_equal(self._cast.ids, ids):
+        if self._geometries is None or not np.array_equal(self._geometries.ids, ids):
             shown = set(ids.tolist())
             looks = [look for look in self._looks if look.geometry.get_value() in shown]
             waiting = [self._inspector.GetName(f) for f in self._query.waiting_frames()]
-            self._cast = Cast(ids, looks, self._names, waiting)
-        return self._cast
+            self._geometries = ShownGeometries(ids, looks, self._names, waiting)
+        return self._geometries
 
     # Poses.
 
@@ -112,7 +112,7 @@ class LocalScene:
             self._changes += 1
 
     def pose_only(self, X_PFs: FramePoseVector) -> None:
-        """Pose frames, and let all others wait for a pose; raises PoseError as ``pose``."""
+        """Pose frames, and leave all others without a pose; raises PoseError like ``pose``."""
         with self._lock:
             named = set(X_PFs.ids())
             if not named.issuperset(poses_in_parents(self._query)):
@@ -121,7 +121,7 @@ class LocalScene:
             self.pose(X_PFs)
 
     def X_WF(self, frame: Frame) -> RigidTransform:
-        """Return the pose of a frame by source and name; PoseError where it has none."""
+        """Return the pose of a frame by source and name; PoseError if it has none."""
         with self._lock:
             return self._query.X_WF(self.frames[frame])
 
@@ -139,24 +139,24 @@ class LocalScene:
         return {frame: X_PFs[id] for frame, id in self.frames.items() if id in X_PFs}
 
     def snapshot(self) -> SceneGraphContext:
-        """Return a copy that may be posed and asked in another thread."""
+        """Return a copy that another thread may pose and query."""
         with self._lock:
             return self._context.what_if()
 
-    # Transient filters. Later ones win, so that one which is switched on again must come back
-    # in its place: those behind it are taken away first, and made again in their order.
+    # Transient filters. Later ones override earlier ones, so a filter that is switched on again
+    # must return to its place: later ones are removed first, and made again in their order.
 
     def history(self) -> list[Declared]:
-        """Return the page's declarations in the order in which they count."""
+        """Return the page's declarations, in the order in which they apply."""
         with self._lock:
             return list(self._history)
 
     def exclude(self, pair: tuple[int, int]) -> None:
-        """Add a declaration that takes a pair of geometries, by id values, out of the answer."""
+        """Add a declaration that excludes a pair of geometries, by id values."""
         self._declare('exclude', pair, 'ExcludeBetween')
 
     def allow(self, pair: tuple[int, int]) -> None:
-        """Add a declaration that lets a pair of geometries, by id values, into the answer."""
+        """Add a declaration that allows a pair of geometries, by id values."""
         self._declare('allow', pair, 'AllowBetween')
 
     def _declare(self, word: str, pair: tuple[int, int], operation: str) -> None:

@@ -1,4 +1,4 @@
-"""What each geometry looks like, in the page and in RViz alike: layer, colour, solid or hull."""
+"""Looks of geometries in the page and in RViz: layer, colour, solid or hull."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from drake_geom_ros.geometry import (
 
 Colour = tuple[float, float, float, float]
 
-# A layer a role, by the name under which it is switched.
+# Names of the layers, one for each role.
 LAYERS = {
     Role.kProximity: 'proximity',
     Role.kIllustration: 'illustration',
     Role.kPerception: 'perception',
 }
-# Okabe and Ito, "Color universal design", 2008, without black, and without the vermilion and the
-# yellow that stand for contacts and for what is selected: told apart by the colour-blind too.
+# Okabe and Ito, "Color universal design", 2008, which the colour-blind can distinguish, without
+# black, and without vermilion and yellow, which mark contacts and the selection.
 PALETTE = (
     (0.34, 0.71, 0.91),
     (0.90, 0.62, 0.00),
@@ -38,16 +38,16 @@ PALETTE = (
     (0.00, 0.45, 0.70),
 )
 _GROUND = (0.75, 0.75, 0.75)
-# What lies inside, such as the deepest point of an overlap, is seen through it.
+# Transparent, so that points inside, such as the deepest one of an overlap, are visible.
 _PROXIMITY_ALPHA = 0.45
-# Of pairs: those that overlap, which way they are pushed apart, and the gaps of the others.
+# Colours of overlapping pairs, of their normals, and of the gaps of other pairs.
 PAIR_COLOURS: dict[str, Colour] = {
     'contacts': (1.0, 0.1, 0.1, 1.0),
     'normals': (1.0, 0.8, 0.0, 1.0),
     'distances': (0.1, 0.9, 0.3, 1.0),
 }
 NORMAL_LENGTH = 0.1  # [m]
-MOST_DRAWN = 50_000  # triangles of a solid; rclpy takes about 0.3 s for a marker of so many
+MOST_DRAWN = 50_000  # triangles of a solid; rclpy takes about 0.3 s for such a marker
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def geometry_name(inspector: SceneGraphInspector, geometry: GeometryId) -> str:
 
 
 def is_solid(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> bool:
-    """Return whether queries see a mesh as a solid; in other roles it is drawn as its hull."""
+    """Return whether queries treat a mesh as a solid; in other roles its hull is drawn."""
     return solid_by(inspector.GetProperties(geometry, role), role)
 
 
@@ -108,10 +108,10 @@ def colour_of(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) 
 def colour_by(
     properties: GeometryProperties | None, role: Role, rank: int, shape: Shape
 ) -> Colour:
-    """Return the colour by the properties of a role, else by the rank of the source.
+    """Return the colour by the properties of a role, or by the rank of the source.
 
-    Sources take the colours of the palette in the order of their ids, but a half space is grey,
-    for it may fill the whole picture; what queries see is drawn so that one can look through it.
+    Sources take the colours of the palette in the order of their ids. A half space is grey, since
+    it may fill the whole picture. The proximity role is drawn transparent.
     """
     if properties is not None and properties.HasProperty('phong', 'diffuse'):
         value = properties.GetProperty('phong', 'diffuse')
@@ -120,7 +120,7 @@ def colour_by(
         if np.shape(value) == (4,):
             r, g, b, a = map(float, value)
             return r, g, b, a
-    # The scene's own source, which is the first, has no geometry.
+    # The first source is the scene's own, which has no geometry.
     of_source = PALETTE[(rank - 1) % len(PALETTE)]
     red, green, blue = _GROUND if isinstance(shape, HalfSpace) else of_source
     return red, green, blue, _PROXIMITY_ALPHA if role is Role.kProximity else 1.0
@@ -129,9 +129,9 @@ def colour_by(
 def mesh_surface(
     shape: Convex | Mesh, solid: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh as queries see it.
+    """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh as queries treat it.
 
-    That is its hull, or its own surface where it is a solid of no more than MOST_DRAWN triangles.
+    This is its hull, or its own surface if it is a solid of no more than MOST_DRAWN triangles.
     Raises MeshFileError for a file that is no mesh.
     """
     if solid and isinstance(shape, Mesh):

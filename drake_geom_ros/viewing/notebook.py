@@ -1,4 +1,4 @@
-"""A picture of a scene where a notebook's cell ends with it."""
+"""Pictures of scenes as results of notebook cells."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from drake_geom_ros.viewing.snapshot import Camera, Pixels, camera_for, looking,
 
 
 class _Joints(Protocol):
-    """Joints of states, as ``drake_geom_ros.batch.Joints`` is."""
+    """Protocol of joints of states, such as ``drake_geom_ros.batch.Joints``."""
 
     @property
     def frame_ids(self) -> list[FrameId]: ...
@@ -39,13 +39,13 @@ class _Joints(Protocol):
 
 
 class Shown:
-    """A picture, which notebooks show: ``pixels`` (height, width, 3), and how to keep it."""
+    """A picture that notebooks display, with ``pixels`` (height, width, 3)."""
 
     def __init__(self, pixels: Pixels) -> None:
         self.pixels = pixels  # (height, width, 3) uint8
 
     def _repr_png_(self) -> bytes:
-        """Return the picture as notebooks ask for it."""
+        """Return the picture as PNG; notebooks call this."""
         try:
             from PIL import Image
         except ImportError as error:
@@ -74,13 +74,26 @@ def show(
     role: Role = Role.kProximity,
     contacts: bool = False,
 ) -> Shown:
-    """Return a picture of a scene as it stands, or in a state q (c,) of some joints.
+    """Return a picture of a scene at its current poses, or in a state q (c,) of some joints.
 
-    The pairs up to ``max_distance`` [m] are drawn by their nearest points, red where they overlap;
-    a negative one draws none. ``contacts`` draws the contact surfaces, coloured by pressure; what
-    they do not show is a warning. ``see_through`` is how much of a body covers what is behind it.
-    The camera is at ``from_W`` and looks at ``at_W`` (3,) [m], or has all of the scene in sight.
-    Raises PoseError for frames without a pose, ArgumentError for what cannot be shown.
+    Args:
+        scene: A scene graph, a context or a query object; with ``q`` not a query object.
+        joints: The joints of ``q``.
+        q: Joint values (c,) [rad] or [m].
+        max_distance: Pairs up to this distance [m] are drawn as lines between their nearest
+            points, red if they overlap; a negative one draws none.
+        see_through: Opacity of bodies, in (0, 1].
+        from_W: Position (3,) [m] of the camera; by default it sees the whole scene.
+        at_W: Point (3,) [m] that the camera looks at.
+        size: Width and height [pixels].
+        fov_y: Vertical field of view [rad].
+        role: The role of the visible geometries.
+        contacts: Whether to draw contact surfaces, coloured by pressure; pairs that overlap
+            without a surface are a warning.
+
+    Raises:
+        PoseError: Frames have no pose.
+        ArgumentError: Arguments do not go together, or there is nothing to show.
     """
     if (joints is None) != (q is None) or (from_W is None) != (at_W is None):
         raise ArgumentError('joints and q go together, and from_W and at_W')
@@ -106,7 +119,7 @@ def show(
 
 
 def _in_state(scene: Any, joints: _Joints, q: Any) -> QueryObject:
-    """Return a query object of a copy in which the joints have other values."""
+    """Return a query object of a copy of the scene with other joint values."""
     if not isinstance(scene, (SceneGraph, SceneGraphContext)):
         raise ArgumentError(
             'joints and q go with a scene graph or a context, which is copied and posed; '

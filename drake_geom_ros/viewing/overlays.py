@@ -1,4 +1,4 @@
-"""What is drawn over a picture of a scene: pairs as lines, contact surfaces by their pressures."""
+"""Overlays on pictures of scenes: pairs as lines, contact surfaces coloured by pressure."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ from drake_geom_ros.viewing.patches import Patches, colours_of, in_pascals
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
-MOST_PAIRS = 200  # lines of a picture: the nearest
-_TOLD = 5  # pairs whose distance is written beside, the nearest that have room for it
-_TEXT = (60, 14)  # [pixels] of such a text
+MOST_PAIRS = 200  # lines in a picture, of the nearest pairs
+_MOST_TEXTS = 5  # distances written beside lines, of the nearest pairs with free space
+_TEXT = (60, 14)  # [pixels] size of such a text
 _SAMPLES = 2  # of a patch along each side of a pixel
 _SCALE = (120, 10, 8)  # [pixels] length, height, and distance to the lower left corner
 
 
 def with_pairs(pixels: Pixels, ends: Floats, pairs: Pairs) -> Pixels:
-    """Return an image with lines between nearest points, and the distances of the first ones.
+    """Return an image with lines between nearest points, and the distances of the nearest pairs.
 
-    ``ends`` (k, 2, 2) [pixels] are where the pairs' witnesses are in it, NaN for those behind.
+    ``ends`` (k, 2, 2) [pixels] are the pairs' witness points in the image, NaN if behind the
+    camera.
     """
     image, pen = _drawable(pixels)
     order = np.argsort(-pairs.distance, kind='stable')[-MOST_PAIRS:]  # the nearest on top
@@ -44,7 +45,7 @@ def with_pairs(pixels: Pixels, ends: Floats, pairs: Pairs) -> Pixels:
     for row, line in zip(order[::-1].tolist(), ends[::-1], strict=True):
         place = line.mean(axis=0)
         near = any((np.abs(place - other) < _TEXT).all() for other in written)
-        if len(written) < _TOLD and not near and np.isfinite(place).all():
+        if len(written) < _MOST_TEXTS and not near and np.isfinite(place).all():
             written.append(place)
             x, y = place.tolist()
             _write(pen, (x + 6, y - 12), f'{1e3 * pairs.distance[row]:.1f} mm')
@@ -52,28 +53,28 @@ def with_pairs(pixels: Pixels, ends: Floats, pairs: Pairs) -> Pixels:
 
 
 def with_patches(pixels: Pixels, at: Floats, z: Floats, patches: Patches) -> Pixels:
-    """Return an image with contact surfaces by their pressures, and a scale of these.
+    """Return an image with contact surfaces coloured by pressure, and a scale.
 
-    ``at`` (v, 2) [pixels] is where their corners are in it, NaN for those behind, and ``z`` (v,)
-    [m] how far ahead of the camera.
+    ``at`` (v, 2) [pixels] are their corners in the image, NaN if behind the camera, and ``z``
+    (v,) [m] their depths.
     """
     height, width = pixels.shape[:2]
     size = _SAMPLES * height, _SAMPLES * width
     pressures = _seen(size, _SAMPLES * at, z, patches)
-    there = np.isfinite(pressures)
-    colours = 255.0 * colours_of(np.where(there, pressures, 0.0), patches.max_pressure)
+    is_hit = np.isfinite(pressures)
+    colours = 255.0 * colours_of(np.where(is_hit, pressures, 0.0), patches.max_pressure)
     blocks = (height, _SAMPLES, width, _SAMPLES)
-    share = there.reshape(blocks).mean(axis=(1, 3))[..., None]
-    painted = (colours * there[..., None]).reshape(*blocks, 3).mean(axis=(1, 3))
-    found: Pixels = np.rint(painted + (1.0 - share) * pixels).astype(np.uint8)
-    return _with_scale(found, patches.max_pressure)
+    share = is_hit.reshape(blocks).mean(axis=(1, 3))[..., None]
+    painted = (colours * is_hit[..., None]).reshape(*blocks, 3).mean(axis=(1, 3))
+    blended: Pixels = np.rint(painted + (1.0 - share) * pixels).astype(np.uint8)
+    return _with_scale(blended, patches.max_pressure)
 
 
 def _seen(size: tuple[int, int], at: Floats, z: Floats, patches: Patches) -> Floats:
-    """Return the pressure at each pixel of an image (h, w), of the nearest patch; NaN: none."""
+    """Return the pressure (h, w) [Pa] of the nearest patch at each pixel; NaN: no patch."""
     pressures, nearest = np.full(size, np.nan), np.full(size, np.inf)
     limits = np.array([size[1], size[0]])
-    # What is linear in space is, over z, linear in the image.
+    # A quantity that is linear in space, divided by z, is linear in the image.
     z = np.where(z > 0.0, z, np.nan)
     values = np.column_stack((1.0 / z, patches.pressures / z))
     for triangle in patches.triangles:
@@ -102,23 +103,23 @@ def _seen(size: tuple[int, int], at: Floats, z: Floats, patches: Patches) -> Flo
 
 
 def _with_scale(pixels: Pixels, most: float) -> Pixels:
-    """Return an image with the colours from no pressure to the largest in its corner."""
+    """Return an image with a scale of colours, up to the greatest pressure, in its corner."""
     length, height, margin = _SCALE
     length = min(length, pixels.shape[1] - 2 * margin)
     top = pixels.shape[0] - margin - height
     if length <= 0 or top < _TEXT[1]:
-        return pixels  # an image of a few pixels has no room
-    found = pixels.copy()
+        return pixels  # the image is too small
+    scaled = pixels.copy()
     shades = 255.0 * colours_of(np.linspace(0.0, most, length), most)
-    found[top : top + height, margin : margin + length] = np.rint(shades).astype(np.uint8)
-    image, pen = _drawable(found)
+    scaled[top : top + height, margin : margin + length] = np.rint(shades).astype(np.uint8)
+    image, pen = _drawable(scaled)
     pen.rectangle((margin - 1, top - 1, margin + length, top + height), outline=(0, 0, 0))
     _write(pen, (margin, top - _TEXT[1]), f'0 to {in_pascals(most)}')
     return np.asarray(image)
 
 
 def _drawable(pixels: Pixels) -> tuple[Any, Any]:
-    """Return an image of pixels, and what draws into it."""
+    """Return a Pillow image of pixels, and its ImageDraw."""
     try:
         from PIL import Image, ImageDraw
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""Pairs as they are drawn: nearest first, with lines, points and words."""
+"""Pairs for display, nearest first, with lines, points and texts."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from drake_geom_ros.geometry import SignedDistanceResults
 
 Floats = NDArray[np.float64]
 _MILLIMETRE = 1000.0
-_MOST = 20  # characters of a name that a row has room for
+_MOST = 20  # characters of a name in a row
 
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """The reported pairs, the deepest or nearest first.
+    """Reported pairs, the deepest or nearest first.
 
     ``ids`` (k, 2) are geometries A and B, ``distance`` and ``error_bound`` (k,) [m],
     ``p_WCas`` and ``p_WCbs`` (k, 3) [m] the witnesses, ``nhat_BA_Ws`` (k, 3) the normals.
@@ -46,11 +46,11 @@ class Pairs:
         return cls(np.zeros((0, 2), np.int64), numbers, numbers, points, points, points)
 
     def sorted(self) -> Pairs:
-        """Return the same pairs by the certified lower bounds of their distances."""
+        """Return the pairs in ascending order of their certified lower bounds."""
         return self.rows(np.argsort(self.distance - self.error_bound, kind='stable'))
 
     def rows(self, rows: NDArray[np.int64] | slice) -> Pairs:
-        """Return some of the pairs."""
+        """Return the pairs of these rows."""
         return Pairs(
             ids=self.ids[rows],
             distance=self.distance[rows],
@@ -64,9 +64,9 @@ class Pairs:
         return len(self.ids)
 
     def find(self, pair: tuple[int, int]) -> int | None:
-        """Return the row of a pair of id values, in whatever order; None where it is not here."""
-        found = np.flatnonzero((self.ids == sorted(pair)).all(axis=1))
-        return int(found[0]) if len(found) else None
+        """Return the row of a pair of id values, in any order; None if it is absent."""
+        rows = np.flatnonzero((self.ids == sorted(pair)).all(axis=1))
+        return int(rows[0]) if len(rows) else None
 
     def segments(self) -> Floats:
         """Return the lines (k, 2, 3) [m] between the witnesses."""
@@ -78,13 +78,13 @@ class Pairs:
 
 
 def in_words(pairs: Pairs, row: int, *, bounds: bool) -> str:
-    """Return the signed distance of a pair [mm], and, if asked for, its error bound [m]."""
-    said = f'{_MILLIMETRE * pairs.distance[row]:.3f} mm'
-    return f'{said} ± {pairs.error_bound[row]:.1e} m' if bounds else said
+    """Return a text with the signed distance of a pair [mm], and with ``bounds`` its error [m]."""
+    distance = f'{_MILLIMETRE * pairs.distance[row]:.3f} mm'
+    return f'{distance} ± {pairs.error_bound[row]:.1e} m' if bounds else distance
 
 
 def row_in_words(pairs: Pairs, row: int, names: Mapping[int, str], *, bounds: bool) -> str:
-    """Return a row of the table: how far, and which two; of a long name the middle is left out."""
+    """Return a row of the table: the distance, and the names with long middles omitted."""
     values = pairs.ids[row].tolist()
     a, b = (_without_middle(names.get(value, f'#{value}')) for value in values)
     return f'{in_words(pairs, row, bounds=bounds)} {a} | {b}'

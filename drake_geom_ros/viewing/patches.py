@@ -1,4 +1,4 @@
-"""Contact surfaces as they are drawn: triangles, coloured by pressure."""
+"""Contact surfaces for display, as triangles coloured by pressure."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drake_geom_ros.geometry import ContactSurfaceResults
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# From no pressure to the largest: dark blue, teal, yellow, which differ in lightness, too.
+# From no pressure to the greatest: dark blue, teal, yellow, which also differ in lightness.
 _COLOURS = ((0.10, 0.10, 0.45), (0.10, 0.55, 0.60), (1.00, 0.90, 0.15))
 
 
@@ -26,12 +26,12 @@ class Patches:
 
     @classmethod
     def of(cls, surfaces: ContactSurfaceResults) -> Patches:
-        """Return the polygons of surfaces as fans of triangles."""
+        """Return patches of surfaces, with polygons as fans of triangles."""
         return cls.of_polygons(*surfaces.polygon_arrays())
 
     @classmethod
     def of_polygons(cls, vertices: Floats, pressures: Floats, ends: Indices) -> Patches:
-        """Return polygons that each end in the vertices where ``ends`` (f,) says."""
+        """Return patches of polygons; polygon i ends before vertex ``ends[i]`` (f,)."""
         sizes = np.diff(ends, prepend=0)
         counts = sizes - 2
         first = np.repeat(ends - sizes, counts)
@@ -49,15 +49,15 @@ class Patches:
 
     @property
     def max_pressure(self) -> float:
-        """The largest pressure [Pa]; 0 without any."""
+        """The greatest pressure [Pa]; 0 without vertices."""
         return float(self.pressures.max(initial=0.0))
 
     def colours(self) -> Floats:
-        """Return the colour (v, 3) of each corner, from 0 to 1; the largest pressure is yellow."""
+        """Return the colour (v, 3), 0 to 1, of each corner; the greatest pressure is yellow."""
         return colours_of(self.shares(), 1.0)
 
     def shares(self) -> Floats:
-        """Return what share (v,) of the largest pressure there is at each corner."""
+        """Return the pressure (v,) at each corner, relative to the greatest one."""
         return self.pressures / (self.max_pressure or 1.0)
 
 
@@ -70,7 +70,7 @@ def colours_of(pressures: Floats, most: float) -> Floats:
 
 
 def in_pascals(pressure: float) -> str:
-    """Return a pressure [Pa] in words: ``88.3 kPa``."""
+    """Return a pressure [Pa] as a text such as ``88.3 kPa``."""
     for unit, words in ((1e9, 'GPa'), (1e6, 'MPa'), (1e3, 'kPa')):
         if pressure >= unit:
             return f'{pressure / unit:.3g} {words}'

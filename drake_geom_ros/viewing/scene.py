@@ -1,4 +1,4 @@
-"""What a page needs of a scene, whether it is a file's or that of a running node."""
+"""Interface of scenes for a page, for scenes of files and of running nodes."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Cast:
-    """Which geometries are shown: it stays the same object until that changes.
+class ShownGeometries:
+    """The shown geometries; the object is replaced only when they change.
 
-    ``ids`` (k,) are the values of the ids of those that have a place, ascending; ``looks`` are
-    theirs, one for each role, ``names`` those of all geometries, ``waiting`` the frames without a
-    pose.
+    ``ids`` (k,) are the id values of the geometries with a pose, ascending, and ``looks`` their
+    looks, one for each role. ``names`` are those of all geometries, ``waiting`` the frames
+    without a pose.
     """
 
     ids: NDArray[np.int64]
@@ -34,48 +34,48 @@ class Cast:
     waiting: Sequence[str] = ()
 
     def row_of(self, value: int) -> int:
-        """Return the row of a geometry."""
+        """Return the row in ``ids`` of a geometry's id value."""
         return int(np.searchsorted(self.ids, value))
 
     @cached_property
     def short_names(self) -> Mapping[int, str]:
-        """What tells each of the names from the others."""
+        """Short names by id value, which still differ from each other."""
         short = short_names(self.names.values())
         return {value: short[name] for value, name in self.names.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """Where the geometries of a cast are, and the answer.
+    """Poses of the shown geometries at one moment, and query results.
 
-    R_WG (k, 3, 3) and p_WG (k, 3) [m] are theirs, R_WF (m, 3, 3) and p_WF (m, 3) [m] those of
-    the frames, as far as they are known.
+    R_WG (k, 3, 3) and p_WG (k, 3) [m] are the poses of the geometries, R_WF (m, 3, 3) and p_WF
+    (m, 3) [m] those of the frames that have one.
     """
 
-    cast: Cast
+    geometries: ShownGeometries
     R_WGs: Floats
     p_WGs: Floats
     pairs: Pairs
     R_WFs: Floats
     p_WFs: Floats
-    # What is to be said of the moment, such as how old it is.
+    # Remarks about the moment, such as its age.
     remarks: Sequence[str] = field(default=())
     rules: Sequence[ShownRule] = field(default=())
-    # Contact surfaces, where they were asked for; the remarks say what they do not show.
+    # Contact surfaces if requested; the remarks report contacts that they do not show.
     patches: Patches = field(default_factory=Patches.none)
 
 
 class ShownScene(Protocol):
-    """A scene that a page shows. Its methods are called from any thread."""
+    """Protocol of a scene that a page shows, whose methods any thread may call."""
 
     def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
-        """Return where everything is, the pairs up to a distance [m], and contact surfaces."""
+        """Return current poses, the pairs up to a distance [m], and contact surfaces."""
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
-        """Return why a pair of geometries, by id values, is not reported; empty where it is.
+        """Return why a pair of geometries, by id values, is not reported; empty if it is.
 
-        Raises RuntimeError for what cannot be asked.
+        Raises RuntimeError for geometries that no query reports.
         """
 
     def version(self) -> object:
-        """Return what differs when there is something new to be drawn."""
+        """Return a value that changes with every change of the scene."""

@@ -1,7 +1,7 @@
-"""Pictures of a scene as it stands, for people: see-through bodies, and the nearest points.
+"""Pictures of a scene for people, with transparent bodies and nearest points.
 
-Bodies that one can see through are drawn one frame's after the other, and laid over one another by
-their depths at each pixel: what lies inside, or behind, stays in sight.
+Transparent bodies are rendered frame by frame and blended by their depths at each pixel, so that
+contents and background remain visible.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 _STEEP = 0.999  # cosine to the vertical beyond which +y, not +z, is up
-_FITTINGS, _FILLED = 4, 0.92  # how often a camera is moved, to fill so much of the image
-_NEAR, _FAR = 0.01, 1000.0  # [m] what a camera sees
+_FITTINGS, _FILLED = 4, 0.92  # steps that move a camera, until this much of the image is filled
+_NEAR, _FAR = 0.01, 1000.0  # [m] depth range of a camera
 _SAMPLES = 2  # along each side of a pixel
-_FROM = (1.0, -1.4, 0.9)  # from where a scene is looked at that nobody placed a camera for
+_FROM = (1.0, -1.4, 0.9)  # direction to the default camera
 _OPAQUE = 0.99
-_BAND = 32  # rows that are laid over one another at once: a scene has many layers
+_BAND = 32  # rows that are blended at once, since many layers take much memory
 _ROLES: dict[Role, tuple[Any, Any]] = {
     Role.kProximity: (ProximityProperties, GeometryInstance.set_proximity_properties),
     Role.kIllustration: (IllustrationProperties, GeometryInstance.set_illustration_properties),
@@ -60,35 +60,35 @@ _ROLES: dict[Role, tuple[Any, Any]] = {
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera, its x to the right and its z ahead: X_WC, and its intrinsics."""
+    """A camera with x to the right and z ahead: its pose X_WC, and its intrinsics."""
 
     X_WC: RigidTransform
     info: CameraInfo
 
     def pixels(self, p_WPs: Floats) -> Floats:
-        """Return where points (n, 3) [m] are in the image (n, 2); NaN for those behind."""
+        """Return the image points (n, 2) [pixels] of points (n, 3) [m]; NaN if behind."""
         p_CPs = self.in_camera(p_WPs)
         z = np.where(p_CPs[:, 2] > _NEAR, p_CPs[:, 2], np.nan)
         info = self.info
         focal = np.array([info.focal_x(), info.focal_y()])
         centre = np.array([info.center_x(), info.center_y()])
-        found: Floats = p_CPs[:, :2] / z[:, None] * focal + centre
-        return found
+        at: Floats = p_CPs[:, :2] / z[:, None] * focal + centre
+        return at
 
     def in_camera(self, p_WPs: Floats) -> Floats:
         """Return points (n, 3) [m] in the camera's frame, z ahead."""
-        found: Floats = (p_WPs - self.X_WC.translation()) @ self.X_WC.rotation().matrix()
-        return found
+        p_CPs: Floats = (p_WPs - self.X_WC.translation()) @ self.X_WC.rotation().matrix()
+        return p_CPs
 
     def core(self) -> RenderCameraCore:
-        """Return what a renderer takes, but for its name."""
+        """Return the core parameters for a renderer named 'picture'."""
         return RenderCameraCore('picture', self.info, ClippingRange(_NEAR, _FAR), RigidTransform())
 
 
 def looking(from_W: Sequence[float], at_W: Sequence[float]) -> RigidTransform:
-    """Return X_WC of a camera at one point that looks at another, its x level.
+    """Return X_WC of a camera at one point that looks at another, with its x axis level.
 
-    Raises ArgumentError where they are no two points.
+    Raises ArgumentError if the points coincide.
     """
     ahead = np.subtract(at_W, from_W, dtype=np.float64)
     length = float(np.linalg.norm(ahead))
@@ -103,7 +103,7 @@ def looking(from_W: Sequence[float], at_W: Sequence[float]) -> RigidTransform:
 
 
 def camera_for(query: QueryObject, role: Role, size: tuple[int, int], fov_y: float) -> Camera:
-    """Return a camera that has all geometry of a role in sight but half spaces."""
+    """Return a camera that sees all geometry of a role, half spaces ignored."""
     corners = [np.zeros((0, 3))]
     for id in query.inspector().GetAllGeometryIds(role):
         if (box := query.ComputeObbInWorld(id)) is not None:
@@ -120,7 +120,7 @@ def camera_for(query: QueryObject, role: Role, size: tuple[int, int], fov_y: flo
     narrow = min(fov_y, 2.0 * math.atan(math.tan(0.5 * fov_y) * size[0] / size[1]))
     way = np.array(_FROM) / np.linalg.norm(_FROM)
     far = radius / math.sin(0.5 * narrow)
-    for _ in range(_FITTINGS):  # nearer, as long as all corners are in sight
+    for _ in range(_FITTINGS):  # move closer while all corners are visible
         start = middle + way * far
         camera = Camera(looking(start.tolist(), middle.tolist()), CameraInfo(*size, fov_y))
         off = np.abs(camera.pixels(points) / size - 0.5) * 2.0
@@ -138,32 +138,32 @@ def picture(
     pairs: Pairs | None = None,
     patches: Patches | None = None,
 ) -> Pixels:
-    """Return the pixels (height, width, 3) of a scene as it stands.
+    """Return the pixels (height, width, 3) of a scene at its current poses.
 
-    ``see_through`` is how much of a body covers what is behind it, 1: all of it; half spaces do.
-    ``pairs`` are drawn as lines between their nearest points, over all else, red where bodies
-    overlap, with their distances, and ``patches``, contact surfaces, by their pressures, with a
-    scale. Raises GeometryError for another cover than in (0, 1].
+    ``see_through`` is the opacity of bodies, 1: opaque; half spaces are always opaque. ``pairs``
+    are drawn on top as lines between their nearest points, red if they overlap, with distances.
+    ``patches``, contact surfaces, are coloured by pressure, with a scale. Raises GeometryError
+    for an opacity outside (0, 1].
     """
     if not 0.0 < see_through <= 1.0:
         raise GeometryError(f'see_through = {see_through} must be in (0, 1]')
     groups = _groups(query, role, see_through)
     layers = [_drawn(query, camera, role, ids, cover) for ids, cover in groups]
     bands = range(0, len(layers[0].colours), _BAND)
-    found = np.concatenate([_laid_over(layers, slice(k, k + _BAND)) for k in bands])
+    pixels = np.concatenate([_blended(layers, slice(k, k + _BAND)) for k in bands])
     if patches is not None and len(patches):
         p_WVs = patches.vertices
-        found = with_patches(found, camera.pixels(p_WVs), camera.in_camera(p_WVs)[:, 2], patches)
+        pixels = with_patches(pixels, camera.pixels(p_WVs), camera.in_camera(p_WVs)[:, 2], patches)
     if pairs is not None and len(pairs):
         ends = camera.pixels(pairs.segments().reshape(-1, 3)).reshape(-1, 2, 2)
-        found = with_pairs(found, ends, pairs)
-    return found
+        pixels = with_pairs(pixels, ends, pairs)
+    return pixels
 
 
 def _groups(
     query: QueryObject, role: Role, cover: float
 ) -> Iterator[tuple[list[GeometryId], float]]:
-    """Yield geometries that are drawn together, and how much they cover; half spaces first."""
+    """Yield geometries that are drawn together, and their opacity; half spaces first."""
     inspector = query.inspector()
     every = inspector.GetAllGeometryIds(role)
     if cover >= _OPAQUE:
@@ -175,7 +175,7 @@ def _groups(
     for id in every:
         if id not in flat:
             frame = inspector.GetFrameId(id)
-            # What stands on the world is many bodies.
+            # Anchored geometries are separate bodies, although they share the world frame.
             key = id if frame == inspector.world_frame_id() else frame
             bodies.setdefault(key, []).append(id)
     for ids in bodies.values():
@@ -183,17 +183,17 @@ def _groups(
 
 
 class _Layer(NamedTuple):
-    """Some geometries of a picture."""
+    """Image of some geometries of a picture."""
 
     colours: Pixels  # (h, w, 3)
     depths: NDArray[np.float32]  # (h, w) [m]
-    cover: float  # how much of what is behind them they cover
+    cover: float  # opacity
 
 
 def _drawn(
     query: QueryObject, camera: Camera, role: Role, ids: list[GeometryId], cover: float
 ) -> _Layer:
-    """Return some geometries alone."""
+    """Return the layer of some geometries, rendered without all others."""
     alone = SceneGraph()
     params = RenderEngineExactParams(color_samples=_SAMPLES if cover == 1.0 else 1, role=role)
     alone.AddRenderer('picture', MakeRenderEngineExact(params))
@@ -204,7 +204,7 @@ def _drawn(
         make, put = _ROLES[role]
         properties = make()
         properties.AddProperty('phong', 'diffuse', Rgba(red, green, blue, 1.0))
-        if is_solid(inspector, id, role):  # else its hull is what distances are measured of
+        if is_solid(inspector, id, role):  # otherwise the hull is drawn, as queries use it
             properties.AddProperty('mesh', 'solid', True)
         put(instance, properties)
         alone.RegisterAnchoredGeometry(source, instance)
@@ -215,25 +215,25 @@ def _drawn(
     )
     assert images.color is not None
     assert images.depth is not None
-    # Copies, for the images hold more than that.
+    # Copied, since the views would keep the whole images alive.
     return _Layer(images.color.data[..., :3].copy(), images.depth.data[..., 0].copy(), cover)
 
 
-def _laid_over(layers: list[_Layer], rows: slice) -> Pixels:
-    """Return rows of layers over one another, by their depths at each pixel, farthest first."""
+def _blended(layers: list[_Layer], rows: slice) -> Pixels:
+    """Return rows of blended layers, from the farthest to the nearest at each pixel."""
     colours = np.stack([layer.colours[rows] for layer in layers])
     depths = np.stack([layer.depths[rows] for layer in layers])
-    there = np.isfinite(depths) & (depths > 0.0)
+    is_hit = np.isfinite(depths) & (depths > 0.0)
     covers = np.array([layer.cover for layer in layers])
-    order = np.argsort(np.where(there, -depths, -np.inf), axis=0)
-    # Of what is drawn alone an empty pixel has the background.
-    found = colours[0].astype(np.float64)
-    most = int(there.sum(axis=0).max())  # bodies at a pixel: what is empty comes first
+    order = np.argsort(np.where(is_hit, -depths, -np.inf), axis=0)
+    # Empty pixels of each layer have the background's colour.
+    blended = colours[0].astype(np.float64)
+    most = int(is_hit.sum(axis=0).max())  # bodies at a pixel; empty layers are sorted first
     for rank in order[len(order) - most :]:
         at = rank[None]
         colour = np.take_along_axis(colours, at[..., None], axis=0)[0]
-        seen = np.take_along_axis(there, at, axis=0)[0]
+        seen = np.take_along_axis(is_hit, at, axis=0)[0]
         share = (covers[rank] * seen)[..., None]
-        found = share * colour + (1.0 - share) * found
-    pixels: Pixels = np.rint(found).astype(np.uint8)
+        blended = share * colour + (1.0 - share) * blended
+    pixels: Pixels = np.rint(blended).astype(np.uint8)
     return pixels

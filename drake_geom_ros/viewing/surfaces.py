@@ -1,4 +1,4 @@
-"""Shapes as scaled copies of a few surfaces, so that thousands are drawn as a few batches."""
+"""Surfaces of shapes as scaled copies of a few, so that few batches draw thousands."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.viewing.looks import mesh_surface
 
 Floats = NDArray[np.float64]
-# Facets around a round surface: a multiple of 4, so that it is as wide as what it stands for.
+# Facets around a round surface, a multiple of 4 so that its width is exact.
 FINEST, _COARSEST = 32, 8
-_POINT = 0.01  # of the radius 1: a smaller ring is a point
-_FEW = 100  # round shapes that are drawn at the finest
-# A half space has no end; this much of its plane is shown.
+_POINT = 0.01  # a ring of a smaller radius, relative to 1, is a point
+_FEW = 100  # round shapes are drawn at the finest up to this number
+# Shown part of a half space's plane.
 PLANE_SIZE, _PLANE_THICKNESS = 6.0, 0.01  # [m]
 ROUND = (Capsule, Cylinder, Ellipsoid, MeshcatCone, Sphere)
 
@@ -40,8 +40,8 @@ ROUND = (Capsule, Cylinder, Ellipsoid, MeshcatCone, Sphere)
 class DrawnSurface:
     """Triangles (m, 3) of vertices (n, 3) [m], counter-clockwise from outside.
 
-    ``smooth`` ones are shaded as the round surface that they stand for; ``two_sided`` ones, which
-    may have holes or faces the wrong way round, are drawn from behind, too.
+    ``smooth`` surfaces are shaded as round. ``two_sided`` ones, which may have holes or inverted
+    faces, are drawn from behind too.
     """
 
     key: str
@@ -61,17 +61,17 @@ class Part:
 
 
 def facets_around(count: int) -> int:
-    """Return how many facets are around each of so many round shapes.
+    """Return the number of facets around each of ``count`` round shapes.
 
-    The more there are, the fewer it is: their triangles, on which a browser without a GPU spends
-    its time, go with its square, and stay about as many until it is an octagon.
+    It decreases with ``count``, down to an octagon, so that the total of triangles, which grows
+    with its square, stays about constant: they cost a browser without a GPU its time.
     """
     most = FINEST * np.sqrt(_FEW / max(count, _FEW))
     return max(_COARSEST, 4 * int(most / 4))
 
 
 def _circle(around: int) -> Floats:
-    """Return the corners (around, 2) of the regular polygon within the unit circle."""
+    """Return the corners (around, 2) of the regular polygon in the unit circle."""
     angles = 2.0 * np.pi * np.arange(around) / around
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
@@ -79,7 +79,7 @@ def _circle(around: int) -> Floats:
 def _revolved(key: str, around: int, r: Floats, z: Floats) -> DrawnSurface:
     """Return the surface of a profile (k,) (r, z) [m] revolved about z, z increasing.
 
-    A point that comes twice is an edge: what is below it and what is above it are shaded apart.
+    A duplicate point is a sharp edge, with separate shading below and above it.
     """
     rings = np.empty((len(r), around, 3))
     rings[..., :2] = r[:, None, None] * _circle(around)
@@ -87,10 +87,10 @@ def _revolved(key: str, around: int, r: Floats, z: Floats) -> DrawnSurface:
     row, column = np.divmod(np.arange((len(r) - 1) * around), around)
     a, b = row * around + column, row * around + (column + 1) % around
     c, d = a + around, b + around
-    # Neither has a ring that is a point sides, nor is there a strip between a ring and itself.
+    # Rings that are points have no sides, and duplicate rings have no strip between them.
     strip = (np.diff(r) != 0.0) | (np.diff(z) != 0.0)
-    there = strip[row, None] & np.stack([r[row] > _POINT, r[row + 1] > _POINT], axis=1)
-    triangles = np.stack([np.stack([a, b, d], 1), np.stack([a, d, c], 1)], axis=1)[there]
+    exists = strip[row, None] & np.stack([r[row] > _POINT, r[row + 1] > _POINT], axis=1)
+    triangles = np.stack([np.stack([a, b, d], 1), np.stack([a, d, c], 1)], axis=1)[exists]
     return DrawnSurface(f'{key} of {around}', rings.reshape(-1, 3), triangles, smooth=True)
 
 
@@ -146,16 +146,15 @@ _UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)
 
 
 def _at(z: float, *, down: bool = False) -> RigidTransform:
-    """Return the pose of what looks up, or down, at a height [m]."""
+    """Return the pose of a part at a height [m], upside down if ``down``."""
     return RigidTransform(_UPSIDE_DOWN if down else RotationMatrix(), [0.0, 0.0, z])
 
 
 def parts_of(shape: Shape, solid: bool = False, around: int = FINEST) -> list[Part]:
-    """Return the parts that draw a shape as queries see it, a mesh as a solid if it is one.
+    """Return the parts that draw a shape as queries treat it, a mesh as its hull or a solid.
 
-    Round surfaces have so many facets ``around``, a multiple of 4.
-
-    Raises MeshFileError for a file that is no mesh.
+    Round surfaces have ``around`` facets, a multiple of 4. Raises MeshFileError for a file that
+    is no mesh.
     """
     if isinstance(shape, Sphere):
         return [Part(_ball(around), (shape.radius(),) * 3)]

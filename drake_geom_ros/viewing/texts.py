@@ -1,4 +1,4 @@
-"""The poses of now as text to be copied: the frames of a scene file, or a pose file."""
+"""Poses of frames as text, in the format of scene files or of pose files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _COLUMNS = ('frame', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw')
 
 
 def as_yaml(X_PFs: Mapping[Frame, RigidTransform]) -> str:
-    """Return poses of frames in their parents, by source and name, as a scene file has them."""
+    """Return poses of frames in their parents as text of a scene file."""
     frames = [
         {'name': name, 'source': source, 'pose': plain_pose(X_PF)}
         for (source, name), X_PF in X_PFs.items()
@@ -26,9 +26,9 @@ def as_yaml(X_PFs: Mapping[Frame, RigidTransform]) -> str:
 
 
 def as_csv(X_PFs: Mapping[Frame, RigidTransform]) -> str:
-    """Return poses of frames in their parents, by source and name, as a pose file has them.
+    """Return poses of frames in their parents as text of a pose file.
 
-    There it is ``source::frame``: raises AmbiguousNameError where two frames share that.
+    Raises AmbiguousNameError if two frames share a name ``source::frame``.
     """
     names = FrameNames(X_PFs)
     file = io.StringIO()

@@ -1,4 +1,4 @@
-"""Motion over time: poses at a moment, and how near things come on the way."""
+"""Timeline of a motion: poses at a time, and minimum distances over time."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from drake_geom_ros.trajectories.motion import Motion
 from drake_geom_ros.trajectories.timed_poses import slerp
 
 Floats = NDArray[np.float64]
-_MOST_LOOKS = 400  # moments of a motion at which the least distance is computed
+_MOST_LOOKS = 400  # moments of a motion at which the minimum distance is computed
 _FIRST_REACH = 0.1  # [m]
-_LOOKS_BETWEEN = (0.25, 0.5, 0.75)  # of the time of a piece
-_FARTHEST = 1000.0  # [m] what is farther apart is looked for without a limit
+_LOOKS_BETWEEN = (0.25, 0.5, 0.75)  # sampled fractions of the time of a piece
+_FARTHEST = 1000.0  # [m] pairs that are farther apart are sought without a limit
 
 
 class Timeline:
-    """``times`` (n,) [s] of a motion, and ``poses(t)`` of its frames at any of them.
+    """Poses of frames over time: ``times`` (n,) [s], and ``poses(t)`` at any time.
 
-    ``is_continuous`` tells whether frames move between these times, or stand until the next;
-    ``names_all``, whether a frame of which ``poses(t)`` says nothing has no pose then.
+    ``is_continuous``: frames move between these times; otherwise they rest until the next one.
+    ``names_all``: frames that ``poses(t)`` does not name have no pose then.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Timeline:
     def of_motion(
         cls, motion: Motion, frames: Mapping[Frame, FrameId], moments: int = _MOST_LOOKS
     ) -> Timeline:
-        """Return that of a motion file; ``frames`` are the scene's, by source and name."""
+        """Return the timeline of a motion; ``frames`` are the scene's, by source and name."""
         ids = [frames[source, f] for source, own in motion.frame_names.items() for f in own]
 
         def poses(time: float) -> FramePoseVector:
@@ -69,7 +69,7 @@ class Timeline:
         *,
         names_all: bool = False,
     ) -> Timeline:
-        """Return that of poses at times [s], ascending, each of which holds until the next."""
+        """Return the timeline of poses at ascending times [s], each valid until the next."""
         starts = np.array(times, dtype=np.float64)
         if len(starts) == 0 or (np.diff(starts) <= 0.0).any():
             raise ValueError(f'times must ascend, and there must be one: {starts[:10].tolist()}')
@@ -91,18 +91,18 @@ class Timeline:
 
 
 def least_distances(timeline: Timeline, context: SceneGraphContext) -> Iterator[float]:
-    """Yield the least certified lower bound [m] at each time; infinite where no pair is left.
+    """Yield the minimum certified lower bound [m] at each time; infinite without pairs.
 
-    Poses ``context``, which nobody else may use meanwhile.
+    Poses ``context``, which must not be used otherwise meanwhile.
     """
     for distance, error_bound in least_pairs(timeline, context):
         yield distance - error_bound
 
 
 def least_pairs(timeline: Timeline, context: SceneGraphContext) -> Iterator[tuple[float, float]]:
-    """Yield ``least_pair`` at each time; poses ``context``, as ``least_distances``.
+    """Yield ``least_pair`` at each time; poses ``context`` like ``least_distances``.
 
-    Of a time line that names all, nan where a pair waits for a pose.
+    For a timeline with ``names_all``, NaN while a frame of a pair has no pose.
     """
     query = QueryObject(context)
     reach = _FIRST_REACH
@@ -112,81 +112,81 @@ def least_pairs(timeline: Timeline, context: SceneGraphContext) -> Iterator[tupl
             yield np.nan, 0.0
             continue
         distance, error_bound = least_pair(query, reach)
-        # The next moment is like this one: look a little farther than its answer.
+        # The next moment is similar, so the search begins a little farther than this result.
         reach = max(_FIRST_REACH, 2.0 * distance) if np.isfinite(distance) else reach
         yield distance, error_bound
 
 
 def least_distance(query: QueryObject, reach: float) -> float:
-    """Return the least certified lower bound [m] of all pairs, sought from ``reach`` [m] on."""
+    """Return the minimum certified lower bound [m] of all pairs, searched from ``reach`` [m]."""
     distance, error_bound = least_pair(query, reach)
     return distance - error_bound
 
 
 def least_pair(query: QueryObject, reach: float) -> tuple[float, float]:
-    """Return distance and error bound [m] of the pair with the least lower bound.
+    """Return distance and error bound [m] of the pair with the minimum lower bound.
 
-    Infinity and 0 where there is no pair. A limit, first ``reach`` [m], spares the query the far
-    pairs; where it finds none, the next one is twice as far.
+    Infinity and 0 without pairs. A limit, first ``reach`` [m], spares the query distant pairs; it
+    is doubled until a pair is found.
     """
     while reach < _FARTHEST:
-        found = query.ComputeSignedDistancePairwiseClosestPoints(reach)
-        if len(found):
+        pairs = query.ComputeSignedDistancePairwiseClosestPoints(reach)
+        if len(pairs):
             break
         reach *= 2.0
     else:
-        found = query.ComputeSignedDistancePairwiseClosestPoints()
-    if not len(found):
+        pairs = query.ComputeSignedDistancePairwiseClosestPoints()
+    if not len(pairs):
         return np.inf, 0.0
-    k = int(np.argmin(found.distance - found.error_bound))
-    return float(found.distance[k]), float(found.error_bound[k])
+    k = int(np.argmin(pairs.distance - pairs.error_bound))
+    return float(pairs.distance[k]), float(pairs.error_bound[k])
 
 
 def checks_between(
-    timeline: Timeline, context: SceneGraphContext, **asked: Any
+    timeline: Timeline, context: SceneGraphContext, **options: Any
 ) -> Iterator[MotionCheck]:
-    """Yield what is true of each piece (n - 1) between two times: see ``CheckMotion``.
+    """Yield ``CheckMotion`` with the options for each of the n - 1 pieces between two times.
 
-    A piece is straight from pose to pose; how far the motion itself leaves it: see
-    ``leaves_pieces_by``. Poses ``context``, which nobody else may use meanwhile.
-    Raises ValueError for a time line whose frames stand between its times.
+    A piece is straight from pose to pose; ``leaves_pieces_by`` returns the deviation of the
+    motion itself. Poses ``context``, which must not be used otherwise meanwhile. Raises
+    ValueError for a timeline whose frames rest between its times.
     """
     if not timeline.is_continuous:
         raise ValueError('frames of this time line stand between its times, and jump at them')
     context.UpdateFramePoses(timeline.poses(timeline.start))
     for time in timeline.times[1:].tolist():
         end = timeline.poses(time)
-        yield QueryObject(context).CheckMotion(end, **asked)
+        yield QueryObject(context).CheckMotion(end, **options)
         context.UpdateFramePoses(end)
 
 
 def leaves_pieces_by(timeline: Timeline) -> tuple[float, float]:
-    """Return how far [m] and by which angle [rad] frames are from the straight pieces.
+    """Return the greatest deviation [m] and [rad] of frames from the straight pieces.
 
-    The most of what is seen a quarter, half and three quarters of the time of each, in the frames
-    that these hang on: nearly the most of a smooth motion, and no proof. What turns around once
-    between two looks is seen to rest.
+    It is sampled at a quarter, half and three quarters of the time of each piece, in parent
+    frames. This is close to the maximum of a smooth motion, and no bound: a frame that makes a
+    full turn between two samples appears to rest.
     """
     times, far, turned = timeline.times, 0.0, 0.0
     begins, ends = _rows_at(timeline, times[:-1]), _rows_at(timeline, times[1:])
     q_ends = _nearest_signs(ends[:, 3:], begins[:, 3:])  # by the shorter way
     for share in _LOOKS_BETWEEN:
-        found = _rows_at(timeline, times[:-1] + share * np.diff(times))
-        aside = found[:, :3] - begins[:, :3] - share * (ends - begins)[:, :3]
+        sampled = _rows_at(timeline, times[:-1] + share * np.diff(times))
+        aside = sampled[:, :3] - begins[:, :3] - share * (ends - begins)[:, :3]
         far = max(far, float(np.linalg.norm(aside, axis=1).max(initial=0.0)))
         straight = slerp(begins[:, 3:], q_ends, share)
-        chords = np.linalg.norm(_nearest_signs(found[:, 3:], straight) - straight, axis=1)
+        chords = np.linalg.norm(_nearest_signs(sampled[:, 3:], straight) - straight, axis=1)
         turned = max(turned, float(4.0 * np.arcsin(0.5 * chords).max(initial=0.0)))
     return far, turned
 
 
 def _nearest_signs(qs: Floats, others: Floats) -> Floats:
-    """Return the same rotations by the quaternions (n, 4) that are on the side of others."""
+    """Return the quaternions (n, 4) with signs that make them nearest to ``others``."""
     return np.where(np.sum(qs * others, axis=1, keepdims=True) < 0.0, -qs, qs)
 
 
 def _rows_at(timeline: Timeline, times: Floats) -> Floats:
-    """Return poses (n f, 7), x y z [m] qx qy qz qw, of f frames at times (n,), in one order."""
+    """Return poses (n f, 7), x y z [m] qx qy qz qw, of f frames at times (n,)."""
     moments = [timeline.poses(time) for time in times.tolist()]
     poses = [poses.value(frame).ToArray() for poses in moments for frame in poses.ids()]
     return np.array(poses).reshape(-1, 7)

@@ -30,7 +30,9 @@ def shown():
 
 
 def value(shown, name):
-    return next(v for v, each in shown.moment(0.0, 'exact').cast.names.items() if each == name)
+    return next(
+        v for v, each in shown.moment(0.0, 'exact').geometries.names.items() if each == name
+    )
 
 
 def pairs_of(shown, reach=10.0):
@@ -41,12 +43,12 @@ def pairs_of(shown, reach=10.0):
 def test_everything_that_has_a_place_stands_there(shown):
     moment = shown.moment(1.0, 'exact')
     query = QueryObject(shown.snapshot())
-    assert moment.cast.waiting == ['c']
-    assert [moment.cast.names[v] for v in moment.cast.ids.tolist()] == [
+    assert moment.geometries.waiting == ['c']
+    assert [moment.geometries.names[v] for v in moment.geometries.ids.tolist()] == [
         *('s::world/floor', 's::a/ball', 's::b/pen', 's::b/seen')
     ]
-    for look in moment.cast.looks:
-        row = moment.cast.row_of(look.geometry.get_value())
+    for look in moment.geometries.looks:
+        row = moment.geometries.row_of(look.geometry.get_value())
         X_WG = query.X_WG(look.geometry)
         np.testing.assert_allclose(moment.R_WGs[row], X_WG.rotation().matrix(), rtol=0, atol=1e-15)
         np.testing.assert_allclose(moment.p_WGs[row], X_WG.translation(), rtol=0, atol=1e-15)
@@ -68,11 +70,11 @@ def test_pairs_are_those_of_the_core_nearest_first(shown):
 
 
 def test_the_cast_is_the_same_object_until_somebody_gets_a_place(shown):
-    before = shown.moment(1.0, 'exact').cast
+    before = shown.moment(1.0, 'exact').geometries
     shown.place(('s', 'a'), RigidTransform([2.0, 0.0, 0.0]))
-    assert shown.moment(1.0, 'exact').cast is before
+    assert shown.moment(1.0, 'exact').geometries is before
     shown.pose(FramePoseVector({shown.frames['t', 'c']: RigidTransform()}))
-    after = shown.moment(1.0, 'exact').cast
+    after = shown.moment(1.0, 'exact').geometries
     assert after.waiting == []
     assert len(after.ids) == len(before.ids) + 1
 

@@ -33,7 +33,7 @@ def test_words_are_left_whole_and_whatever_name_stays_itself():
 
 def test_the_bodies_of_the_demo_are_told_apart():
     scene = local_scene('scenes/two_pandas.yaml')
-    cast = scene.moment(0.0, 'bound').cast
+    cast = scene.moment(0.0, 'bound').geometries
     assert len(cast.names) == len(set(cast.short_names.values())) == 102
     assert max(map(len, cast.short_names.values())) == len('scenery::right_pedestal')
     assert 'right::rightfinger/2' in cast.short_names.values()

@@ -61,7 +61,7 @@ def test_least_distances_are_the_plain_ones(shown):
 
 
 def test_without_a_pair_there_is_no_least_distance(shown):
-    shown.exclude(tuple(shown.moment(1.0, 'exact').cast.ids.tolist()))
+    shown.exclude(tuple(shown.moment(1.0, 'exact').geometries.ids.tolist()))
     assert least_distance(QueryObject(shown.snapshot()), 0.1) == np.inf
 
 

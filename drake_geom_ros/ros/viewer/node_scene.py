@@ -30,7 +30,7 @@ from drake_geom_ros.viewing.contacts import ShownContacts
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
-from drake_geom_ros.viewing.scene import Cast, Moment
+from drake_geom_ros.viewing.scene import Moment, ShownGeometries
 
 _ANSWER_PATIENCE = 2.0  # [s] for who waits at the page
 _ASK_PERIOD = 0.2  # [s] between two questions beyond what the node publishes
@@ -57,7 +57,7 @@ class NodeScene:
         self._known = -1  # the version of the scene's names
         self._names: dict[int, str] = {}
         self._looks: list[Look] = []
-        self._cast = Cast(np.zeros(0, np.int64), [], {})
+        self._geometries = ShownGeometries(np.zeros(0, np.int64), [], {})
         self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
         self._heard = 0.0  # [s] of the steady clock, when poses came
         self._bodies: dict[int, GeometryNames] = {}  # with the proximity role, by id value
@@ -101,9 +101,9 @@ class NodeScene:
             shown = ShownContacts.none()
             if contacts:
                 shown = self._contacts.shown(self._known, self._names)
-                remarks += [*shown.said, *shown.missing]
+                remarks += [*shown.remarks, *shown.missing]
             return Moment(
-                self._cast,
+                self._geometries,
                 R_WGs=R_WGs,
                 p_WGs=p_WGs,
                 pairs=pairs,
@@ -175,7 +175,7 @@ class NodeScene:
         with self._lock:
             self._names, self._looks, self._troubles = names, looks, troubles
             self._known = message.names_version
-            self._cast = Cast(np.zeros(0, np.int64), [], names)
+            self._geometries = ShownGeometries(np.zeros(0, np.int64), [], names)
             self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
             self._results = self._answer = self._asked = None
             self._bodies, self._watched = dict(sorted(bodies.items())), None
@@ -186,10 +186,10 @@ class NodeScene:
             if message.names_version != self._known:
                 return
             ids = np.asarray(message.ids).astype(np.int64)
-            if not np.array_equal(ids, self._cast.ids):
+            if not np.array_equal(ids, self._geometries.ids):
                 shown = set(ids.tolist())
                 looks = [look for look in self._looks if look.geometry.get_value() in shown]
-                self._cast = Cast(ids, looks, self._names)
+                self._geometries = ShownGeometries(ids, looks, self._names)
             self._poses = matrices_from_poses(np.asarray(message.poses).reshape(-1, 7))
             self._heard = time.monotonic()
             self._changes += 1
@@ -241,8 +241,8 @@ class NodeScene:
         ids = np.stack([results.id_a, results.id_b], axis=1).astype(np.int64)
         distance, error_bound = np.asarray(results.distance), np.asarray(results.error_bound)
         near = distance - error_bound <= max_distance  # what may be: see level bound
-        there = np.isin(ids, self._cast.ids).all(axis=1) & near
-        rows = np.searchsorted(self._cast.ids, ids[there])
+        there = np.isin(ids, self._geometries.ids).all(axis=1) & near
+        rows = np.searchsorted(self._geometries.ids, ids[there])
         R_WGs, p_WGs = self._poses
         p_WCs = []
         for column, flat in enumerate((results.p_aca, results.p_bcb)):

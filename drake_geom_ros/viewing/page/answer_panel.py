@@ -1,4 +1,4 @@
-"""The panel of the answer: what is shown, how far and how exactly, and the table of the pairs."""
+"""Panel with display options, query options and the table of nearest pairs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.viewing.looks import LAYERS
-from drake_geom_ros.viewing.page.picture import Wishes
+from drake_geom_ros.viewing.page.picture import DisplayOptions
 from drake_geom_ros.viewing.pairs import in_words, row_in_words
 from drake_geom_ros.viewing.scene import Moment
 
@@ -23,7 +23,7 @@ LEVELS: tuple[str, ...] = tuple(ACCURACY_LEVELS)
 
 
 class AnswerPanel:
-    """What people ask, and the nearest pairs, of which one can be chosen."""
+    """Panel of display and query options, with the nearest pairs to select from."""
 
     def __init__(
         self,
@@ -35,7 +35,11 @@ class AnswerPanel:
         *,
         contacts: bool = False,
     ) -> None:
-        """``touch()`` is called when another picture is due, ``select(pair)`` with id values."""
+        """Add the controls to ``gui``.
+
+        ``touch()`` is called when the picture is outdated, ``select(pair)`` with the id values of
+        a chosen pair.
+        """
         self._select = select
         self._ids: list[tuple[int, int]] = []
         with gui.add_folder('Show'):
@@ -62,7 +66,7 @@ class AnswerPanel:
             )
             gui.add_html(_TABLE)
             self.rows = [gui.add_button('', visible=False) for _ in range(_ROWS)]
-            self.told = gui.add_html('')
+            self.details = gui.add_html('')
         for row, button in enumerate(self.rows):
             button.on_click(partial(self._clicked, row))
         for handle in (
@@ -77,9 +81,9 @@ class AnswerPanel:
         ):
             handle.on_update(lambda _: touch())
 
-    def wishes(self) -> Wishes:
-        """Return what is to be seen."""
-        return Wishes(
+    def display_options(self) -> DisplayOptions:
+        """Return the current display options."""
+        return DisplayOptions(
             layers=frozenset(name for name, box in self._layers.items() if box.value),
             names=self._names.value,
             frames=self._frames.value,
@@ -89,7 +93,7 @@ class AnswerPanel:
 
     @property
     def accuracy(self) -> str:
-        """The level that is asked for."""
+        """The selected accuracy level."""
         return LEVELS[int(self.level.value)]
 
     def show(self, moment: Moment, selected: tuple[int, int] | None) -> None:
@@ -97,18 +101,18 @@ class AnswerPanel:
         pairs = moment.pairs.rows(slice(_ROWS))
         self._ids = [(a, b) for a, b in pairs.ids.tolist()]
         for row, button in enumerate(self.rows):
-            there = row < len(pairs)
-            if there:
-                bounds, short = self._bounds.value, moment.cast.short_names
+            has_pair = row < len(pairs)
+            if has_pair:
+                bounds, short = self._bounds.value, moment.geometries.short_names
                 button.label = row_in_words(pairs, row, short, bounds=bounds)
                 marked = self._ids[row] == selected
                 button.color = 'violet' if marked else _colour(float(pairs.distance[row]))
-            button.visible = there
-        self.told.content = '' if selected is None else self._in_full(moment, selected)
+            button.visible = has_pair
+        self.details.content = '' if selected is None else self._in_full(moment, selected)
 
     def _in_full(self, moment: Moment, pair: tuple[int, int]) -> str:
-        """Return the names of a pair, and how far it is, if it is among those that are shown."""
-        names, row = moment.cast.names, moment.pairs.find(pair)
+        """Return the names of a pair, and its distance if the pair is shown."""
+        names, row = moment.geometries.names, moment.pairs.find(pair)
         lines = [names.get(value, '') for value in pair]
         if row is not None:
             lines.append(in_words(moment.pairs, row, bounds=self._bounds.value))

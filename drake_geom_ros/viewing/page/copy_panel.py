@@ -1,4 +1,4 @@
-"""The panel of what is taken away: the poses of now as text, and the picture."""
+"""Panel that exports the current poses as text, and the picture."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _WIDTH, _HEIGHT = 1600, 1000  # [pixels]
 
 
 class CopyPanel:
-    """Gives poses as text, in a field to copy from and as a file, and the picture as a file."""
+    """Exports poses as text, to a field and as a file, and the picture as a file."""
 
     def __init__(self, gui: Any, scene: LocalScene | None) -> None:
-        """``scene``: where poses of frames are known; None: only the picture can be had."""
+        """Export the poses of ``scene``; None: only the picture can be exported."""
         with gui.add_folder('Copy', expand_by_default=False):
             if scene is not None:
                 for name, write in (('yaml', as_yaml), ('csv', as_csv)):
@@ -44,7 +44,7 @@ class CopyPanel:
 
 
 def _save_picture(event: Any) -> None:
-    """Have the browser that asked draw what it shows, and keep it as a file."""
+    """Let the browser that sent the event render its view, and download that as a file."""
     if event.client is None:
         return
     import imageio.v3  # comes with viser, and takes long to import

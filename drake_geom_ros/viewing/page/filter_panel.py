@@ -1,4 +1,4 @@
-"""The panel of filters: why two geometries are reported or not, and what would change it."""
+"""Panel of filters: explains whether a pair is reported, and changes it."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from typing import Any, Protocol
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.viewing.local_scene import Declared
-from drake_geom_ros.viewing.scene import Cast, ShownScene
+from drake_geom_ros.viewing.scene import ShownGeometries, ShownScene
 
 
 class FilteredScene(ShownScene, Protocol):
     """A scene whose filters a page may change."""
 
     def exclude(self, pair: tuple[int, int]) -> None:
-        """Take a pair out of the answer."""
+        """Exclude a pair."""
 
     def allow(self, pair: tuple[int, int]) -> None:
-        """Let a pair into the answer."""
+        """Allow a pair."""
 
     def history(self) -> list[Declared]:
-        """Return what was declared."""
+        """Return the declarations in their order."""
 
     def switch(self, index: int, *, on: bool) -> None:
         """Switch a declaration on or off."""
 
 
 class FilterPanel:
-    """Two names, typed or clicked on in the picture, and what is to be said of their pair."""
+    """Panel with two names, typed or picked in the picture, and an explanation of their pair."""
 
     def __init__(self, gui: Any, scene: ShownScene, changes: FilteredScene | None) -> None:
-        """Take ``changes``, where filters can be changed; None: they are only explained."""
+        """Explain pairs of ``scene``; ``changes`` None: filters cannot be changed."""
         self._gui = gui
         self._scene = scene
         self._changes = changes
@@ -42,42 +42,44 @@ class FilterPanel:
         self._folder = gui.add_folder('Filters')
         with self._folder:
             self.texts = [gui.add_text(label, '') for label in ('A', 'B')]
-            self.said = gui.add_html('Click on two geometries, or type their names.')
+            self.explanation = gui.add_html('Click on two geometries, or type their names.')
             if changes is not None:
                 for word, change in (('exclude', changes.exclude), ('allow', changes.allow)):
                     gui.add_button(f'{word} this pair').on_click(partial(self._declare, change))
         for text in self.texts:
             text.on_update(lambda _: self.explain())
 
-    def begin(self, cast: Cast) -> None:
-        """Take the names of another scene."""
-        self._values = {name: value for value, name in cast.names.items()}
+    def begin(self, geometries: ShownGeometries) -> None:
+        """Use the names of other geometries from now on."""
+        self._values = {name: value for value, name in geometries.names.items()}
         self.explain()
 
     def choose(self, name: str) -> None:
-        """Take a geometry that was clicked on: it becomes B, and what was B becomes A."""
+        """Set B to a picked geometry, and A to the former B."""
         first, second = self.texts
         if name != second.value:
             first.value, second.value = second.value, name
 
     def choose_pair(self, names: tuple[str, str]) -> None:
-        """Take both names."""
+        """Set both names."""
         for text, name in zip(self.texts, names, strict=True):
             text.value = name
 
     def pair(self) -> tuple[int, int] | None:
-        """Return the pair by id values; None where the names are not those of two geometries."""
+        """Return the pair by id values; None unless both names are those of geometries."""
         values = [self._values.get(text.value.strip()) for text in self.texts]
         a, b = values
         return None if a is None or b is None else (a, b)
 
     def explain(self) -> None:
-        """Say of the pair what holds now."""
-        self.said.content = f'<div style="padding:0 1em">{escape(self._explanation())}</div>'
+        """Update the explanation of the pair."""
+        self.explanation.content = (
+            f'<div style="padding:0 1em">{escape(self._explanation())}</div>'
+        )
 
     def _explanation(self) -> str:
-        given = [text.value.strip() for text in self.texts]
-        for name in filter(None, given):
+        names = [text.value.strip() for text in self.texts]
+        for name in filter(None, names):
             if name not in self._values:
                 return f'{name!r} is no geometry of this scene{nearest(name, self._values)}'
         pair = self.pair()
@@ -98,13 +100,13 @@ class FilterPanel:
         try:
             change(pair)
         except GeometryError as error:
-            self.said.content = escape(str(error))
+            self.explanation.content = escape(str(error))
             return
         self.show_history()
         self.explain()
 
     def show_history(self) -> None:
-        """Show a switch for each declaration of the transient history that has none yet."""
+        """Add a switch for each declaration of the history that has none yet."""
         if self._changes is None:
             return
         with self._folder:

@@ -1,4 +1,4 @@
-"""The panel of motion: joints as sliders, frames by a gizmo, a motion with its time line."""
+"""Panel of motion: joint sliders, a gizmo for frames, and a motion with its timeline."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from drake_geom_ros.viewing.page.plot import plot
 from drake_geom_ros.viewing.timeline import Timeline, checks_between, least_distances
 
 NO_FRAME = '-'
-_MOST_FRAMES = 500  # in the list of those that can be moved
+_MOST_FRAMES = 500  # in the list of movable frames
 _STEPS = 400  # of a slider
 _GIZMO_SIZE = 0.2  # [m]
-_PLOT_PERIOD = 0.5  # [s] between two drawings of a plot that grows
+_PLOT_PERIOD = 0.5  # [s] between two updates of a growing plot
 
 
 class MotionPanel:
-    """Moves a scene: whatever is moved is drawn soon after."""
+    """Panel that moves joints, frames and motions of a scene."""
 
     def __init__(
         self,
@@ -37,12 +37,12 @@ class MotionPanel:
         joints: JointSliders | None,
         timeline: Timeline | None,
     ) -> None:
-        """``touch()`` is called when another picture is due."""
+        """Add the controls; ``touch()`` is called when the picture is outdated."""
         self._server, self._scene, self._touch = server, scene, touch
         self._joints, self._timeline = joints, timeline
         self._lock = threading.RLock()  # of the joint values and the time
-        self._following: int | None = None  # the thread that moves sliders by itself
-        self._last = 0.0  # [s] of the steady clock, when the motion was last moved on
+        self._following: int | None = None  # id of the thread that sets sliders by program
+        self._last = 0.0  # [s] of the steady clock, at the last step of the motion
         self.sliders: dict[JointSlider, Any] = {}
         if timeline is not None:
             self._add_timeline(server.gui, timeline)
@@ -70,13 +70,13 @@ class MotionPanel:
         threading.Thread(target=self._measure, name='least-distances', daemon=True).start()
 
     def _plotted(self) -> str:
-        """Return the plot of the least distances as far as they are known."""
+        """Return the plot of the minimum distances computed so far."""
         assert self._timeline is not None
         line = self._timeline
         return plot(line.times, self._least, line.start, line.end, self._proved, self._unproved)
 
     def _measure(self) -> None:
-        """Compute the least distances of the motion, then prove it, in a thread of its own."""
+        """Compute the minimum distances of the motion, then certify it, in a separate thread."""
         assert self._timeline is not None
         self._drawn = time.monotonic()
         for row, least in enumerate(least_distances(self._timeline, self._scene.snapshot())):
@@ -87,7 +87,7 @@ class MotionPanel:
                 for check in checks_between(self._timeline, self._scene.snapshot()):
                     self._proved.append(check.outcome)
                     self._plot_now_and_then()
-            except GeometryError as error:  # what has no pose, or never meets
+            except GeometryError as error:  # frames without a pose, or pairs that never meet
                 self._proved.clear()
                 self._unproved = str(error)
         self._plot.content = self._plotted()
@@ -97,7 +97,7 @@ class MotionPanel:
             self._plot.content, self._drawn = self._plotted(), time.monotonic()
 
     def go_to_least(self) -> None:
-        """Go to the moment of the least distance that is known."""
+        """Go to the moment of the minimum distance computed so far."""
         assert self._timeline is not None
         if np.isfinite(self._least).any():
             self.time.value = float(self._timeline.times[np.nanargmin(self._least)])
@@ -119,7 +119,7 @@ class MotionPanel:
         self._touch()
 
     def move_on(self) -> bool:
-        """Move a motion that is played to the time that it is; return whether one is played."""
+        """Advance a playing motion to the current time; return whether one is playing."""
         if self._timeline is None or not self.play.value:
             return False
         now = time.monotonic()
@@ -129,7 +129,7 @@ class MotionPanel:
         return True
 
     def show(self) -> None:
-        """Let the sliders show what was moved by others."""
+        """Update the sliders to joint values that were set elsewhere."""
         if self._timeline is None or self._joints is None:
             return
         self._following = threading.get_ident()
@@ -177,7 +177,7 @@ class MotionPanel:
         self.gizmo: Any = None
 
     def _take_frame(self) -> None:
-        """Put the gizmo where the chosen frame is, at the world where it has no pose yet."""
+        """Move the gizmo to the chosen frame, or to the world's origin if it has no pose."""
         if self.gizmo is not None:
             self.gizmo.remove()
             self.gizmo = None
@@ -199,7 +199,7 @@ class MotionPanel:
         self.place(name, np.concatenate([handle.position, np.roll(handle.wxyz, -1)]))
 
     def place(self, name: str, pose: Any) -> None:
-        """Pose a frame of the list by x y z [m] qx qy qz qw; what cannot be is left alone."""
+        """Pose a frame of the list by x y z [m] qx qy qz qw; invalid poses are ignored."""
         try:
             matrices_from_poses([pose])
             self._scene.place(self._free[name], RigidTransform.FromArray(pose))

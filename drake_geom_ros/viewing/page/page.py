@@ -1,4 +1,4 @@
-"""One page: its panels, its picture, and the thread that draws when there is something new."""
+"""Page with its panels, its picture, and the thread that redraws on changes."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from drake_geom_ros.viewing.page.serving import Served
 from drake_geom_ros.viewing.scene import Moment, ShownScene
 from drake_geom_ros.viewing.timeline import Timeline
 
-# [s] between two pictures at least: what comes meanwhile, such as a hundred events of a slider
-# that is dragged, is one picture.
+# [s] minimum time between two pictures; many events in between, as of a dragged slider, are one
+# picture.
 _PERIOD = 0.04
-_LOOKS = 0.1  # [s] between two looks whether the scene has changed by itself
-_TABLE_PERIOD = 0.25  # [s] nobody reads faster
-_VIEW = np.array([0.55, -0.7, 0.45])  # where one looks from, of unit length
-_AWAY, _MARGIN = 0.9, 0.2  # times the size of the scene, and [m]
-_MOST_TOLD = 5  # troubles in the status
+_LOOKS = 0.1  # [s] between two checks for changes of the scene from outside
+_TABLE_PERIOD = 0.25  # [s] between two updates of the table, since nobody reads faster
+_VIEW = np.array([0.55, -0.7, 0.45])  # direction to the viewer, of unit length
+_AWAY, _MARGIN = 0.9, 0.2  # distance of the viewer: times the size of the scene, and [m]
+_MOST_SHOWN = 5  # troubles in the status
 
 
 class Page:
-    """Shows a scene on a viser server until it is closed."""
+    """Display of a scene on a viser server until it is closed."""
 
     def __init__(
         self,
@@ -46,15 +46,16 @@ class Page:
         max_distance: float = 0.1,
         accuracy: str = 'exact',
         contacts: bool = False,
-        tell: Callable[[str], None] = lambda text: None,
+        log: Callable[[str], None] = lambda text: None,
     ) -> None:
-        """``joints`` and ``timeline`` move a scene of this process; ``tell`` takes progress.
+        """Show a scene; ``joints`` and ``timeline`` move one of this process.
 
-        ``contacts`` is whether contact surfaces are computed and shown from the beginning.
+        ``log`` is called with unexpected errors. With ``contacts``, contact surfaces are computed
+        and shown from the beginning.
         """
         server = served.server
-        self._server, self._scene, self._tell = server, scene, tell
-        self.url = served.url  # to open; with its token, where one is needed
+        self._server, self._scene, self._log = server, scene, log
+        self.url = served.url  # the address to open, with its token if it needs one
         local = scene if isinstance(scene, LocalScene) else None
         self._due, self._closed = threading.Event(), threading.Event()
         self._version: object = None
@@ -64,14 +65,14 @@ class Page:
         self.trouble = ''  # what went wrong in the last drawing
         server.gui.configure_theme(
             control_width='large',
-            # It would send the scene through a relay of strangers.
+            # Sharing would send the scene through a third party's relay.
             show_share_button=False,
             show_logo=False,
         )
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction('+z')
-        # viser's picture of surroundings takes a browser without a GPU seconds of work, and its
-        # shadows most of each frame; the lights alone show shapes as well.
+        # viser's environment map takes a browser without a GPU seconds, and its shadows most of
+        # each frame; lights without them show shapes as well.
         server.scene.configure_environment_map(None)
         server.scene.configure_default_lights(cast_shadow=False)
         self._status = server.gui.add_html('')
@@ -99,30 +100,30 @@ class Page:
         return int(self._server.get_port())
 
     def touch(self) -> None:
-        """Have another picture drawn soon."""
+        """Request another picture."""
         self._due.set()
 
     def select(self, pair: tuple[int, int]) -> None:
-        """Mark a pair of id values in picture and table, and explain it."""
+        """Select a pair of id values: mark it in picture and table, and explain its filters."""
         self.selected = pair
         if self.moment is not None:
-            names = self.moment.cast.names
+            names = self.moment.geometries.names
             self.filters.choose_pair((names[pair[0]], names[pair[1]]))
         self._table_due = 0.0
         self.touch()
 
     def choose(self, value: int) -> None:
-        """Take a geometry, by its id value, that was clicked on in the picture."""
-        if self.moment is None or value not in self.moment.cast.names:
+        """Handle a click on a geometry, by its id value."""
+        if self.moment is None or value not in self.moment.geometries.names:
             return
-        self.filters.choose(self.moment.cast.names[value])
+        self.filters.choose(self.moment.geometries.names[value])
         pair = self.filters.pair()
         self.selected = None if pair is None else (min(pair), max(pair))
         self._table_due = 0.0
         self.touch()
 
     def close(self) -> None:
-        """Draw no more, and stop the server."""
+        """Stop drawing, and stop the server."""
         self._closed.set()
         self._due.set()
         self._thread.join()
@@ -134,10 +135,10 @@ class Page:
             try:
                 self._draw_if_due()
                 self.trouble = ''
-            except Exception as error:  # nobody foresaw it, and the page goes on
+            except Exception as error:  # report it and keep the page alive
                 if (trouble := f'{type(error).__name__}: {error}') != self.trouble:
                     self.trouble = trouble
-                    self._tell(''.join(traceback.format_exception(error)))
+                    self._log(''.join(traceback.format_exception(error)))
                 self._status.content = _in_red(trouble)
             self._due.wait(_LOOKS)
             self._closed.wait(max(0.0, start + _PERIOD - time.monotonic()))
@@ -157,31 +158,31 @@ class Page:
             self._show_words(self.moment)
 
     def draw(self) -> None:
-        """Draw the scene as it is now."""
-        before = None if self.moment is None else self.moment.cast
+        """Draw the current moment of the scene."""
+        before = None if self.moment is None else self.moment.geometries
         moment = self._scene.moment(
             self.answer.max_distance.value,
             self.answer.accuracy,
             contacts=self.answer.contacts.value,
         )
         with self._server.atomic():
-            self.picture.show(moment, self.answer.wishes(), self.selected)
-        if moment.cast is not before:
+            self.picture.show(moment, self.answer.display_options(), self.selected)
+        if moment.geometries is not before:
             self._aim(moment)
-            self.filters.begin(moment.cast)
+            self.filters.begin(moment.geometries)
         self.moment = moment
-        if moment.cast is not before or self._table_due == float('inf'):
+        if moment.geometries is not before or self._table_due == float('inf'):
             self._table_due = 0.0
 
     def _aim(self, moment: Moment) -> None:
-        """Let browsers look at what is there, half spaces aside.
+        """Aim the initial camera at the geometries, except half spaces.
 
-        viser moves those that wait for something to be there, and those that come; of others, who
-        may look elsewhere by now, only what "reset view" goes back to.
+        viser moves the views of new browsers, and of those that wait for contents. For others it
+        changes only the target of "reset view", since their users may have moved the view.
         """
         rows = [
-            moment.cast.row_of(look.geometry.get_value())
-            for look in moment.cast.looks
+            moment.geometries.row_of(look.geometry.get_value())
+            for look in moment.geometries.looks
             if not isinstance(look.shape, HalfSpace)
         ]
         if rows:
@@ -189,7 +190,7 @@ class Page:
             low, high = p_WGs.min(axis=0), p_WGs.max(axis=0)
             middle, size = (low + high) / 2.0, float(np.linalg.norm(high - low))
             camera = self._server.initial_camera
-            # A browser moves once, with the first part of it that it hears of.
+            # A browser moves its view once, by the first message, so send both in one.
             with self._server.atomic():
                 camera.look_at = middle
                 camera.position = middle + (_MARGIN + _AWAY * size) * _VIEW
@@ -204,22 +205,23 @@ class Page:
         if troubles:
             lines.append(f'{len(troubles)} cannot be drawn, such as')
         shown = ''.join(f'<div>{escape(line)}</div>' for line in lines)
-        shown += ''.join(_in_red(trouble) for trouble in troubles[:_MOST_TOLD])
+        shown += ''.join(_in_red(trouble) for trouble in troubles[:_MOST_SHOWN])
         self._status.content = f'<div style="padding:0 1em">{shown}</div>'
 
     def _remarks(self, moment: Moment) -> list[str]:
-        """Return what is to be said above the panels."""
-        cast, pairs = moment.cast, moment.pairs
+        """Return the remarks above the panels."""
+        geometries, pairs = moment.geometries, moment.pairs
         touching = int((pairs.distance < 0.0).sum())
-        said = [
-            f'{len(cast.ids)} geometries; {len(pairs)} pairs within '
+        remarks = [
+            f'{len(geometries.ids)} geometries; {len(pairs)} pairs within '
             f'{self.answer.max_distance.value:g} m, {touching} of them overlap'
         ]
-        if cast.waiting:
-            said.append(f'without a pose, and not shown: {", ".join(cast.waiting[:_MOST_TOLD])}')
-        if self.answer.wishes().names and len(cast.ids) > MOST_NAMES:
-            said.append(f'names of the first {MOST_NAMES} only')
-        return said
+        if geometries.waiting:
+            names = ', '.join(geometries.waiting[:_MOST_SHOWN])
+            remarks.append(f'without a pose, and not shown: {names}')
+        if self.answer.display_options().names and len(geometries.ids) > MOST_NAMES:
+            remarks.append(f'names of the first {MOST_NAMES} only')
+        return remarks
 
     def _progress(self, done: int, count: int) -> None:
         if done == count or done % 100 == 0:

@@ -1,6 +1,6 @@
-"""The picture of a moment: batches of shapes, pairs, names and frames as nodes of viser's scene.
+"""Picture of a moment: batches of shapes, pairs, names and frames as nodes of viser's scene.
 
-What is foreign, such as a name, is only ever the text of a label: nodes are called by numbers.
+Names of the scene are only used as texts of labels; nodes are named by numbers.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS
 from drake_geom_ros.viewing.pairs import Pairs, in_words
 from drake_geom_ros.viewing.patches import Patches, colours_of
 from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
-from drake_geom_ros.viewing.scene import Cast, Moment
+from drake_geom_ros.viewing.scene import Moment, ShownGeometries
 
 Floats = NDArray[np.float64]
-# Lines that are drawn, the nearest: each costs a browser without a GPU as much as a body.
+# Lines of the nearest pairs; each costs a browser without a GPU as much as a body.
 _MOST_PAIRS = 1000
 MOST_NAMES = 300  # labels: a browser lays each of them out
 _DEPTHS = 5  # labels of the deepest contacts
 _THIN, _THICK = 2.0, 6.0  # [pixels]
-_MANY = 100  # copies of a surface: of more, those far away are drawn by fewer triangles
-_SMALL = 0.8  # of viser's own size of labels
+_MANY = 100  # copies of a surface; of more, distant ones are drawn by fewer triangles
+_SMALL = 0.8  # times viser's default size of labels
 _POINT_SIZE = 0.012  # [m]
 _SHADES = 256  # of the colours of pressures
 _AXIS_LENGTH, _AXIS_RADIUS = 0.08, 0.002  # [m]
 
 
 def _bytes(name: str) -> tuple[int, ...]:
-    """Return the colour of pairs as viser takes it."""
+    """Return a colour of pairs as integers from 0 to 255."""
     return tuple(round(255.0 * part) for part in PAIR_COLOURS[name][:3])
 
 
@@ -44,8 +44,8 @@ _CONTACT, _SELECTED = _bytes('contacts'), (160, 0, 255)
 
 
 @dataclass(frozen=True)
-class Wishes:
-    """What is to be seen."""
+class DisplayOptions:
+    """Options of what to display."""
 
     layers: frozenset[str] = frozenset({'proximity'})
     names: bool = False
@@ -55,7 +55,7 @@ class Wishes:
 
 
 class Picture:
-    """Draws moments into viser's scene; only what changed is sent."""
+    """Drawer of moments into viser's scene, which sends only changes."""
 
     def __init__(
         self,
@@ -63,14 +63,14 @@ class Picture:
         chosen: Callable[[int], None],
         progress: Callable[[int, int], None] = lambda done, all: None,
     ) -> None:
-        """``chosen(value)`` is told of a geometry, by its id value, that somebody clicks on.
+        """Draw into ``scene``; a click calls ``chosen(value)`` with the geometry's id value.
 
-        ``progress(done, all)`` is told how many looks of a new scene are drawn.
+        ``progress(done, all)`` is called with the number of drawn looks of a new scene.
         """
         self._scene = scene
         self._chosen = chosen
         self._progress = progress
-        self._cast: Cast | None = None
+        self._geometries: ShownGeometries | None = None
         self._batches: list[_Shown] = []
         self._names: dict[int, Any] = {}
         self.troubles: list[str] = []
@@ -98,88 +98,91 @@ class Picture:
         )
         self._surfaces = _Surfaces(scene)
         self._depths = [_Label(scene, f'/pairs/depths/{k}') for k in range(_DEPTHS)]
-        self._told = _Label(scene, '/pairs/told')
+        self._selected_label = _Label(scene, '/pairs/selected_label')
         self._axes: Any = None
 
-    def show(self, moment: Moment, wishes: Wishes, selected: tuple[int, int] | None) -> None:
+    def show(
+        self, moment: Moment, options: DisplayOptions, selected: tuple[int, int] | None
+    ) -> None:
         """Draw a moment; ``selected`` is a pair of id values."""
-        if moment.cast is not self._cast:
-            self._begin(moment.cast)
+        if moment.geometries is not self._geometries:
+            self._begin(moment.geometries)
         for name, layer in self._layers.items():
-            layer.visible = name in wishes.layers
+            layer.visible = name in options.layers
         for shown in self._batches:
-            if shown.batch.layer in wishes.layers:
+            if shown.batch.layer in options.layers:
                 shown.pose(moment)
-        self._show_pairs(moment.pairs.rows(slice(_MOST_PAIRS)), wishes)
+        self._show_pairs(moment.pairs.rows(slice(_MOST_PAIRS)), options)
         for level, lines in self._of_rules.items():
             rows = np.array(rows_of_level(moment.rules, moment.pairs, level), dtype=np.int64)
             lines.show(moment.pairs.rows(rows).segments())
         self._surfaces.show(moment.patches)
-        self._show_selected(moment.pairs, wishes, selected)
-        self._show_names(moment, wishes)
-        self._show_frames(moment, wishes)
+        self._show_selected(moment.pairs, options, selected)
+        self._show_names(moment, options)
+        self._show_frames(moment, options)
 
-    def _begin(self, cast: Cast) -> None:
+    def _begin(self, geometries: ShownGeometries) -> None:
         """Draw other geometries from now on."""
         for shown in self._batches:
             shown.handle.remove()
         for handle in self._names.values():
             handle.remove()
         self._names.clear()
-        found = batches_of(
-            cast.looks, cast.row_of, lambda done: self._progress(done, len(cast.looks))
+        looks = geometries.looks
+        batches = batches_of(
+            looks, geometries.row_of, lambda done: self._progress(done, len(looks))
         )
         self._batches = [
             _Shown(self._scene, number, batch, self._chosen)
-            for number, batch in enumerate(found.batches)
+            for number, batch in enumerate(batches.batches)
         ]
-        self.troubles = found.troubles
-        self._cast = cast
+        self.troubles = batches.troubles
+        self._geometries = geometries
 
-    def _show_pairs(self, pairs: Pairs, wishes: Wishes) -> None:
+    def _show_pairs(self, pairs: Pairs, options: DisplayOptions) -> None:
         touching = pairs.distance < 0.0
         deep = pairs.rows(np.flatnonzero(touching))
         self._lines['distances'].show(pairs.rows(np.flatnonzero(~touching)).segments())
         self._lines['contacts'].show(deep.segments())
-        normals = deep.normals(NORMAL_LENGTH) if wishes.normals else np.zeros((0, 2, 3))
+        normals = deep.normals(NORMAL_LENGTH) if options.normals else np.zeros((0, 2, 3))
         self._lines['normals'].show(normals)
         _set_points(self._points, deep.segments().reshape(-1, 3))
         for row, label in enumerate(self._depths):
-            there = row < len(deep)
-            text = in_words(deep, row, bounds=wishes.bounds) if there else ''
-            label.show(text, deep.p_WCas[row] if there else None)
+            has_pair = row < len(deep)
+            text = in_words(deep, row, bounds=options.bounds) if has_pair else ''
+            label.show(text, deep.p_WCas[row] if has_pair else None)
 
     def _show_selected(
-        self, pairs: Pairs, wishes: Wishes, selected: tuple[int, int] | None
+        self, pairs: Pairs, options: DisplayOptions, selected: tuple[int, int] | None
     ) -> None:
         row = None if selected is None else pairs.find(selected)
         if row is None:
             self._lines['selected'].show(np.zeros((0, 2, 3)))
-            self._told.show('', None)
+            self._selected_label.show('', None)
             return
         one = pairs.rows(slice(row, row + 1))
-        normal = one.normals(NORMAL_LENGTH) if wishes.normals else np.zeros((0, 2, 3))
+        normal = one.normals(NORMAL_LENGTH) if options.normals else np.zeros((0, 2, 3))
         self._lines['selected'].show(np.concatenate([one.segments(), normal]))
         middle = one.segments()[0].mean(axis=0)
-        self._told.show(in_words(pairs, row, bounds=wishes.bounds), middle)
+        self._selected_label.show(in_words(pairs, row, bounds=options.bounds), middle)
 
-    def _show_names(self, moment: Moment, wishes: Wishes) -> None:
-        cast = moment.cast
-        if not wishes.names:
+    def _show_names(self, moment: Moment, options: DisplayOptions) -> None:
+        geometries = moment.geometries
+        if not options.names:
             for handle in self._names.values():
                 handle.visible = False
             return
-        for row, value in enumerate(cast.ids[:MOST_NAMES].tolist()):
+        for row, value in enumerate(geometries.ids[:MOST_NAMES].tolist()):
             position = moment.p_WGs[row]
             if value not in self._names:
                 self._names[value] = self._scene.add_label(
-                    f'/names/{value}', cast.names[value], position=position
+                    f'/names/{value}', geometries.names[value], position=position
                 )
             handle = self._names[value]
             handle.visible, handle.position = True, position
 
-    def _show_frames(self, moment: Moment, wishes: Wishes) -> None:
-        if not wishes.frames:
+    def _show_frames(self, moment: Moment, options: DisplayOptions) -> None:
+        if not options.frames:
             if self._axes is not None:
                 self._axes.visible = False
             return
@@ -197,7 +200,7 @@ class Picture:
 
 
 class _Shown:
-    """A batch, and the node that shows it."""
+    """A batch with the node that shows it."""
 
     def __init__(
         self, scene: Any, number: int, batch: Batch, chosen: Callable[[int], None]
@@ -214,7 +217,7 @@ class _Shown:
             batched_colors=batch.colours,
             opacity=None if batch.alpha >= 1.0 else batch.alpha,
             flat_shading=not surface.smooth,
-            # What is transparent is drawn once for each side.
+            # Transparent surfaces cost one drawing for each side.
             side='double' if surface.two_sided else 'front',
             lod='auto' if count > _MANY else 'off',
             cast_shadow=False,
@@ -223,8 +226,8 @@ class _Shown:
         self.handle.on_click(partial(self._clicked, chosen))
 
     def pose(self, moment: Moment) -> None:
-        """Move the copies to where their geometries are."""
-        # viser sends an array only where it differs from the one before.
+        """Move the copies to the poses of their geometries."""
+        # viser sends an array only if it differs from the one before.
         p_WSs, wxyzs = self.batch.posed(moment.R_WGs, moment.p_WGs)
         self.handle.batched_positions, self.handle.batched_wxyzs = p_WSs, wxyzs
 
@@ -270,7 +273,7 @@ class _Surfaces:
 
 
 def _coloured(patches: Patches) -> bytes:
-    """Return patches as glTF, their colours a texture by pressure: exact within triangles, too."""
+    """Return patches as glTF, with colours as a texture by pressure, exact within triangles."""
     from PIL import Image
 
     trimesh: Any = importlib.import_module('trimesh')  # half of it has no types
@@ -285,12 +288,12 @@ def _coloured(patches: Patches) -> bytes:
         ),
     )
     mesh = trimesh.Trimesh(patches.vertices, patches.triangles, visual=visual, process=False)
-    found: bytes = mesh.export(file_type='glb', tree_postprocessor=_make_unlit)
-    return found
+    data: bytes = mesh.export(file_type='glb', tree_postprocessor=_make_unlit)
+    return data
 
 
 def _make_unlit(tree: Any) -> None:
-    """Let the materials of a glTF tree need no light."""
+    """Make the materials of a glTF tree independent of lights."""
     name = 'KHR_materials_unlit'
     tree['extensionsUsed'] = [name]
     for material in tree['materials']:
@@ -298,14 +301,14 @@ def _make_unlit(tree: Any) -> None:
 
 
 def _set_points(handle: Any, points: Floats) -> None:
-    """Show points, or nothing: viser's nodes hold one at least."""
+    """Show points, or hide the node if there are none, since viser's nodes need one."""
     handle.visible = bool(len(points))
     if len(points):
         handle.points = points
 
 
 class _Label:
-    """A label that is there when it has something to say."""
+    """A label that is visible while it has a position."""
 
     def __init__(self, scene: Any, name: str) -> None:
         self._handle = scene.add_label(name, '', font_screen_scale=_SMALL, visible=False)

@@ -1,8 +1,8 @@
-"""A plot that is a slider: a click in it, or a drag, is one on the track of the slider.
+"""Plot that acts as a slider: a click or drag in it is one on the slider's track.
 
-Plots of viser tell nothing of clicks, but its sliders do. So the track of the slider that comes
-right after this HTML is made as high as a plot, shows the plot as its background, and its thumb is
-the line of the moment. It is a matter of looks only: what moves and tells is viser's own slider.
+viser's plots report no clicks, but its sliders do. Therefore this HTML styles the slider right
+after it: the track is as high as a plot and has the plot as background, and the thumb is the line
+of the current moment. Only the style changes; events are those of viser's own slider.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ _SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="100%" height="100%">
  vector-effect="non-scaling-stroke"/></svg>
 <g font-family="sans-serif" font-size="10" fill="#495057">
 <text x="3" y="11">{most}</text><text x="3" y="100%" dy="-3">{least}</text></g></svg>"""
-_DIGITS = 6  # of a distance in metres, those of the texts: what is less is noise
+_DIGITS = 6  # decimals of a distance [m], as many as in texts; the others are noise
 _STRIP = 0.05  # of the height
 _COLOURS = {'clear': '#2b8a3e', 'contact': '#e03131', 'unknown': '#f08c00'}
-_MARGIN = 0.12  # of the height, above and below the line: there the texts are
+_MARGIN = 0.12  # of the height, for texts above and below the line
 
 
 def plot(
@@ -47,19 +47,18 @@ def plot(
     outcomes: Sequence[str] = (),
     unproved: str = '',
 ) -> str:
-    """Return the HTML that makes a plot of the slider after it, from ``start`` to ``end`` [s].
+    """Return HTML that turns the next slider into a plot, from ``start`` to ``end`` [s].
 
-    ``least`` (n,) [m] are the least distances at ``times`` (n,) [s], NaN where none is known.
-    ``outcomes`` (k,) are what is proved of the first pieces between these times, as of
-    ``CheckMotion``: a strip at the bottom, in the colours of the words above it. ``unproved`` is
-    why nothing is proved.
+    ``least`` (n,) [m] are the minimum distances at ``times`` (n,) [s], NaN where unknown.
+    ``outcomes`` (k,) are those of ``CheckMotion`` for the first pieces between these times, drawn
+    as a coloured strip at the bottom. ``unproved`` is the reason why nothing is proved.
     """
-    known, least = np.isfinite(least), np.round(least, _DIGITS)
+    is_known, least = np.isfinite(least), np.round(least, _DIGITS)
     picture = ''
-    if known.any():
-        low, high = float(least[known].min()), float(least[known].max())
-        xs = (times[known] - start) / max(end - start, np.finfo(float).tiny)
-        points = zip(xs.tolist(), _heights(least[known], low, high).tolist(), strict=True)
+    if is_known.any():
+        low, high = float(least[is_known].min()), float(least[is_known].max())
+        xs = (times[is_known] - start) / max(end - start, np.finfo(float).tiny)
+        points = zip(xs.tolist(), _heights(least[is_known], low, high).tolist(), strict=True)
         picture = _SVG.format(
             zero=f'{max(0.0, float(_heights(np.zeros(1), low, high)[0])):.4f}',
             points=' '.join(f'{x:.4f},{y:.4f}' for x, y in points),
@@ -68,29 +67,31 @@ def plot(
             strip=_strip((times - start) / max(end - start, np.finfo(float).tiny), outcomes),
         )
     rules = _RULES.format(slider=_SLIDER, picture='data:image/svg+xml,' + quote(picture))
-    said = 'least distance over time: click in it, or drag'
+    caption = 'least distance over time: click in it, or drag'
     if outcomes:
         words = (f'<b style="color:{colour}">{word}</b>' for word, colour in _COLOURS.items())
-        said += f'<br>for all times of a piece, straight from pose to pose: {", ".join(words)}'
+        caption += f'<br>for all times of a piece, straight from pose to pose: {", ".join(words)}'
     if unproved:
-        said += f'<br><b>nothing is proved between the moments: {escape(unproved)}</b>'
-    return f'<div class="least-distances" style="padding:0 1em">{said}</div><style>{rules}</style>'
+        caption += f'<br><b>nothing is proved between the moments: {escape(unproved)}</b>'
+    return (
+        f'<div class="least-distances" style="padding:0 1em">{caption}</div><style>{rules}</style>'
+    )
 
 
 def _strip(xs: Floats, outcomes: Sequence[str]) -> str:
-    """Return rectangles for pieces between xs (n,), one for neighbours of the same outcome."""
-    found, first = '', 0
+    """Return rectangles for pieces between xs (n,), one for each run of equal outcomes."""
+    rectangles, first = '', 0
     for k, outcome in enumerate(outcomes):
         if k + 1 == len(outcomes) or outcomes[k + 1] != outcome:
-            found += (
+            rectangles += (
                 f'<rect x="{xs[first]:.4f}" y="{1.0 - _STRIP}" height="{_STRIP}" '
                 f'width="{xs[k + 1] - xs[first]:.4f}" fill="{_COLOURS[outcome]}"/>'
             )
             first = k + 1
-    return found
+    return rectangles
 
 
 def _heights(least: Floats, low: float, high: float) -> Floats:
-    """Return where distances [m] are drawn: 0 at the top of the plot, 1 at its bottom."""
+    """Return heights of distances [m] in the plot: 0 at its top, 1 at its bottom."""
     span = max(high - low, np.finfo(float).tiny)
     return _MARGIN + (1.0 - 2.0 * _MARGIN) * (high - least) / span

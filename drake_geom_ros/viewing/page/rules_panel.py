@@ -1,4 +1,4 @@
-"""The panel of proximity rules: how each stands; nothing where there is none."""
+"""Panel of proximity rules with their states, hidden if there are none."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from drake_geom_ros.viewing.rules import COLOURS, ShownRule
 
 
 class RulesPanel:
-    """A line for each rule, in the colour of its level while it is entered."""
+    """Panel with a line for each rule, in the colour of its level while it is entered."""
 
     def __init__(self, gui: Any) -> None:
         self._folder = gui.add_folder('Proximity rules', visible=False)
         with self._folder:
-            self.told = gui.add_html('')
+            self.lines = gui.add_html('')
 
     def show(self, rules: Sequence[ShownRule]) -> None:
-        """Show how the rules stand, those that are entered first."""
+        """Show the states of rules, entered ones first."""
         self._folder.visible = bool(rules)
         entered_first = sorted(rules, key=lambda rule: not rule.is_entered)
         content = ''.join(map(_line, entered_first))
-        self.told.content = f'<div style="padding:0 1em">{content}</div>'
+        self.lines.content = f'<div style="padding:0 1em">{content}</div>'
 
 
 def _line(rule: ShownRule) -> str:

@@ -1,4 +1,4 @@
-"""Opens a page: viser is imported here, and only when somebody asks for a page."""
+"""Server of a page; viser is imported only when a page is opened."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.geometry import GeometryError
-from drake_geom_ros.viewing.page.gate import Gate, is_local
+from drake_geom_ros.viewing.page.request_guard import RequestGuard, is_local
 
 LOCALHOST = '127.0.0.1'
 PORT = 8080
 
-_SELF = {'': LOCALHOST, '0.0.0.0': LOCALHOST, '::': '::1'}  # how to reach oneself there
-_STRANGER = 'stranger.invalid'  # a name that nobody can have
-_PATIENCE = 10.0  # [s] for an answer of our own server
+_SELF = {'': LOCALHOST, '0.0.0.0': LOCALHOST, '::': '::1'}  # address of this server by host
+_STRANGER = 'stranger.invalid'  # a reserved name that cannot exist
+_PATIENCE = 10.0  # [s] for a response of this server
 _MOST_PORT = 65535
 _patching = threading.Lock()
 
 
 @dataclass(frozen=True)
 class Served:
-    """A viser server, and the address to open: beyond this machine with its token."""
+    """A viser server and the address to open, which has a token beyond this machine."""
 
     server: Any
     url: str
 
 
 def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
-    """Return a viser server; the next free port where that one is taken.
+    """Return a viser server at the port, or at the next free one if that is taken.
 
-    It answers its own page only, and beyond this machine who knows the token. Raises
-    GeometryError where viser is not installed, or nothing can be opened there.
+    It responds only to its own page, and beyond this machine only with the token. Raises
+    GeometryError if viser is not installed, or the address cannot be opened.
     """
     try:
         import viser
@@ -45,14 +45,14 @@ def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
             f'the page takes viser, which cannot be imported ({error}): pip install viser, or '
             "this package with its extra 'view'"
         ) from None
-    gate = Gate(host)
+    guard = RequestGuard(host)
     try:
         _check_address(host, port)
-        with _every_server_behind(gate, sockets):
+        with _every_server_behind(guard, sockets):
             server = viser.ViserServer(host=host, port=port, label='drake_geom_ros', verbose=False)
     except (OSError, RuntimeError) as error:
         raise GeometryError(f'no page can be opened at {host}:{port}: {error}') from None
-    # Whoever opens the page could ask for it: it sends the scene through a relay of strangers.
+    # Any user of the page could request sharing, which uses a third party's relay.
     server.request_share_url = lambda verbose=True: None
     try:
         refused = _refuses_strangers(host, server.get_port())
@@ -65,11 +65,11 @@ def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
             'this version of viser makes its server otherwise than 1.1 does; pip install '
             'viser==1.1.1'
         )
-    return Served(server, gate.url(server.get_port()))
+    return Served(server, guard.url(server.get_port()))
 
 
 def warning(host: str) -> str:
-    """Return what it means to open a page at an address; empty where only this machine sees it."""
+    """Return a warning about serving a page at an address; empty for this machine only."""
     if is_local(host):
         return ''
     return (
@@ -81,18 +81,18 @@ def warning(host: str) -> str:
 
 
 @contextlib.contextmanager
-def _every_server_behind(gate: Gate, sockets: Any) -> Iterator[None]:
-    """Have web socket servers that are made meanwhile ask a gate first.
+def _every_server_behind(guard: RequestGuard, sockets: Any) -> Iterator[None]:
+    """Put web socket servers that are made within the context behind a guard.
 
-    ``process_request`` of websockets is meant for this, and viser, which makes the server, hands
-    none on. A proxy in front would leave viser's own port open to the same pages. So the maker is
-    replaced while viser makes one; whether that one asks the gate is tried before it is used.
+    websockets has ``process_request`` for this, but viser, which makes the server, does not pass
+    one on. A proxy would leave viser's own port open to the same pages. Therefore the factory is
+    replaced while viser makes its server; a trial request then checks that the guard responds.
     """
     with _patching:
         serve = sockets.serve
 
         def guarded(*arguments: Any, process_request: Any = None, **options: Any) -> Any:
-            return serve(*arguments, process_request=gate.guarded(process_request), **options)
+            return serve(*arguments, process_request=guard.guarded(process_request), **options)
 
         sockets.serve = guarded
         try:
@@ -102,9 +102,9 @@ def _every_server_behind(gate: Gate, sockets: Any) -> Iterator[None]:
 
 
 def _check_address(host: str, port: int) -> None:
-    """Raise OSError for an address that is none of this machine, and where no port is free.
+    """Raise OSError for an address of another machine, and if no port is free.
 
-    viser would wait for ever for either.
+    viser would wait for either without end.
     """
     if not 1 <= port <= _MOST_PORT:
         raise OSError(f'a port is a number from 1 to {_MOST_PORT}')
@@ -122,7 +122,7 @@ def _check_address(host: str, port: int) -> None:
 
 
 def _refuses_strangers(host: str, port: int) -> bool:
-    """Return whether a request for another machine is refused; raises OSError."""
+    """Return whether the server refuses a request with another Host; raises OSError."""
     connection = http.client.HTTPConnection(_SELF.get(host, host), port, timeout=_PATIENCE)
     try:
         connection.putrequest('GET', '/', skip_host=True)

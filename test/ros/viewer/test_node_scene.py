@@ -64,21 +64,21 @@ def ask_in_a_thread(client, question):
 def test_a_node_is_waited_for_shown_and_met_again(lone_client, shown, scene_file, tmp_path):
     moment = shown.moment(1.0, 'exact')
     assert list(moment.remarks) == ['waiting for /scene_graph/scene']
-    assert len(moment.pairs) == len(moment.cast.ids) == 0
+    assert len(moment.pairs) == len(moment.geometries.ids) == 0
 
     for attempt in range(2):  # the second is a node that starts anew
         node = start_node(tmp_path / f'log{attempt}', scene_file=scene_file, max_distance=0.5)
         try:
             # Farther than the node's topic goes: by its service.
             moment = wait_for_pairs(lone_client, shown, 2)
-            names = moment.cast.names
+            names = moment.geometries.names
             assert sorted(names.values()) == ['s::a/ball', 's::world/floor', 's::world/post']
             gaps = moment.pairs.p_WCas - moment.pairs.p_WCbs
             np.testing.assert_allclose(
                 gaps, moment.pairs.distance[:, None] * moment.pairs.nhat_BA_Ws, rtol=0, atol=1e-9
             )
             assert moment.remarks[0].startswith('poses of /scene_graph ')
-            looks = {(look.name, look.role): look for look in moment.cast.looks}
+            looks = {(look.name, look.role): look for look in moment.geometries.looks}
             assert looks['s::a/ball', Role.kIllustration].colour == (1.0, 0.0, 0.0, 1.0)
             assert looks['s::world/post', Role.kProximity].colour[:3] == PALETTE[0]
         finally:
@@ -105,7 +105,7 @@ def test_poses_results_and_reasons_are_those_of_the_node(lone_client, shown, sce
 
         lone_client.wait_for(least, 'the distance of the moved ball')
         assert shown.version() != before
-        names = shown.moment(1.0, 'exact').cast.names
+        names = shown.moment(1.0, 'exact').geometries.names
         ids = {name: value for value, name in names.items()}
         pair = ids['s::world/floor'], ids['s::world/post']
         assert ask_in_a_thread(lone_client, lambda: shown.explain(pair)) == ['anchored']
@@ -140,7 +140,7 @@ def test_rules_are_listed_with_their_state_and_the_pair_that_they_are_entered_by
         near, far = moment.rules
         assert near.in_words() == 'near: slow, entered, near'
         assert far.in_words() == 'far: stop, not entered'
-        names = moment.cast.names
+        names = moment.geometries.names
         assert {names[value] for value in near.pair} == {'s::a/ball', 's::world/post'}
         (row,) = rows_of_level(moment.rules, moment.pairs, Level.SLOW)
         assert moment.pairs.distance[row] == pytest.approx(0.2)

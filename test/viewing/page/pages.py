@@ -49,4 +49,4 @@ def wait_for(fact, what):
 
 def value(page, name):
     """Return the id value of a geometry of a page's scene."""
-    return next(v for v, each in page.moment.cast.names.items() if each == name)
+    return next(v for v, each in page.moment.geometries.names.items() if each == name)

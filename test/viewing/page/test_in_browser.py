@@ -84,7 +84,7 @@ def test_no_row_of_the_table_is_cut(page, browser):
         "[...document.querySelectorAll('.mantine-Button-label')]"
         '.some(e => e.scrollWidth > e.clientWidth)'
     )
-    names = page.moment.cast.short_names.values()
+    names = page.moment.geometries.short_names.values()
     assert len(set(names)) == len(names)
     row = page.answer.rows[0]
     before = row.label
@@ -103,7 +103,7 @@ def test_a_row_that_is_clicked_on_is_selected(page, browser):
     x, y, *_ = browser.box(element(label))
     browser.click(x, y)
     wait_for(lambda: page.selected == page.answer._ids[2], 'the selection')
-    a = page.moment.cast.names[page.selected[0]]
+    a = page.moment.geometries.names[page.selected[0]]
     browser.wait_for(lambda: 'Reported' in browser.text(), 'the explanation')
     assert a == page.filters.texts[0].value
 
@@ -114,7 +114,7 @@ def test_a_geometry_that_is_clicked_on_is_chosen(page, browser):
     x, y, *_ = browser.box("document.querySelector('canvas')", covered=True)
     browser.click(x, y)
     wait_for(lambda: page.filters.texts[1].value, 'a geometry')
-    assert page.filters.texts[1].value in page.moment.cast.names.values()
+    assert page.filters.texts[1].value in page.moment.geometries.names.values()
 
 
 def test_a_joint_is_moved_by_its_slider(page, browser):

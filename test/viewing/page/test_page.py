@@ -17,7 +17,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.viewing.page import serving
 from drake_geom_ros.viewing.page.page import Page
 from drake_geom_ros.viewing.pairs import Pairs
-from drake_geom_ros.viewing.scene import Cast, Moment
+from drake_geom_ros.viewing.scene import Moment, ShownGeometries
 from drake_geom_ros.viewing.timeline import Timeline
 
 
@@ -59,10 +59,10 @@ def test_a_row_selects_in_the_picture_and_the_picture_in_the_table(opened):
     pair = tuple(page.moment.pairs.ids[1].tolist())
     assert page.selected == pair
     wait_for(lambda: page.answer.rows[1].color == 'violet', 'a marked row')
-    names = page.moment.cast.names
+    names = page.moment.geometries.names
     assert [text.value for text in page.filters.texts] == [names[v] for v in pair]
     said = [*(names[v] for v in pair), labels(page)[1].partition(' mm ')[0] + ' mm']
-    wait_for(lambda: re.findall('<div>(.*?)</div>', page.answer.told.content) == said, 'names')
+    wait_for(lambda: re.findall('<div>(.*?)</div>', page.answer.details.content) == said, 'names')
     for name in ('s::a/ball', 't::b/pen'):
         page.choose(value(page, name))
     assert page.selected == tuple(sorted(value(page, n) for n in ('s::a/ball', 't::b/pen')))
@@ -74,18 +74,18 @@ def test_a_row_selects_in_the_picture_and_the_picture_in_the_table(opened):
 def test_filters_are_explained_and_switched(opened):
     page, _ = opened
     page.filters.choose_pair(('s::a/ball', 't::b/pen'))
-    assert 'Reported' in page.filters.said.content
+    assert 'Reported' in page.filters.explanation.content
     page.filters._declare(page._scene.exclude, None)
-    assert 'Filtered by: transient declaration' in page.filters.said.content
+    assert 'Filtered by: transient declaration' in page.filters.explanation.content
     wait_for(lambda: len(page.moment.pairs) == 2, 'a pair less')
     (switch,) = page.filters._switches
     switch.value = False
     wait_for(lambda: len(page.moment.pairs) == 3, 'the pair again')
-    assert 'Reported' in page.filters.said.content
+    assert 'Reported' in page.filters.explanation.content
     page.filters.texts[0].value = 's::a/bal'
-    assert 's::a/ball' in page.filters.said.content
+    assert 's::a/ball' in page.filters.explanation.content
     page.filters.choose_pair(('s::a/ball', 't::b/seen'))
-    assert 'proximity role' in page.filters.said.content
+    assert 'proximity role' in page.filters.explanation.content
 
 
 def test_a_frame_is_moved_and_the_distance_follows(opened):
@@ -205,8 +205,10 @@ geometries:
         wait_for(lambda: 'without a pose' in page._status.content, 'the status')
         page.filters.choose_pair((f'scene::{name}/<b>/..', '<script>'))
         page.select(tuple(page.moment.pairs.ids[0].tolist()))
-        wait_for(lambda: '&lt;b&gt;' in page.answer.told.content, 'the names of the pair')
-        shown = page._status.content + page.filters.said.content + page.answer.told.content
+        wait_for(lambda: '&lt;b&gt;' in page.answer.details.content, 'the names of the pair')
+        shown = (
+            page._status.content + page.filters.explanation.content + page.answer.details.content
+        )
         for tag in ('<img', '<b>', '<script'):
             assert tag not in shown
         page.answer._names.value = True
@@ -222,7 +224,7 @@ class Crowd:
     def __init__(self, count):
         looks = looks_of_shapes(*[Box(0.5, 0.5, 0.5)] * count)
         names = {look.geometry.get_value(): look.name for look in looks}
-        self.cast = Cast(np.array(list(names)), looks, names)
+        self.geometries = ShownGeometries(np.array(list(names)), looks, names)
         self.p_WGs = np.arange(3.0 * count).reshape(-1, 3)
 
     def show(self, count):
@@ -235,7 +237,7 @@ class Crowd:
 
     def moment(self, max_distance, accuracy, *, contacts=False):
         Rs, none = np.tile(np.eye(3), (len(self.p_WGs), 1, 1)), np.zeros((0, 3))
-        return Moment(self.cast, Rs, self.p_WGs, Pairs.none(), np.zeros((0, 3, 3)), none)
+        return Moment(self.geometries, Rs, self.p_WGs, Pairs.none(), np.zeros((0, 3, 3)), none)
 
     def explain(self, pair):
         return ['anchored']
@@ -257,7 +259,7 @@ def test_ten_thousand_geometries_are_shown_with_progress(monkeypatch):
         wait_for(lambda: len(page.picture._names) == 300, 'so many names')
         assert page.motion is None  # there is nothing to be moved
         page.filters.choose_pair(('geometry 1', 'geometry 9999'))
-        assert 'anchored' in page.filters.said.content
+        assert 'anchored' in page.filters.explanation.content
     assert told[-1] == (10_000, 10_000)
 
 

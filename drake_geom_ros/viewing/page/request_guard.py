@@ -1,9 +1,9 @@
-"""Whom a page is served to: a check of each request, of the page and of its web socket alike.
+"""Access check of each request, for the page and for its web socket.
 
-A browser lets any web page open a socket to this machine, and a page whose own name is suddenly
-that of this machine (DNS rebinding) read what it serves. Such requests name another Host, or come
-from another Origin. What is served beyond this machine takes a token, too, as part of the path:
-viser's page opens its socket at the path that it was itself loaded from.
+A browser lets any web page open a socket to this machine, and a page whose host name suddenly
+resolves to this machine (DNS rebinding) read its responses. Such requests have another Host or
+Origin. A page that is served beyond this machine also requires a token in the path: viser's page
+opens its socket at the path that it was loaded from.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from collections.abc import Callable, Sequence
 from typing import Any
 from urllib.parse import urlsplit
 
-Process = Callable[[Any, Any], Any]  # of a connection and a request: a response, or None: go on
+Process = Callable[[Any, Any], Any]  # (connection, request) -> response, or None to go on
 
 _THIS_MACHINE = ('localhost', '127.0.0.1', '[::1]')
 _EVERYWHERE = ('', '0.0.0.0', '::')
 _HTTP_PORT = 80  # which browsers do not name
 _TOKEN_BYTES = 16
-# Nobody is told the token by a link, and no page of others has this one as a part of its own.
+# Links do not leak the token, and no other page can embed this one.
 _HEADERS = {'Referrer-Policy': 'no-referrer', 'Content-Security-Policy': "frame-ancestors 'none'"}
 
 
-class Gate:
-    """Answers 403 to what does not come from its own page, opened at the address that was told."""
+class RequestGuard:
+    """Responds 403 to requests that do not come from the page itself at its own address."""
 
     def __init__(self, host: str) -> None:
-        """Take the address that is listened at; seen from elsewhere, it gets a token."""
+        """Guard a server that listens at ``host``; beyond this machine with a token."""
         self._host = host.lower()
         self.token = '' if is_local(host) else secrets.token_urlsafe(_TOKEN_BYTES)
         self._own = {*_THIS_MACHINE, _bracketed(self._host)}
@@ -39,12 +39,12 @@ class Gate:
             self._own.add(socket.gethostname().lower())
 
     def url(self, port: int) -> str:
-        """Return the address to open; whoever has it can."""
+        """Return the address to open, which grants access."""
         shown = socket.gethostname() if self._host in _EVERYWHERE else _bracketed(self._host)
         return f'http://{shown}:{port}' + (f'/{self.token}/' if self.token else '')
 
     def guarded(self, process: Process | None) -> Process:
-        """Return what looks at a request first, and only then has it processed."""
+        """Return a request handler that checks a request before ``process`` handles it."""
 
         def look(connection: Any, request: Any) -> Any:
             port = connection.local_address[1]
@@ -65,43 +65,43 @@ class Gate:
         return look
 
     def _refusal(self, port: int, hosts: Sequence[str], origins: Sequence[str]) -> str:
-        """Return why a request is none of our page's, empty where it may be."""
+        """Return why a request cannot come from the page itself; empty if it can."""
         if len(hosts) != 1 or not self._is_own(hosts[0].lower(), port):
             return (
                 f'Host {", ".join(hosts) or "(none)"}: this page answers as localhost:{port}, or '
                 'by the address that was printed; through a tunnel, from the same port'
             )
         for origin in origins:
-            told = urlsplit(origin.lower())
-            if told.scheme != 'http' or told.netloc != hosts[0].lower():
+            url = urlsplit(origin.lower())
+            if url.scheme != 'http' or url.netloc != hosts[0].lower():
                 return f'Origin {origin}: only the page itself, http://{hosts[0]}, is answered'
         return ''
 
-    def _is_own(self, told: str, port: int) -> bool:
-        """Tell whether a Host is one of ours.
+    def _is_own(self, host: str, port: int) -> bool:
+        """Return whether a Host header names this server.
 
-        Beyond this machine any number of an address is: rebinding takes a name.
+        Beyond this machine any numeric address does, since rebinding needs a name.
         """
-        name, colon, digits = told.rpartition(':')
-        if not colon or told.endswith(']'):
-            name, digits = told, str(_HTTP_PORT)
+        name, colon, digits = host.rpartition(':')
+        if not colon or host.endswith(']'):
+            name, digits = host, str(_HTTP_PORT)
         if digits != str(port):
             return False
         return name in self._own or (bool(self.token) and _is_number(name))
 
     def _path(self, path: str) -> str | None:
-        """Return a path without the token, None of one that has it not."""
+        """Return a path without the token, or None if it lacks the token."""
         if not self.token:
             return path
         first, _, rest = path.removeprefix('/').partition('/')
-        first, mark, asked = first.partition('?')
+        first, mark, query = first.partition('?')
         if not secrets.compare_digest(first.encode(), self.token.encode()):
             return None
-        return f'/{rest}{mark}{asked}'
+        return f'/{rest}{mark}{query}'
 
 
 def is_local(host: str) -> bool:
-    """Return whether what is served at an address is seen from this machine only."""
+    """Return whether an address is reachable from this machine only."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
