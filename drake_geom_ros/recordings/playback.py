@@ -26,7 +26,7 @@ from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import SceneDescription, files_of
 
-LOOKS = 4 * NANOSECONDS  # [ns] between two checks for troubles, which last at least 5 s
+LOOKS = 4 * NANOSECONDS  # [ns] between two checks; a scene reports each trouble for 5 s
 _MOST_TROUBLES = 200
 _BY_IDS = (
     'frame_ids are numbers of the node that ran, which a recording does not explain: have the '

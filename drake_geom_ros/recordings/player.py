@@ -42,8 +42,7 @@ class Player:
         self._roles = opened.roles
         self._states, self._rate = states, rate
         self._layouts = Layouts()
-        # Subjects, by layout, of senders whose last message was processed since any other posed
-        # the same.
+        # Subjects, by layout, of senders whose last message is still the latest for all of them.
         self._taken: dict[int, frozenset[Any]] = {}
         self._patience = _SHORTEST  # messages to play singly after a failed attempt at a run
         self._first = -1  # the first pose's time [ns]
