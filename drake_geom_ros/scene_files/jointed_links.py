@@ -41,7 +41,7 @@ class JointedLinks:
     """
 
     def __init__(self, robot: LinkTree):
-        """Build from a URDF's links and joints; ValueError unless they form a tree."""
+        """Build from a URDF; ValueError unless supported joints form one tree of its links."""
         root = _root(robot)
         joints = parents_first(robot.joints, root)
         leader = _mimicked(robot)
