@@ -20,6 +20,7 @@ MODULES = (
     *('client', 'common'),
     *('common.value', 'common.eigen_geometry'),
 )
+_SECTIONS = ('Args:', 'Returns:', 'Raises:', 'Yields:')
 _INTRODUCTION = """# The Python API
 
 Generated from the docstrings by `python docs/generate_python_api.py`; a test keeps it up to date.
@@ -156,11 +157,18 @@ def _text(thing: Any, paragraphs: int | None = None) -> str:
     text = (inspect.getdoc(thing) or '').replace('``', '`')
     if paragraphs:
         return ' '.join(text.split('\n\n')[0].split())
-    blocks = [re.sub(r'::$', ':', block) for block in text.split('\n\n')]
-    examples = '>>>', '    >>>'
-    return '\n\n'.join(
-        f'```python\n{textwrap.dedent(b)}\n```' if b.startswith(examples) else b for b in blocks
-    )
+    return '\n\n'.join(_block(re.sub(r'::$', ':', block)) for block in text.split('\n\n'))
+
+
+def _block(block: str) -> str:
+    """Return a block of a docstring: examples become code, and sections such as Args lists."""
+    if block.startswith(('>>>', '    >>>')):
+        return f'```python\n{textwrap.dedent(block)}\n```'
+    head, _, body = block.partition('\n')
+    if head not in _SECTIONS:
+        return block
+    entries = re.sub(r'^(\w+): ', r'- `\1`: ', textwrap.dedent(body), flags=re.MULTILINE)
+    return f'{head}\n\n{re.sub(r"^    ", "  ", entries, flags=re.MULTILINE)}'
 
 
 def _anchor(title: str) -> str:

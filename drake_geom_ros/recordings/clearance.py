@@ -37,6 +37,9 @@ def clearance(
     The poses are those of a node that received the same messages at the times of recording. They
     do not stay in memory; the result takes 113 bytes a state and set.
 
+        over_time = clearance('run.mcap', 'cell.yaml', between=['left:right'])
+        assert over_time.least().distance > 0.05
+
     Args:
         path: A file (MCAP or sqlite3), a folder that rosbag2 wrote, or several of these.
         scene: A scene file, or None for the robot whose description was recorded.
@@ -60,9 +63,6 @@ def clearance(
         RecordingError: The recording cannot be read or used.
         SceneFileError: The scene file is invalid.
         ArgumentError: Another argument is invalid.
-
-        over_time = clearance('run.mcap', 'cell.yaml', between=['left:right'])
-        assert over_time.least().distance > 0.05
     """
     options = RunOptions(
         sets=pair_sets(between),

@@ -15,6 +15,25 @@ def test_the_page_is_current():
     assert GENERATOR['api']() == PAGE, 'run: python docs/generate_python_api.py'
 
 
+def test_sections_of_a_docstring_become_lists():
+    def call():
+        """Return a call.
+
+        Args:
+            name: The name, which
+                may be long.
+            rate: [Hz]
+
+        Returns:
+            The call.
+        """
+
+    assert GENERATOR['_text'](call) == (
+        'Return a call.\n\nArgs:\n\n- `name`: The name, which\n  may be long.\n- `rate`: [Hz]\n\n'
+        'Returns:\n\nThe call.'
+    )
+
+
 @pytest.mark.parametrize('name', GENERATOR['MODULES'])
 def test_every_name_has_a_section_and_every_method_a_line(name):
     module = importlib.import_module(f'drake_geom_ros.{name}')
