@@ -169,7 +169,7 @@ def test_an_interrupt_is_said_and_what_was_computed_goes_on(
     blocks,
 ):
     monkeypatch.setattr(states, '_MOST_STATES', 1)
-    answered, asked = Run._answered, []
+    answered, asked = Run._computed, []
 
     def interrupted(*arguments):
         asked.append(1)
@@ -180,7 +180,7 @@ def test_an_interrupt_is_said_and_what_was_computed_goes_on(
     out = tmp_path / 'out'
     command = ['report', runs / 'run_0', '--scene', balls, '--out', out, '--pictures', '0']
     with monkeypatch.context() as harm:
-        harm.setattr(Run, '_answered', interrupted)
+        harm.setattr(Run, '_computed', interrupted)
         assert main(list(map(str, command))) == 130
     kept = f'--resume goes on with {out / "unfinished"}\n' if blocks else ''
     assert capsys.readouterr().err == f'{kept}drake_geom_ros: interrupted\n'

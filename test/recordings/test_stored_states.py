@@ -142,8 +142,8 @@ def test_what_was_interrupted_goes_on(tmp_path, recorded, balls, monkeypatch, ha
         rows.unlink()
         left = 0
     asked = []
-    answered = Run._answered
-    monkeypatch.setattr(Run, '_answered', lambda *a: asked.append(1) or answered(*a))
+    answered = Run._computed
+    monkeypatch.setattr(Run, '_computed', lambda *a: asked.append(1) or answered(*a))
     passing, kept = kept_in(tmp_path / 'kept', recorded, balls, certify=certify)
     found = all_of(passing, kept)
     blocks = sum(1 for _ in expected.parts())
@@ -159,8 +159,8 @@ def test_what_was_asked_otherwise_does_not_count(tmp_path, recorded, balls, monk
     monkeypatch.setattr(states, '_MOST_STATES', 10)
     all_of(*kept_in(tmp_path / 'kept', recorded, balls, {'distance': 1}))
     asked = []
-    answered = Run._answered
-    monkeypatch.setattr(Run, '_answered', lambda *a: asked.append(1) or answered(*a))
+    answered = Run._computed
+    monkeypatch.setattr(Run, '_computed', lambda *a: asked.append(1) or answered(*a))
     all_of(*kept_in(tmp_path / 'kept', recorded, balls, {'distance': 1}))
     assert not asked
     all_of(*kept_in(tmp_path / 'kept', recorded, balls, {'distance': 2}))
@@ -193,8 +193,8 @@ def test_a_report_that_was_killed_goes_on(tmp_path, recorded, balls, monkeypatch
     assert [each.name for each in (tmp_path / 'out').iterdir()] == ['unfinished']
     monkeypatch.setattr(states, '_MOST_STATES', 10)
     computed = []
-    answered = run.Run._answered
-    monkeypatch.setattr(run.Run, '_answered', lambda *a: computed.append(1) or answered(*a))
+    answered = run.Run._computed
+    monkeypatch.setattr(run.Run, '_computed', lambda *a: computed.append(1) or answered(*a))
     assert main([*arguments, '--resume']) == 1
     resumed = len(computed)
     assert main([*map(str, asked), str(tmp_path / 'whole')]) == 1
