@@ -8,21 +8,20 @@ the centre of bodies with a round or many-sided surface.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.hydroelastic._cells import CutBody, Loop, body_of_cells, oriented
-from drake_geom_ros.geometry.hydroelastic.tolerances import SAME_HALF
+from drake_geom_ros.geometry.hydroelastic._counts import (
+    halvings,
+    insets,
+    vertices_around_capsule,
+    vertices_around_cylinder,
+)
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-MOST_LEVELS = 8  # 8 4^8 = 524 288 tetrahedra of a ball
-MOST_AROUND = 4096  # vertices around a cylinder
-MOST_AROUND_CAPSULE = 512  # 2 512^2 = 524 288 tetrahedra: it is cut across, too
 _OCTAHEDRON = np.vstack((np.eye(3), -np.eye(3)))
 _EIGHTHS = [(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]
 
@@ -33,20 +32,10 @@ def ellipsoid_body(semi_axes: Floats, resolution_hint: float) -> CutBody:
     Triangles are cut in four until, on a ball with the radius of the longest semi-axis, the chords
     of the great circles of the octahedron's edges are no longer than the hint.
     """
-    radius, levels = float(semi_axes.max()), 0
-    while (chord := _chord(radius, levels)) > resolution_hint:
-        levels += 1
-        if levels > MOST_LEVELS:
-            raise _too_fine(resolution_hint, chord)
     points, triangles = _OCTAHEDRON, np.array(_EIGHTHS, dtype=np.int64)
-    for _ in range(levels):
+    for _ in range(halvings(float(semi_axes.max()), resolution_hint)):
         points, triangles = _cut_in_four(points, triangles)
     return pyramids(points * semi_axes, triangles, np.zeros(3))
-
-
-def _chord(radius: float, levels: int) -> float:
-    """Return the chord [m] of a quarter of a circle after ``levels`` halvings."""
-    return 2.0 * radius * math.sin(0.25 * math.pi / 2.0**levels)
 
 
 def _cut_in_four(points: Floats, triangles: Indices) -> tuple[Floats, Indices]:
@@ -76,7 +65,7 @@ def box_body(half: Floats) -> CutBody:
     """
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     middles = np.vstack((-np.eye(3), np.eye(3)))
-    inner = corners * _insets(half)
+    inner = corners * insets(half)
     inner_points, inner_of = np.unique(inner, axis=0, return_inverse=True)
     points = np.vstack((middles * half, corners * half, inner_points))
     extents = np.concatenate((np.zeros(14), np.ones(len(inner_points))))
@@ -110,9 +99,9 @@ def cylinder_body(radius: float, half_length: float, resolution_hint: float) -> 
     The parts meet at the medial axis: a segment for a long cylinder, a disc for a flat one, or a
     point.
     """
-    count = _around(2.0 * math.pi * radius, math.ceil, resolution_hint, MOST_AROUND)
+    count = vertices_around_cylinder(radius, resolution_hint)
     round_ = _circle(count)
-    inset, inset_end = _insets(np.array([radius, half_length]))
+    inset, inset_end = insets(np.array([radius, half_length]))
     rim, inner = radius * round_, inset * round_
     ends, inner_ends = (-half_length, half_length), (-inset_end, inset_end)
     parts = [_at(rim, z) for z in ends] + [_at(inner, z) for z in inner_ends]
@@ -133,7 +122,7 @@ def cylinder_body(radius: float, half_length: float, resolution_hint: float) -> 
 
 def capsule_body(radius: float, half_length: float, resolution_hint: float) -> CutBody:
     """Return a capsule: its facets joined to the ends of its segment, or to the segment."""
-    count = _around(2.0 * math.pi * radius, math.floor, resolution_hint, MOST_AROUND_CAPSULE)
+    count = vertices_around_capsule(radius, resolution_hint)
     rings = count // 2
     angles = 0.5 * math.pi * np.arange(rings) / rings
     round_ = _circle(count)
@@ -161,12 +150,6 @@ def capsule_body(radius: float, half_length: float, resolution_hint: float) -> C
     return body_of_cells(cells, points, np.array(extents))
 
 
-def _insets(half: Floats) -> Floats:
-    """Return by how much half sizes exceed the smallest one, 0 within rounding."""
-    insets = half - half.min()
-    return np.where(insets > SAME_HALF * half.min(), insets, 0.0)
-
-
 def _prism(outer: Loop, inner: Loop) -> list[Loop]:
     """Return the faces of the cell between two faces, corner for corner."""
     count = len(outer)
@@ -192,20 +175,3 @@ def _unique(points: Floats, size: float) -> tuple[Floats, Indices]:
     rounded = np.round(points / size, 12) + 0.0
     _, first, same = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
     return points[first], same.ravel()
-
-
-def _around(
-    circumference: float, rounded: Callable[[float], int], resolution_hint: float, most: int
-) -> int:
-    """Return the number of vertices around, at least 3; raises GeometryError for too many."""
-    wanted = rounded(circumference / resolution_hint)
-    if wanted > most:
-        raise _too_fine(resolution_hint, circumference / most)
-    return max(3, wanted)
-
-
-def _too_fine(resolution_hint: float, least: float) -> GeometryError:
-    return GeometryError(
-        f'the resolution hint {resolution_hint:g} m is too fine for the shape: give at least '
-        f'{least:.3g} m'
-    )

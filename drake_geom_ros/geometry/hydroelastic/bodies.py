@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry.checks import as_number
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.hydroelastic._cells import CutBody
+from drake_geom_ros.geometry.hydroelastic._counts import check_elements_of_mesh, check_hint
 from drake_geom_ros.geometry.hydroelastic._meshing import (
     box_body,
     capsule_body,
@@ -117,10 +118,11 @@ def _rigid(shape: Shape, material: HydroelasticMaterial) -> RigidBody | HalfSpac
     if isinstance(shape, HalfSpace):
         return HalfSpaceBody(0.0)
     if isinstance(shape, Mesh):
+        check_elements_of_mesh(shape, len(shape.surface()[1]), 'triangles')
         vertices, triangles = turned_outward(*shape.surface(), 'its mesh')
         return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
     if isinstance(shape, Convex):
-        vertices, triangles = shape.hull_surface()
+        vertices, triangles = _hull_of(shape)
         return RigidBody(TriangleSurfaceMesh.FromArrays(triangles, vertices))
     return RigidBody(ConvertVolumeToSurfaceMesh(_cut(shape, material).mesh))
 
@@ -138,17 +140,19 @@ def _compliant(shape: Shape, material: HydroelasticMaterial) -> CompliantBody | 
 def _cut(shape: Shape, material: HydroelasticMaterial) -> CutBody:
     """Return the tetrahedra of a shape."""
     if isinstance(shape, Mesh) and (mesh := shape.volume_mesh()) is not None:
-        return _by_distance(mesh)
+        check_elements_of_mesh(shape, mesh.num_elements(), 'tetrahedra')
+        return _by_distance(mesh, shape)
     if isinstance(shape, (Mesh, Convex)):
-        return _hull_body(*shape.hull_surface())
+        return _hull_body(*_hull_of(shape))
     if isinstance(shape, Box):
         return box_body(0.5 * shape.size())
     if not isinstance(shape, (Sphere, Ellipsoid, Cylinder, Capsule)):
         raise GeometryError(f'a {type(shape).__name__} has no hydroelastic body')
     hint = _needed(material.resolution_hint, 'resolution_hint', shape)
+    if isinstance(shape, Sphere) and shape.radius() == 0.0:
+        raise GeometryError('a Sphere of radius 0 has no volume')
+    check_hint(shape, hint)
     if isinstance(shape, Sphere):
-        if shape.radius() == 0.0:
-            raise GeometryError('a Sphere of radius 0 has no volume')
         return ellipsoid_body(np.full(3, shape.radius()), hint)
     if isinstance(shape, Ellipsoid):
         return ellipsoid_body(np.array([shape.a(), shape.b(), shape.c()]), hint)
@@ -157,7 +161,7 @@ def _cut(shape: Shape, material: HydroelasticMaterial) -> CutBody:
     return capsule_body(shape.radius(), 0.5 * shape.length(), hint)
 
 
-def _by_distance(mesh: VolumeMesh) -> CutBody:
+def _by_distance(mesh: VolumeMesh, shape: Mesh) -> CutBody:
     """Return tetrahedra with extents that grow with the distance to their boundary.
 
     The extent is 1 at the largest distance, as in Drake's MakeVolumeMeshPressureField. Unlike
@@ -168,6 +172,7 @@ def _by_distance(mesh: VolumeMesh) -> CutBody:
     check_elements(mesh, 'its tetrahedra as scaled')
     if on_boundary(mesh)[mesh.element_array()].all(axis=1).any():
         mesh = RefineVolumeMesh(mesh)
+        check_elements_of_mesh(shape, mesh.num_elements(), 'tetrahedra as refined')
     points, boundary = mesh.vertex_array(), ConvertVolumeToSurfaceMesh(mesh)
     inner = ~on_boundary(mesh)
     if (pieces := count_pieces(mesh)) > 1:
@@ -179,6 +184,13 @@ def _by_distance(mesh: VolumeMesh) -> CutBody:
         points[inner], boundary.vertex_array(), boundary.triangle_array()
     )
     return CutBody(mesh, distances / distances.max())
+
+
+def _hull_of(shape: Mesh | Convex) -> tuple[Floats, NDArray[np.int64]]:
+    """Return vertices and triangles of a hull, which has few enough."""
+    vertices, triangles = shape.hull_surface()
+    check_elements_of_mesh(shape, len(triangles), 'triangles of its hull')
+    return vertices, triangles
 
 
 def _hull_body(vertices: Floats, triangles: NDArray[np.int64]) -> CutBody:

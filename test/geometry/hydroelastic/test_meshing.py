@@ -140,7 +140,7 @@ def test_a_convex_is_cut_about_its_centre_of_volume():
     [
         (ours.Sphere(1.0), 1e-4, 'too fine'),
         (ours.Cylinder(1.0, 1.0), 1e-5, 'too fine'),
-        (ours.Capsule(0.5, 0.5), 0.006, 'too fine for the shape: give at least 0.00614 m'),
+        (ours.Capsule(0.5, 0.5), 0.006, 'too fine for the shape Capsule'),
         (ours.Sphere(0.0), 0.1, 'no volume'),
         (ours.HalfSpace(), 0.1, 'slab_thickness'),
         (ours.MeshcatCone(1.0), 0.1, 'MeshcatCone'),
