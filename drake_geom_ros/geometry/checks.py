@@ -57,3 +57,15 @@ def checked_pose(X: RigidTransform, what: str) -> RigidTransform:
             f'{FARTHEST:.3g} m'
         )
     return pose
+
+
+def checked_budget(seconds: float | None) -> float:
+    """Return a time budget [s], 0 where there is none; ArgumentError for one that cannot be."""
+    if seconds is None:
+        return 0.0
+    if not seconds >= 0.0:
+        raise ArgumentError(
+            f'time_budget={seconds} was asked for; it must be seconds >= 0, and 0 or None is no '
+            'limit.'
+        )
+    return float(seconds)

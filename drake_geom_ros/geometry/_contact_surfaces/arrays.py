@@ -121,9 +121,15 @@ UNABLE = 2  # to have a surface: one has no body, both are rigid, or both are ha
 # Without polygons, though they overlap:
 SWALLOWED = 3  # one is deep within the other
 TURNED = 4  # all faces are left out for their normals
+LATE = 6  # unknown, for there was no time; 5 is what ``contact_bodies`` adds
 # Places in ``Surfaces.counts``.
 POLYGONS, CORNERS, FOUND, LEFT = range(4)  # LEFT: pairs that are UNABLE or more
-COUNTS = 4
+# How far the work is: pairs done, the stage of the next one, the top of its walk's stack, what was
+# put out before it; how many steps may follow in this call, and whether there is no room for more.
+DONE, STAGE, TOP, FACES_BEFORE, CORNERS_BEFORE, STEPS, FULL = range(4, 11)
+COUNTS = 11
+BEGINS, MEETS, MEETS_ANYWAY = range(3)  # stages of a pair; the last as ``Between.anyway`` says
+NOT_BEGUN = -1  # instead of the top of a stack
 # Columns of ``Surfaces.found``.
 ID_M, ID_N, COMPLIANT_M, COMPLIANT_N = range(4)
 LAST = 4  # where the surface's polygons end
@@ -140,7 +146,7 @@ class Surfaces(NamedTuple):
     sums: Floats  # (k, 14), of each surface that was found
     found: Indices  # (k, 5)
     states: Indices  # (k,), of each pair that was asked about
-    counts: Indices  # (4,)
+    counts: Indices  # (11,)
 
 
 class Counts(NamedTuple):
@@ -150,6 +156,8 @@ class Counts(NamedTuple):
     corners: int
     surfaces: int
     left: int  # pairs that are UNABLE or more
+    done: int  # pairs
+    is_full: bool  # whether the next polygon finds no room
 
 
 class Scratch(NamedTuple):
@@ -160,7 +168,8 @@ class Scratch(NamedTuple):
     R: Vectors  # (3, 3): the pose of a body in another
     other: _Lines  # an element of one body in the frame of another: see ``posed``
     found: Integers  # which elements are near: see ``triangles``
-    counts: Integers  # (4,): those of ``Surfaces``
+    sums: Reals  # (14,): what a step of a walk begins with, for it may find no room
+    counts: Integers  # (11,): those of ``Surfaces``
 
 
 class Field(NamedTuple):

@@ -20,8 +20,10 @@ from drake_geom_ros.geometry._contact_surfaces.arrays import (
     Scratch,
     Surfaces,
 )
+from drake_geom_ros.geometry._contact_surfaces.blocks import BLOCK, Blocks, put_in_order
 from drake_geom_ros.geometry._contact_surfaces.clipping import COLUMNS, ROWS
 from drake_geom_ros.geometry._contact_surfaces.layout import Layout, layout_of
+from drake_geom_ros.geometry._contact_surfaces.limits import UNLIMITED, Limit
 from drake_geom_ros.geometry._contact_surfaces.pairs import surfaces_of_pairs
 from drake_geom_ros.geometry._contact_surfaces.posed import OTHER
 from drake_geom_ros.geometry._contact_surfaces.triangles import MOST_TOGETHER
@@ -86,15 +88,16 @@ class _Room:
     """
 
     def __init__(self) -> None:
-        self._scratch = Scratch(
+        self.scratch = Scratch(
             np.empty((ROWS, COLUMNS)),
             np.empty(2 * DEEPEST, dtype=np.int64),
             np.empty((3, 3)),
             np.empty((OTHER, 4)),
             np.empty(2 * MOST_TOGETHER, dtype=np.int64),
+            np.empty(SUMS),
             np.empty(COUNTS, dtype=np.int64),
         )
-        self.handle = handle_of(self._scratch)
+        self.handle = handle_of(self.scratch)
         self.faces, self.corners = FIRST_POLYGONS, _CORNERS_EACH * FIRST_POLYGONS
 
     def expect(self, faces: int, corners: int) -> None:
@@ -107,23 +110,28 @@ class _Room:
 ROOMS: list[_Room] = []
 
 
-def surfaces_of(posed: Posed, pairs: Indices) -> Answer:
-    """Return the surfaces of pairs (k, 2) of places of geometries; the lower one is M."""
+def surfaces_of(posed: Posed, pairs: Indices, limit: Limit = UNLIMITED) -> Answer:
+    """Return the surfaces of pairs (k, 2) of places of geometries; the lower one is M.
+
+    Pairs that the ``limit`` leaves no time for are LATE: see ``blocks``.
+    """
     try:
         room = ROOMS.pop()  # each thread takes another one
     except IndexError:
         room = _Room()
-    count = len(pairs)
-    while True:
-        most = room.faces, room.corners
-        layout = layout_of(count, *most)
-        store = np.empty(layout.size)
-        counts = surfaces_of_pairs(posed.hands, room.handle, pairs, store, *most)
-        is_whole = counts.polygons <= most[0] and counts.corners <= most[1]
-        if not is_whole or 4 * counts.polygons < most[0] > FIRST_POLYGONS:
-            room.expect(counts.polygons, counts.corners)
-        if is_whole:
-            break
+    most = room.faces, room.corners
+    layout = layout_of(len(pairs), *most)
+    store = np.empty(layout.size)
+    counts = surfaces_of_pairs(posed.hands, room.handle, pairs, store, *most, 1, BLOCK)
+    if counts.done < len(pairs):
+        blocks = Blocks(posed.hands, room.handle, room.scratch.counts, limit)
+        store, layout, counts, places = blocks.go_on(pairs, store, most, counts)
+        if places is not None:
+            put_in_order(Answer(store, layout, counts).surfaces(), places)
+    if len(store) > layout_of(len(pairs), *most).size or (
+        4 * counts.polygons < most[0] > FIRST_POLYGONS
+    ):
+        room.expect(counts.polygons, counts.corners)
     ROOMS.append(room)
     store.setflags(write=False)
     return Answer(store, layout, counts)

@@ -3,25 +3,36 @@
 from __future__ import annotations
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    BEGINS,
     COMPLIANT_M,
     COMPLIANT_N,
     CORNERS,
+    CORNERS_BEFORE,
     COUNTS,
     DIGEST,
+    DONE,
     FACE,
+    FACES_BEFORE,
     FOUND,
+    FULL,
     HALF_SPACE,
     ID_M,
     ID_N,
     KIND,
     LAST,
     LEFT,
+    MEETS,
+    MEETS_ANYWAY,
+    NOT_BEGUN,
     NOTHING,
     POLYGONS,
     PRESSES,
     RECORD,
+    STAGE,
+    STEPS,
     SUMS,
     SWALLOWED,
+    TOP,
     TURNED,
     UNABLE,
     VOLUME,
@@ -51,16 +62,23 @@ _geometries_of, _scratch_of = taker(Geometries), taker(Scratch)
 
 @compiled
 def surfaces_of_pairs(
-    hands: Handle, room: Handle, pairs: Indices, store: Floats, faces: int, corners: int
+    hands: Handle,
+    room: Handle,
+    pairs: Indices,
+    store: Floats,
+    faces: int,
+    corners: int,
+    begins: int,
+    steps: int,
 ) -> Counts:
-    """Put out the surfaces of pairs (k, 2) into ``store``, as ``layout_of`` tells.
+    """Put out the surfaces of pairs (k, 2) into ``store``, which ``layout_of`` divides.
 
-    What is more than so many ``faces`` or ``corners`` there is no room for: then nothing else
-    than how many there are holds.
+    All that there are, or those of about so many steps, or as many as there is room for by
+    ``faces`` and ``corners``. The next call goes on where this one ended, unless it ``begins``.
     """
     hands, scratch = _hands_of(hands), _scratch_of(room)
     bodies, geometries = _bodies_of(hands.bodies), _geometries_of(hands.geometries)
-    count = len(pairs)
+    count, counts = len(pairs), scratch.counts
     at = layout_of(count, faces, corners)
     integers = wide_integers(store, 0)
     out = Surfaces(
@@ -71,80 +89,98 @@ def surfaces_of_pairs(
         sums=table(store, 0, count, SUMS),
         found=table(integers, at.found, count, RECORD),
         states=part(integers, at.states, at.faces),
-        counts=scratch.counts,
+        counts=counts,
     )
-    for k in range(COUNTS):
-        out.counts[k] = 0
-    for pair in range(count):
-        _put_pair(bodies, geometries, pairs, pair, scratch, out)
-    counts = out.counts
-    return Counts(counts[POLYGONS], counts[CORNERS], counts[FOUND], counts[LEFT])
+    if begins:
+        for k in range(COUNTS):
+            counts[k] = 0
+    counts[STEPS], counts[FULL] = steps, 0
+    while counts[DONE] < count and counts[STEPS] > 0 and counts[FULL] == 0:
+        counts[STEPS] -= 1
+        if _is_pair_done(bodies, geometries, pairs, scratch, out):
+            counts[STAGE] = BEGINS
+            counts[DONE] += 1
+    return Counts(
+        *(counts[POLYGONS], counts[CORNERS], counts[FOUND], counts[LEFT], counts[DONE]),
+        counts[FULL] == 1,
+    )
 
 
 @compiled
-def _put_pair(
-    bodies: Bodies,
-    geometries: Geometries,
-    pairs: Indices,
-    pair: int,
-    scratch: Scratch,
-    out: Surfaces,
-) -> None:
-    """Put out the surface of a pair; the geometry of lower id is M."""
-    faces, row = out.counts[POLYGONS], out.counts[FOUND]
+def _is_pair_done(
+    bodies: Bodies, geometries: Geometries, pairs: Indices, scratch: Scratch, out: Surfaces
+) -> bool:
+    """Go on with the surface of the next pair; return whether it is done.
+
+    The geometry of lower id is M.
+    """
+    counts = out.counts
+    pair, row = counts[DONE], counts[FOUND]
     m, n = min(pairs[pair, 0], pairs[pair, 1]), max(pairs[pair, 0], pairs[pair, 1])
     M, N = geometries.body_of[m], geometries.body_of[n]
-    if not _can_press(bodies, M, N):
-        out.states[pair] = UNABLE
-        out.counts[LEFT] += 1
-        return
-    for column in range(SUMS):
-        out.sums[row, column] = 0.0
+    if counts[STAGE] == BEGINS:
+        if not _can_press(bodies, M, N):
+            out.states[pair] = UNABLE
+            counts[LEFT] += 1
+            return True
+        for column in range(SUMS):
+            out.sums[row, column] = 0.0
+        counts[FACES_BEFORE], counts[CORNERS_BEFORE] = counts[POLYGONS], counts[CORNERS]
+        counts[STAGE], counts[TOP] = MEETS, NOT_BEGUN
     between = _between(bodies, geometries, (m, n), row, scratch.R)
-    _meet(bodies, between, scratch, out)
-    if out.counts[POLYGONS] > faces:
-        sums_in_world(out.sums, between)
-        out.states[pair] = PRESSES
-        out.counts[FOUND] += 1
-        out.found[row, ID_M], out.found[row, ID_N] = geometries.ids[m], geometries.ids[n]
-        out.found[row, COMPLIANT_M] = 1 if _is_compliant(bodies, M) else 0
-        out.found[row, COMPLIANT_N] = 1 if _is_compliant(bodies, N) else 0
-        out.found[row, LAST] = out.counts[POLYGONS]
-        return
-    out.states[pair] = _without_surface(bodies, between, scratch, out)
-    if out.states[pair] != NOTHING:
-        out.counts[LEFT] += 1
+    if counts[STAGE] == MEETS:
+        if not _meet(bodies, between, scratch, out):
+            return False
+        if counts[POLYGONS] > counts[FACES_BEFORE]:
+            sums_in_world(out.sums, between)
+            out.states[pair] = PRESSES
+            counts[FOUND] += 1
+            out.found[row, ID_M], out.found[row, ID_N] = geometries.ids[m], geometries.ids[n]
+            out.found[row, COMPLIANT_M] = 1 if _is_compliant(bodies, M) else 0
+            out.found[row, COMPLIANT_N] = 1 if _is_compliant(bodies, N) else 0
+            out.found[row, LAST] = counts[POLYGONS]
+            return True
+    return _is_known_without_surface(bodies, between, pair, scratch, out)
 
 
 @compiled
-def _meet(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> None:
-    """Put out the polygons of two bodies."""
+def _meet(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> bool:
+    """Put out the polygons of two bodies; return whether there are no more."""
     if bodies.table[between.b, KIND] == HALF_SPACE:
-        meet_plane(bodies, bodies.numbers[between.b, 1], between, scratch, out)
-    else:
-        meet_bodies(bodies, between, scratch, out)
+        return meet_plane(bodies, bodies.numbers[between.b, 1], between, scratch, out)
+    return meet_bodies(bodies, between, scratch, out)
 
 
 @compiled
-def _without_surface(bodies: Bodies, between: Between, scratch: Scratch, out: Surfaces) -> int:
-    """Return whether two bodies without polygons overlap all the same, and how.
+def _is_known_without_surface(
+    bodies: Bodies, between: Between, pair: int, scratch: Scratch, out: Surfaces
+) -> bool:
+    """Put out whether two bodies without polygons overlap all the same, and how.
 
-    Say there is no face where both pressures are equal, or where a rigid surface is in the other
-    body, whatever its normal. Compliant bodies are of one piece, with pressure all over inside. Of
-    two of them the difference of pressures has then the same sign all over each piece of what is
-    in both. On the surface of each, inside the other, its own pressure is the lower one: so that
-    piece is bounded by the surface of one of them alone, which is all of that body, with its
-    innermost point. A rigid surface that does not enter the other body has all of it inside or
-    outside. So the innermost points tell.
+    Return whether that is known. Say there is no face where both pressures are equal, or where a
+    rigid surface is in the other body, whatever its normal. Compliant bodies are of one piece,
+    with pressure all over inside. Of two of them the difference of pressures has then the same
+    sign all over each piece of what is in both. On the surface of each, inside the other, its own
+    pressure is the lower one: so that piece is bounded by the surface of one of them alone, which
+    is all of that body, with its innermost point. A rigid surface that does not enter the other
+    body has all of it inside or outside. So the innermost points tell.
     """
-    if one_is_swallowed(bodies, between, scratch):
-        return SWALLOWED
-    faces, corners, b = out.counts[POLYGONS], out.counts[CORNERS], between
+    counts, b = out.counts, between
+    if counts[STAGE] == MEETS:
+        if one_is_swallowed(bodies, between, scratch):
+            out.states[pair] = SWALLOWED
+            counts[LEFT] += 1
+            return True
+        counts[STAGE], counts[TOP] = MEETS_ANYWAY, NOT_BEGUN
     again = Between(b.row, b.a, b.b, b.R, b.p, b.R_W, b.p_W, b.rounding, b.flip, True)
-    _meet(bodies, again, scratch, out)
-    turned = out.counts[POLYGONS] > faces
-    out.counts[POLYGONS], out.counts[CORNERS] = faces, corners
-    return TURNED if turned else NOTHING
+    if not _meet(bodies, again, scratch, out):
+        return False
+    out.states[pair] = NOTHING
+    if counts[POLYGONS] > counts[FACES_BEFORE]:
+        out.states[pair] = TURNED
+        counts[LEFT] += 1
+    counts[POLYGONS], counts[CORNERS] = counts[FACES_BEFORE], counts[CORNERS_BEFORE]
+    return True
 
 
 @inlined

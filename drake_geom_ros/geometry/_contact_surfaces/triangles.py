@@ -141,17 +141,19 @@ def _near_ones(
 @compiled
 def meet_triangle(
     bodies: Bodies, i: int, f: int, between: Between, scratch: Scratch, bottom: int, out: Surfaces
-) -> None:
+) -> int:
     """Put out where tetrahedra of the first body's node i meet triangle f of the second.
 
-    What is on the stack below ``bottom`` stays.
+    What is on the stack below ``bottom`` stays. Return how many steps that took.
     """
     a, stack, near = between.a, scratch.stack, between.rounding
     triangle = posed_triangle(bodies, f, between)
     last, first_node, top = bodies.table[a, LEAVES] - 1, bodies.table[a, FIRST_NODE], bottom + 1
     stack[unsigned(bottom)] = i
+    steps = 0
     while top > bottom:
         top -= 1
+        steps += 1
         k = stack[unsigned(top)]
         low = high = k
         while low < last:
@@ -162,6 +164,7 @@ def meet_triangle(
                 first_in_leaf(bodies, a, high - last + 1),
             )
             count = _near_ones(bodies.boxes, first, end, triangle, near, scratch.found)
+            steps += ((end - first) >> 2) + count  # boxes are compared four at a time
             for number in range(count):
                 _meet(
                     bodies, scratch.found[unsigned(number)], triangle, between, scratch.work, out
@@ -173,6 +176,7 @@ def meet_triangle(
             continue
         stack[unsigned(top)], stack[unsigned(top + 1)] = 2 * k + 2, 2 * k + 1
         top += 2
+    return steps
 
 
 @inlined

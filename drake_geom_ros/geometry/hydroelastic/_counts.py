@@ -48,9 +48,9 @@ def insets(half: Floats) -> Floats:
 def elements_of(shape: Sphere | Ellipsoid | Cylinder | Capsule, resolution_hint: float) -> int:
     """Return how many tetrahedra a round shape is cut into."""
     if isinstance(shape, Sphere):
-        return 8 * 4 ** halvings(shape.radius(), resolution_hint)
+        return 8 << 2 * halvings(shape.radius(), resolution_hint)
     if isinstance(shape, Ellipsoid):
-        return 8 * 4 ** halvings(max(shape.a(), shape.b(), shape.c()), resolution_hint)
+        return 8 << 2 * halvings(max(shape.a(), shape.b(), shape.c()), resolution_hint)
     if isinstance(shape, Capsule):
         around = vertices_around_capsule(shape.radius(), resolution_hint)
         return around * (4 * (around // 2) + 1)
@@ -60,9 +60,7 @@ def elements_of(shape: Sphere | Ellipsoid | Cylinder | Capsule, resolution_hint:
     return sector * vertices_around_cylinder(shape.radius(), resolution_hint)
 
 
-def check_hint(
-    shape: Sphere | Ellipsoid | Cylinder | Capsule, resolution_hint: float
-) -> None:
+def check_hint(shape: Sphere | Ellipsoid | Cylinder | Capsule, resolution_hint: float) -> None:
     """Raise GeometryError where a hint cuts a round shape into more than MOST_ELEMENTS."""
     count = elements_of(shape, resolution_hint)
     if count > MOST_ELEMENTS:

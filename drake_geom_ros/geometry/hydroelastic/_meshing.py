@@ -8,6 +8,7 @@ the centre of bodies with a round or many-sided surface.
 from __future__ import annotations
 
 import math
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
+    LATE,
     NOTHING,
     SWALLOWED,
     TURNED,
@@ -56,6 +57,7 @@ class NoSurface(IntEnum):
     TOO_DEEP = 4
     FACES_LEFT_OUT = 5
     TOO_COARSE = 6
+    OUT_OF_TIME = 7
 
     def in_words(self) -> str:
         """Return the reason and the remedy."""
@@ -79,6 +81,9 @@ _REASONS = {
     ),
     NoSurface.TOO_COARSE: (
         'the meshes that stand for them do not overlap; give them a smaller resolution_hint'
+    ),
+    NoSurface.OUT_OF_TIME: (
+        'there was no time to compute one; give them a larger resolution_hint, or allow more time'
     ),
 }
 
@@ -143,6 +148,7 @@ class ContactBodies(NamedTuple):
         reasons[states == SWALLOWED] = NoSurface.TOO_DEEP
         reasons[states == TURNED] = NoSurface.FACES_LEFT_OUT
         reasons[states == COARSE] = NoSurface.TOO_COARSE
+        reasons[states == LATE] = NoSurface.OUT_OF_TIME
         return reasons
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -9,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import UNABLE
+from drake_geom_ros.geometry._contact_surfaces.limits import UNLIMITED, Limit
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import ANSWER_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
-from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.checks import checked_budget, checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._records import named
@@ -37,6 +39,10 @@ class Contacts(NamedTuple):
     surfaces: ContactSurfaceResults
     others: PenetrationResults
     reasons: Indices
+
+    def late(self) -> int:
+        """Return how many of the others may have a surface that there was no time for."""
+        return int((self.reasons == NoSurface.OUT_OF_TIME).sum())
 
     def pair(self, k: int) -> tuple[Indices, int]:
         """Return the ids (2,) of a pair without a surface, and the reason."""
@@ -201,6 +207,10 @@ class ContactQueries:
             HydroelasticContactRepresentation.kPolygon
         ),
         overlaps: PenetrationResults | None = None,
+        *,
+        time_budget: float | None = None,
+        at_once: bool = False,
+        must_stop: Callable[[], bool] | None = None,
     ) -> Contacts:
         """Return the result of ComputeContactSurfacesWithFallback as arrays, with reasons.
 
@@ -209,8 +219,18 @@ class ContactQueries:
         surfaces of 20 bodies in a heap. Half spaces that overlap are among the others, infinitely
         deep, with an infinite error bound where they are opposed within rounding. Pass the result
         of ComputePointPairPenetration as ``overlaps`` if you have it.
+
+        Pairs that overlap are among the others, with the reason OUT_OF_TIME, where there is no
+        time for their surfaces: ``time_budget`` [s] is spent (None or 0: no limit), ``must_stop()``
+        is true, or they are wanted ``at_once`` and are not known after 10 ms of work. The limits
+        are checked after each 10 ms or so. Raises ArgumentError for a negative time_budget.
         """
-        candidates = self._candidate_surfaces(representation)
+        limit = Limit(
+            0.0 if at_once else math.inf,
+            checked_budget(time_budget) or math.inf,
+            must_stop or UNLIMITED.must_stop,
+        )
+        candidates = self._candidate_surfaces(representation, limit)
         return self._contacts(candidates, overlaps, with_coarse=True)
 
     def _contacts(
@@ -272,7 +292,7 @@ class ContactQueries:
         )
 
     def _candidate_surfaces(
-        self, representation: HydroelasticContactRepresentation
+        self, representation: HydroelasticContactRepresentation, limit: Limit = UNLIMITED
     ) -> CandidateSurfaces:
         """Return the surfaces of all candidate pairs, and the states of these."""
         # Imported here: other queries need not load these kernels, nor those of solids.
@@ -280,6 +300,6 @@ class ContactQueries:
 
         checked_type(representation, HydroelasticContactRepresentation, 'representation')
         world, pairs = self._candidates()
-        answer = surfaces_of(self._state.posed_bodies(world), pairs)
+        answer = surfaces_of(self._state.posed_bodies(world), pairs, limit)
         surfaces = ContactSurfaceResults(answer, representation)
         return CandidateSurfaces(world.geometries.ids, pairs, answer, surfaces)

@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import batch_of
 from drake_geom_ros.geometry._proximity.pairs.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry._proximity.world.world import World
+from drake_geom_ros.geometry.checks import checked_budget
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
@@ -115,7 +116,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         if paddings := state.paddings():
             return self._padded(paddings, 0.0, accuracy, time_budget).penetrations()
         query = state.query('penetrations', accuracy, 0.0, True, ANSWERS)
-        budget = _checked_budget(time_budget)
+        budget = checked_budget(time_budget)
         answers = state.engine.answer_of(query, budget)
         # Kernels decide every pair, and to look for undecided ones costs as much as 50 balls.
         if query.is_bound or budget > 0.0:
@@ -171,7 +172,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         if paddings := state.paddings():
             return self._padded(paddings, reach, accuracy, time_budget)
         query = state.query(reach, accuracy, reach, False, ANSWERS)
-        answers = state.engine.answer_of(query, _checked_budget(time_budget))
+        answers = state.engine.answer_of(query, checked_budget(time_budget))
         return SignedDistanceResults(answers, query.world.kept_poses())
 
     def _padded(
@@ -180,7 +181,7 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         """Return the pairs within ``reach`` [m] where geometries have paddings."""
         state, far = self._state, reach + paddings.of_pair
         query = state.query(('padded', far), accuracy, far, False, ANSWERS)
-        batch = batch_of(state.engine.answer_of(query, _checked_budget(budget)))
+        batch = batch_of(state.engine.answer_of(query, checked_budget(budget)))
         padded = padded_pairs(batch, paddings, query.world, reach)
         return SignedDistanceResults(padded, query.world.kept_poses())
 
@@ -317,17 +318,6 @@ def _checked_distance(name: str, value: float) -> float:
     if math.isnan(value):
         raise ArgumentError(f'{name} must be a distance in metres or infinity, but is NaN.')
     return float(value)
-
-
-def _checked_budget(seconds: float | None) -> float:
-    if seconds is None:
-        return 0.0
-    if not seconds >= 0.0:
-        raise ArgumentError(
-            f'time_budget={seconds} was asked for; it must be seconds >= 0, and 0 or None is no '
-            'limit.'
-        )
-    return float(seconds)
 
 
 def _checked_hint(hint: ArrayLike) -> NDArray[np.float64]:

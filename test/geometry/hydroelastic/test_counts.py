@@ -67,9 +67,7 @@ def test_a_hint_that_is_too_fine_is_refused_with_counts_and_the_hint_to_give(nam
 def test_a_ball_of_half_a_million_tetrahedra_is_refused():
     scene = ours.SceneGraph()
     with pytest.raises(ours.GeometryError, match='into 524288 tetrahedra'):
-        registered(
-            scene, scene.RegisterSource('source'), ours.Sphere(0.25), 0.002, rigid=False
-        )
+        registered(scene, scene.RegisterSource('source'), ours.Sphere(0.25), 0.002, rigid=False)
 
 
 @pytest.mark.parametrize('rigid', [False, True])
@@ -83,7 +81,7 @@ def test_a_mesh_of_too_many_elements_is_refused(monkeypatch, kind, rigid):
         shape = ours.Mesh.FromMeshData(ours.MeshData(*surface))
     scene = ours.SceneGraph()
     source = scene.RegisterSource('source')
-    with pytest.raises(ours.GeometryError, match='has 12 triangles.*at most 11 are allowed'):
+    with pytest.raises(ours.GeometryError, match=r'has 12 triangles.*at most 11 are allowed'):
         registered(scene, source, shape, 0.1, rigid=rigid)
     assert scene.model_inspector().num_geometries() == 0
     monkeypatch.setattr(_counts, 'MOST_ELEMENTS', 12)
