@@ -10,7 +10,9 @@ import numpy as np
 
 from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.results import Floats, Pair, PairResults
+from drake_geom_ros.common.counting import counted
 
+OUT_OF_TIME = 7  # NoSurface.OUT_OF_TIME
 _SHOWN = 3  # pairs in a sentence
 _REASONS = {
     1: 'one has no hydroelastic properties',
@@ -19,6 +21,7 @@ _REASONS = {
     4: 'one is too deep within the other',
     5: 'all faces are left out: one pressure does not grow along their normals',
     6: 'the meshes that stand for them are too coarse to meet',
+    OUT_OF_TIME: 'there was no time to compute their surface',
 }
 _Surfaces = TypeVar('_Surfaces', bound='ContactSurfaces')
 
@@ -109,6 +112,11 @@ class ContactSurfaces(PairResults[ContactSurface]):
             raise IncompleteError(
                 f'{what}: no geometry of the scene has hydroelastic properties, so nothing was '
                 'computed; see docs/contact_surfaces.md'
+            )
+        if late := int((self.without_surface.reason == OUT_OF_TIME).sum()):
+            raise IncompleteError(
+                f'{what}: there was no time to compute the surfaces of {counted(late, "pair")}; '
+                'see without_surface, and docs/contact_surfaces.md'
             )
         return super().whole(what)
 

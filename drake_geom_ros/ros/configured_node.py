@@ -103,7 +103,7 @@ class ConfiguredNode:
                 ('cycle_report', messages.CycleReport),
             )
         }
-        contacts = contact_topic(surface, settings)
+        contacts = contact_topic(surface, settings, guard, self._must_stop)
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = Shown(
@@ -165,6 +165,7 @@ class ConfiguredNode:
         """Stop, and close everything; who waits for an answer gets it first, if it comes soon."""
         self._stream.stop()
         self.live.close()
+        self._cycle.contacts.close()
         if not self._groups.let_answers_go():
             self._node.get_logger().warning(
                 f'closed after waiting {LONGEST_FAREWELL:g} s for service calls at work: their '
@@ -184,6 +185,7 @@ class ConfiguredNode:
             scene.filters_per_owner = new.filters_per_owner
             self.live.files = file_access(new)
             self.live.most_megabytes, self.live.stale_after = new.max_answer_size, new.stale_after
+            self.live.time_budget = new.time_budget
             if new.rate != old.rate:
                 self._set_rate(new.rate)
         if new.cross_check != old.cross_check:
@@ -201,6 +203,15 @@ class ConfiguredNode:
             from drake_geom_ros.ros.outputs.cross_check import CrossCheck
 
             self._cycle.cross_check = CrossCheck(rate, self._replay_settings)
+
+    def end_beside(self) -> None:
+        """End the threads and processes that no callback group has."""
+        self._cycle.contacts.close()
+        self.set_cross_check(0.0)
+
+    def _must_stop(self) -> bool:
+        """Return whether what takes long and is to be published is to end."""
+        return self.live.must_stop() or not self._stream.active
 
     # What is opened.
 

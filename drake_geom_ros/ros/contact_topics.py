@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 from drake_geom_msgs.msg import ContactSurfaces
 
-from drake_geom_ros.ros.outputs.contact_topic import ContactTopic
+from drake_geom_ros.ros.guard import Guard
+from drake_geom_ros.ros.outputs.contact_topic import COMPUTED, ContactTopic
 from drake_geom_ros.ros.parameters import ParameterStore
 from drake_geom_ros.ros.surface import Surface, results
 
 
-def contact_topic(surface: Surface, settings: ParameterStore) -> ContactTopic:
-    """Open ~/contact_surfaces on ``surface``, and return what publishes on it."""
-    publisher = surface.publisher(ContactSurfaces, '~/contact_surfaces', results())
-    return ContactTopic(publisher, ContactSurfaces(), lambda: settings.values.contact_polygons)
+def contact_topic(
+    surface: Surface, settings: ParameterStore, guard: Guard, must_stop: Callable[[], bool]
+) -> ContactTopic:
+    """Open ~/contact_surfaces on ``surface``, and return what publishes on it.
+
+    Surfaces that take long end without a message where ``must_stop()``.
+    """
+    return ContactTopic(
+        surface.publisher(ContactSurfaces, '~/contact_surfaces', results()),
+        ContactSurfaces,
+        lambda: settings.values.contact_polygons,
+        must_stop,
+        partial(guard.failed, COMPUTED),
+    )

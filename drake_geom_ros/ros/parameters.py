@@ -85,7 +85,8 @@ TEXTS = {
     'accuracy': f'Accuracy level of the queries: {", ".join(ACCURACY_LEVELS)}.' + _LIVE,
     'time_budget': (
         'Limit [s] of the narrow phase of a cycle, nearest pairs first, the rest by certified '
-        'bounds; 0: none.' + _LIVE
+        'bounds, and of its contact surfaces and those of a call, the rest with a reason; 0: '
+        'none.' + _LIVE
     ),
     'stale_after': 'Age at which the pose of a frame counts as stale [s].' + _LIVE,
     'point_threshold': (

@@ -133,6 +133,7 @@ class SceneGraphNode(LifecycleNode):
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
         live.files = file_access(values)
         live.most_megabytes, live.stale_after = values.max_answer_size, values.stale_after
+        live.time_budget = values.time_budget
         live.name_cameras_for(self.get_fully_qualified_name())
         live.robot_options = RobotOptions(
             filter_self_collisions=values.filter_self_collisions,
@@ -196,8 +197,13 @@ class SceneGraphNode(LifecycleNode):
     def destroy_node(self) -> None:
         """Tell what came of the second opinion, too, and end its process."""
         if self._configured is not None:
-            self._configured.set_cross_check(0.0)
+            self._configured.end_beside()
         super().destroy_node()
+
+    def interrupt(self) -> None:
+        """Let what takes long end soon: the process is about to stop."""
+        if self._configured is not None:
+            self._configured.live.interrupt()
 
     def _forget(self) -> None:
         if self._configured is not None:

@@ -223,6 +223,7 @@ def spin_until_stopped(
     watchdog: Watchdog | None = None,
     patient: Sequence[CallbackGroup] = (),
     background: Sequence[CallbackGroup] = (),
+    interrupt: Callable[[], None] | None = None,
 ) -> None:
     """Serve a node's callbacks until a signal is received or a future is done.
 
@@ -232,6 +233,7 @@ def spin_until_stopped(
     gets around and no callback of the others runs for longer than its limit, but those of the
     groups in ``patient``, which may take their time. On Linux, threads of the groups in
     ``background``, and those that they start, give way to others where cores are scarce.
+    ``interrupt`` is called before the threads are waited for, so that what takes long ends.
     """
     threads = [_GroupThread(node, group, failed, group in background) for group in groups]
     watched = [thread for thread in threads if thread.group not in patient]
@@ -251,6 +253,8 @@ def spin_until_stopped(
     finally:
         if watchdog is not None:
             watchdog.stop()
+        if interrupt is not None:
+            interrupt()
         for thread in threads:
             thread.stop()
         executor.shutdown()
@@ -267,8 +271,8 @@ def run_node(
     ``refusals``, for what it was given cannot be. A node names the callback groups that get
     threads of their own in its ``threaded_groups``, those among them that may take their time in
     its ``patient_groups``, those that give way to others in its ``background_groups``, a watchdog
-    over the others in its ``watchdog``, and what a callback raises does not end one that has a
-    method ``callback_failed``.
+    over the others in its ``watchdog``. Its method ``interrupt`` ends what takes long before the
+    node stops, and what a callback raises does not end one that has a method ``callback_failed``.
     """
     expected: tuple[type[Exception], ...] = (_BadArgumentsError, *refusals)
     with StopSignals(once=True) as signals:
@@ -283,6 +287,7 @@ def run_node(
                 watchdog=getattr(node, 'watchdog', None),
                 patient=getattr(node, 'patient_groups', ()),
                 background=getattr(node, 'background_groups', ()),
+                interrupt=getattr(node, 'interrupt', None),
             )
             node.destroy_node()
             del node

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import GeometryError
-from drake_geom_ros.geometry.hydroelastic.tolerances import SAME_HALF
+from drake_geom_ros.geometry.hydroelastic.tolerances import SAME_HALF, SAME_HINT
 from drake_geom_ros.geometry.shapes.primitives import Capsule, Cylinder, Ellipsoid, Shape, Sphere
 
 Floats = NDArray[np.float64]
@@ -96,7 +96,7 @@ def _least_hint(count: Callable[[float], int], refused: float) -> float:
     low, high = refused, 2.0 * refused
     while count(high) > MOST_ELEMENTS:
         low, high = high, 2.0 * high
-    while high - low > 1e-6 * high:
+    while high - low > SAME_HINT * high:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if count(middle) > MOST_ELEMENTS else (low, middle)
     digit = 10.0 ** (math.floor(math.log10(high)) - 2)

@@ -221,7 +221,7 @@ class ContactQueries:
         of ComputePointPairPenetration as ``overlaps`` if you have it.
 
         Pairs that overlap are among the others, with the reason OUT_OF_TIME, where there is no
-        time for their surfaces: ``time_budget`` [s] is spent (None or 0: no limit), ``must_stop()``
+        time for their surfaces: ``time_budget`` [s] is spent (None or 0: none), ``must_stop()``
         is true, or they are wanted ``at_once`` and are not known after 10 ms of work. The limits
         are checked after each 10 ms or so. Raises ArgumentError for a negative time_budget.
         """

@@ -153,7 +153,7 @@ class Cycle:
                 fill_closing_speeds(message, closing_speeds(distances, twists))
             published[1] = self._publish('signed_distances', moment)
         if wanted['contact_surfaces']:
-            published += self.contacts.answer(scene, moment, overlaps)
+            published += self.contacts.answer(scene, moment, overlaps, time_budget)
         self.rules.look_at(scene, distances, reach)
         if self.cross_check is not None:
             self.cross_check.look_at(scene, distances, reach)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import GeometryError, GeometryId
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.outputs.markers import DELETE_ALL, MarkerPart, MarkerWriter, parts_of
@@ -16,6 +17,7 @@ from drake_geom_ros.viewing.looks import LAYERS, Colour, looks_of
 from drake_geom_ros.viewing.patches import Patches
 
 Key = tuple[str, GeometryId]
+_MOST_SECONDS = 0.2  # [s] for contact surfaces: other answers wait for what is drawn
 
 
 class MarkerPublisher:
@@ -47,7 +49,7 @@ class MarkerPublisher:
         self._max_distance = max_distance
         self._listeners = 0
         self._shows_surfaces = False
-        self._version = -1
+        self._version = self._late_version = -1
         self._looks: dict[Key, tuple[list[MarkerPart], Colour]] = {}
         self._shown: dict[Key, tuple[int, bytes]] = {}
 
@@ -66,8 +68,16 @@ class MarkerPublisher:
         results = view.query.ComputeSignedDistancePairwiseClosestPoints(self._max_distance())
         markers = self._geometry(view, writer) + writer.pairs(results)
         if len(view.query.hydroelastic_geometries()):
-            surfaces = view.query.contacts(overlaps=results.penetrations()).surfaces
-            markers.append(writer.surfaces(Patches.of(surfaces)))
+            contacts = view.query.contacts(
+                overlaps=results.penetrations(), time_budget=_MOST_SECONDS
+            )
+            if (late := contacts.late()) and self._late_version != self._version:
+                self._late_version = self._version
+                self._tell(
+                    f'the contact surfaces of {counted(late, "pair")} are not in ~/markers: they '
+                    f'take longer than {_MOST_SECONDS:g} s; a larger resolution_hint would help'
+                )
+            markers.append(writer.surfaces(Patches.of(contacts.surfaces)))
             self._shows_surfaces = True
         elif self._shows_surfaces:
             markers.append(writer.surfaces(Patches.none()))

@@ -67,10 +67,11 @@ class LiveScene:
         self.robot_options = RobotOptions()  # of robots that come by topic or as a URDF
         # Called with name, number and last of what has to be compiled, while queries wait for it.
         self.tell_compiling: Callable[[str, int, int], None] | None = None
+        self.time_budget = 0.0  # [s] of what an answer may leave out for want of time; 0: none
         self.stale_after = math.inf  # [s] age from which on answers name a pose as stale
         self.world_frame = world_frame
         self._lock = threading.RLock()
-        self._closed = False
+        self._closed = self._interrupted = False
         self._scene = EditableScene(SceneGraph(accuracy=accuracy), clocks, world_frame, version)
 
     @property
@@ -100,6 +101,14 @@ class LiveScene:
         """Let nobody change the scene any more: who began before, and comes late, is refused."""
         with self._lock:
             self._closed = True
+
+    def interrupt(self) -> None:
+        """Let answers that take long end: nobody will wait for them."""
+        self._interrupted = True
+
+    def must_stop(self) -> bool:
+        """Return whether what takes long is to end, without an answer; it takes no lock."""
+        return self._interrupted or self._closed
 
     @contextmanager
     def reading(self) -> Iterator[HeldScene]:

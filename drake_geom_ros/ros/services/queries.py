@@ -166,7 +166,9 @@ def compute_contact_surfaces(live: LiveScene, request: Any, response: Any) -> No
             'no geometry has hydroelastic properties: give some to the role proximity, in the '
             'group `hydroelastic` (see docs/contact_surfaces.md)'
         )
-    contacts = query.contacts()
+    contacts = query.contacts(time_budget=live.time_budget, must_stop=live.must_stop)
+    if contacts.late() and live.must_stop():
+        raise ArgumentError('the node stops: the surfaces were not computed to their end')
     if len(contacts.others) and not request.with_fallback:
         query.refuse_others(contacts)
     rows = len(contacts.surfaces) + len(contacts.others)

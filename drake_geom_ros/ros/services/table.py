@@ -89,11 +89,6 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
         queries.compute_signed_distance_to_point,
     ),
     (
-        'compute_contact_surfaces',
-        srv.ComputeContactSurfaces,
-        queries.compute_contact_surfaces,
-    ),
-    (
         'find_collision_candidates',
         srv.FindCollisionCandidates,
         queries.find_collision_candidates,
@@ -115,9 +110,14 @@ IMAGES: tuple[tuple[str, Any, Handler], ...] = (
     ('render_image', srv.RenderImage, cameras.render_image),
 )
 
-# What asks for many states at once, for seconds: beside all of these.
+# What asks for many states at once, or for surfaces of fine meshes: for seconds, beside all these.
 PLANNING: tuple[tuple[str, Any, Handler], ...] = (
     ('evaluate_states', srv.EvaluateStates, states.evaluate_states),
+    (
+        'compute_contact_surfaces',
+        srv.ComputeContactSurfaces,
+        queries.compute_contact_surfaces,
+    ),
 )
 
 # What proves motions, for as long as that takes: beside all of these.

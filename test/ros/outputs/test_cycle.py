@@ -119,7 +119,7 @@ def cycle(live, topics, pressed):
 
 def contacts(topic):
     """Return what publishes contact surfaces on a topic."""
-    return ContactTopic(topic, Message(), lambda: False)
+    return ContactTopic(topic, Message, lambda: False, lambda: False, pytest.fail)
 
 
 def run(asked, cycle, topics, *names):
