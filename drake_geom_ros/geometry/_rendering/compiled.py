@@ -1,4 +1,4 @@
-"""The decorators of the renderer's compiled code, whose caches are its own."""
+"""Decorators of the renderer's compiled code, with caches of its own."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""One pass over all bodies, and the images that were asked for of it."""
+"""Rendering of the requested images from posed bodies."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from drake_geom_ros.geometry._rendering.kernels.records import (
 )
 from drake_geom_ros.geometry._rendering.kernels.shading import write_colours
 
-# Pixels that are drawn at once: in half a megabyte, which stays in a core's cache. Each band
-# passes all triangles, which costs as much as so many pixels each: where there are many of them
-# it is larger, up to 8 MB.
+# Pixels of a band: half a megabyte of buffers, which stays in a core's cache. Each band passes all
+# triangles, each at the cost of PIXELS_OF_TRIANGLE: with many triangles a band is larger, up to
+# 8 MB.
 BAND_PIXELS, PIXELS_OF_TRIANGLE, MOST_PIXELS = 2**15, 16, 2**19
 
 
 class Lens(NamedTuple):
-    """A camera's intrinsics, the depths it tells, and the world's up in it."""
+    """Intrinsics of a camera, its range of depths, and the world's up direction in its frame."""
 
     width: int
     height: int
@@ -39,15 +39,15 @@ class Lens(NamedTuple):
 
 
 class Shading(NamedTuple):
-    """How colours are made."""
+    """Options of the colours of an image."""
 
     background: Floats  # (3,) from 0 to 1
     edges: bool
-    samples: int  # a pixel and axis
+    samples: int  # per pixel and axis
 
 
 class Wanted(NamedTuple):
-    """Which images are made."""
+    """The images to render."""
 
     color: bool = False
     depth: bool = False
@@ -69,9 +69,9 @@ def render(
     wanted: Wanted,
     empty: int,
 ) -> Outputs:
-    """Return images of the bodies that are ``placed`` (n,), posed in the camera.
+    """Return images of the bodies that are ``placed`` (n,), posed in the camera's frame.
 
-    ``empty`` is the label of nothing.
+    ``empty`` is the label of pixels that show no body.
     """
     shape = lens.height, lens.width
     outputs = Outputs(
@@ -81,7 +81,7 @@ def render(
     )
     everybody, coarse = bool(bodies.is_labelled.all()), look.samples == 1
     first = outputs
-    # Labels of fewer bodies, and finer colours, are passes of their own.
+    # Labels of only some bodies, and finer colours, need separate passes.
     if not everybody:
         first = first._replace(label=_NOTHING.label)
         fewer = _Pass(bodies, placed & bodies.is_labelled, R_CGs, p_CGs, lens)
@@ -95,12 +95,12 @@ def render(
 
 
 def bytes_of(colours: NDArray[np.uint32]) -> NDArray[np.uint8]:
-    """Return pixels (height, width) as red, green, blue and alpha (height, width, 4)."""
+    """Return pixels (height, width) as bytes red, green, blue and alpha (height, width, 4)."""
     return colours.view(np.uint8).reshape(*colours.shape, 4)
 
 
 class _Pass:
-    """Bodies seen by a camera: posed, with the windows of pixels that they can be in."""
+    """Bodies seen by a camera: posed, with windows that bound their pixels."""
 
     def __init__(
         self,
@@ -119,34 +119,36 @@ class _Pass:
         poses = np.ascontiguousarray(R_CGs), np.ascontiguousarray(p_CGs)
         windows, nearest = np.zeros((len(bodies.kinds), 4), np.int64), np.zeros(len(bodies.kinds))
         p_CVs = np.empty_like(bodies.p_GVs)
-        found = Windows(windows, nearest)
-        find_windows(bodies, *poses, view, self._size, found)
+        body_windows = Windows(windows, nearest)
+        find_windows(bodies, *poses, view, self._size, body_windows)
         if len(bodies.p_GVs):
-            room = np.eye(3), np.zeros(3)
-            pose_meshes(bodies, *poses, p_CVs, view, self._size, room, found)
-        # From front to back, for what is hidden costs least.
+            scratch = np.eye(3), np.zeros(3)
+            pose_meshes(bodies, *poses, p_CVs, view, self._size, scratch, body_windows)
+        # From front to back, because hidden pixels cost least.
         order = np.argsort(nearest, kind='stable')
         slopes = (np.arange(self._size[0]) + 0.5 - intrinsics[2]) / intrinsics[0]
         self._seen = Seen(order[shown[order]], *poses, p_CVs, windows, nearest, view, slopes)
         self._depth_range = lens.depth_range
 
     def draw(self, outputs: Outputs, look: Shading, empty: int) -> None:
-        """Fill the images that are wanted."""
+        """Fill the requested images."""
         if not any(image.size for image in outputs):
             return
-        paint, room = self._paint(look), self._room(1)
-        draw_bands(self._bodies, self._seen, room, paint, self._depth_range, empty, outputs)
+        paint, buffers = self._paint(look), self._buffers(1)
+        draw_bands(self._bodies, self._seen, buffers, paint, self._depth_range, empty, outputs)
 
     def draw_fine(self, colour: NDArray[np.uint32], look: Shading) -> None:
-        """Fill a colour image, if it is wanted, whose pixels are means of samples."""
+        """Fill a colour image, if requested, with pixels that are means of samples."""
         if not colour.size:
             return
         (width, height), n = self._size, self._samples
-        paint, room = self._paint(look), self._room(n)
-        rows = len(room.depths)
+        paint, buffers = self._paint(look), self._buffers(n)
+        rows = len(buffers.depths)
         for first in range(0, height, rows):
             count = min(rows, height - first)
-            band = Band(first, room.depths[:count], room.owners[:count], room.facets[:count])
+            band = Band(
+                first, buffers.depths[:count], buffers.owners[:count], buffers.facets[:count]
+            )
             fine = np.empty((count, width), np.uint32)
             draw_band(self._bodies, self._seen, band)
             write_colours(self._bodies, self._seen, paint, band, fine)
@@ -155,8 +157,8 @@ class _Pass:
             sums = parts.sum(axis=(1, 3), dtype=np.uint32)
             bytes_of(colour)[first // n : (first + count) // n] = (2 * sums + n * n) // (2 * n * n)
 
-    def _room(self, step: int) -> Band:
-        """Return room for the largest band, of a multiple of ``step`` rows."""
+    def _buffers(self, step: int) -> Band:
+        """Return buffers for the largest band, a multiple of ``step`` rows."""
         width, height = self._size
         triangles = len(self._bodies.triangles)
         pixels = max(BAND_PIXELS, min(PIXELS_OF_TRIANGLE * triangles, MOST_PIXELS))
@@ -164,7 +166,7 @@ class _Pass:
         return Band(0, np.empty(shape), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
     def _paint(self, look: Shading) -> Paint:
-        """Return how colours are made."""
+        """Return the options and scratch arrays of colours."""
         width = self._size[0]
         above, normals = np.full(width, -1, np.int32), np.zeros((2, 3, width))
         light = np.empty(width, np.float32)

@@ -1,11 +1,11 @@
-"""The epsilons of images: value, unit and reason."""
+"""Epsilons of images, with unit and reason."""
 
-# How far [pixels] beyond the projection of a body's box its pixels are looked for: more than
-# rounding moves a projection within an image of 2^20 pixels, where it is 2^20 EPS times a few.
+# Margin [pixels] around the projection of a body's box: more than rounding moves a projection
+# within an image of 2^20 pixels, where it is a few times 2^20 EPS.
 PIXEL_SLACK = 1e-6
 
-# Sizes and distances [m] that images are made of: of larger and smaller ones the fourth powers
-# leave float64.
+# Limits of sizes and distances [m] in images: the fourth powers of larger and smaller ones exceed
+# the range of float64.
 SMALLEST_SIZE = 1e-60
 LARGEST_SIZE = 1e60
 

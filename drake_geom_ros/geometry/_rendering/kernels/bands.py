@@ -1,4 +1,4 @@
-"""All bodies into the buffers of a band of rows, and band after band into images."""
+"""Drawing of all bodies into a band of rows, and of all bands into images."""
 
 import numpy as np
 
@@ -31,15 +31,15 @@ def pose_meshes(
     p_CVs: Floats,
     view: Floats,
     size: tuple[int, int],
-    room: tuple[Floats, Floats],
-    found: Windows,
+    scratch: tuple[Floats, Floats],
+    body_windows: Windows,
 ) -> None:
     """Pose the vertices of all meshes, and fill their windows.
 
-    ``size`` is width and height; ``room`` the identity (3, 3), and (3,) for the middle of a box.
+    ``size`` is width and height; ``scratch`` is the identity (3, 3), and (3,) for a box centre.
     """
     kinds, vertex_starts, p_GVs = bodies.kinds, bodies.vertex_starts, bodies.p_GVs
-    (eye, middle), (windows, nearest) = room, found
+    (eye, middle), (windows, nearest) = scratch, body_windows
     for k in range(len(kinds)):
         if kinds[k] != CONVEX:
             continue
@@ -55,7 +55,7 @@ def pose_meshes(
 
 @compiled
 def draw_band(bodies: Bodies, seen: Seen, band: Band) -> None:
-    """Draw the bodies that are seen into a band, which is cleared."""
+    """Clear a band, and draw the seen bodies into it."""
     rows, width = band.depths.shape
     for row in range(rows):
         for u in range(width):
@@ -78,23 +78,24 @@ def draw_band(bodies: Bodies, seen: Seen, band: Band) -> None:
 def draw_bands(
     bodies: Bodies,
     seen: Seen,
-    room: Band,
+    buffers: Band,
     paint: Paint,
     depth_range: tuple[float, float],
     empty: int,
     outputs: Outputs,
 ) -> None:
-    """Draw the bodies that are seen, by bands of the size of ``room``, and fill ``outputs``.
+    """Draw the seen bodies by bands of the size of ``buffers``, and fill ``outputs``.
 
-    ``depth_range`` are the least and the largest depth [m] that are told, ``empty`` is the label
-    of nothing. All in one call: between two, another thread could keep Python's lock.
+    ``depth_range`` are the least and the largest depth [m] in images, ``empty`` is the label of
+    pixels without a body. All bands are drawn in one call, because between two calls another
+    thread could take Python's lock.
     """
     color, depth, label = outputs
     height = max(len(color), len(depth), len(label))
-    rows = len(room.depths)
+    rows = len(buffers.depths)
     for first in range(0, height, rows):
         count = min(rows, height - first)
-        band = Band(first, room.depths[:count], room.owners[:count], room.facets[:count])
+        band = Band(first, buffers.depths[:count], buffers.owners[:count], buffers.facets[:count])
         draw_band(bodies, seen, band)
         if len(depth):
             write_depths(band.depths, depth_range[0], depth_range[1], depth[first : first + count])

@@ -1,4 +1,4 @@
-"""The normals of the pixels of a row, in C, of length 1 and towards the camera."""
+"""Unit normals of the pixels of a row, in C and towards the camera."""
 
 import math
 
@@ -20,7 +20,7 @@ def facet_normal(corners: Integers32, p_CVs: Floats) -> Vector:
 
 @inlined
 def towards_camera(nx: float, ny: float, nz: float, x: float, y: float) -> Vector:
-    """Return a normal of length 1 that looks against the ray (x, y, 1)."""
+    """Return the unit normal that points against the ray (x, y, 1)."""
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     length = -length if nx * x + ny * y + nz > 0.0 else length
     flat = length == 0.0
@@ -35,7 +35,7 @@ def towards_camera(nx: float, ny: float, nz: float, x: float, y: float) -> Vecto
 def flat_normals(
     nx: float, ny: float, nz: float, y: float, slopes: Floats, normals: Normals
 ) -> None:
-    """Fill the normals, (n,) each, of pixels that show one plane: all of it from one side."""
+    """Fill the normals, (n,) each, of pixels that show one side of a plane."""
     xs, ys, zs = normals
     nx, ny, nz = towards_camera(nx, ny, nz, slopes[0], y)
     for i in range(len(slopes)):
@@ -60,8 +60,8 @@ def round_normals(
     bx, by, bz = R[1, 0], R[1, 1], R[1, 2]
     cx, cy, cz = R[2, 0], R[2, 1], R[2, 2]
     px, py, pz = p[0], p[1], p[2]
-    # One array fewer to read: of five LLVM does not check, as of four, that they are apart, and
-    # the loop is not vectorised.
+    # Copied to read one array fewer: LLVM checks four arrays for overlap, but not five, and then
+    # does not vectorise the loop.
     for i in range(len(slopes)):
         zs[i] = depths[i]
     for i in range(len(slopes)):

@@ -1,4 +1,4 @@
-"""Primitives into the buffers of a band: a ray for every pixel of a body's window."""
+"""Drawing of primitives into a band, by a ray for every pixel of a body's window."""
 
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -24,7 +24,7 @@ def half_sizes(kind: int, s0: float, s1: float, s2: float) -> Vector:
         return s0, s1, s2
     if kind == HALF_SPACE:
         return 0.0, 0.0, 0.0
-    # A capsule's box of the cylinder's size would be too short by its caps.
+    # A capsule is longer than its cylinder by the two caps.
     return s0, s0, s1 + s0
 
 
@@ -35,10 +35,15 @@ def find_windows(
     p_CGs: Floats,
     view: Floats,
     size: tuple[int, int],
-    found: Windows,
+    body_windows: Windows,
 ) -> None:
     """Fill the windows of all bodies; meshes have none here. ``size`` is width and height."""
-    kinds, shapes, (width, height), (windows, nearest) = bodies.kinds, bodies.shapes, size, found
+    kinds, shapes, (width, height), (windows, nearest) = (
+        bodies.kinds,
+        bodies.shapes,
+        size,
+        body_windows,
+    )
     for k in range(len(kinds)):
         hx, hy, hz = half_sizes(kinds[k], shapes[k, 0], shapes[k, 1], shapes[k, 2])
         u0, u1, v0, v1, z = box_window(R_CGs[k], p_CGs[k], hx, hy, hz, view, width, height)
@@ -50,7 +55,7 @@ def find_windows(
 
 @inlined
 def is_behind(nearest: float, depths: Floats) -> bool:
-    """Return whether a body, no nearer than ``nearest``, is behind all that is there."""
+    """Return whether a body, no nearer than ``nearest``, is behind all pixels drawn so far."""
     seen = False
     for i in range(len(depths)):
         seen |= nearest <= depths[i]
@@ -59,9 +64,10 @@ def is_behind(nearest: float, depths: Floats) -> bool:
 
 @inlined
 def scan(kind: int, k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
-    """Draw body ``k`` of a ``kind`` that the compiler knows: a loop of its own for each kind.
+    """Draw body ``k`` of a ``kind`` that is constant at compile time: one loop for each kind.
 
-    It is vectorised: all pixels of a row are computed and written, unless the body is behind all.
+    The loop is vectorised: all pixels of a row are computed and written, unless the body is behind
+    all of them.
     """
     shape, R, p, view = bodies.shapes[k], seen.R_CGs[k], seen.p_CGs[k], seen.camera
     window, nearest, k = seen.windows[k], seen.nearest[k], signed32(k)
@@ -100,8 +106,8 @@ def scan(kind: int, k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
 def draw_primitive(k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
     """Draw body ``k`` into a band.
 
-    Of surfaces at the same depth that of the body with the lower number is shown, in whatever
-    order they are drawn.
+    Among surfaces at the same depth, that of the body with the lower number is shown, in any order
+    of drawing.
     """
     kind = bodies.kinds[k]
     if kind == SPHERE:

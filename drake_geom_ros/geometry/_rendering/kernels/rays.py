@@ -1,7 +1,7 @@
-"""Where a ray enters and leaves a primitive: closed forms, in the body's frame.
+"""Intersection intervals of a ray and a primitive: closed forms, in the body's frame.
 
-Quadrics are solved about the point of the ray that is nearest to their centre or axis: the usual
-discriminant, b^2 - a c, loses all digits of a small body far away.
+Quadrics are solved about the point of the ray nearest to their centre or axis, because the usual
+discriminant, b^2 - a c, loses all digits for a small body far away.
 """
 
 import math
@@ -23,7 +23,7 @@ MISSED = (math.inf, -math.inf)
 def ball(
     ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, r: float
 ) -> tuple[float, float]:
-    """Return where the ray is within a ball about the origin."""
+    """Return the interval of the ray within a ball about the origin."""
     a = dx * dx + dy * dy + dz * dz
     middle = -(ox * dx + oy * dy + oz * dz) / a
     x, y, z = ox + middle * dx, oy + middle * dy, oz + middle * dz
@@ -36,7 +36,7 @@ def ball(
 
 @inlined
 def disc(ox: float, oy: float, dx: float, dy: float, r: float) -> tuple[float, float]:
-    """Return where the ray is within an endless cylinder about z."""
+    """Return the interval of the ray within an infinite cylinder about z."""
     a = dx * dx + dy * dy
     if a == 0.0:
         if ox * ox + oy * oy <= r * r:
@@ -53,7 +53,7 @@ def disc(ox: float, oy: float, dx: float, dy: float, r: float) -> tuple[float, f
 
 @inlined
 def slab(o: float, d: float, h: float) -> tuple[float, float]:
-    """Return where the ray is between the planes -h and h of one axis."""
+    """Return the interval of the ray between the planes -h and h of one axis."""
     if d == 0.0:
         if math.fabs(o) <= h:
             return -math.inf, math.inf
@@ -68,13 +68,13 @@ def slab(o: float, d: float, h: float) -> tuple[float, float]:
 def capsule(
     ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, r: float, half_length: float
 ) -> tuple[float, float]:
-    """Return where the ray is within a capsule: it enters by the side or by a cap."""
+    """Return the interval of the ray within a capsule, whose ends are on the side or the caps."""
     enter, leave = disc(ox, oy, dx, dy, r)
     if enter > leave:
         return MISSED
     low = ball(ox, oy, oz + half_length, dx, dy, dz, r)
     high = ball(ox, oy, oz - half_length, dx, dy, dz, r)
-    # Along the axis the side is met at no finite depth.
+    # A ray along the axis meets the side at no finite depth.
     z_in, z_out = oz, oz
     if dz != 0.0:
         z_in, z_out = oz + enter * dz, oz + leave * dz
@@ -102,7 +102,7 @@ def interval(
     dy: float,
     dz: float,
 ) -> tuple[float, float]:
-    """Return (t_in, t_out) of the ray and a primitive; a HALF_SPACE is its plane z = 0."""
+    """Return (t_in, t_out) of the ray in a primitive; a HALF_SPACE is its plane z = 0."""
     if kind == BOX:
         x, y, z = slab(ox, dx, s0), slab(oy, dy, s1), slab(oz, dz, s2)
         return max(x[0], y[0], z[0]), min(x[1], y[1], z[1])

@@ -1,4 +1,4 @@
-"""What kernels are given: bodies, how a camera sees them, a band of rows, and what to fill."""
+"""Records of the renderer's kernels: bodies, their view by a camera, bands, and outputs."""
 
 from typing import NamedTuple
 
@@ -10,24 +10,24 @@ Indices = NDArray[np.int64]
 
 
 class Bodies(NamedTuple):
-    """What is shown, in ascending order of ids; a mesh has the kind CONVEX, and its triangles."""
+    """Bodies to show, in ascending order of ids; a mesh has the kind CONVEX and its triangles."""
 
     kinds: Indices  # (n,) shape type numbers
     shapes: Floats  # (n, 3), see ``kernels``
     colours: Floats  # (n, 3) from 0 to 1
     labels: NDArray[np.int16]  # (n,)
-    is_labelled: NDArray[np.bool_]  # (n,) false: left out of label images
+    is_labelled: NDArray[np.bool_]  # (n,) False: omitted from label images
     vertex_starts: Indices  # (n + 1,)
     p_GVs: Floats  # (v, 3) [m]
     triangle_starts: Indices  # (n + 1,)
     triangles: NDArray[np.int32]  # (f, 3) rows of p_GVs
-    facet_colours: NDArray[np.float32]  # (f, 3); below 0: that of the body
+    facet_colours: NDArray[np.float32]  # (f, 3); below 0: the colour of the body
 
 
 class Seen(NamedTuple):
-    """Bodies as a camera sees them; numbers of bodies are rows of ``Bodies``."""
+    """Bodies in the view of a camera; numbers of bodies are rows of ``Bodies``."""
 
-    order: Indices  # those that are drawn, from front to back
+    order: Indices  # bodies to draw, from front to back
     R_CGs: Floats  # (n, 3, 3)
     p_CGs: Floats  # (n, 3) [m]
     p_CVs: Floats  # (v, 3) [m]
@@ -41,7 +41,7 @@ class Band(NamedTuple):
     """Rows of an image that are drawn at once."""
 
     first_row: int
-    depths: Floats  # (rows, width) [m]; infinite where nothing is
+    depths: Floats  # (rows, width) [m]; infinite without a body
     owners: NDArray[np.int32]  # (rows, width) the body's row, -1 for none
     facets: NDArray[np.int32]  # (rows, width) the triangle, -1 for primitives
 
@@ -55,14 +55,14 @@ class Normals(NamedTuple):
 
 
 class Windows(NamedTuple):
-    """Where bodies can be in an image."""
+    """Windows that bound the pixels of bodies in an image."""
 
     pixels: Indices  # (n, 4) columns and rows u0, u1, v0, v1
     nearest: Floats  # (n,) least depths [m]
 
 
 class Paint(NamedTuple):
-    """How colours are made, and room for it."""
+    """Options of the colours of an image, and scratch arrays."""
 
     background: Floats  # (3,) from 0 to 1
     edges: bool
@@ -72,8 +72,8 @@ class Paint(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """Images that are filled; of no size: not wanted."""
+    """Images to fill; an empty array is not filled."""
 
-    color: NDArray[np.uint32]  # (height, width), a pixel's four bytes in each
+    color: NDArray[np.uint32]  # (height, width), four bytes of a pixel in each
     depth: NDArray[np.float32]  # (height, width, 1)
     label: NDArray[np.int16]  # (height, width, 1)

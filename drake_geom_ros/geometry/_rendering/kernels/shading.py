@@ -1,4 +1,4 @@
-"""The buffers of a band to pixels: depth, label, colour."""
+"""Conversion of a band's buffers to pixels: depth, label, colour."""
 
 import math
 import sys
@@ -20,13 +20,13 @@ from drake_geom_ros.geometry._rendering.kernels.normals import facet_normals, pr
 from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Normals, Paint, Seen
 from drake_geom_ros.geometry._rendering.tolerances import EDGE_COSINE
 
-# Of a surface's colour: what it has everywhere, and what light from the camera and from above add.
-# Of light 24 bits are more than enough, and twice as fast.
+# Parts of a surface's brightness: ambient light, light from the camera, and light from above.
+# Single precision is more than enough for light, and twice as fast.
 AMBIENT, FROM_CAMERA, FROM_ABOVE = np.float32(0.35), np.float32(0.5), np.float32(0.25)
-# What is left of the colour at an edge.
+# Factor of the brightness at an edge.
 EDGE = np.float32(0.45)
 ONE, NONE = np.float32(1.0), np.float32(0.0)
-# Where the bytes of a pixel, in this order in memory, are in a number of 32 bits.
+# Shifts of a pixel's bytes, in this order in memory, within a 32-bit number.
 RED, GREEN, BLUE, ALPHA = (0, 8, 16, 24) if sys.byteorder == 'little' else (24, 16, 8, 0)
 
 
@@ -55,7 +55,7 @@ def write_labels(owners: Integers32, labels: Integers16, empty: int, out: Intege
 
 @inlined
 def run_end(u: int, owners: Integers32) -> int:
-    """Return the end of the run of pixels from ``u`` on that show one body, or none."""
+    """Return the end of the run of pixels from ``u`` on that show the same body, or none."""
     end = u + 1
     while end < len(owners) and owners[end] == owners[u]:
         end += 1
@@ -70,10 +70,10 @@ def find_edges(
     other_normals: Normals,
     factors: Singles,
 ) -> None:
-    """Darken pixels that show another body than a neighbour, or another face: ``factors`` (n,).
+    """Darken pixels whose neighbour shows another body or another face, by ``factors`` (n,).
 
-    All are (n,). A body's silhouette belongs to the body: what shows nothing is not darkened, the
-    pixel beside it is.
+    All arrays are (n,). A body's silhouette belongs to the body: pixels without a body are not
+    darkened, those beside them are.
     """
     xs, ys, zs = normals
     other_xs, other_ys, other_zs = other_normals
@@ -85,7 +85,7 @@ def find_edges(
 
 @compiled
 def light_run(y: float, slopes: Floats, view: Floats, normals: Normals, light: Singles) -> None:
-    """Give pixels (n,) the light of the camera and from above, times what ``light`` holds."""
+    """Multiply ``light`` (n,) by the light at pixels (n,) from the camera and from above."""
     xs, ys, zs = normals
     up_x, up_y, up_z = view[6], view[7], view[8]
     for i in range(len(slopes)):
@@ -99,21 +99,21 @@ def light_run(y: float, slopes: Floats, view: Floats, normals: Normals, light: S
 
 @inlined
 def channel(value: float, shift: int) -> int:
-    """Return a colour from 0 to 1, or brighter, as eight of a pixel's bits."""
+    """Return a colour channel, clipped to 1, as eight bits of a pixel."""
     level = signed32((value if value < ONE else ONE) * np.float32(255.0) + np.float32(0.5))
     return unsigned32(level) << unsigned32(shift)
 
 
 @inlined
 def pixel(red: float, green: float, blue: float) -> int:
-    """Return a pixel's bytes as one number: to write them one by one takes five times as long."""
+    """Return a pixel's bytes as one number, which is five times faster than single bytes."""
     opaque = unsigned32(255) << unsigned32(ALPHA)
     return channel(red, RED) | channel(green, GREEN) | channel(blue, BLUE) | opaque
 
 
 @compiled
 def colour_run(colour: Floats, light: Singles, out: Unsigned32) -> None:
-    """Write pixels (n,) of one colour in their light (n,)."""
+    """Write pixels (n,) of one colour at their light (n,)."""
     red, green, blue = np.float32(colour[0]), np.float32(colour[1]), np.float32(colour[2])
     for i in range(len(light)):
         out[i] = pixel(red * light[i], green * light[i], blue * light[i])
@@ -123,7 +123,7 @@ def colour_run(colour: Floats, light: Singles, out: Unsigned32) -> None:
 def colour_facets(
     facets: Integers32, facet_colours: Singles, light: Singles, out: Unsigned32
 ) -> None:
-    """Write pixels (n,) again that show a triangle with a colour of its own."""
+    """Overwrite those pixels (n,) that show a triangle with a colour of its own."""
     for i in range(len(light)):
         colour = facet_colours[facets[i]]
         if colour[0] >= 0.0:
@@ -132,10 +132,10 @@ def colour_facets(
 
 @compiled
 def write_colours(bodies: Bodies, seen: Seen, paint: Paint, band: Band, out: Unsigned32) -> None:
-    """Write a band's colours, a row after the other, and in it by runs of pixels of one body.
+    """Write a band's colours, row by row, in runs of pixels that show one body.
 
-    The last row's owners and normals are left in ``paint``, so that an edge does not hang on where
-    bands end.
+    The last row's owners and normals are stored in ``paint``, so that edges do not depend on the
+    borders of bands.
     """
     first_row, owners, facets = band.first_row, band.owners, band.facets
     background, edges, above, normals, light = paint
@@ -168,7 +168,7 @@ def write_colours(bodies: Bodies, seen: Seen, paint: Paint, band: Band, out: Uns
                 if row + first_row > 0:
                     others = Normals(up_xs[u:end], up_ys[u:end], up_zs[u:end])
                     find_edges(here[u:end], towards, before[u:end], others, lit)
-                # Within a run of a half space no face differs from that on the left.
+                # Within a run of a half space, neighbours show the same face.
                 v, last = max(u, 1), u + 1 if bodies.kinds[k] == HALF_SPACE else end
                 a, b = v - 1, last - 1
                 inner = Normals(xs[v:last], ys[v:last], zs[v:last])

@@ -1,14 +1,14 @@
-"""Triangles into the buffers of a band, by edge functions of corners seen along the ray.
+"""Drawing of triangles into a band, by edge functions of their corners along the ray.
 
 S. Woop, C. Benthin, I. Wald, *Watertight ray/triangle intersection*, Journal of Computer Graphics
 Techniques 2(1), 2013: with q = (x - d_x z, y - d_y z) of each corner, the ray d meets the triangle
-(a, b, c) where q_b x q_c, q_c x q_a and q_a x q_b have one sign, and these, summed to 1, are the
-weights of the corners there. No corner is divided by its depth, so one behind the camera is as
-good as any.
+(a, b, c) where q_b x q_c, q_c x q_a and q_a x q_b have one sign. Normalised to the sum 1, they are
+the weights of the corners there. No corner is divided by its depth, so corners behind the camera
+need no special case.
 
-Triangles that share a corner see it at the same q, and rounding keeps the order of two products:
-the sign of their difference is right, or it is 0, which counts as inside. So no ray slips between
-two triangles, nor through a corner of many.
+Triangles that share a corner compute the same q for it, and rounding preserves the order of two
+products: the sign of their difference is right, or it is 0, which counts as inside. So no ray
+passes between two adjacent triangles, nor through a shared corner.
 """
 
 import math
@@ -23,7 +23,7 @@ from drake_geom_ros.geometry._rendering.kernels.windows import crossed, span, wi
 def pose_vertices(
     R: Floats, p: Floats, p_GVs: Floats, p_CVs: Floats
 ) -> tuple[float, float, float, float, float, float]:
-    """Fill ``p_CVs`` (n, 3) with the vertices in C; return the box (6) around them."""
+    """Fill ``p_CVs`` (n, 3) with the vertices in C; return the AABB (6) around them."""
     x_low, y_low, z_low = math.inf, math.inf, math.inf
     x_high, y_high, z_high = -math.inf, -math.inf, -math.inf
     for i in range(len(p_GVs)):
@@ -52,7 +52,7 @@ def triangle_window(
     width: int,
     height: int,
 ) -> tuple[int, int, int, int]:
-    """Return columns and rows (u0, u1, v0, v1) of a triangle; empty where it is out of sight."""
+    """Return the window (u0, u1, v0, v1) of a triangle; empty where it is out of sight."""
     near = view[4]
     least, most = min(z0, z1, z2), max(z0, z1, z2)
     if most < near or least > view[5]:
@@ -77,7 +77,7 @@ def triangle_window(
 def draw_triangles(k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
     """Draw the triangles of body ``k`` into a band; see ``draw_primitive``.
 
-    Of triangles of one body at the same depth the one with the lower number is shown.
+    Among triangles of one body at the same depth, the one with the lower number is shown.
     """
     first, last = bodies.triangle_starts[k], bodies.triangle_starts[k + 1]
     triangles, p_CVs, view, slopes = bodies.triangles, seen.p_CVs, seen.camera, seen.slopes
@@ -111,8 +111,8 @@ def draw_triangles(k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
                 inside |= (wa <= 0.0) & (wb <= 0.0) & (wc <= 0.0)
                 total = wa + wb + wc
                 z = (wa * z0 + wb * z1 + wc * z2) / total
-                # A total of 0 is a triangle seen edge on. They come in ascending order, so that
-                # of one body the first stays.
+                # A total of 0 is a triangle seen edge on. Triangles come in ascending order, so
+                # that the first one of a body remains at equal depths.
                 hit = inside & (total != 0.0) & (near <= z) & (z <= far)
                 shown = hit & ((z < deep) | ((z == deep) & (k < owner)))
                 row_depths[i] = z if shown else deep

@@ -1,4 +1,4 @@
-"""Which pixels a body can be in: the projection of its corners, cut off at the near plane."""
+"""Windows that bound the pixels of a body: projections of corners, clipped at the near plane."""
 
 import math
 
@@ -11,13 +11,13 @@ from drake_geom_ros.geometry._rendering.tolerances import PIXEL_SLACK
 
 @inlined
 def pixel(position: float, size: int) -> int:
-    """Return a position [pixels] as a number of a row or column from -1 to size."""
+    """Return a position [pixels] as the index of a row or column, clipped to [-1, size]."""
     return int(min(max(position, -1.0), float(size)))
 
 
 @inlined
 def span(low: float, high: float, focal: float, centre: float, size: int) -> tuple[int, int]:
-    """Return the first pixel, and the one behind the last, whose middles are in [low, high].
+    """Return the range of pixels, first and end, whose centres are in [low, high].
 
     ``low`` and ``high`` are slopes x / z; pixel u is at (u + 0.5 - centre) / focal.
     """
@@ -30,7 +30,7 @@ def span(low: float, high: float, focal: float, centre: float, size: int) -> tup
 def widened(
     x: float, y: float, z: float, box: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
-    """Return a box of slopes (x_low, x_high, y_low, y_high) that holds a point before us too."""
+    """Return a box of slopes (x_low, x_high, y_low, y_high) extended by a point ahead."""
     u, v = x / z, y / z
     return min(box[0], u), max(box[1], u), min(box[2], v), max(box[3], v)
 
@@ -46,7 +46,7 @@ def crossed(
     near: float,
     box: tuple[float, float, float, float],
 ) -> tuple[float, float, float, float]:
-    """Return a box of slopes that holds where an edge crosses the near plane, if it does."""
+    """Return a box of slopes extended by the crossing of an edge and the near plane, if any."""
     if (z0 < near) == (z1 < near):
         return box
     k = (near - z0) / (z1 - z0)
@@ -57,9 +57,9 @@ def crossed(
 def box_window(
     R: Floats, p: Floats, hx: float, hy: float, hz: float, view: Floats, width: int, height: int
 ) -> tuple[int, int, int, int, float]:
-    """Return columns and rows (u0, u1, v0, v1) of a posed box, and its least depth.
+    """Return the window (u0, u1, v0, v1) of a posed box, and its least depth.
 
-    Empty, u0 >= u1, where all of it is out of sight.
+    The window is empty, u0 >= u1, where the whole box is out of sight.
     """
     near, far = view[4], view[5]
     box = (math.inf, -math.inf, math.inf, -math.inf)
