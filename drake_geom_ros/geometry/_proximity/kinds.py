@@ -1,10 +1,10 @@
-"""The kinds of shapes and of answers, by their numbers in messages, packed arrays and kernels."""
+"""Kinds of shapes and methods of answers, numbered as in messages, packed arrays and kernels."""
 
 from enum import IntEnum
 
 
 class ShapeKind(IntEnum):
-    """What a shape is. A pair is ordered by it: A has the lower number."""
+    """Kind of a shape. It orders a pair: A has the lower number."""
 
     SPHERE = 1
     BOX = 2
@@ -20,21 +20,21 @@ class ShapeKind(IntEnum):
 
 
 class Method(IntEnum):
-    """How a pair was answered."""
+    """Method that answered a pair."""
 
     CLOSED_FORM = 1
     ITERATIVE = 2
     MESH = 3
     BOUND_ONLY = 4
-    OPEN = 5  # overlap of a solid or a map: a way out, and how much shorter another may be
+    OPEN = 5  # overlap of a solid or a map: a separating translation, maybe not the shortest
 
     @property
     def words(self) -> str:
-        """The method as a reader is told of it."""
+        """The method in words for readers."""
         return self.name.lower().replace('_', ' ')
 
 
-# The same as plain integers, for compiled code: to Numba a member of an IntEnum has a type of its
+# The same as plain integers, for compiled code: for Numba a member of an IntEnum has a type of its
 # own, and a function that is handed one, and a number elsewhere, is compiled twice.
 (
     SPHERE,

@@ -8,7 +8,7 @@ import math
 # Spacing of float64 at 1 [-]: the unit in which rounding bounds are counted.
 EPS = 2.0**-52
 
-# Of float32: twice what rounding to it takes off, relative; next to the least number of full
+# Of float32: twice its relative rounding error; next to the least number of full
 # digits, and a number below the largest. Boxes of few bodies are compared in it.
 SINGLE_EPS, SINGLE_TINY, SINGLE_LARGEST = 2.0**-23, 2.0**-125, 2.0**127
 
@@ -18,17 +18,17 @@ LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 # The same of all levels; at 'bound' bounds alone will do.
 GAPS_OF_LEVELS = {'bound': math.inf, **LEVEL_GAPS}
 
-# What rounding may add to the bounds that a level promises, in EPS times the pair's size and the
+# Rounding that may add to the bounds that a level promises, in EPS times the pair's size and the
 # distance of the origins. EPA ends within 4 ROUNDING and each answer of an iteration is widened by
 # one more, a closed form has CLOSED_FORM_ROUNDING: this is 1.6 and 4 times as much.
 PROMISED_ROUNDING = 128.0
 
-# What poses cost in rounding (``pose_rounding``): the worst cases, in units u = EPS / 2. A
-# rotation that is taken in is off [-], in the Frobenius norm, by no more than this from the one
-# that was given. Of a quaternion: 2 / |q|^2 is off by 4 u, which moves R by 4 u |R - I|, at most
-# 12 u; products, sums and this factor of them add 10 u, the difference from 1 adds 2 u. Of a
-# matrix in which no element of |R R^T - I| is above 6 EPS (``math.tolerances.ORTHOGONAL``), as
-# computed: half of 3 (6 + 1.5) EPS.
+# Rounding of poses (``pose_rounding``): the worst cases, in units u = EPS / 2. A rotation that is
+# taken in is off [-], in the Frobenius norm, by no more than this from the one that was given. Of
+# a quaternion: 2 / |q|^2 is off by 4 u, which moves R by 4 u |R - I|, at most 12 u; products, sums
+# and this factor of them add 10 u, the difference from 1 adds 2 u. Of a matrix in which no element
+# of |R R^T - I| is above 6 EPS (``math.tolerances.ORTHOGONAL``), as computed: half of
+# 3 (6 + 1.5) EPS.
 ROTATION_TAKEN = 12.0 * EPS
 
 # A product of two rotations adds this [-]: 3 u times the norm of |R||S|, which is at most 3, and
@@ -47,20 +47,20 @@ ROTATION_DEFECT = 2.0 * ROTATION_TAKEN + ROTATION_STEP
 TOUCHING_DEPTH = 1e-14
 
 # Where that, or the rounding of poses, hides more than this depth [m], from sizes, distances and
-# coordinates of 1e11 m on, contacts are hidden that anybody would see: ``HasCollisions`` then
+# coordinates of 1e11 m on, contacts are hidden that are plainly visible: ``HasCollisions`` then
 # counts those that may be.
 UNSEEN_DEPTH = 1e-3
 
 
 # Depth [-], relative to the smaller of the balls inside two bodies, from which on a contact is
-# plain: a hundred times what the widest bound that was ever found leaves open.
+# plain: a hundred times the gap of the widest bounds that were ever found.
 PLAIN_DEPTH = 2.0**-10
 
-# A direction whose component [-] along an edge is below this is at right angles to the edge: a few
+# A direction whose component [-] along an edge is below this is normal to the edge: a few
 # EPS, what is left of an exact right angle after turning a unit vector into another frame. The
 # midpoint taken there is this times the edge's length below the true support value.
 RIGHT_ANGLE = 8.0 * EPS
-# A direction that EPA found is off by its own error: where it is at right angles to an edge to
+# A direction that EPA found is off by its own error: where it is normal to an edge to
 # this angle, Newton's method starts from where it is so exactly. Beside such a kink h may have no
 # curvature to go by; where the minimum is not on the kink, the first step leaves it again.
 ALMOST_RIGHT_ANGLE = 1e-6
@@ -89,7 +89,7 @@ CLEAR_SEPARATION = 256.0
 # Sine of the angle between a shorter separation and an axis below which the axis is its direction.
 ALONG_AXIS = 2.0**-4
 
-# Sine above which two normals are told apart when it is asked whether the normal is unique.
+# Sine above which two normals count as different in the test whether the normal is unique.
 DISTINCT_NORMALS = 2.0**-20
 
 # Nearest points, relative to the pair's size, and normals this far apart [-], as GJK finds them on
@@ -121,7 +121,7 @@ ELLIPSOID_STEPS = 32
 SLIVER = 1e-13
 
 # A difference of hulls in which the first tetrahedron is thinner than this [-], relative to the
-# pair's size, may have no volume that rounding leaves: what EPA says of it is looked at again.
+# pair's size, may have no volume beyond rounding: the result of EPA is then checked again.
 THIN = 1e-6
 
 # Cosine [-] of the angle, 8 degrees, beyond which two normals are different answers and not two
@@ -129,12 +129,12 @@ THIN = 1e-6
 SAME_DIRECTION = 0.99
 
 # A core distance this small [-], relative to the pair's size, leaves its direction fewer than ten
-# correct digits (EPS / 1e-6): the face of EPA there is asked for a better normal.
+# correct digits (EPS / 1e-6): the face of EPA there gives a better normal.
 NEAR_TOUCH = 1e-6
 
 # Around the origin the least offset of a growing polytope never falls, but by rounding of planes.
 # A fall by more than this [-], relative to the pair's size, shows that rounding folded the surface
-# at triangles too thin to tell what they see: the bounds reached before it stand.
+# at triangles too thin to decide which vertices see them: the bounds reached before it stand.
 FOLD = 1e-9
 
 # A point this far [-] above a face's plane, in EPS times the pair's size, is in the plane: a
@@ -204,19 +204,19 @@ CROSSING = 1e-6
 # it is computed of eight at once: the place on one that is NEEDLE wide is off by 1000 roundings.
 LANE_ERROR = 2.0**-36
 
-# Square of a triangle's width over its longest side [-] below which its normal says little.
+# Square of a triangle's width over its longest side [-] below which its normal is unreliable.
 NEEDLE = 1e-6
 
 # Of boxes within solids: the sine of two axes below which their product is no axis, and three unit
-# vectors' determinant squared from which on they tell a point.
+# vectors' determinant squared from which on they determine a point.
 PARALLEL = 1e-6
 INDEPENDENT = 1e-4
 
-# Boxes in solids are parted by translations up to the hulls' way out and this much longer [-]: so
-# ways out that are as short as that one are found too, and tell that it is not alone.
+# Boxes in solids are separated by translations up to the one of the hulls and this much longer
+# [-]: so translations that are as short as that one are found too, and show that it is not alone.
 BEYOND_HULL = 2.0**-10
 
-# [s] that a point and a geometry take, about: by an iteration or a tree, and by a closed form.
+# Time [s] of a point and a geometry, about: by an iteration or a tree, and by a closed form.
 LONG_POINT, SHORT_POINT = 1e-6, 3e-8
 
 # Of motions. A rotation that is interpolated is off [-] by no more than this from the exact one
@@ -236,11 +236,12 @@ CARRIED_PLANE = 128.0 * EPS
 # Below this angle [rad] cosines are taken by their series, whose next term is below EPS.
 SMALL_TURN = 2.0**-12
 
-# Of a turn with a quaternion whose w is below this [-] nobody knows which way is the shorter one.
+# For a turn with a quaternion whose w is below this [-], the shorter way is undecided.
 HALF_TURN = 32.0 * EPS
 
 # A motion that is not proved within a span that is a sixteenth of this or of the tolerance [-] is
-# told as unknown from there on; where a plane parts the bodies at its begin, within the other one.
+# reported as unknown from there on; where a plane separates the bodies at its begin, within the
+# other one.
 LEAST_SPAN, LEAST_PARTED_SPAN = 2.0**-20, 2.0**-44
 # A time tolerance below this [-] counts as this. A sixteenth of it is LEAST_PARTED_SPAN: shorter
 # spans come to times that are not halved any more, and to depths that rounding hides.

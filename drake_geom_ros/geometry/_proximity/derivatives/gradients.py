@@ -1,14 +1,18 @@
-"""What distances do when bodies move: gradients of whole results, in one compiled call.
+"""Gradients of the distances of whole query results, in one compiled call.
 
-The distance of two bodies changes, to first order, as that of the two points which are nearest
-(envelope theorem; J. Danskin, *The Theory of Max-Min*, 1967): by the velocity of A's point less
-that of B's, along the normal. It has a derivative where these points and the normal are the only
-ones. They are not where faces or edges lie parallel, so that points of a whole segment are as
-near; where other directions separate as well; and where bodies touch at corners, or are concentric
-in part, so that a turn of the normal costs nothing. The last is told by the *stiffness*: the
-second derivative of the width along n with respect to n, the distance plus both bodies' radii of
-curvature (``kernels.features``). Where the distance is 0 to rounding the normal must be held by
-the features alone, and so the points have to be inside these.
+To first order, the distance of two bodies changes as that of their witness points (envelope
+theorem; J. Danskin, *The Theory of Max-Min*, 1967): by the velocity of A's point minus that of
+B's, along the normal. A derivative exists where the witness points and the normal are unique. They
+are not unique
+
+- where faces or edges lie parallel, so that all points of a segment are equally near;
+- where another direction separates the bodies equally well;
+- where bodies touch at corners or are partly concentric, so that turning the normal costs nothing.
+
+The *stiffness* detects the last case: the second derivative of the width along n with respect to
+n, which is the distance plus both bodies' radii of curvature (``kernels.features``). Where the
+distance is 0 to rounding, only the features determine the normal, so the witness points have to
+lie inside the features.
 """
 
 from __future__ import annotations
@@ -68,22 +72,22 @@ FREEDOM, DU, DV, UU, UV, VV = range(6)  # columns: the numbers of a ``Feature``
 
 
 class Features(NamedTuple):
-    """What is extreme along the normals of k pairs, of A and of B; see ``kernels.features``."""
+    """The extreme features of A and B along the normals of k pairs; see ``kernels.features``."""
 
-    axes: Floats  # (k, 2, 3) unit vectors u, v at right angles to the normal
+    axes: Floats  # (k, 2, 3) unit vectors u, v perpendicular to the normal
     numbers: Floats  # (k, 2, 6) those of a ``Feature``
     inside: Booleans  # (k, 2) whether the witness point is inside the edge or face
 
 
 @inlined
 def stiffness(distance: float, A: Feature, B: Feature) -> tuple[float, float, float]:
-    """Return how the width along n curves (uu, uv, vv) [m], by the features of A and B."""
+    """Return the second derivative (uu, uv, vv) [m] of the width along n, from both features."""
     return distance + A.uu + B.uu, A.uv + B.uv, distance + A.vv + B.vv
 
 
 @inlined
 def _is_stiff(distance: float, A: Feature, B: Feature, extent: float) -> bool:
-    """Tell whether every turn of n that the features leave free costs something."""
+    """Return whether every turn of n that the features leave free increases the width."""
     uu, uv, vv = stiffness(distance, A, B)
     if A.freedom == POINT and B.freedom == POINT:
         least = 0.5 * (uu + vv) - math.hypot(0.5 * (uu - vv), uv)
@@ -95,15 +99,15 @@ def _is_stiff(distance: float, A: Feature, B: Feature, extent: float) -> bool:
 
 @inlined
 def _is_sure(numbers: Floats) -> bool:
-    """Tell whether more than bounds answered, and no other normal is as good."""
+    """Return whether a kernel computed the row and its normal is unique."""
     return numbers[UNIQUE] != 0.0 and numbers[METHOD] != BOUND_ONLY
 
 
 @inlined
 def _is_unique(numbers: Floats, A: Feature, B: Feature, extent: float) -> bool:
-    """Tell whether a row's normal, and the points nearest along it, are the only ones.
+    """Return whether a row's normal and its witness points are unique.
 
-    But for bodies that touch at the border of a feature.
+    Bodies that touch at the border of a feature are not considered here.
     """
     if not _is_sure(numbers) or not hold_one_point(A, B):
         return False
@@ -112,12 +116,12 @@ def _is_unique(numbers: Floats, A: Feature, B: Feature, extent: float) -> bool:
 
 @inlined
 def _look_at(g: int, scene: Scene, n: Vector, u: Vector, v: Vector) -> Feature:
-    """Return the feature of geometry g along the outward unit n; n, u and v in World."""
+    """Return the feature of geometry g along the outward unit normal n; n, u, v in World."""
     types, starts, pool, R_WGs = scene
-    if types[g] == SPHERE:  # whichever way it is turned
+    if types[g] == SPHERE:  # its orientation does not matter
         return vertex(pool[starts[g]])
     R = row(R_WGs, g)
-    if types[g] == CAPSULE:  # without a call, which beside so short a query counts
+    if types[g] == CAPSULE:  # inline: a call would cost a noticeable part of so short a query
         axis, radius = column(R, 2), pool[starts[g]]
         if abs(dot(axis, n)) > DISTINCT_NORMALS:
             return vertex(radius)
@@ -136,7 +140,7 @@ def _holds(
     q: Vector,
     slack: float,
 ) -> bool:
-    """Tell whether the extreme point q, in G, is inside the feature of geometry g."""
+    """Return whether the extreme point q, in G, is inside the feature of geometry g."""
     types, starts, pool, R_WGs = scene
     R = row(R_WGs, g)
     shape = part(pool, starts[g], starts[g + 1])
@@ -146,14 +150,14 @@ def _holds(
 
 @inlined
 def _axes(n: Vector) -> tuple[Vector, Vector]:
-    """Return two unit vectors that with n are right-handed."""
+    """Return unit vectors u, v such that (u, v, n) is right-handed and orthonormal."""
     v = perpendicular(n)
     return cross(v, n), v
 
 
 @inlined
 def _extent(numbers: Floats) -> float:
-    """Return the size of a pair [m], as far as its witness points tell."""
+    """Return the size of a pair [m], estimated from its witness points."""
     return norm(vector_at(numbers, P_ACA)) + norm(vector_at(numbers, P_BCB))
 
 
@@ -168,7 +172,7 @@ def pair_features(
 ) -> None:
     """Fill ``features`` (k, 2, 6) of A and B and whether the witnesses are ``inside`` (k, 2).
 
-    Those are told in two axes at right angles to nhat_BA_W, which ``axes`` (k, 2, 3) get.
+    They are expressed in two axes normal to nhat_BA_W, which are written to ``axes`` (k, 2, 3).
     """
     for k in range(places.shape[0]):
         numbers = row(rows, k)
@@ -180,29 +184,30 @@ def pair_features(
         for side in range(2):
             g, out, w = places[k, side], n, u
             if side == 0:
-                # With the other normal the other axis is turned, too: right-handed as before.
+                # Both the normal and one axis are reversed, so the axes stay right-handed.
                 out, w = scale(-1.0, n), scale(-1.0, u)
-            found = _look_at(g, scene, out, w, v)
+            feature = _look_at(g, scene, out, w, v)
             q = vector_at(numbers, P_ACA if side == 0 else P_BCB)
-            inside[k, side] = _holds(g, scene, found, out, w, v, q, slack)
+            inside[k, side] = _holds(g, scene, feature, out, w, v, q, slack)
             sign = -1.0 if side == 0 else 1.0
-            features[k, side, FREEDOM] = found.freedom
-            features[k, side, DU], features[k, side, DV] = sign * found.du, found.dv
-            features[k, side, UU], features[k, side, UV] = found.uu, sign * found.uv
-            features[k, side, VV] = found.vv
+            features[k, side, FREEDOM] = feature.freedom
+            features[k, side, DU], features[k, side, DV] = sign * feature.du, feature.dv
+            features[k, side, UU], features[k, side, UV] = feature.uu, sign * feature.uv
+            features[k, side, VV] = feature.vv
 
 
 @compiled
-def _find(known: Indices, ids: Indices, places: Indices) -> None:
-    """Fill ``places`` (k,) with where ids are among the ascending ``known``, all of which are.
+def _find(sorted_ids: Indices, ids: Indices, places: Indices) -> None:
+    """Fill ``places`` (k,) with the indices of ids in the ascending ``sorted_ids``.
 
-    Ids count up, so an id is no farther from the first one than they differ, and mostly as far.
+    All ids are present. Ids are counted upwards, so an index is at most the difference of the id
+    and the first one, and usually equal to it: the search starts there.
     """
     for k in range(ids.size):
-        low, high = 0, min(ids[k] - known[0], known.size - 1)
+        low, high = 0, min(ids[k] - sorted_ids[0], sorted_ids.size - 1)
         middle = high
-        while known[middle] != ids[k]:
-            if known[middle] < ids[k]:
+        while sorted_ids[middle] != ids[k]:
+            if sorted_ids[middle] < ids[k]:
                 low = middle + 1
             else:
                 high = middle - 1
@@ -212,7 +217,7 @@ def _find(known: Indices, ids: Indices, places: Indices) -> None:
 
 @inlined
 def _put_gradient(numbers: Floats, gradients: Floats, k: int) -> None:
-    """Fill row k of ``gradients`` (k, 12): by the velocities of both frames, see ``gradients``."""
+    """Fill row k of ``gradients`` (n, 12) with derivatives by the velocities of both frames."""
     n = vector_at(numbers, NORMAL)
     of_A, of_B = cross(vector_at(numbers, P_FACA), n), cross(vector_at(numbers, P_FBCB), n)
     for c in range(3):
@@ -234,10 +239,10 @@ def pair_gradients(
     gradients: Floats,
     unique: Booleans,
 ) -> bool:
-    """Fill ``gradients`` (k, 12) and ``unique`` (k,) of the distances of the rows.
+    """Fill ``gradients`` (k, 12) of the rows' distances, and whether each is ``unique`` (k,).
 
-    ``places`` (k, 2) are the places of A and of B among the geometries. Return whether surfaces of
-    solids are among them, for which it is left to ``find_unique_of_solids``.
+    ``places`` (k, 2) are the indices of A and B among the geometries. Return whether surfaces of
+    solids are among them; ``find_unique_of_solids`` decides the uniqueness of these.
     """
     types, starts, pool, _ = scene
     surfaces = False
@@ -248,7 +253,7 @@ def pair_gradients(
         if is_of_surfaces(types[a], types[b]):
             surfaces = True
             continue
-        if types[a] == SPHERE and types[b] == SPHERE:  # half of the time of all that follows
+        if types[a] == SPHERE and types[b] == SPHERE:  # a shortcut in half the time
             extent = pool[starts[a]] + pool[starts[b]]
             unique[k] = _is_sure(numbers) and numbers[DISTANCE] + extent > SOFT * extent
             continue
@@ -268,62 +273,62 @@ def pair_gradients(
 
 
 def places_of(scene: PosedWorld, ids: Indices) -> Indices:
-    """Return the places of geometries, by the values of their ids, in an array of their shape."""
+    """Return the indices of geometries with the given id values, in an array of equal shape."""
     places = np.empty(ids.shape, dtype=np.int64)
     _find(scene.ids, _read_only(ids.ravel()), places.ravel())
     return places
 
 
 def _read_only(array: Any) -> Any:
-    """Return a view that is read-only: to Numba others are of another type, compiled anew."""
+    """Return a read-only view: Numba compiles another version for writable arrays."""
     view = array.view()
     view.setflags(write=False)
     return view
 
 
-def _find_unique_of_solids(*asked: Any) -> None:
-    # Scenes without solids load nothing of theirs.
+def _find_unique_of_solids(*arguments: Any) -> None:
+    # Imported late: scenes without solids need not load the code for solids.
     from drake_geom_ros.geometry._proximity.derivatives.of_solids import find_unique_of_solids
 
-    find_unique_of_solids(*asked)
+    find_unique_of_solids(*arguments)
 
 
 def gradients_of_pairs(scene: PosedWorld, ids: Indices, rows: Floats) -> tuple[Floats, Booleans]:
-    """Return the gradients (k, 12) of the distances in rows, and which of them are the only ones.
+    """Return the gradients (k, 12) of the distances in rows, and which of them are unique.
 
     Ids (k, 2) and rows (k, BATCH_WIDTH) are those of a ``PairBatch``.
     """
     gradients, unique = np.empty((len(ids), 12)), np.empty(len(ids), dtype=np.bool_)
     shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
-    asked = _read_only(rows), places_of(scene, ids), shapes
-    if pair_gradients(*asked, gradients, unique):
-        _find_unique_of_solids(*asked, unique)
+    arguments = _read_only(rows), places_of(scene, ids), shapes
+    if pair_gradients(*arguments, gradients, unique):
+        _find_unique_of_solids(*arguments, unique)
     for array in (gradients, unique):
         array.setflags(write=False)
     return gradients, unique
 
 
 def gradients_of_rows(rows: Floats) -> Floats:
-    """Return the gradients (k, 12) of the distances in rows (k, BATCH_WIDTH) alone."""
+    """Return the gradients (k, 12) of rows (k, BATCH_WIDTH), without their uniqueness."""
     gradients = np.empty((len(rows), 12))
     _put_gradients(_read_only(rows), gradients)
     return gradients
 
 
 def features_of_pairs(scene: PosedWorld, ids: Indices, rows: Floats) -> Features:
-    """Return what is extreme along the normals of rows (k, BATCH_WIDTH) of pairs (k, 2)."""
+    """Return the extreme features along the normals of rows (k, BATCH_WIDTH) of pairs (k, 2)."""
     k = len(ids)
-    found = Features(np.empty((k, 2, 3)), np.empty((k, 2, 6)), np.empty((k, 2), dtype=np.bool_))
+    features = Features(np.empty((k, 2, 3)), np.empty((k, 2, 6)), np.empty((k, 2), dtype=np.bool_))
     shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
-    pair_features(_read_only(rows), places_of(scene, ids), shapes, *found)
-    return found
+    pair_features(_read_only(rows), places_of(scene, ids), shapes, *features)
+    return features
 
 
 def compile_derivatives() -> None:
     """Compile all of this file, or load it from the cache."""
-    none, nobody = np.zeros(0), np.zeros(0, dtype=np.int64)
+    none, no_bodies = np.zeros(0), np.zeros(0, dtype=np.int64)
     Rs, ps = np.zeros((0, 3, 3)), np.zeros((0, 3))
-    scene = PosedWorld(nobody, nobody, nobody, none, nobody, Rs, nobody, ps)
+    scene = PosedWorld(no_bodies, no_bodies, no_bodies, none, no_bodies, Rs, no_bodies, ps)
     pairs, rows = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
     gradients_of_pairs(scene, pairs, rows)
     gradients_of_rows(rows)

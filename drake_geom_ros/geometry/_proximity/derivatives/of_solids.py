@@ -1,4 +1,4 @@
-"""Which gradients of distances from solids are the only ones: a walk over their triangles each."""
+"""Uniqueness of the gradients of distances from solids, by a tree walk over the triangles."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.uniqueness import (
     is_nearest_alone,
-    is_way_out_alone,
+    is_separating_move_unique,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
@@ -48,7 +48,7 @@ def _is_alone(
     p_BCb: Vector,
     nhat_BA_W: Vector,
 ) -> bool:
-    """Tell whether the witness points of any body A and a solid B are the only ones.
+    """Return whether the witness points of a body A of any kind and a solid B are unique.
 
     ``nhat_BA_W`` points out of B into A.
     """
@@ -64,16 +64,16 @@ def _is_alone(
     A, B, radius = body_of(kind_A, shape_A, R), solid_of(shape_B), core_radius(kind_A, shape_A)
     pair = SolidPair(A, B, p, size, 0.0, radius)
     if distance < 0.0:
-        return is_way_out_alone(pair, q, m, -distance, error)
+        return is_separating_move_unique(pair, q, m, -distance, error)
     limit = distance + radius + error + noise_of(pair)
     return is_nearest_alone(pair, scale(-1.0, m), limit)[0]
 
 
 @allocating
 def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: Booleans) -> None:
-    """Fill ``unique`` (k,) where a pair is of surfaces, as ``pair_gradients`` does elsewhere.
+    """Fill ``unique`` (k,) for pairs of surfaces, which ``pair_gradients`` leaves open.
 
-    Of what touches nobody knows whether it is the only one.
+    Bodies that touch count as not unique, since nothing can be certified of them.
     """
     types, starts, pool, R_WGs = scene
     for k in range(places.shape[0]):
@@ -81,18 +81,18 @@ def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: B
         if not is_of_surfaces(types[a], types[b]):
             continue
         if is_map(max(types[a], types[b])):
-            unique[k] = False  # of the cells of a map nobody has looked
+            unique[k] = False  # the cells of a map are not examined
             continue
         numbers = row(rows, k)
         far, sure = abs(numbers[DISTANCE]) > numbers[ERROR_BOUND], numbers[METHOD] != BOUND_ONLY
-        # Whether the normal of an overlap is the only one is known with the way out.
+        # Uniqueness of an overlap's normal follows from its separating translation, below.
         unique[k] = far and sure and (numbers[UNIQUE] != 0.0 or numbers[DISTANCE] < 0.0)
         if not unique[k]:
             continue
         n, p, q = vector_at(numbers, NORMAL), vector_at(numbers, P_ACA), vector_at(numbers, P_BCB)
         A = OrientedShape(types[a], part(pool, starts[a], starts[a + 1]), row(R_WGs, a))
         B = OrientedShape(types[b], part(pool, starts[b], starts[b + 1]), row(R_WGs, b))
-        # Each solid can be the one that the other is near to or leaves.
+        # Either solid can be the one whose surface decides.
         unique[k] = types[b] == SOLID and _is_alone(numbers, A, p, B, q, n)
         if not unique[k] and types[a] == SOLID:
             unique[k] = _is_alone(numbers, B, q, A, p, scale(-1.0, n))

@@ -1,4 +1,4 @@
-"""Which pairs have their gradients from surfaces of triangles, or of the cells of a map."""
+"""Detection of pairs whose gradients come from triangle surfaces or from the cells of a map."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ Scene: TypeAlias = tuple[Indices, Indices, Floats, Floats]  # types, starts, poo
 
 @inlined
 def is_of_surfaces(type_a: int, type_b: int) -> bool:
-    """Tell whether a distance is that of a solid's surface, or of a map, which has no hull.
+    """Return whether a distance is measured to the surface of a solid, or to a map.
 
-    A half space meets the hull of a solid.
+    Against a half space the hull of a solid decides, so such a pair does not count.
     """
     highest = max(type_a, type_b)
     of_solid = highest == SOLID and type_a != HALF_SPACE and type_b != HALF_SPACE

@@ -54,7 +54,9 @@ Words, as in the literature (C. Ericson, *Real-Time Collision Detection*, 2005; 
 support function   h(n), the largest n . x of a body's points x, for a unit n; its *support point*
                    attains it; the *width* of an overlap is the support value of its difference
 witness points     Ca and Cb, the points that attain a distance or a depth
-penetration depth  -phi of bodies that overlap: the shortest translation that separates
+separating         a move of A after which the bodies are apart
+translation
+penetration depth  -phi of bodies that overlap: the length of the shortest separating translation
 Minkowski          D = {a - b}, which holds the origin where A and B overlap; the ball about the
 difference         origin that just fits into D has the depth as radius
 separation         a lower bound of the distance of two bodies: a slab along an axis, or boxes
@@ -69,11 +71,17 @@ EPA                grows a *polytope* in D at the face nearest to the origin; th
                    some faces, and the edges around these are its *horizon*
 curvature          radii of curvature of the surface of D: they distinguish a minimum of h from a
                    saddle
-kink, crease       where h has no derivative: n is at right angles to a segment that D is a sum of
+kink, crease       where h has no derivative: n is normal to a segment that D is a sum of
 ring               directions about an axis that are almost as good as the best
 warm start         a start from the answer of an earlier pose, the *hint*
 branch and bound   a descent of two trees of boxes that skips what is farther than the best so far
 winding number     1 in a closed surface and 0 outside: the solid angles of its triangles over 4 pi
+feature            the vertex, edge or face of a body that is extreme along n
+candidate pair     two bodies whose boxes, grown by a skin or the cutoff, overlap
+slack              what is left of a lower bound of a pair's distance after moves since the answer
+noise              a bound of the rounding of a distance [m], proportional to the pair's size
+plain overlap      an overlap by clearly more than rounding, proved without the exact depth
+scratch            arrays that a walk works on, reused from one pair or point to the next
 
 A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on
 the heap that grows with its input. 3-vectors are tuples of three floats (``vectors``).

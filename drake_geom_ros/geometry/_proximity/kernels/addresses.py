@@ -1,4 +1,4 @@
-"""The kernels of the pair table by their addresses, compiled once a process, when first needed."""
+"""Addresses of the kernels of the pair table, compiled once per process when first needed."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation, compiled
 
 ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
-# Kernels are compiled once a process, whatever scene asked for them.
+# Kernels are compiled once per process, for all scenes.
 ADDRESSES = address_table(len(ALL_ROWS) + 3)
-AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
-OVER_MAP = AT_ONE_METRE + 1  # and what takes one over the cells of a map
-PLAIN_OVERLAP = OVER_MAP + 1  # and what sees without a depth that a solid overlaps
+AT_ONE_METRE = len(ALL_ROWS)  # after the rows: the wrapper of kernels for extreme pairs
+OVER_MAP = AT_ONE_METRE + 1  # the loop of a kernel over the cells of a map
+PLAIN_OVERLAP = OVER_MAP + 1  # the test whether a solid plainly overlaps, without a depth
 COMPILED_ROWS = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 
 def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the pair table's row of each pair of shape types, in either order; -1: none."""
+    """Return the pair table's row of each pair of shape types, in either order; -1 for none."""
     low, high = np.minimum(types_a, types_b), np.maximum(types_a, types_b)
     rows: NDArray[np.int64] = ROWS[low * TYPE_COUNT + high]
     return rows
@@ -62,14 +62,14 @@ def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]
 
 
 @compiled
-def has_each(types: Indices, pairs: Indices, count: int, there: Booleans) -> bool:
-    """Tell whether the kernel of each of the first so many pairs is there, for these shape types.
+def has_each(types: Indices, pairs: Indices, count: int, is_compiled: Booleans) -> bool:
+    """Return whether the kernels of the first ``count`` pairs are compiled, by shape types.
 
-    ``there`` are ``COMPILED_ROWS``; two half spaces have no kernel and need none.
+    ``is_compiled`` are ``COMPILED_ROWS``; two half spaces have no kernel and need none.
     """
     for k in range(count):
         a, b = types[pairs[k, 0]], types[pairs[k, 1]]
         row = ROWS[min(a, b) * TYPE_COUNT + max(a, b)]
-        if row >= 0 and not there[row]:
+        if row >= 0 and not is_compiled[row]:
             return False
     return True

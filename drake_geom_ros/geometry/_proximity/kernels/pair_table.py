@@ -1,10 +1,10 @@
-"""THE table: one row an unordered pair of shape types.
+"""Pair table: one row for each unordered pair of shape types.
 
-Which kernel answers, by which method, and how far off it was at worst: the look-up of the engine,
-the support table of docs/certificates.md, the accuracy tests and the "not supported" text all
-come from here. The lower type number is A. Solids, whose signed distance no support function
-tells, have a table of their own, and so have maps that sensors made: there the kernel is that of
-one cell, a box or a ball, and ``OVER_MAP_KERNEL`` walks around it.
+A row has the kernel, its method and its worst error. It is the only source for the look-up of the
+engine, the support table of docs/certificates.md, the accuracy tests and the "not supported" text.
+The lower type number is A. Solids, whose signed distance does not follow from a support function,
+have a table of their own, and so do sensed maps: there the kernel is that of one cell, a box or a
+ball, and ``OVER_MAP_KERNEL`` loops over the cells.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SHAPE_NAMES = {
     ELLIPSOID: 'Ellipsoid',
     HALF_SPACE: 'HalfSpace',
     CONVEX: 'Convex',
-    SOLID: 'Mesh',  # as a solid that is not convex; any other counts as Convex
+    SOLID: 'Mesh',  # a solid that is not convex; other meshes count as Convex
     OCCUPIED_CELLS: 'OccupiedCells',
     POINT_CLOUD: 'PointCloud',
 }
@@ -50,7 +50,7 @@ _POLYTOPE = (
     'the width along the normal bounds the depth from above, and the least offset of a closed '
     'surface of points of the Minkowski difference from below'
 )
-# Why the answers of a kernel are certified, in two sentences; of ``convex.pairs`` by the pair too.
+# Reasons why answers of a kernel are certified, in two sentences; for ``convex.pairs`` by pair.
 _CERTIFICATES = {
     'closed_forms.spheres': (
         "The signed distance of the sphere's centre has a closed form in the frame of the other "
@@ -77,7 +77,7 @@ _CERTIFICATES = {
     'solids.pairs': (
         'Apart, two points of the bodies bound the distance from above, and from below it is '
         'bounded by what was left out of the walk over both trees, whose boxes are rounded '
-        'outwards. Overlapping, a way out that was found bounds the depth from above and what is '
+        'outwards. Overlapping, a verified translation bounds the depth from above and what is '
         'certain to be inside from below: the interval between them may stay open.'
     ),
 }
@@ -112,34 +112,34 @@ _KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
 
 
 def load_kernel(name: str) -> Any:
-    """Import the kernel ``room.module.function``; only those that a scene needs are imported."""
+    """Import and return the kernel ``folder.module.function``, only when a scene needs it."""
     module, function = name.rsplit('.', 1)
     return getattr(import_module(f'{_KERNELS}.{module}'), function)
 
 
 @dataclass(frozen=True)
 class PairRow:
-    """How the signed distance of one unordered pair of shape types is computed."""
+    """Computation of the signed distance of one unordered pair of shape types."""
 
     type_a: int
     type_b: int
-    kernel: str  # ``room.module.function`` under ``kernels``
+    kernel: str  # ``folder.module.function`` under ``kernels``
     method: Method
     worst_error: float  # [m] for bodies of about 0.2 m, kept true by test/accuracy
 
     @property
     def is_of_map(self) -> bool:
-        """Whether the kernel answers for one cell of B, or of both."""
+        """True if the kernel answers for one cell of B, or of both."""
         return self.type_b > SOLID
 
     @property
     def has_plain_overlap(self) -> bool:
-        """Whether an overlap can be seen by ``PLAIN_OVERLAP_KERNEL``, without its depth."""
+        """True if ``PLAIN_OVERLAP_KERNEL`` can detect an overlap without its depth."""
         return self.kernel == _SOLIDS and not self.is_of_map
 
     @property
     def certificate(self) -> str:
-        """Why the error bound of an answer holds, in two sentences."""
+        """Reason why the error bound of an answer holds, in two sentences."""
         if self.is_of_map:
             return _MAPS
         module = self.kernel.rpartition('.')[0]
@@ -153,7 +153,7 @@ class PairRow:
         return _APART + (_BY_BALLS if BOX in pair else _RINGS)
 
     def load_kernel(self) -> Any:
-        """Return the kernel."""
+        """Import and return the kernel of the row."""
         return load_kernel(self.kernel)
 
 
@@ -195,8 +195,8 @@ PAIR_TABLE = (
     PairRow(CONVEX, CONVEX, _CORES, ITERATIVE, 1e-12),
 )
 
-# The worst error is that of solids that are apart; overlapping ones have an interval, which
-# ``error_bound`` tells.
+# The worst error is that of separated solids; overlapping ones have an interval, given by
+# ``error_bound``.
 SOLID_TABLE = (
     PairRow(SPHERE, SOLID, _SOLIDS, TRIANGLES, 1e-14),
     PairRow(BOX, SOLID, _SOLIDS, TRIANGLES, 1e-12),
@@ -208,14 +208,14 @@ SOLID_TABLE = (
     PairRow(SOLID, SOLID, _SOLIDS, TRIANGLES, 1e-12),
 )
 # The kernel is that of one cell: a box of OccupiedCells, a ball of a PointCloud. The worst error
-# is that of the nearest cell; what overlaps has an interval, which ``error_bound`` tells.
+# is that of the nearest cell; overlapping pairs have an interval, given by ``error_bound``.
 OVER_MAP_KERNEL = 'sensed.pairs.over_map'
 _OF_CELL = {OCCUPIED_CELLS: BOX, POINT_CLOUD: SPHERE}
 _ROW_OF_PAIR = {tuple(sorted((row.type_a, row.type_b))): row for row in PAIR_TABLE + SOLID_TABLE}
 
 
 def _row_of_map(type_a: int, type_b: int) -> PairRow:
-    """Return the row of a map B: that of its cell against A, or against a cell of A."""
+    """Return the row of a map B: that of its cells against A, or against cells of A."""
     row = _ROW_OF_PAIR[tuple(sorted((_OF_CELL.get(type_a, type_a), _OF_CELL[type_b])))]
     return replace(row, type_a=type_a, type_b=type_b)
 
@@ -225,7 +225,7 @@ MAP_TABLE = tuple(
 )
 ALL_ROWS = PAIR_TABLE + SOLID_TABLE + MAP_TABLE
 
-# What answers for many points and one shape.
+# Kernels for many points and one shape.
 POINT_KERNELS = {
     SPHERE: 'closed_forms.to_points.to_sphere',
     BOX: 'closed_forms.to_points.to_box',
@@ -239,14 +239,14 @@ POINT_KERNELS = {
     POINT_CLOUD: _TO_MAP,
 }
 
-# Number in ALL_ROWS by type_a * TYPE_COUNT + type_b, the lower type first; -1 where there is none.
+# Index in ALL_ROWS by type_a * TYPE_COUNT + type_b, the lower type first; -1 for none.
 ROW_OF_TYPES = [-1] * TYPE_COUNT**2
 for _number, _row in enumerate(ALL_ROWS):
     ROW_OF_TYPES[_row.type_a * TYPE_COUNT + _row.type_b] = _number
 
 
 def unsupported(type_a: int, type_b: int) -> str:
-    """Return why two shape types have no signed distance, for an error message."""
+    """Return the reason why two shape types have no signed distance, for an error message."""
     a, b = sorted((type_a, type_b))
     if a == b == HALF_SPACE:
         return 'two half spaces have no signed distance: they always overlap without bound'

@@ -1,4 +1,4 @@
-"""Three-vectors as tuples: small, allocation free, and the same compiled or not."""
+"""Three-vectors as tuples: allocation free, and equal whether compiled or not."""
 
 import math
 
@@ -16,7 +16,7 @@ def vector_at(numbers: Floats, k: int) -> Vector:
 @inlined
 def vector_in(rows: Floats, k: int, column: int = 0) -> Vector:
     """Return three numbers of row k of an array (n, m) from a column on."""
-    # Unsigned numbers: the test for negative ones would take as long as the rest.
+    # Unsigned indices: the test for negative ones would take as long as the rest.
     k, column = unsigned(k), unsigned(column)
     return rows[k, column], rows[k, column + unsigned(1)], rows[k, column + unsigned(2)]
 
@@ -96,7 +96,7 @@ def unit(a: Vector) -> Vector:
 
 @inlined
 def perpendicular(a: Vector) -> Vector:
-    """Return the unit vector along a x e for the axis e least along a, of equal ones the first."""
+    """Return the unit vector along a x e, for the first axis e with the least component of a."""
     x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
     if x <= y and x <= z:
         return unit(cross(a, (1.0, 0.0, 0.0)))

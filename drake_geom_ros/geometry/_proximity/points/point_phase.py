@@ -1,4 +1,4 @@
-"""Point queries: block after block of points, each geometry in turn."""
+"""Compiled loop of point queries: blocks of points, each against every geometry."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.world.world import PointShapes
 
-BLOCK = 64  # points: their rows of one geometry, far from each other, stay in the nearest caches
-# By shape type: the point kernels, compiled once a process, and the pair table's row of a point.
+BLOCK = 64  # points whose rows, strided by the geometries, stay in the nearest caches
+# By shape type: point kernels, compiled once per process, and the pair table's row of a point.
 POINT_ADDRESSES = address_table(TYPE_COUNT)
 POINT_ROWS = table_rows(np.full(TYPE_COUNT, SPHERE), np.arange(TYPE_COUNT))
 POINTS_COMPILED: set[int] = set()  # shape types
 
 
 def compile_point_kernels(types: Set[int], tell: Tell | None = None) -> list[str]:
-    """Compile what points to shapes of these types need; return the names of new kernels."""
+    """Compile the point kernels of shapes of these types; return the names of new kernels."""
     names: dict[str, None] = {}
     missing = sorted(types - POINTS_COMPILED)
     for number, kind in enumerate(missing, 1):
@@ -60,7 +60,7 @@ def compile_point_kernels(types: Set[int], tell: Tell | None = None) -> list[str
 
 
 class PointTables(NamedTuple):
-    """What n geometries are to points, and the kernels that know how far these are."""
+    """The shapes of n geometries for point queries, and the addresses of their kernels."""
 
     addresses: Addresses  # by shape type
     pair_addresses: Addresses  # those of the pair table
@@ -70,7 +70,7 @@ class PointTables(NamedTuple):
     pool: Floats
 
 
-# As compiled code is handed it, and what it fills: see ``pairs.slots``.
+# The tables as passed to compiled code, and the arrays that it fills: see ``pairs.slots``.
 TableArrays: TypeAlias = tuple[Addresses, Addresses, Indices, Indices, Indices, Floats]
 AnswerArrays: TypeAlias = tuple[Floats, Booleans, Unsigned32, Indices, Indices]
 
@@ -85,17 +85,17 @@ def point_tables(shapes: PointShapes) -> TableArrays:
 def point_phase(
     tables: TableArrays, world: Handle, p_WQs: Floats, threshold: float, answers: AnswerArrays
 ) -> int:
-    """Answer for points (m, 3) and n geometries; return how many answers there are.
+    """Answer for points (m, 3) and n geometries; return the number of answers.
 
-    ``tables`` are those of ``PointTables``, ``world`` is a handle. Of the ``answers``, the first
-    of rows (m n, POINT_WIDTH), points and ids (m n,) are filled, in the order of points, then
-    ids; found (m n,) comes in as False, and counts get how many there are by each method.
+    ``tables`` is a plain tuple of ``PointTables``, ``world`` is a handle. The ``answers`` are rows
+    (m n, POINT_WIDTH), flags (m n,), points and ids (m n,), and counts by method. Rows, points and
+    ids are filled from the front, ordered by point and then id. The flags have to be False.
     """
     addresses, pair_addresses, pair_rows, types, starts, pool = tables
-    rows, found, points, ids, counts = answers
+    rows, is_within, points, ids, counts = answers
     world = world_of(world)
     R_WGs, p_WGs, roundings, outer = world.R_WGs, world.p_WGs, world.roundings, world.outer
-    m, n, filled = p_WQs.shape[0], types.size, PointAnswers(rows, found, counts)
+    m, n, filled = p_WQs.shape[0], types.size, PointAnswers(rows, is_within, counts)
     for first in range(0, m, BLOCK):
         last = min(first + BLOCK, m)
         for g in range(n):
@@ -114,8 +114,8 @@ def point_phase(
             )
     count = 0
     for k in range(m * n):
-        count += found[k]
-    if count == m * n:  # as without a threshold: all are where they belong
+        count += is_within[k]
+    if count == m * n:  # usual without a threshold: all rows are in place already
         for q in range(m):
             for g in range(n):
                 points[q * n + g], ids[q * n + g] = q, world.ids[g]
@@ -123,7 +123,7 @@ def point_phase(
     count = 0
     for q in range(m):
         for g in range(n):
-            if found[q * n + g]:
+            if is_within[q * n + g]:
                 points[count], ids[count] = q, world.ids[g]
                 if count < q * n + g:
                     for c in range(POINT_WIDTH):

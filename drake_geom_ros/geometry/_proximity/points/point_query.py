@@ -1,4 +1,4 @@
-"""A point query in one compiled call, as ``pair_query`` is one of pairs."""
+"""One compiled call for a point query, as ``pair_query`` has for pairs."""
 
 from __future__ import annotations
 
@@ -54,35 +54,35 @@ from drake_geom_ros.math.tolerances import FARTHEST
 Floats = NDArray[np.float64]
 
 
-class PointHands(NamedTuple):
-    """The handles of all that a point query works on."""
+class PointQueryHandles(NamedTuple):
+    """The handles of all arrays that a point query works on."""
 
     world: HandleField
     report: HandleField
     kernels: HandleField  # addresses by shape type
     pair_kernels: HandleField  # the addresses of the pair table
     pair_rows: Integers  # (n,) of points to each geometry in that table
-    types: Integers  # these three of ``PointShapes``
+    types: Integers  # this and the next two: see ``PointShapes``
     starts: Integers
     pool: Reals
 
 
-_hands_of = taker(PointHands)
+_handles_of = taker(PointQueryHandles)
 
 
 @compiled
 def are_allowed(p_WQs: Floats) -> bool:
-    """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
+    """Return whether points (m, 3) are finite and no coordinate is beyond FARTHEST [m]."""
     allowed = True
     for k in range(p_WQs.shape[0]):
         for c in range(3):
-            allowed &= abs(p_WQs[k, c]) <= FARTHEST  # no NaN is
+            allowed &= abs(p_WQs[k, c]) <= FARTHEST  # False for NaN
     return allowed
 
 
 @compiled
 def _run_points(
-    hands: Handle,
+    handles: Handle,
     stale: bool,
     revision: int,
     X_PFs: Floats,
@@ -90,46 +90,46 @@ def _run_points(
     threshold: float,
     answers: tuple[Floats, Booleans, Unsigned32, Indices],
 ) -> int:
-    """Do what a point query does; return how many answers there are.
+    """Run a whole point query; return the number of answers.
 
-    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.
-    The ``answers`` for points (m, 3) and n geometries are those of ``point_phase``, without
-    counts; what found (m n,) comes in as does not matter.
+    ``handles`` is the handle of ``PointQueryHandles``. The world is posed as in ``pair_query``.
+    The ``answers`` for points (m, 3) and n geometries are those of ``point_phase`` without counts;
+    the flags are cleared here.
     """
-    rows, found, points, ids = answers
-    hands = _hands_of(hands)
-    report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, X_PFs)
-    told, moments, counts = report.told, report.moments, report.counts
+    rows, is_within, points, ids = answers
+    handles = _handles_of(handles)
+    report, capacity = report_of(handles.report), is_within.size
+    pose_world(handles.world, report, stale, revision, X_PFs)
+    summary, moments, counts = report.summary, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
-    found[:] = False
+    is_within[:] = False
     tables = (
-        hands.kernels,
-        hands.pair_kernels,
-        hands.pair_rows,
-        hands.types,
-        hands.starts,
-        hands.pool,
+        handles.kernels,
+        handles.pair_kernels,
+        handles.pair_rows,
+        handles.types,
+        handles.starts,
+        handles.pool,
     )
-    filled = (rows, found, points, ids, part(counts, BY_METHOD, counts.size))
-    count = point_phase(tables, hands.world, p_WQs, threshold, filled)
-    told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, capacity, capacity
+    filled = (rows, is_within, points, ids, part(counts, BY_METHOD, counts.size))
+    count = point_phase(tables, handles.world, p_WQs, threshold, filled)
+    summary[LIST_MADE], summary[CONSIDERED], summary[LISTED_PAIRS] = 0, capacity, capacity
     counts[FAR] = capacity - count
     moments[ANSWERED] = now()
     return count
 
 
-def _there(world: World, found: PointBatch) -> PointBatch:
-    """Return the answers about geometries that do not wait for a pose."""
+def _without_waiting(world: World, batch: PointBatch) -> PointBatch:
+    """Return the answers about geometries that do not wait for a first pose."""
     if world.is_whole:
-        return found
-    there = np.flatnonzero(~world.waiting[world.geometry_rows(found.ids)])
-    return PointBatch(found.ids[there], found.points[there], found.rows[there])
+        return batch
+    posed = np.flatnonzero(~world.waiting[world.geometry_rows(batch.ids)])
+    return PointBatch(batch.ids[posed], batch.points[posed], batch.rows[posed])
 
 
 class PointDistanceQueries:
-    """Answers the point queries of one engine."""
+    """Point queries of one engine."""
 
     def __init__(self, report: ReportArrays) -> None:
         self._report = report
@@ -137,54 +137,54 @@ class PointDistanceQueries:
         self._shapes: PointShapes | None = None
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, '_world': None}  # the handles of a copy are others
+        return {**self.__dict__, '_world': None}  # a copy needs handles of its own
 
     def answer(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``.
 
-        The kernels are there, and the points ``are_allowed``.
+        The kernels must be compiled, and the points must satisfy ``are_allowed``.
         """
         if self._world is not world or self._shapes is not world.point_shapes:
-            self._hand_over(world)
+            self._prepare(world)
         if is_worth_sharing(self._seconds_a_point, len(p_WQs)):
             return self._answer_shared(world, p_WQs, threshold)
-        count, found = self._run(world, p_WQs, threshold)
-        there = found.ids[:count], found.points[:count], found.rows[:count]
-        return _there(world, PointBatch(*there))
+        count, buffer = self._run(world, p_WQs, threshold)
+        answers = buffer.ids[:count], buffer.points[:count], buffer.rows[:count]
+        return _without_waiting(world, PointBatch(*answers))
 
     def _run(self, world: World, p_WQs: Floats, threshold: float) -> tuple[int, PointBatch]:
-        """Answer in one call; return how many answers there are, the first of what is returned."""
+        """Answer in one call; return the number of answers, and a batch that begins with them."""
         capacity = len(p_WQs) * world.geometry_count
         rows = np.empty((capacity, POINT_WIDTH))
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
-        answers = rows, found, points, ids
-        count = _run_points(self._hands, stale, revision, X_PFs, p_WQs, threshold, answers)
+        X_PFs, is_within = world.pending_poses, np.empty(capacity, dtype=np.bool_)
+        answers = rows, is_within, points, ids
+        count = _run_points(self._handle, stale, revision, X_PFs, p_WQs, threshold, answers)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         return count, PointBatch(ids, points, rows)
 
     def _answer_shared(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
-        """Answer by threads, in a world that is posed first."""
+        """Answer by threads, after posing the world."""
         self._run(world, p_WQs[:0], threshold)
-        found, by_method = shared_point_distances(world, p_WQs, threshold)
+        batch, by_method = shared_point_distances(world, p_WQs, threshold)
         report, capacity = self._report, len(p_WQs) * world.geometry_count
-        report.told[[CONSIDERED, LISTED_PAIRS]] = capacity
+        report.summary[[CONSIDERED, LISTED_PAIRS]] = capacity
         report.counts[BY_METHOD:] = by_method[: report.counts.size - BY_METHOD]
-        report.counts[FAR] = capacity - len(found.ids)
+        report.counts[FAR] = capacity - len(batch.ids)
         report.moments[ANSWERED] = time.perf_counter()
-        return _there(world, found)
+        return _without_waiting(world, batch)
 
-    def _hand_over(self, world: World) -> None:
-        """Take another world."""
+    def _prepare(self, world: World) -> None:
+        """Make the handles for another world or other point shapes."""
         self._shapes = shapes = world.point_shapes
-        self._seconds_a_point = seconds_a_point(shapes)  # a third of what 100 points take
+        self._seconds_a_point = seconds_a_point(shapes)  # costs a third of a query of 100 points
         types, starts, pool = shapes.types, shapes.starts, shapes.pool
         pair_rows = POINT_ROWS[types]
-        # By the handle of handles.
+        # Kept alive as long as the handle of handles.
         self._kept = handle_of(self._report), world.handle, pair_rows, types, starts, pool
-        hands = PointHands(
+        handles = PointQueryHandles(
             world=world.handle,
             report=self._kept[0],
             kernels=POINT_ADDRESSES,
@@ -194,4 +194,4 @@ class PointDistanceQueries:
             starts=starts,
             pool=pool,
         )
-        self._world, self._hands = world, handle_of(hands)
+        self._world, self._handle = world, handle_of(handles)

@@ -1,4 +1,4 @@
-"""Many points of one moment, shared out to threads: each is answered for itself."""
+"""Large point queries, shared out to threads: each point is answered independently."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ Indices = NDArray[np.int64]
 
 
 def seconds_a_point(shapes: PointShapes) -> float:
-    """Return about how long [s] a point takes to all of the geometries."""
+    """Return an estimate of the time [s] that one point takes against all geometries."""
     slow = [k for k, name in POINT_KERNELS.items() if name == BY_PAIR_KERNEL or k >= SOLID]
     long_ones = int(np.isin(shapes.types, slow).sum())
     return long_ones * LONG_POINT + (len(shapes.types) - long_ones) * SHORT_POINT
 
 
 def is_worth_sharing(each: float, count: int) -> bool:
-    """Tell whether so many points take so long, ``seconds_a_point`` each, that threads help."""
+    """Return whether ``count`` points at ``each`` [s] take long enough for threads to help."""
     return THREADS > 1 and count * each > LONG
 
 
 def shared_point_distances(
     world: World, p_WQs: Floats, threshold: float
 ) -> tuple[PointBatch, Indices]:
-    """Return the answers of ``point_phase`` about a world that is up to date, and its counts."""
+    """Return the answers and counts of ``point_phase`` for an up-to-date world, by threads."""
     n = world.geometry_count
     capacity = len(p_WQs) * n
     rows = np.empty((capacity, POINT_WIDTH))
@@ -43,8 +43,8 @@ def shared_point_distances(
 
     def answer(first: int, last: int) -> tuple[int, int, Indices]:
         part, counts = slice(first * n, last * n), np.zeros(COUNTS, dtype=np.int64)
-        found = np.zeros((last - first) * n, dtype=np.bool_)
-        answers = rows[part], found, points[part], ids[part], counts
+        is_within = np.zeros((last - first) * n, dtype=np.bool_)
+        answers = rows[part], is_within, points[part], ids[part], counts
         count = point_phase(tables, world.handle, p_WQs[first:last], threshold, answers)
         points[first * n : first * n + count] += np.uint32(first)
         return first * n, count, counts

@@ -1,4 +1,4 @@
-"""Pairs so small or so large that products of their lengths leave float64, brought to about 1 m.
+"""Rescaling to about 1 m of pairs so small or large that products of lengths leave float64.
 
 A power of two changes no digit of a length, and the signed distance scales with the lengths.
 """
@@ -19,7 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     call_kernel,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import SUMMITS
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import EXTREMES
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, ELLIPSOID, VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.runtime.addresses import Address, caller
@@ -27,16 +27,16 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, LEAST_LENGTH, SMALL_SIZE
 
-# That of ``at_one_metre``, and of what else calls a kernel: its address comes first.
+# Signature of ``at_one_metre`` and other functions that call a kernel: its address comes first.
 SIGNATURE_BY_ADDRESS = types.void(types.intp, *PAIR_SIGNATURE.args)
 call_by_address = caller(SIGNATURE_BY_ADDRESS)
 
 
 @inlined
 def is_extreme(size: float, p_AB_W: Floats) -> bool:
-    """Tell whether products of a few lengths of a pair may leave float64.
+    """Return whether products of a few lengths of a pair may leave the range of float64.
 
-    ``size`` [m] is that of its shapes, ``p_AB_W`` what is between them.
+    ``size`` [m] is that of its shapes, ``p_AB_W`` the position of B from A.
     """
     x, y, z = abs(p_AB_W[0]), abs(p_AB_W[1]), abs(p_AB_W[2])
     return not SMALL_SIZE < size + x + y + z < LARGE_SIZE
@@ -44,9 +44,9 @@ def is_extreme(size: float, p_AB_W: Floats) -> bool:
 
 @inlined
 def vanishes(kind: int, shape: Floats) -> bool:
-    """Tell whether products of lengths of a shape may leave float64, whatever it is paired with.
+    """Return whether products of a shape's lengths may leave float64 with any partner.
 
-    Of ellipsoids squares of semi-axes are taken.
+    Kernels of ellipsoids square the semi-axes.
     """
     return kind == ELLIPSOID and min(shape[0], shape[1], shape[2]) < SMALL_SIZE
 
@@ -55,13 +55,13 @@ def vanishes(kind: int, shape: Floats) -> bool:
 def resized(kind: int, shape: Floats, exponent: int) -> Floats:
     """Return a copy of a shape's parameters with its lengths times 2^exponent.
 
-    A semi-axis that is nothing beside 1 m is then taken for one whose powers stay within float64.
+    Semi-axes negligible beside 1 m are replaced by a length whose powers stay within float64.
     """
     copy = shape.copy()
     first, last = 0, shape.size
     if kind == CONVEX:
-        # Behind the number of the vertices their coordinates, the defect and the ball.
-        first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + SUMMITS)
+        # After the number of vertices follow their coordinates, the defect and the ball.
+        first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + EXTREMES)
     for k in range(first, last):
         copy[k] = math.ldexp(copy[k], exponent)
         if kind == ELLIPSOID:
@@ -78,10 +78,10 @@ def at_one_metre(
     aim: Aim,
     out: Floats,
 ) -> None:
-    """Call the kernel at an address for the pair brought to about 1 m.
+    """Call the kernel at an address for the pair rescaled to about 1 m.
 
-    Itself called through its address: a copy of a shape may fail, and to Numba that made every
-    other pair of the narrow phase take 100 ns more.
+    It is itself called by address. Copying a shape may fail, and inlined into the narrow phase
+    that possibility made every other pair take 100 ns longer.
     """
     largest = max(aim.size, norm(vector_at(p_AB_W, 0)))
     _, e = math.frexp(largest)

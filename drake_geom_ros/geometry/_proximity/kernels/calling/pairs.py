@@ -1,7 +1,7 @@
-"""How kernels are called: one result layout, one signature, called through an address.
+"""Calling convention of pair kernels: one result layout, one signature, calls by address.
 
-The engine makes one compiled call a query and each pair of it goes to the kernel of its row in
-the pair table. Handing Numba a tuple of functions would compile all of them with the caller, and
+The engine makes one compiled call per query, and each pair goes to the kernel of its row in the
+pair table. Passing Numba a tuple of functions would compile all of them with the caller, and
 boxing first-class functions costs 100 us each (measured, Numba 0.68). So a kernel is compiled
 alone, when a scene first has such a pair, and the caller gets an array of addresses.
 
@@ -25,19 +25,18 @@ ERROR_BOUND = 10  # |distance - phi| <= error_bound
 UNIQUE = 11  # 1 where nhat_BA_W is unique, else 0
 METHOD = 12  # a number of ``kinds.Method``
 PAIR_WIDTH = 13
-# Columns that follow in the slot of a pair (``pairs.slots``): what is known of it, beside its
-# answer.
+# Columns that follow the answer in the slot of a pair (``pairs.slots``).
 SLACK = 13
 SEEN = 14
 LEVEL_GAP = 15
-SLOT_WIDTH = 16  # two lines of the cache
-# Columns that a slot may have beyond, for what a kernel of two hulls remembers (``remembered``):
-# with them it takes eight lines of the cache.
+SLOT_WIDTH = 16  # two cache lines
+# Further columns of a slot for the memory of a kernel of two hulls (``remembered``): with them a
+# slot takes eight cache lines.
 MEMORY_WIDTH = 48
 
 
 class OrientedShape(NamedTuple):
-    """A shape of a pair, as its kernel takes it: where it is the other's position tells."""
+    """A shape of a pair with its orientation; the position is passed separately, as p_AB_W."""
 
     kind: int  # shape type number, for the kernel that serves many pairs
     shape: Floats  # parameters
@@ -45,9 +44,9 @@ class OrientedShape(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """What a kernel is to do."""
+    """Accuracy goal of a kernel call."""
 
-    size: float  # [m] that of the pair's shapes
+    size: float  # [m] of the pair's shapes
     tolerance: float  # [m]
     cutoff: float  # [m]
 
@@ -71,7 +70,7 @@ def write(
     unique: bool,
     method: int,
 ) -> None:
-    """Fill one result row."""
+    """Write one result row."""
     out[DISTANCE] = distance
     out[ERROR_BOUND] = error_bound
     out[UNIQUE] = 1.0 if unique else 0.0

@@ -1,4 +1,4 @@
-"""How kernels of many points are called: one result layout, one signature, common first lines.
+"""Calling convention of point kernels: one result layout, one signature, common steps.
 
 Conventions::
 
@@ -7,11 +7,11 @@ Conventions::
 ========== ========================================================================
 address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
 kind       shape type number
-body       the geometry where it is, see ``PointedBody``
+body       the posed geometry, see ``PointedBody``
 p_WQs      points (m, 3) [m]
-threshold  [m] what is certified to be farther away is left out
-span       which points to answer, and where, see ``Span``
-answers    where they are written, see ``PointAnswers``
+threshold  [m] points certified to be farther away are omitted
+span       the range of points to answer, and their rows, see ``Span``
+answers    arrays of the answers, see ``PointAnswers``
 ========== ========================================================================
 """
 
@@ -42,18 +42,18 @@ POINT_WIDTH = 10
 
 
 class PointedBody(NamedTuple):
-    """A geometry G with its pose, how far it reaches, and how far off its pose is."""
+    """A geometry G with its pose, its outer radius, and the rounding of its pose."""
 
     shape: Floats  # parameters
     R_WG: Floats
     p_WG: Floats  # [m]
-    outer: float  # [m] reach about Go
-    rounding: float  # [m] of the pose, ``pose_rounding``
-    tilt: float  # [-] the same of a half space's normal; 0 for all others
+    outer: float  # [m] outer radius about Go
+    rounding: float  # [m] of the pose, see ``pose_rounding``
+    tilt: float  # [-] rounding of a half space's normal; 0 for all others
 
 
 class Span(NamedTuple):
-    """The points first to last - 1; the answer of point k belongs into row k n + g."""
+    """The points first to last - 1; the answer of point k goes to row k n + g."""
 
     first: int
     last: int
@@ -62,11 +62,11 @@ class Span(NamedTuple):
 
 
 class PointAnswers(NamedTuple):
-    """What kernels fill in."""
+    """Arrays that point kernels fill."""
 
     rows: Floats  # (m n, POINT_WIDTH)
-    found: NDArray[np.bool_]  # (m n,) becomes True where there is an answer
-    counts: NDArray[np.int64]  # by METHOD, how many answers there were
+    is_within: NDArray[np.bool_]  # (m n,) set to True where there is an answer
+    counts: NDArray[np.int64]  # numbers of answers by METHOD
 
 
 _vector, _matrix = types.float64[::1], types.float64[:, ::1]
@@ -84,9 +84,9 @@ call_points_kernel = caller(POINTS_SIGNATURE)
 
 @inlined
 def seen(body: PointedBody, p_WQs: Floats, k: int, threshold: float) -> tuple[bool, Vector, float]:
-    """Return (near, q, rounding): whether G may be within it, p_GQ, and its rounding [m].
+    """Return (near, q, rounding): whether G may be within the threshold, p_GQ, its rounding [m].
 
-    The rounding is that of the pose and of the difference.
+    The rounding includes that of the pose and of the difference.
     """
     p_WG = body.p_WG
     p_GQ_W = p_WQs[k, 0] - p_WG[0], p_WQs[k, 1] - p_WG[1], p_WQs[k, 2] - p_WG[2]
@@ -108,7 +108,7 @@ def put_point(
     unique: bool,
     method: float,
 ) -> None:
-    """Fill a row."""
+    """Write a result row."""
     rows[k, POINT_DISTANCE] = distance
     rows[k, POINT_ERROR_BOUND] = bound
     rows[k, POINT_UNIQUE] = 1.0 if unique else 0.0
@@ -128,11 +128,11 @@ def take(
     rounding: float,
     nearest: tuple[float, Vector, Vector, bool],
 ) -> None:
-    """Fill row k from a closed form in G, where it may be within the threshold."""
+    """Write row k from a closed form in G, if it may be within the threshold."""
     distance, grad, p_GN, unique = nearest
     bound = CLOSED_FORM_ROUNDING * size + rounding
     if distance - bound <= threshold:
         grad_W = rotate(body.R_WG, grad)
         put_point(answers.rows, k, distance, grad_W, p_GN, bound, unique, CLOSED_FORM)
-        answers.found[k] = True
+        answers.is_within[k] = True
         answers.counts[CLOSED_FORM] += 1

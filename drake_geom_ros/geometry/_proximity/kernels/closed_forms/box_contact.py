@@ -1,7 +1,7 @@
-"""Where two boxes meet: closest edges of boxes apart, a common point of boxes that touch.
+"""Witness points of two boxes: closest edges of separated boxes, a common point of touching ones.
 
-Both boxes stand in the frame of the first: half sizes h, axes of the frame; the second has half
-sizes g, axes ``b = (b_x, b_y, b_z)`` and centre c. ``seen_from_other`` swaps the roles.
+Both boxes are given in the frame of the first, which has half sizes h along the axes. The second
+has half sizes g, axes ``b = (b_x, b_y, b_z)`` and centre c. ``seen_from_other`` swaps the roles.
 """
 
 import math
@@ -25,7 +25,7 @@ from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 @compiled
 def to_first(b: tuple[Vector, Vector, Vector], v: Vector) -> Vector:
-    """Return v, given along the second box's axes, along those of the first."""
+    """Return v in the axes of the first box, given in those of the second."""
     return (
         b[0][0] * v[0] + b[1][0] * v[1] + b[2][0] * v[2],
         b[0][1] * v[0] + b[1][1] * v[1] + b[2][1] * v[2],
@@ -35,7 +35,7 @@ def to_first(b: tuple[Vector, Vector, Vector], v: Vector) -> Vector:
 
 @compiled
 def to_second(b: tuple[Vector, Vector, Vector], v: Vector) -> Vector:
-    """Return v, given along the first box's axes, along those of the second."""
+    """Return v in the axes of the second box, given in those of the first."""
     return dot(b[0], v), dot(b[1], v), dot(b[2], v)
 
 
@@ -56,14 +56,14 @@ def seen_from_other(
 def _closest_edge(
     h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, enough: float
 ) -> tuple[float, Vector, Vector]:
-    """Return distance, p_CaCb and edge point of the second box's edge nearest to the first.
+    """Return the distance, p_CaCb and edge point of the second box's edge nearest to the first.
 
-    Ends early once the distance is at most ``enough`` [m].
+    The search ends early once the distance is at most ``enough`` [m].
     """
     best, p_CaCb, p = math.inf, (0.0, 0.0, 0.0), c
     for j in range(3):
         k, m = (j + 1) % 3, (j + 2) % 3
-        # Edges on the side of the first box come first.
+        # Edges facing the first box come first.
         u = scale(-g[k] if dot(c, b[k]) > 0.0 else g[k], b[k])
         v = scale(-g[m] if dot(c, b[m]) > 0.0 else g[m], b[m])
         half = (g[j] * abs(b[j][0]), g[j] * abs(b[j][1]), g[j] * abs(b[j][2]))
@@ -78,7 +78,7 @@ def _closest_edge(
             point = add_scaled(middle, t, b[j])
             vector = excess(h, point)
             if abs(t) < g[j] and min(abs(vector[0]), abs(vector[1]), abs(vector[2])) > 0.0:
-                # Within an edge, over a vertex: what is short has few digits, but is across it.
+                # Inside an edge, over a vertex: a short vector has few digits, so make it normal.
                 vector = add_scaled(vector, -dot(vector, b[j]), b[j])
             distance = norm(vector)
             if distance < best:
@@ -94,7 +94,7 @@ def closest_points(
 ) -> tuple[Vector, Vector]:
     """Return p_CaCb from the first box to the second, and its starting point.
 
-    The closest points where the boxes are apart; a pair at most ``enough`` [m] apart will do.
+    They are the closest points of separated boxes, or any two at most ``enough`` [m] apart.
     """
     distance, p_CaCb, p = _closest_edge(h, g, b, c, enough)
     if distance <= enough:
@@ -110,7 +110,7 @@ def closest_points(
 def _clip(
     c: tuple[float, float], d: tuple[float, float], h: tuple[float, float], half_length: float
 ) -> tuple[float, float]:
-    """Return the interval of t, |t| <= half_length, with c + t d in the rectangle h, all in 2D.
+    """Return the interval of t, |t| <= half_length, with c + t d in the rectangle h, in 2D.
 
     Empty intervals end before they begin.
     """
@@ -132,7 +132,7 @@ def _outline(
     v: tuple[float, float],
     c: tuple[float, float],
 ) -> tuple[float, float, float]:
-    """Return length and moment of the edges of rectangle g (axes u, v, centre c) within h, 2D."""
+    """Return the length and moment of the edges of rectangle g (axes u, v, centre c) in h, 2D."""
     length, x, y = 0.0, 0.0, 0.0
     for side in (-1.0, 1.0):
         for turn in range(2):
@@ -159,8 +159,8 @@ def _patch_centre(
 ) -> tuple[bool, tuple[float, float]]:
     """Return whether two rectangles in a plane overlap, and the centre of the overlap's outline.
 
-    The outline consists of the stretches of either rectangle's edges within the other, so their
-    mean lies in the overlap, which is convex. ``slack`` [m] lets rectangles that only touch count.
+    The outline consists of the parts of each rectangle's edges within the other, so its centroid
+    lies in the overlap, which is convex. With ``slack`` [m], touching rectangles count, too.
     """
     inner = (h[0] + slack, h[1] + slack)
     length, x, y = _outline(inner, g, u, v, c)
@@ -170,7 +170,7 @@ def _patch_centre(
     total = length + other
     if total == 0.0:
         return False, c
-    # Moments of the second kind are along u and v, from c.
+    # The second moments are along u and v, from c.
     return True, (
         (x + other * c[0] + s * u[0] + t * v[0]) / total,
         (y + other * c[1] + s * u[1] + t * v[1]) / total,
@@ -187,11 +187,11 @@ def common_point(
     is_face: bool,
     slack: float,
 ) -> tuple[Vector, float]:
-    """Return a point of both boxes, which touch, and by how much [m] the second misses it.
+    """Return a common point of two touching boxes, and its distance [m] from the second box.
 
-    n (unit) points out of the first box at the contact; ``is_face``: it is normal to a face.
-    The point is the centre of the second box's lowest vertex, edge or face along n, as far as that
-    lies on the first; else a point where edges meet.
+    The unit n points out of the first box at the contact; ``is_face``: it is normal to a face. The
+    point is the centre of that part of the second box's lowest vertex, edge or face along n that
+    lies on the first box; otherwise it is a point where edges meet.
     """
     feature, flats, first, second = c, 0, 0, 0
     for k in range(3):
@@ -202,7 +202,7 @@ def common_point(
         else:
             feature = add_scaled(feature, -g[k] if cosine > 0.0 else g[k], b[k])
     p = feature
-    found = flats < 2
+    on_first = flats < 2
     if flats == 1:
         t = nearest_parameter(h, feature, b[second], g[second])
         p = add_scaled(feature, t, b[second])
@@ -211,10 +211,10 @@ def common_point(
         i, j = (k + 1) % 3, (k + 2) % 3
         u, v = (b[first][i], b[first][j]), (b[second][i], b[second][j])
         sizes, middle = (g[first], g[second]), (feature[i], feature[j])
-        found, centre = _patch_centre((h[i], h[j]), sizes, u, v, middle, slack)
+        on_first, centre = _patch_centre((h[i], h[j]), sizes, u, v, middle, slack)
         p = add(along(i, centre[0]), add(along(j, centre[1]), along(k, feature[k])))
     p_CaCb = excess(h, p)
-    if found and norm(p_CaCb) <= 4.0 * slack:
+    if on_first and norm(p_CaCb) <= 4.0 * slack:
         return sub(p, p_CaCb), norm(p_CaCb)
     p_CaCb, p = closest_points(h, g, b, c, slack)
     return p, norm(p_CaCb)

@@ -1,16 +1,16 @@
-"""Box against box.
+"""Signed distance of two boxes.
 
 The Minkowski difference of two boxes has facets along 15 axes: the faces of A, the faces of B, and
 each edge of A crossed with each edge of B (S. Gottschalk, *Separating axis theorem*, 1996). The
 largest separation along them is the signed distance where the boxes overlap, with the least
-translation along that axis. Where they are apart it is a lower bound; the distance itself is the
-least of the 24 edges, each against the solid other box, which covers vertices, edges and faces.
+translation along that axis. For separated boxes it is a lower bound. Their distance is the least
+of the 24 edges, each against the other box as a solid, which covers vertices, edges and faces.
 
-Everything is computed in A's frame with B's axes as they stand there, so that an edge crossed
-with a nearly parallel one is at right angles to both to the last digit. Only parallels are
-dropped; they cross in no direction that a face has not. Equal separations: a face before crossed
-edges, A's before B's, the lowest axis first, towards its positive side if both are equal. Where
-face lies on face, the witness points are at the centre of the outline of the patch they share.
+All is computed in A's frame with B's axes expressed there, so the cross product of nearly parallel
+edges is normal to both to the last digit. Only parallel edges are skipped, because their cross
+products are face normals. Among equal separations, a face precedes crossed edges, A's faces B's,
+and the lowest axis comes first, towards its positive side. Where a face lies on a face, the
+witness points are at the centroid of the outline of the common patch.
 """
 
 import math
@@ -57,17 +57,17 @@ AXES = 15
 
 @compiled
 def _axis(b: tuple[Vector, Vector, Vector], m: int) -> Vector:
-    """Return candidate m for the separating axis, in A: a unit vector, or 0 if there is none."""
+    """Return candidate m of the separating axes, in A: a unit vector, or 0 for none."""
     if m < 3:
         return along(m, 1.0)
     if m < 6:
         return b[m - 3]
     n = cross(along((m - 6) // 3, 1.0), b[(m - 6) % 3])
     sine = math.sqrt(dot(n, n))
-    # Complete without them: boxes with exactly parallel edges are prisms along these, which are
-    # told apart as rectangles are, by their sides, the normals of faces. Turning one box until
-    # the edges are parallel moves no point by more than RIGHT_ANGLE times the extent, and so no
-    # separation: a quarter of CLOSED_FORM_ROUNDING, which is in the error bound.
+    # Parallel edges are not needed: boxes with exactly parallel edges are prisms along these, and
+    # face normals suffice to separate their cross sections. Turning one box until the edges are
+    # parallel changes no separation by more than RIGHT_ANGLE times the extent: a quarter of
+    # CLOSED_FORM_ROUNDING, which is in the error bound.
     if sine <= RIGHT_ANGLE:
         return 0.0, 0.0, 0.0
     return scale(1.0 / sine, n)
@@ -77,7 +77,7 @@ def _axis(b: tuple[Vector, Vector, Vector], m: int) -> Vector:
 def _separation(
     h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, n: Vector, slack: float
 ) -> tuple[float, float]:
-    """Return the separation of the boxes along n or -n, whichever is larger, and its sign."""
+    """Return the larger separation of the boxes along n and -n, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     size_A = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     size_B = g[0] * abs(dot(b[0], n)) + g[1] * abs(dot(b[1], n)) + g[2] * abs(dot(b[2], n))
@@ -88,7 +88,7 @@ def _separation(
 def _separating_axis(
     h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, slack: float
 ) -> tuple[float, Vector, int, bool]:
-    """Return the largest separation, its unit normal out of A, the axis's number, uniqueness."""
+    """Return the largest separation, its unit normal out of A, its axis number, uniqueness."""
     phi, n, best, tie = -math.inf, (1.0, 0.0, 0.0), 0, False
     for m in range(AXES):
         axis = _axis(b, m)
@@ -113,7 +113,7 @@ def _witness_on_first(
     axis: int,
     slack: float,
 ) -> tuple[Vector, float]:
-    """Return the point of A, in A, that meets B moved by -phi n, and how far it misses it."""
+    """Return the point of A, in A, that touches B moved by -phi n, and its distance from B."""
     moved = add_scaled(c, -phi, n)
     if 3 <= axis < 6:
         a, origin = seen_from_other(b, moved)
@@ -126,7 +126,7 @@ def _witness_on_first(
 def _signed_distance(
     h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, slack: float
 ) -> tuple[float, Vector, Vector, bool]:
-    """Return (phi, n, p_ACa, unique) in A; n is unit and points out of A."""
+    """Return (phi, n, p_ACa, unique) in A; the unit n points out of A."""
     phi, n, axis, unique = _separating_axis(h, g, b, c, slack)
     if phi <= -slack:
         p, _ = _witness_on_first(h, g, b, c, phi, n, axis, slack)
@@ -136,8 +136,8 @@ def _signed_distance(
     apart, clear = distance > slack, distance > CLEAR_SEPARATION * slack
     if apart and distance > phi + slack:
         return distance, direction, p_ACa, clear
-    # The axis separates as widely as the closest points; it is the normal, unless boxes that
-    # face each other only almost have a distance that differs from its by less than rounding.
+    # The axis separates as widely as the closest points, so it is the normal. The exception are
+    # faces that are nearly parallel, whose distance differs from the axis's only by rounding.
     p, miss = _witness_on_first(h, g, b, c, phi, n, axis, slack)
     if apart and miss > 4.0 * slack:
         return distance, direction, p_ACa, clear
@@ -147,7 +147,7 @@ def _signed_distance(
 
 @compiled
 def box_box(A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats) -> None:
-    """Signed distance of two boxes."""
+    """Write the signed distance of two boxes."""
     h, g = vector_at(A.shape, 0), vector_at(B.shape, 0)
     c = unrotate(A.R_W, vector_at(p_AB_W, 0))
     b = (

@@ -1,9 +1,9 @@
-"""Signed distance from a point to an ellipsoid, global and to rounding.
+"""Signed distance from a point to an ellipsoid: the global minimum, exact to rounding.
 
 The point of the surface nearest to q satisfies ``x_i = e_i^2 q_i / (e_i^2 + s)`` for the largest
 root s of ``S = sum_i (e_i q_i / (e_i^2 + s))^2 = 1`` above minus the square of the shortest
 semi-axis, inside and outside alike (D. Eberly, *Distance from a Point to an Ellipse, an
-Ellipsoid, or a Hyperellipsoid*). Two changes make it exact to rounding and short:
+Ellipsoid, or a Hyperellipsoid*). Two changes make it exact to rounding and fast:
 
 - the unknown is ``u = s + e_min^2``, so that every denominator is ``u + (e_i - e_min)(e_i +
   e_min)``, a sum of positive numbers that loses no digits, even where u is close to 0
@@ -15,7 +15,7 @@ Ellipsoid, or a Hyperellipsoid*). Two changes make it exact to rounding and shor
   where the asymptote of ``1 / sqrt(S)``, which a concave function is below, is 1. Where the
   bracket is wide its exponent is halved first, since Newton would only grow u by a half a step.
 
-Where q lies so deep in the plane across the shortest axis that S < 1 already at u = 0, two
+Where q lies so deep in the plane normal to the shortest axis that S < 1 at u = 0, two
 mirror images (or a circle) are nearest: the medial set.
 """
 
@@ -34,7 +34,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     VANISHING,
 )
 
-# Of points outside, hardly any takes more than four; a step of all costs a tenth of one of each.
+# Points outside rarely need more than four; a vectorised step costs a tenth of a scalar one.
 STEPS_OF_ALL = 4
 
 
@@ -42,7 +42,7 @@ class NearestOnSurface(NamedTuple):
     """The point N of a shape's surface nearest to q: ``q - p_GN = distance * grad``.
 
     ``distance`` [m] is signed, negative inside, ``grad`` its unit gradient, which is the outward
-    normal at N, and ``unique`` tells whether there is only one such point.
+    normal at N, and ``unique`` is True if there is only one such point.
     """
 
     distance: float
@@ -52,7 +52,7 @@ class NearestOnSurface(NamedTuple):
 
 
 class Octant(NamedTuple):
-    """A point as seen by an ellipsoid: in units of its longest semi-axis, all coordinates >= 0.
+    """A point relative to an ellipsoid, in units of the longest semi-axis, coordinates >= 0.
 
     ``w = e q`` are the weights of the image, and ``-f`` its poles, ``f = e^2 - e_min^2``.
     """
@@ -96,8 +96,8 @@ def _image(w: Vector, f: Vector, u: float) -> Vector:
 
 @inlined
 def newton_step(w: Vector, f: Vector, u: float) -> float:
-    """Return Newton's step for 1 / sqrt(S) = 1 at u, or 0 where S <= 1 to rounding."""
-    # Divisions take most of the time here: one an axis, and the last point is exact.
+    """Return Newton's step for 1 / sqrt(S) = 1 at u, or 0 where S <= 1 within rounding."""
+    # Divisions take most of the time, so there is one per axis; the last point is exact.
     r = 1.0 / (u + f[0]) if w[0] > 0.0 else 0.0
     s = 1.0 / (u + f[1]) if w[1] > 0.0 else 0.0
     t = 1.0 / (u + f[2]) if w[2] > 0.0 else 0.0
@@ -109,7 +109,7 @@ def newton_step(w: Vector, f: Vector, u: float) -> float:
 
 @inlined
 def _below_root(w: Vector, f: Vector, low: float) -> float:
-    """Return a closer lower bound of the root of |_image(w, f, u)| = 1 than a bound low > 0."""
+    """Return a sharper lower bound than ``low`` > 0 of the root of |_image(w, f, u)| = 1."""
     high = norm(w)
     mean = 0.0
     for k in range(3):
@@ -129,7 +129,7 @@ def _below_root(w: Vector, f: Vector, low: float) -> float:
 
 @inlined
 def first_parameter(octant: Octant) -> float:
-    """Return where Newton's method starts: at most at the root, 0 where there is none above 0."""
+    """Return the start of Newton's method: at most the root, or 0 if no root is positive."""
     w, f = octant.w, octant.f
     low = max(w[0] - f[0], w[1] - f[1], w[2] - f[2])
     if low > 0.0:
@@ -142,7 +142,7 @@ def first_parameter(octant: Octant) -> float:
 
 @inlined
 def last_parameter(octant: Octant, u: float) -> float:
-    """Return the root by Newton's method from a bound below it, or 0."""
+    """Return the root by Newton's method from a lower bound u, or 0."""
     for _ in range(ELLIPSOID_STEPS):
         step = newton_step(octant.w, octant.f, u)
         u += step
@@ -153,9 +153,9 @@ def last_parameter(octant: Octant, u: float) -> float:
 
 @compiled
 def step_all(f: Vector, work: Floats) -> None:
-    """Do some steps of ``last_parameter`` for many points, one step of all of them at a time.
+    """Do some steps of ``last_parameter`` for many points, each step for all points at once.
 
-    ``work`` (5, n) holds their weights w, their parameters, and 1 for whoever is not there yet.
+    ``work`` (5, n) holds their weights w, their parameters, and 1 for points not converged yet.
     """
     xs, ys, zs, us, going = row(work, 0), row(work, 1), row(work, 2), row(work, 3), row(work, 4)
     for _ in range(STEPS_OF_ALL):
@@ -169,7 +169,7 @@ def step_all(f: Vector, work: Floats) -> None:
 
 @inlined
 def nearest_at(e: Vector, q: Vector, slack: float, octant: Octant, u: float) -> NearestOnSurface:
-    """Return the point of the ellipsoid that is nearest to q, by the parameter of its image."""
+    """Return the point of the ellipsoid nearest to q, from the parameter of its image."""
     _, _, a, a_min, longest = octant
     y = _image(octant.w, octant.f, u)
     room = 1.0 - (y[0] * y[0] + y[1] * y[1] + y[2] * y[2])
@@ -187,7 +187,7 @@ def nearest_at(e: Vector, q: Vector, slack: float, octant: Octant, u: float) -> 
     distance = longest * (u - a_min * a_min) * norm(normal)
     grad = unit(normal)
 
-    # A mirror image that is as near to rounding: 4 q_i x_i more in the square of the distance.
+    # A mirror image may be equally near within rounding: its squared distance has 4 q_i x_i more.
     unique = not medial
     for k in range(3):
         near = 2.0 * abs(q[k]) * e[k] * y[k] <= -distance * slack
@@ -205,7 +205,7 @@ def nearest_at(e: Vector, q: Vector, slack: float, octant: Octant, u: float) -> 
 
 @inlined
 def ellipsoid_point(e: Vector, q: Vector, slack: float) -> NearestOnSurface:
-    """Return the point of the ellipsoid with semi-axes e that is nearest to q.
+    """Return the point of the ellipsoid with semi-axes e nearest to q.
 
     See ``points`` for the meaning of slack.
     """

@@ -1,9 +1,8 @@
-"""Box, capsule, cylinder, ellipsoid and convex hull against a half space.
+"""Signed distance of a box, capsule, cylinder, ellipsoid or convex hull to a half space.
 
-The half space is B, but A against a convex hull, which has the higher type number. The normal is
-along the z axis of the half space, always; the distance is that of the other's lowest point, which
-the support function gives. Where that stands on a face or lies on an edge, the witness is the
-midpoint of the lowest face or edge.
+The half space is B, except against a convex hull, which has the higher type number. The normal is
+always along the z axis of the half space. The distance is that of the other shape's lowest point,
+from its support function. If a face or an edge is lowest, the witness point is its midpoint.
 """
 
 import math
@@ -34,7 +33,7 @@ from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, 
 
 @compiled
 def _lowest(n: float, half: float) -> float:
-    """Return where on [-half, half] an axis that rises by n a metre is lowest: mid if level."""
+    """Return the lowest coordinate in [-half, half] of an axis with the slope n; 0 if level."""
     if n > RIGHT_ANGLE:
         return -half
     if n < -RIGHT_ANGLE:
@@ -52,7 +51,7 @@ def _write(
     depth: float,
     p_ACa: Vector,
 ) -> None:
-    """Fill the row, A's lowest point Ca (in A) being ``depth`` [m] below Ao."""
+    """Write the row, for A's lowest point Ca (in A) ``depth`` [m] below Ao."""
     nhat_BA_W = column(R_WB, 2)
     p = vector_at(p_AB_W, 0)
     distance = -dot(p, nhat_BA_W) - depth
@@ -66,7 +65,7 @@ def _write(
 def box_half_space(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a box and a half space."""
+    """Write the signed distance of a box and a half space."""
     n = unrotate(A.R_W, column(B.R_W, 2))
     h = vector_at(A.shape, 0)
     depth = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
@@ -78,7 +77,7 @@ def box_half_space(
 def capsule_half_space(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a capsule and a half space."""
+    """Write the signed distance of a capsule and a half space."""
     n = unrotate(A.R_W, column(B.R_W, 2))
     radius, half = A.shape[SHAPE_RADIUS], A.shape[HALF_LENGTH]
     p_ACa = (-radius * n[0], -radius * n[1], _lowest(n[2], half) - radius * n[2])
@@ -90,7 +89,7 @@ def capsule_half_space(
 def cylinder_half_space(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a cylinder and a half space."""
+    """Write the signed distance of a cylinder and a half space."""
     n = unrotate(A.R_W, column(B.R_W, 2))
     radius, half = A.shape[SHAPE_RADIUS], A.shape[HALF_LENGTH]
     across = math.sqrt(n[0] * n[0] + n[1] * n[1])
@@ -104,7 +103,7 @@ def cylinder_half_space(
 def ellipsoid_half_space(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of an ellipsoid and a half space."""
+    """Write the signed distance of an ellipsoid and a half space."""
     n = unrotate(A.R_W, column(B.R_W, 2))
     e = vector_at(A.shape, 0)
     v = (e[0] * n[0], e[1] * n[1], e[2] * n[2])
@@ -117,10 +116,10 @@ def ellipsoid_half_space(
 def half_space_convex(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a half space (A) and a hull or solid (B): that of its lowest vertices.
+    """Write the signed distance of a half space A and a hull or solid B, by its lowest vertices.
 
-    The witness is the mean of the vertices that are lowest to rounding; of a solid it is the first
-    of them, for between them there may be a hole.
+    The witness point is the mean of the vertices that are lowest within rounding. For a solid it
+    is the first of them, because there may be a hole between them.
     """
     z_W = column(A.R_W, 2)
     n = unrotate(B.R_W, z_W)

@@ -1,20 +1,19 @@
 """Signed distance from a point to a primitive shape, in the shape's own frame G.
 
-``<shape>_point(lengths, q, slack)`` returns a ``NearestOnSurface``. ``slack`` [m] is the
-rounding that the coordinates of q carry: candidates that differ by less count as equal, and then
-the choice is
+``<shape>_point(lengths, q, slack)`` returns a ``NearestOnSurface``. ``slack`` [m] is the rounding
+of the coordinates of q: candidates that differ by less count as equal, and then the choice is
 
-- centre of a sphere, axis of a capsule or cylinder: +x;
-- equally near faces: the face of the lowest axis, on it the positive side; a cylinder's
-  barrel before its caps;
-- mirror images on an ellipsoid: the positive side of the shortest axis (of the first of them).
+- at the centre of a sphere, or on the axis of a capsule or cylinder: +x;
+- among equally near faces: the face of the lowest axis, on its positive side; a cylinder's barrel
+  before its caps;
+- among mirror images on an ellipsoid: the positive side of the (first) shortest axis.
 
-``at_box_edge`` and ``at_cylinder_rim`` return such a result with another gradient where q lies on
-an edge, a corner or a rim, within ``near`` [m]: the mean of the outward normals that adjoin there,
-at unit length. (Drake's documentation of ``QueryObject`` says so for boxes.)
+``at_box_edge`` and ``at_cylinder_rim`` replace the gradient where q is within ``near`` [m] of an
+edge, a corner or a rim. The gradient there is the normalised mean of the adjacent outward normals,
+as in Drake's documentation of ``QueryObject`` for boxes.
 
-``near_<shape>(shape, q)`` takes the parameters of a kernel, and returns the size of the pair
-[m], sizes plus distance of the origins, and the same with the rounding of that.
+``near_<shape>(shape, q)`` takes the parameters of a kernel. It returns the size of the pair [m],
+sizes plus distance of the origins, and the nearest point with the rounding of that size as slack.
 """
 
 import math
@@ -47,7 +46,7 @@ def clamp(x: float, limit: float) -> float:
 
 @inlined
 def excess(h: Vector, v: Vector) -> Vector:
-    """Return v minus its nearest point of the box with half sizes h: zero inside."""
+    """Return v minus its nearest point of the box with half sizes h; zero inside."""
     return v[0] - clamp(v[0], h[0]), v[1] - clamp(v[1], h[1]), v[2] - clamp(v[2], h[2])
 
 
@@ -59,14 +58,14 @@ def along(k: int, s: float) -> Vector:
 
 @inlined
 def sphere_point(radius: float, q: Vector, slack: float) -> NearestOnSurface:
-    """Signed distance to a sphere."""
+    """Return the nearest point of a sphere to q."""
     rho, grad = length_and_direction(q)
     return NearestOnSurface(rho - radius, grad, scale(radius, grad), rho > slack)
 
 
 @inlined
 def box_point(h: Vector, q: Vector, slack: float) -> NearestOnSurface:
-    """Signed distance to a box with half sizes h."""
+    """Return the nearest point of a box with half sizes h to q."""
     beyond = (abs(q[0]) - h[0], abs(q[1]) - h[1], abs(q[2]) - h[2])
     if max(beyond) > 0.0:
         p_NQ = excess(h, q)
@@ -96,7 +95,7 @@ def box_point(h: Vector, q: Vector, slack: float) -> NearestOnSurface:
 def at_no_edge(
     shape: Floats, q: Vector, near: float, nearest: NearestOnSurface
 ) -> NearestOnSurface:
-    """Return the nearest point of a shape that has no edge."""
+    """Return ``nearest`` unchanged, for shapes without edges."""
     return nearest
 
 
@@ -104,7 +103,7 @@ def at_no_edge(
 def at_box_edge(
     shape: Floats, q: Vector, near: float, nearest: NearestOnSurface
 ) -> NearestOnSurface:
-    """Return the nearest point of a box with the gradient of an edge or a corner, if on one."""
+    """Return the nearest point of a box, with the gradient of an edge or corner if on one."""
     if not abs(nearest.distance) <= near:
         return nearest
     x, y, z = _side(q[0], shape[0], near), _side(q[1], shape[1], near), _side(q[2], shape[2], near)
@@ -117,7 +116,7 @@ def at_box_edge(
 
 @inlined
 def _side(x: float, half: float, near: float) -> float:
-    """Return the side, 1 or -1, on whose face a coordinate lies; 0: on neither."""
+    """Return the side, 1 or -1, on whose face a coordinate lies; 0 for neither."""
     if abs(x) < half - near:
         return 0.0
     return -1.0 if x < 0.0 else 1.0
@@ -125,7 +124,7 @@ def _side(x: float, half: float, near: float) -> float:
 
 @inlined
 def capsule_point(radius: float, half_length: float, q: Vector, slack: float) -> NearestOnSurface:
-    """Signed distance to a capsule: a segment along z, grown by the radius."""
+    """Return the nearest point of a capsule to q: that of its segment along z, plus the radius."""
     z = clamp(q[2], half_length)
     rho, grad = length_and_direction((q[0], q[1], q[2] - z))
     p_GN = (radius * grad[0], radius * grad[1], radius * grad[2] + z)
@@ -134,7 +133,7 @@ def capsule_point(radius: float, half_length: float, q: Vector, slack: float) ->
 
 @inlined
 def cylinder_point(radius: float, half_length: float, q: Vector, slack: float) -> NearestOnSurface:
-    """Signed distance to a cylinder: a rectangle in the plane of the axis and the point."""
+    """Return the nearest point of a cylinder to q: of a rectangle in the plane of axis and q."""
     rho, radial = length_and_direction((q[0], q[1], 0.0))
     barrel = rho - radius
     cap = abs(q[2]) - half_length
@@ -158,7 +157,7 @@ def cylinder_point(radius: float, half_length: float, q: Vector, slack: float) -
 def at_cylinder_rim(
     shape: Floats, q: Vector, near: float, nearest: NearestOnSurface
 ) -> NearestOnSurface:
-    """Return the nearest point of a cylinder with the gradient of a rim, if on one."""
+    """Return the nearest point of a cylinder, with the gradient of a rim if on one."""
     if not abs(nearest.distance) <= near:
         return nearest
     rho, radial = length_and_direction((q[0], q[1], 0.0))
@@ -171,7 +170,7 @@ def at_cylinder_rim(
 
 @inlined
 def half_space_point(q: Vector) -> NearestOnSurface:
-    """Signed distance to the half space z <= 0."""
+    """Return the nearest point of the half space z <= 0 to q."""
     return NearestOnSurface(q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True)
 
 

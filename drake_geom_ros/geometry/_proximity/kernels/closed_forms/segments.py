@@ -1,16 +1,16 @@
-"""Capsule against capsule, and box against capsule: a segment against a box, less the radii.
+"""Signed distance of capsules to capsules and boxes: of a segment to a box, minus the radii.
 
 The core of a capsule is a segment, and a segment is also a box without width and depth. So both
 pairs are one problem: a segment ``c + t d, |t| <= half_length`` in the frame of a box with half
-sizes h. There the square of the distance is a convex, piecewise quadratic function of t alone; its
-slope is piecewise linear, with a break where the segment crosses a face's plane. The root of that
-is found without a case for each pair of features, and without the determinant that makes the
-textbook solution of two lines lose digits when they are nearly parallel.
+sizes h. The square of its distance is a convex, piecewise quadratic function of t alone. Its slope
+is piecewise linear, with a break where the segment crosses the plane of a face. The root of the
+slope needs no cases for pairs of features, and avoids the determinant with which the textbook
+solution for two lines loses digits when they are nearly parallel.
 
-Where segment and box overlap, the least translation is along a facet of their Minkowski
-difference: a face of the box, or an edge of it crossed with the segment. Equal ones: a face before
-a crossed edge, the lowest axis first, towards its positive side if both are equal. Where parallels
-face each other, the witness points are in the middle of the stretch that they share.
+Where segment and box overlap, the least translation is normal to a facet of their Minkowski
+difference: a face of the box, or one of its edges crossed with the segment. Among equal ones, a
+face precedes a crossed edge, and the lowest axis comes first, towards its positive side. Where
+parallels face each other, the witness points are in the middle of the common part.
 """
 
 import math
@@ -50,9 +50,10 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 @compiled
 def _slope(h: Vector, c: Vector, d: Vector, t: float, on_face: int) -> float:
-    """Return half the slope of the squared distance at t; axis ``on_face`` has none there.
+    """Return half the slope of the squared distance at t, without the axis ``on_face``.
 
-    Nor has one that is on a face but for rounding, which could drown the others' small slopes.
+    Axes on a face within rounding contribute nothing either, because their rounding could exceed
+    the small slopes of the others.
     """
     slope = 0.0
     for k in range(3):
@@ -68,7 +69,7 @@ def _slope(h: Vector, c: Vector, d: Vector, t: float, on_face: int) -> float:
 def nearest_parameter(h: Vector, c: Vector, d: Vector, half_length: float) -> float:
     """Return the t [m] at which the segment c + t d is nearest to the box with half sizes h.
 
-    The middle of the stretch where it is equally near for long, also if it runs inside the box.
+    If a whole part is equally near, or inside the box, it is the middle of that part.
     """
     d = (
         d[0] if abs(d[0]) > RIGHT_ANGLE else 0.0,
@@ -81,7 +82,7 @@ def nearest_parameter(h: Vector, c: Vector, d: Vector, half_length: float) -> fl
         return low
     if slope_high < 0.0:
         return high
-    # The stretch of slope 0 found so far: empty while first > last.
+    # The interval of slope 0 so far: empty while first > last.
     first, last = half_length, -half_length
     if slope_low == 0.0:
         first, last = low, low
@@ -107,13 +108,13 @@ def nearest_parameter(h: Vector, c: Vector, d: Vector, half_length: float) -> fl
 
 @compiled
 def _axis(d: Vector, m: int) -> Vector:
-    """Return candidate m of 6 for the separating axis: a unit vector, or 0 if there is none."""
+    """Return candidate m of 6 separating axes: a unit vector, or 0 for none."""
     if m < 3:
         return along(m, 1.0)
     n = cross(along(m - 3, 1.0), d)
     sine = math.sqrt(dot(n, n))
-    # Complete without it, as for boxes (``boxes._axis``): a segment along an edge is a point to
-    # the rectangle across it, and turning it by so little is within CLOSED_FORM_ROUNDING.
+    # Not needed, as for boxes (``boxes._axis``): a segment along an edge is a point in the cross
+    # section, and turning it by so little is within CLOSED_FORM_ROUNDING.
     if sine <= RIGHT_ANGLE:
         return 0.0, 0.0, 0.0
     return scale(1.0 / sine, n)
@@ -123,7 +124,7 @@ def _axis(d: Vector, m: int) -> Vector:
 def _separation(
     h: Vector, c: Vector, d: Vector, half_length: float, n: Vector, slack: float
 ) -> tuple[float, float]:
-    """Return the separation of box and segment along n or -n, the larger one, and its sign."""
+    """Return the larger separation of box and segment along n and -n, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     box = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     return side * dot(c, n) - box - half_length * abs(dot(d, n)), side
@@ -149,7 +150,7 @@ def _separating_axis(
 
 @compiled
 def _turned(p_CaCb: Vector, d: Vector, slack: float) -> Vector:
-    """Return p_CaCb at right angles to d if that moves it by rounding only, else as it is."""
+    """Return p_CaCb made normal to d if that moves it only by rounding, else unchanged."""
     square = dot(d, d)
     if square <= RIGHT_ANGLE * RIGHT_ANGLE:
         return p_CaCb
@@ -161,10 +162,10 @@ def _turned(p_CaCb: Vector, d: Vector, slack: float) -> Vector:
 
 @compiled
 def _across(p_CaCb: Vector, p: Vector, h: Vector, d: Vector, slack: float) -> Vector:
-    """Return p_CaCb from a box to p on a segment along d, at right angles to d again.
+    """Return p_CaCb from a box to p on a segment along d, made normal to d again.
 
-    Rounding, of up to ``slack`` [m], has turned a short one. Coordinates in which p is between two
-    faces are 0 and stay so; one in which p is on a face but for rounding may leave it outwards.
+    Rounding of up to ``slack`` [m] has turned a short vector. Coordinates in which p is between
+    two faces are 0 and stay so; one in which p is on a face within rounding may leave it outwards.
     """
     free = (
         d[0] if abs(p[0]) >= h[0] - slack else 0.0,
@@ -189,8 +190,9 @@ def segment_to_box(
 ) -> tuple[float, Vector, Vector, bool]:
     """Return (phi, n, p, unique) of a segment c + t d, |t| <= half_length, from a box.
 
-    All in the box's frame; d is unit. phi [m]: signed distance; n: unit, out of the box; p: the
-    segment's point, so that p - phi n is the box's. ``slack`` [m]: rounding in the coordinates.
+    All in the box's frame; d is unit. phi [m] is the signed distance, n the unit normal out of the
+    box, p the segment's witness point; p - phi n is the box's. ``slack`` [m] is the rounding of
+    the coordinates.
     """
     t = nearest_parameter(h, c, d, half_length)
     p = add_scaled(c, t, d)
@@ -205,7 +207,7 @@ def segment_to_box(
         if abs(t) < half_length or t * dot(p_CaCb, d) > 0.0:
             _, n = length_and_direction(_across(p_CaCb, p, h, d, slack))
         return distance, n, p, clear
-    # The segment, moved until it touches the box, shares the point with it.
+    # The segment moved until it touches the box shares the witness point with it.
     moved = add_scaled(c, -phi, axis)
     t = nearest_parameter(h, moved, d, half_length)
     unique = unique and not (apart and aside > ALONG_AXIS * distance)
@@ -223,7 +225,7 @@ def _write(
     half_length_B: float,
     p_AB_W: Floats,
 ) -> None:
-    """Fill the row for a box with half sizes h and a segment, each grown by its radius."""
+    """Write the row of a box with half sizes h and a segment, each grown by its radius."""
     c = unrotate(R_WA, vector_at(p_AB_W, 0))
     d = unrotate(R_WA, column(R_WB, 2))
     extent = norm(h) + half_length_B + norm(c)
@@ -246,7 +248,7 @@ def _write(
 def capsule_capsule(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of two capsules."""
+    """Write the signed distance of two capsules."""
     h = (0.0, 0.0, A.shape[HALF_LENGTH])
     radius_A, radius_B = A.shape[SHAPE_RADIUS], B.shape[SHAPE_RADIUS]
     _write(out, A.R_W, radius_A, h, radius_B, B.R_W, B.shape[HALF_LENGTH], p_AB_W)
@@ -254,6 +256,6 @@ def capsule_capsule(
 
 @compiled
 def box_capsule(A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats) -> None:
-    """Signed distance of a box and a capsule."""
+    """Write the signed distance of a box and a capsule."""
     h = vector_at(A.shape, 0)
     _write(out, A.R_W, 0.0, h, B.shape[SHAPE_RADIUS], B.R_W, B.shape[HALF_LENGTH], p_AB_W)

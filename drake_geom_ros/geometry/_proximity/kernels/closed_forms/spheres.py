@@ -1,6 +1,6 @@
-"""Sphere against everything: the signed distance of its centre, less its radius.
+"""Signed distance of a sphere to any primitive: that of its centre, minus its radius.
 
-The nearest point and the choices where it is not unique are those of ``points``; for two
+The nearest point, and the choice where it is not unique, are those of ``points``; for two
 concentric spheres the normal is the x axis of B.
 """
 
@@ -45,7 +45,7 @@ def _write(
     size: float,
     nearest: NearestOnSurface,
 ) -> None:
-    """Fill the row from the point query of A's centre in B's frame."""
+    """Write the row from the nearest point to A's centre in B's frame."""
     distance, nhat_BA_W = nearest.distance - radius, rotate(R_WB, nearest.grad)
     p_ACb_W = add(vector_at(p_AB_W, 0), rotate(R_WB, nearest.p_GN))
     bound = CLOSED_FORM_ROUNDING * (size + radius)
@@ -57,15 +57,15 @@ def _write(
 def sphere_sphere(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of two spheres."""
+    """Write the signed distance of two spheres."""
     size, nearest = near_sphere(B.shape, _centre(B.R_W, p_AB_W))
     _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_box(A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats) -> None:
-    """Signed distance of a sphere and a box."""
-    # Not by ``points.near_box``: a function between, though inlined, costs half as much again.
+    """Write the signed distance of a sphere and a box."""
+    # Not by ``points.near_box``: an intermediate function, even inlined, costs 50 % more.
     q, h = _centre(B.R_W, p_AB_W), vector_at(B.shape, 0)
     size = norm(h) + norm(q)
     _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, box_point(h, q, TIE * size))
@@ -75,7 +75,7 @@ def sphere_box(A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out
 def sphere_capsule(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a sphere and a capsule."""
+    """Write the signed distance of a sphere and a capsule."""
     size, nearest = near_capsule(B.shape, _centre(B.R_W, p_AB_W))
     _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
@@ -84,7 +84,7 @@ def sphere_capsule(
 def sphere_cylinder(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a sphere and a cylinder."""
+    """Write the signed distance of a sphere and a cylinder."""
     size, nearest = near_cylinder(B.shape, _centre(B.R_W, p_AB_W))
     _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
@@ -93,7 +93,7 @@ def sphere_cylinder(
 def sphere_ellipsoid(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a sphere and an ellipsoid."""
+    """Write the signed distance of a sphere and an ellipsoid."""
     size, nearest = near_ellipsoid(B.shape, _centre(B.R_W, p_AB_W))
     _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)
 
@@ -102,6 +102,6 @@ def sphere_ellipsoid(
 def sphere_half_space(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Signed distance of a sphere and a half space."""
+    """Write the signed distance of a sphere and a half space."""
     size, nearest = near_half_space(B.shape, _centre(B.R_W, p_AB_W))
     _write(out, A.shape[SHAPE_RADIUS], B.R_W, p_AB_W, size, nearest)

@@ -1,8 +1,8 @@
-"""A geometry against many points: kernels that hold the loop over the points.
+"""Point kernels: loops over many points against one geometry.
 
-Their arguments stand in ``calling.points``. A call a point takes as long as the closed form of a
-sphere or box, and hides one point's divisions from the next's; so does turning the witness from G
-into World and back.
+Their arguments are documented in ``calling.points``. The loop is inside the kernel because a call
+per point takes as long as the closed form of a sphere or box, and prevents the divisions of
+successive points from overlapping. So does rotating the witness point from G to World and back.
 """
 
 import math
@@ -66,14 +66,14 @@ def _each(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Answer for the points by ``points.near_<shape>`` and ``at_edge``, if it has any."""
+    """Answer for all points by ``points.near_<shape>`` and ``at_edge``."""
     shape, tilt = body.shape, body.tilt
     for k in range(span.first, span.last):
         near, q, rounding = seen(body, p_WQs, k, threshold)
         if near:
             size, nearest = near_shape(shape, q)
             nearest = at_edge(shape, q, TIE * size + rounding, nearest)
-            rounding += tilt * size  # 0 but of a half space; to ask made boxes a third slower
+            rounding += tilt * size  # only of half spaces; a branch made boxes a third slower
             take(answers, k * span.n + span.g, body, threshold, size, rounding, nearest)
 
 
@@ -87,7 +87,7 @@ def to_sphere(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a sphere."""
+    """Write the signed distances of points to a sphere."""
     _each(near_sphere, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
@@ -101,7 +101,7 @@ def to_box(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a box."""
+    """Write the signed distances of points to a box."""
     _each(near_box, at_box_edge, body, p_WQs, threshold, span, answers)
 
 
@@ -115,7 +115,7 @@ def to_capsule(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a capsule."""
+    """Write the signed distances of points to a capsule."""
     _each(near_capsule, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
@@ -129,7 +129,7 @@ def to_cylinder(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a cylinder."""
+    """Write the signed distances of points to a cylinder."""
     _each(near_cylinder, at_cylinder_rim, body, p_WQs, threshold, span, answers)
 
 
@@ -143,10 +143,10 @@ def to_ellipsoid(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to an ellipsoid.
+    """Write the signed distances of points to an ellipsoid.
 
-    Newton's method takes its steps for several points at a time: one by one, each division waits
-    for the one before, and that took half of the time.
+    Newton's method steps for several points at a time. Point by point, each division waited for
+    the previous one, which took half of the time.
     """
     e, count = vector_at(body.shape, 0), span.last - span.first
     work = np.zeros((5, count))
@@ -178,7 +178,7 @@ def to_half_space(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a half space."""
+    """Write the signed distances of points to a half space."""
     _each(near_half_space, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
@@ -192,7 +192,7 @@ def by_pair_kernel(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a shape without a closed form: spheres without radius."""
+    """Write the signed distances of points as balls of radius 0, for other shapes."""
     point = OrientedShape(SPHERE, np.zeros(1), np.eye(3))
     G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, math.inf)
     p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
@@ -212,5 +212,5 @@ def by_pair_kernel(
             grad_W = vector_at(out, NORMAL)
             unique, at = out[UNIQUE] > 0.0, k * span.n + span.g
             put_point(answers.rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
-            answers.found[at] = True
+            answers.is_within[at] = True
             answers.counts[int(out[METHOD])] += 1

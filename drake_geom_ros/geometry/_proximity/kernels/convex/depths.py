@@ -1,11 +1,15 @@
-"""Depth of two overlapping cores, by the cheapest way that is certain.
+"""Depth of two overlapping cores, by the cheapest method that certifies it.
 
-In this order, each only where the one before could not certify its answer: ``remembered`` for two
-hulls; ``revolution`` for parallel axes; Newton's method (``normals``), whose minimum is proven by
-balls within both cores (``inner_balls``); ``creases`` for a box or capsule in a cylinder; ``epa``
-with few vertices; ``barrels`` and ``slices`` where a ring of directions is almost as good; ``epa``
-with many. What is left open then, in symmetric positions and where the difference has no volume,
-``axes`` may close.
+The methods are tried in this order, each only if the previous one could not certify its answer:
+
+1. ``remembered``, for two hulls;
+2. ``revolution``, for parallel axes;
+3. Newton's method (``normals``), whose minimum is proved by balls in both cores (``inner_balls``);
+4. ``creases``, for a box or capsule in a cylinder;
+5. ``epa`` with few vertices;
+6. ``barrels`` and ``slices``, where a ring of directions is almost as good;
+7. ``epa`` with many vertices;
+8. ``axes``, in symmetric positions and where the difference has no volume.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.cores.axes import least_along_axes
@@ -79,10 +83,10 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     SAME_DIRECTION,
 )
 
-# Caps of EPA. An ordinary minimum takes 8 to 40 vertices, a hard one 150, and arrays of that size
-# cost nothing to get: ten times larger ones go back to the system after each call, which
-# costs as much as EPA does. Only minima that are almost a ring, of shapes almost in a symmetric
-# position, get to the second cap, which leaves about 1e-6 of the size between the bounds.
+# Limits of EPA's vertices. An ordinary minimum takes 8 to 40 vertices, a hard one 150. Allocating
+# arrays of that size costs nothing; arrays ten times larger are returned to the system after each
+# call, which costs as much as EPA. Only minima that are almost a ring, of shapes in a nearly
+# symmetric position, reach the second limit, which leaves about 1e-6 of the size between bounds.
 FEW_VERTICES = 160
 MANY_VERTICES = 3000
 
@@ -97,25 +101,25 @@ def depth_and_bounds(
     tolerance: float,
     memory: Floats,
 ) -> Depth:
-    """Return the depth of two cores; where its bounds are far apart, axes may do better.
+    """Return the depth of two cores, improved by common axes where its bounds are far apart.
 
-    That is the case in symmetric positions and where the difference has no volume. ``newton`` is
-    what ``nearby_minimum`` of the difference has just found, or its direction alone; of two hulls
-    it has the width along that. ``near`` tells that cores are thought to overlap: if hulls turn
-    out not to, ``upper`` is below 0, and nothing else is looked for.
+    Bounds are far apart in symmetric positions and where the difference has no volume. ``newton``
+    is the result of ``nearby_minimum`` for the difference, or only its direction; for two hulls it
+    has the width along that. ``near``: the cores are expected to overlap. If hulls turn out to be
+    separated, ``upper`` is below 0, and the search ends.
     """
     noise = ROUNDING * EPS * size
-    found = iterated_depth(pair, difference, newton, near, size, tolerance, memory)
+    iterated = iterated_depth(pair, difference, newton, near, size, tolerance, memory)
     hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
-    apart = hulls and near and found.upper < -noise
-    if apart or found.upper - found.lower <= 4.0 * max(tolerance, noise):
-        return found
-    h, m, a, b = least_along_axes(pair, found.upper)
-    if h >= found.upper:
-        return found
+    apart = hulls and near and iterated.upper < -noise
+    if apart or iterated.upper - iterated.lower <= 4.0 * max(tolerance, noise):
+        return iterated
+    h, m, a, b = least_along_axes(pair, iterated.upper)
+    if h >= iterated.upper:
+        return iterated
     aside = norm(sub(sub(a, b), scale(h, m)))
-    unique = found.unique and dot(m, found.n) >= SAME_DIRECTION
-    return Depth(h, min(found.lower, h), m, a, b, aside, unique)
+    unique = iterated.unique and dot(m, iterated.n) >= SAME_DIRECTION
+    return Depth(h, min(iterated.lower, h), m, a, b, aside, unique)
 
 
 @compiled
@@ -128,19 +132,19 @@ def iterated_depth(
     tolerance: float,
     memory: Floats,
 ) -> Depth:
-    """Return the depth of two cores, by the cheapest way there is for the pair."""
+    """Return the depth of two cores, by the cheapest method that certifies it."""
     kind_A, kind_B, n = pair.kind_A, pair.kind_B, newton.n
     noise = ROUNDING * EPS * size
     if kind_A == CONVEX and kind_B == CONVEX:
-        sure, found = depth_of_hulls(pair, Overlap(newton.h, n), memory, size, noise)
-        if sure or (near and found.upper < -noise):
-            return found
+        sure, core_depth = depth_of_hulls(pair, Overlap(newton.h, n), memory, size, noise)
+        if sure or (near and core_depth.upper < -noise):
+            return core_depth
     u, move = common_axis(pair)
     enough = max(tolerance, noise)
     if move <= 0.5 * enough:
         h, floor, n, a, b, aside, unique = depth_of_revolution(pair, u, move, size, tolerance)
         return Depth(h, guarded(difference, floor, noise), n, a, b, aside, unique)
-    if newton.kind == NOTHING:  # from where that came to an end it may get on
+    if newton.kind == NOTHING:  # it may converge from its last direction
         newton = nearby_minimum(difference, n, noise)
     if newton.kind != NOTHING and newton.h > 0.0:
         a, b = witness_points(difference, newton.n)
@@ -153,11 +157,11 @@ def iterated_depth(
             n, h, a, b, aside = points_at(difference, n, h, enough, noise)
             if share_a_point(pair, a, b):
                 return Depth(h, floor, n, a, b, aside, unique)
-    found = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
-    # Where the difference has the origin on its surface the bounds add up to some tolerances.
-    if found.upper - found.lower <= 4.0 * enough or found.upper < -noise:
-        return found
-    upper, lower, n, a, b, aside, unique = found
+    core_depth = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
+    # With the origin on the surface of the difference, the bounds may be some tolerances apart.
+    if core_depth.upper - core_depth.lower <= 4.0 * enough or core_depth.upper < -noise:
+        return core_depth
+    upper, lower, n, a, b, aside, unique = core_depth
     lower = max(lower, deepest(pair, a, b, size) - noise)
     if upper - lower <= 4.0 * enough:
         return Depth(upper, min(lower, upper), n, a, b, aside, unique)
@@ -173,20 +177,21 @@ def iterated_depth(
         if complete:
             m, h, a, b, aside = points_at(difference, m, h, enough, noise)
             return Depth(h, guarded(difference, min(floor, h), noise), m, a, b, aside, unique)
-    known = lower
+    proved_lower = lower
     upper, lower, n, a, b, aside, unique = depth_of_cores(
         pair, difference, n, near, size, tolerance, MANY_VERTICES
     )
-    # Of a small body near the centre of a large one the polytope is the coarser of the two.
-    return Depth(upper, min(max(lower, known), upper), n, a, b, aside, unique)
+    # For a small body near the centre of a large one, the polytope's bound is the coarser one.
+    return Depth(upper, min(max(lower, proved_lower), upper), n, a, b, aside, unique)
 
 
 @compiled
 def guarded(difference: Difference, floor: float, noise: float) -> float:
-    """Return what no h is below, [m], after a look at planes that a search did not choose.
+    """Return a lower bound of h [m], checked by a plane that the search did not choose.
 
-    A search over candidates is right where their set is complete. Any plane may show that it was
-    not: then its width is the bound, which so is wider than promised, and counted as such.
+    A search over candidates is valid only if their set is complete. If the width along another
+    plane is less, the set was not complete, and that width is the bound. The answer is then wider
+    than promised, and counted as such.
     """
     terms, _, last, r_A, r_B = difference
     across = unit(vector_in(terms, 0))
@@ -207,27 +212,27 @@ def least_of_ring(
 ) -> Least:
     """Return the least h where a ring of directions is almost as good as n."""
     kind_A, kind_B = pair.kind_A, pair.kind_B
-    found = Least(False, h, floor, n, False)
+    least = Least(False, h, floor, n, False)
     barrel = kind_A == CAPSULE or kind_A == CYLINDER
     if kind_B == CONVEX:
-        return least_of_hull_in_barrel(pair, enough, noise) if barrel else found
+        return least_of_hull_in_barrel(pair, enough, noise) if barrel else least
     if barrel:
-        found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
-    if not found.complete and kind_B == CYLINDER:
-        found = least_in_long_barrel(difference, difference.first, AXES_B, n, h, enough, noise)
-    if not found.complete and kind_A == CYLINDER and kind_B == CYLINDER:
-        found = least_of_barrels(difference, n, floor, enough, noise)
-    # A box has edges off the axis.
-    if not found.complete and kind_A != BOX and kind_B == ELLIPSOID:
-        found = least_over_slices(difference, n, h, enough, noise)
-    return found
+        least = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
+    if not least.complete and kind_B == CYLINDER:
+        least = least_in_long_barrel(difference, difference.first, AXES_B, n, h, enough, noise)
+    if not least.complete and kind_A == CYLINDER and kind_B == CYLINDER:
+        least = least_of_barrels(difference, n, floor, enough, noise)
+    # A box is excluded because it has edges off the axis.
+    if not least.complete and kind_A != BOX and kind_B == ELLIPSOID:
+        least = least_over_slices(difference, n, h, enough, noise)
+    return least
 
 
 @compiled
 def settled(
     difference: Difference, n: Vector, h: float, noise: float
 ) -> tuple[Vector, Vector, float]:
-    """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
+    """Return (a, b, aside): points of the cores with ``a - b = h n`` up to ``aside`` [m]."""
     settle(difference, n)
     a, b = witness_points(difference, n)
     aside = norm(sub(sub(a, b), scale(h, n)))
@@ -239,16 +244,16 @@ def settled(
 
 @compiled
 def points_at(difference: Difference, n: Vector, h: float, enough: float, noise: float) -> Touch:
-    """Return the ``Touch`` at a normal n of least width h.
+    """Return the witness points (``Touch``) at a normal n of least width h.
 
-    Its points are aside by rounding where Newton's method knows the minimum. Where segments are
-    almost parallel, n may be on the crease of one and the points on that of the other, which is
-    as good but for a part of ``enough`` [m].
+    The points deviate only by rounding where Newton's method converges. Where segments are almost
+    parallel, n may be on the crease of one and the points on that of the other, which is as good
+    up to a fraction of ``enough`` [m].
     """
     terms, _, last, r_A, r_B = difference
     newton = nearby_minimum(difference, n, noise)
     if newton.kind != NOTHING:
-        # Where h is almost level, n may be off by far more than its h.
+        # Where h is almost level, n may be off by far more than h.
         if abs(newton.h - h) <= noise:
             n, h = newton.n, newton.h
         a, b = witness_points(difference, n)
@@ -258,25 +263,25 @@ def points_at(difference: Difference, n: Vector, h: float, enough: float, noise:
     for k in range(SEGMENT, last):
         if best.aside > LOOSE_SLOPE * noise:
             m = across(n, scale(1.0 / terms[k, LENGTH], vector_in(terms, k)))
-            there = width(terms, last, r_A + r_B, m)
-            # Along the segment itself there is no such direction, and m is 0.
-            if dot(m, m) > 0.5 and there <= h + 0.5 * enough:
-                a, b, aside = settled(difference, m, there, noise)
+            width_there = width(terms, last, r_A + r_B, m)
+            # For n along the segment itself there is no such direction, and m is 0.
+            if dot(m, m) > 0.5 and width_there <= h + 0.5 * enough:
+                a, b, aside = settled(difference, m, width_there, noise)
                 if aside < best.aside:
-                    best = Touch(m, there, a, b, aside)
+                    best = Touch(m, width_there, a, b, aside)
     return best
 
 
 @allocating
 def points_on_edges(pair: CorePair, n: Vector, h: float, enough: float, noise: float) -> Touch:
-    """Return what ``points_at`` does of hulls, by their edges next to n.
+    """Return the ``Touch`` of two hulls, by ``points_at`` of their edges next to n.
 
-    The edges are in the hulls, so their h is at most that of these, which counts.
+    The edges are parts of the hulls, so their h is at most that of the hulls, which counts.
     """
     m, _, a, b, _ = points_at(difference_of_edges(pair, n), n, h, enough, noise)
     x, y = support_points(pair, m, 0.0)
-    there = dot(sub(x, y), m)
-    if there <= h + noise:
-        return Touch(m, there, a, b, norm(sub(sub(a, b), scale(there, m))))
+    hull_width = dot(sub(x, y), m)
+    if hull_width <= h + noise:
+        return Touch(m, hull_width, a, b, norm(sub(sub(a, b), scale(hull_width, m))))
     a, b, aside = settled(difference_of_edges(pair, n), n, h, noise)
     return Touch(n, h, a, b, aside)

@@ -1,4 +1,4 @@
-"""The separation of two cores by Newton's method, from a normal that is near already."""
+"""Separation of two cores by Newton's method, from a normal near the solution."""
 
 import numpy as np
 
@@ -43,10 +43,10 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, comp
 def by_newton(
     difference: Difference, n: Vector, noise: float, tolerance: float, cutoff: float
 ) -> tuple[Separation, Minimum]:
-    """Return the separation of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
+    """Return the separation of two cores from the normal n, and the minimum that it belongs to.
 
-    End OVERLAP means that the bounds have not met; cores may overlap where lower is negative. The
-    second result is the minimum that the separation is of.
+    The separation is as that of ``gjk.distance_of_cores``. The end OVERLAP means that the bounds
+    have not met; the cores may overlap where the lower bound is negative.
     """
     terms, _, last, r_A, r_B = difference
     lower = -width(terms, last, r_A + r_B, n)
@@ -54,31 +54,31 @@ def by_newton(
         set_shares(terms, last, n)
         a, b = witness_points(difference, n)
         return Separation(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b, n), nowhere(n)
-    found = nearby_minimum(difference, n, noise)
-    kind, n, h, _ = found
+    minimum = nearby_minimum(difference, n, noise)
+    kind, n, h, _ = minimum
     if kind == NOTHING:
         p = vector_in(terms, 0)
-        return Separation(OVERLAP, np.inf, np.inf, n, p, p, n), found
+        return Separation(OVERLAP, np.inf, np.inf, n, p, p, n), minimum
     a, b = witness_points(difference, n)
     upper = norm(sub(a, b))
     end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
     if -h > cutoff:
         end = BEYOND_CUTOFF
-    return Separation(end, upper, -h, n, a, b, n), found
+    return Separation(end, upper, -h, n, a, b, n), minimum
 
 
 @compiled
 def is_polytope(kind: int) -> bool:
-    """Tell whether a core has vertices: EPA comes to an end on such ones, without a tolerance."""
+    """Return whether a core is a polytope, on which EPA ends even without a tolerance."""
     return kind != CYLINDER and kind != ELLIPSOID
 
 
 @compiled
 def is_strict(difference: Difference, n: Vector, noise: float) -> bool:
-    """Tell whether touching cores have no normal but n.
+    """Return whether n is the only normal of touching cores.
 
-    Normals of a point of a convex body make a cone: one that is alone around itself is alone, but
-    for its opposite where the body is flat.
+    The normals at a point of a convex body are a cone. So a locally unique normal is unique,
+    except for its opposite where the body is flat.
     """
     terms, _, last, r_A, r_B = difference
     if width(terms, last, r_A + r_B, scale(-1.0, n)) <= 2.0 * noise:
@@ -87,24 +87,24 @@ def is_strict(difference: Difference, n: Vector, noise: float) -> bool:
 
 
 @inlined
-def has_its_digits(pair: CorePair, difference: Difference, found: float, noise: float) -> bool:
-    """Tell whether bounds ``found`` [m] apart are as close as Newton's method could bring them.
+def has_its_digits(pair: CorePair, difference: Difference, gap: float, noise: float) -> bool:
+    """Return whether bounds ``gap`` [m] apart are as close as Newton's method could bring them.
 
-    Of two polytopes, one a hull, where they are rounding apart; beside a round body the normal is
-    not as good then.
+    This holds for two polytopes, one of them a hull, whose bounds differ by rounding; beside a
+    round body the normal is less accurate.
     """
     polytopes = is_polytope(pair.kind_A) and is_polytope(pair.kind_B)
-    return difference.last == 0 and found <= noise and polytopes
+    return difference.last == 0 and gap <= noise and polytopes
 
 
 @allocating
 def sharpened(
-    pair: CorePair, difference: Difference, n: Vector, found: float, noise: float, tolerance: float
+    pair: CorePair, difference: Difference, n: Vector, gap: float, noise: float, tolerance: float
 ) -> Separation:
-    """Return the separation with its last digits, by Newton's method from near n; CLOSED if done.
+    """Return the separation to its last digits, by Newton's method from n; CLOSED if successful.
 
-    Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
-    may be tells the slab along the normal.
+    For hulls it uses the edges next to n. These are no nearer than the hulls, and the slab along
+    the normal bounds the distance of the hulls from below. The given bounds are ``gap`` [m] apart.
     """
     hulls = difference.last == 0
     if hulls:
@@ -113,6 +113,6 @@ def sharpened(
     end, distance, lower, n, a, b, _ = separation
     if hulls:
         lower = min(lower, separation_along(pair, n))
-        if distance - lower > max(found, noise):
+        if distance - lower > max(gap, noise):
             end = OVERLAP
     return Separation(end, distance, lower, n, a, b, n)

@@ -1,19 +1,20 @@
-"""Signed distance of convex pairs that have no closed form, by the cheapest way that is certain.
+"""Signed distance of convex pairs without a closed form, by the cheapest method that certifies it.
 
 One function, ``signed_distance_of_cores``, serves every pair and is compiled once. The cores are
-those of ``supports``. In this order, each only where the one before could not certify its answer:
+those of ``supports``. The methods are tried in this order, each only if the previous one could not
+certify its answer:
 
-1. the slab along the hint, or along the line of centres, is wider than the cutoff: BOUND_ONLY;
-2. Newton's method on the normal (``normals``): apart, its two witness points are the certificate;
-3. overlapping: ``depths``, which starts from what Newton's method found;
-4. ``gjk`` from the best normal so far, and ``epa`` for what that leaves open.
+1. the slab along the hint, or along the line of centres: if wider than the cutoff, BOUND_ONLY;
+2. Newton's method on the normal (``normals``): for separated cores, its witness points certify;
+3. ``depths`` for overlapping cores, starting from the result of Newton's method;
+4. ``gjk`` from the best normal so far, and ``epa`` if that leaves the answer open.
 
-Hulls have no derivatives and start at 3; beside another body at 4, without a hint.
+Hulls have no derivatives and start at 3, or at 4 beside another body without a hint.
 
-Where the answer is not unique (UNIQUE is 0) the direction is the one that was come to first, which
-depends on the poses and the hint alone: the same call gives the same answer. UNIQUE is 1 where the
-bounds exclude every direction more than 8 degrees away, so with a loose tolerance it may be 0 for
-an answer that is unique.
+Where the answer is not unique (UNIQUE is 0), the direction is the first one found. It depends on
+the poses and the hint alone, so the same call gives the same answer. UNIQUE is 1 where the bounds
+exclude every direction more than 8 degrees away; with a loose tolerance it may be 0 for an answer
+that is unique.
 """
 
 import numpy as np
@@ -112,30 +113,31 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 @allocating
 def beside_an_axis(
-    pair: CorePair, difference: Difference, found: Bounds, noise: float, tolerance: float
+    pair: CorePair, difference: Difference, bounds: Bounds, noise: float, tolerance: float
 ) -> Bounds:
-    """Return closer bounds of a tiny hull just beside a long axis; else those ``found``.
+    """Return closer bounds for a tiny hull just beside a long axis, or ``bounds`` otherwise.
 
-    The simplex of GJK is a sliver there, of a normal with few digits. Across the axis the least
-    width, which is the distance where it is below 0, has a closed form: its normal is good.
+    The simplex of GJK is a sliver there, with a normal of few digits. The least width normal to
+    the axis, which is minus the distance where it is negative, has a closed form with a good
+    normal.
     """
-    if found.lower <= noise or found.upper - found.lower <= max(tolerance, noise):
-        return found
+    if bounds.lower <= noise or bounds.upper - bounds.lower <= max(tolerance, noise):
+        return bounds
     axis = pair.kind_A == CAPSULE or pair.kind_A == CYLINDER
     if not axis or pair.kind_B != CONVEX:
-        return found
+        return bounds
     enough = SHARPER * tolerance
     ring = least_of_hull_in_barrel(pair, max(enough, noise), noise)
     end, distance, lower, n, a, b, _ = sharpened(pair, difference, ring.n, np.inf, noise, enough)
     if not ring.complete or end != CLOSED or lower <= noise:
-        return found
+        return bounds
     a, b, miss = drawn_to(distance, n, a, b)
     return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True, n)
 
 
 @inlined
 def bounds_of_depth(pair: CorePair, depth: Depth, size: float) -> Bounds:
-    """Return the bounds of two cores whose depth is certain to be above 0."""
+    """Return the bounds of two cores whose depth is certified to be positive."""
     h, lower, n, a, b, aside, unique = depth
     a, b, miss = witnesses_of_depth(pair, n, h, size, a, b, aside)
     return Bounds(CLOSED, -h, -lower, -h, n, a, b, miss, unique, n)
@@ -152,9 +154,9 @@ def bounds_of_both(
     noise: float,
     memory: Floats,
 ) -> Bounds:
-    """Return the bounds by EPA, or by axes, and by the ``separation`` of GJK, which was open.
+    """Return the combined bounds of EPA, or axes, and of an open ``separation`` by GJK.
 
-    ``overlap`` tells that the cores are thought to overlap, ``tolerance`` [m] is that of a depth.
+    ``overlap``: the cores are expected to overlap; ``tolerance`` [m] is that of a depth.
     """
     start = nowhere(separation.n)
     if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
@@ -173,13 +175,13 @@ def bounds_of_both(
         if -depth > lower:
             lower, n_lower = -depth, n_in
         unique = unique_in or distance > noise
-        # EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
+        # EPA's points for fat cores; GJK's for separated cores or an overlap that is flat.
         apart = norm(sub(sub(a, b), scale(depth, n)))
         if aside <= apart:
             a, b, apart = a_in, b_in, aside
         a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
-        # Where h is level, the points of GJK may span the distance as they are, along another n
-        # that lacks less than these had to be moved by.
+        # Where h is level, the points of GJK may span the distance unchanged, along another n
+        # whose separation lacks less than the points had to be moved.
         moved = end == CLOSED_ASIDE and distance > noise and miss > noise
         if moved and separation.upper - separation_along(pair, separation.n) < miss:
             distance, n, a, b, miss = (
@@ -190,7 +192,7 @@ def bounds_of_both(
                 0.0,
             )
     elif separation_along(pair, n) < -depth:
-        # The vector b - a of GJK may be too short to have a direction; EPA's faces have one.
+        # The vector b - a of GJK may be too short to have a direction; EPA's faces have normals.
         n, unique = n_in, unique_in or distance > noise
         a, b, miss = drawn_to(distance, n, a, b)
     return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique, n_lower)
@@ -206,7 +208,7 @@ def bounds_of_cores(
     cutoff: float,
     memory: Floats,
 ) -> Bounds:
-    """Return the bounds of the signed distance of two cores; ``memory`` is of ``remembered``."""
+    """Return the bounds of the signed distance of two cores; see ``remembered`` for ``memory``."""
     noise = ROUNDING * EPS * size
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
@@ -228,16 +230,16 @@ def bounds_of_cores(
         n, newton = narrow.n, nowhere(narrow.n)
         if hulls:
             newton = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
-    if overlap:  # or so it seems: that they do is certain when a ball is in the difference
-        # (Not the literal True: for that Numba would compile all of EPA once more.)
-        found = depth_and_bounds(
+    if overlap:  # expected, but certain only when a ball is in the difference
+        # Not the literal True, for which Numba would compile all of EPA again.
+        depth = depth_and_bounds(
             pair, difference, newton, overlap, size, SHARPER_DEPTH * depth_tolerance, memory
         )
-        overlap = found.lower > 0.0
+        overlap = depth.lower > 0.0
         if overlap:
-            return bounds_of_depth(pair, found, size)
-        if hulls and found.upper < -noise:  # what was found to part them
-            n = found.n
+            return bounds_of_depth(pair, depth, size)
+        if hulls and depth.upper < -noise:  # its normal separates them
+            n = depth.n
     separation = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     end, upper, lower, n, a, b, n_lower = separation
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
@@ -260,22 +262,22 @@ def bounds_of_cores(
 
 @inlined
 def bounds_along(pair: CorePair, n: Vector) -> Bounds:
-    """Return the bounds that the support points along n give."""
+    """Return the bounds from the support points along n."""
     a, b = support_points(pair, n, RIGHT_ANGLE)
     lower, upper = dot(sub(b, a), n), norm(sub(b, a))
     return Bounds(BEYOND_CUTOFF, lower, upper, lower, n, a, b, 0.0, True, n)
 
 
 @inlined
-def is_loose(found: Bounds, enough: float) -> bool:
-    """Tell whether the bounds of ``bounds_of_cores`` are far apart, or its points off."""
-    return found.end != BEYOND_CUTOFF and width_of(found) > 4.0 * enough
+def is_loose(bounds: Bounds, enough: float) -> bool:
+    """Return whether the bounds of ``bounds_of_cores`` are far apart, or its points deviate."""
+    return bounds.end != BEYOND_CUTOFF and width_of(bounds) > 4.0 * enough
 
 
 @inlined
-def width_of(found: Bounds) -> float:
-    """Return how far [m] the bounds of ``bounds_of_cores`` are apart, or its points off."""
-    return max(found.upper - found.lower, found.miss)
+def width_of(bounds: Bounds) -> float:
+    """Return the gap [m] of the bounds of ``bounds_of_cores``, or the deviation of its points."""
+    return max(bounds.upper - bounds.lower, bounds.miss)
 
 
 @inlined
@@ -289,12 +291,12 @@ def bounds_of_best_start(
     cutoff: float,
     memory: Floats,
 ) -> Bounds:
-    """Return the bounds of the signed distance of two cores, from another start if one is bad.
+    """Return the bounds of the signed distance of two cores, from several starts if necessary.
 
     ``width`` [m] is that of their overlap along n.
 
-    A bad hint can lead where nothing better is found than bounds that are far apart, and so can
-    the line of centres of a needle; the normal that was found there is as a rule a good hint.
+    A bad hint, or the line of centres of a needle, can lead to bounds that are far apart. The
+    normal of such bounds is usually a good hint.
     """
     noise = ROUNDING * EPS * size
     remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
@@ -302,49 +304,49 @@ def bounds_of_best_start(
         sure, depth = remembered_depth(pair, Overlap(width, n), memory, size, noise)
         if sure:
             return bounds_of_depth(pair, depth, size)
-    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
+    best = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
     enough = max(tolerance, noise)
     for again in range(2):
-        if not is_loose(found, enough):
+        if not is_loose(best, enough):
             break
         cold = hinted and again == 0
-        start = along_centres(pair.p_AB) if cold else found.n
+        start = along_centres(pair.p_AB) if cold else best.n
         other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff, memory)
-        if width_of(other) < width_of(found):
-            found = other
-    return found
+        if width_of(other) < width_of(best):
+            best = other
+    return best
 
 
 @allocating
 def proved_by_normal(
-    pair: CorePair, found: Bounds, error_bound: float, size: float
+    pair: CorePair, bounds: Bounds, error_bound: float, size: float
 ) -> tuple[Vector, Vector, Vector, float]:
-    """Return (n, a, b, error_bound): the bodies are apart by the distance less the bound along n.
+    """Return (n, a, b, error_bound): a slab along n proves the distance minus the error bound.
 
-    So whoever has the answer can prove it. The vector b - a of bodies near each other has few
-    digits; what proved the lower bound may be the better normal, and is where that costs less.
+    So the answer itself is the proof. The vector b - a of bodies close together has few digits;
+    the normal of the lower bound replaces it where that gives a smaller error bound.
     """
-    n, a, b = found.n, found.a, found.b
+    n, a, b = bounds.n, bounds.a, bounds.b
     # A separation changes by no more than the pair's size times what its normal does.
-    if found.distance - found.lower + norm(sub(n, found.n_lower)) * size <= error_bound:
+    if bounds.distance - bounds.lower + norm(sub(n, bounds.n_lower)) * size <= error_bound:
         return n, a, b, error_bound
-    lacking = found.distance - separation_along(pair, n)
-    if not lacking > error_bound:  # nor where an ellipsoid vanishes, which has no support then
+    lacking = bounds.distance - separation_along(pair, n)
+    if not lacking > error_bound:  # also for NaN: a vanishing ellipsoid has no support point
         return n, a, b, error_bound
-    a, b, miss = drawn_to(found.distance, found.n_lower, a, b)
-    off = max(error_bound, found.distance - separation_along(pair, found.n_lower))
+    a, b, miss = drawn_to(bounds.distance, bounds.n_lower, a, b)
+    off = max(error_bound, bounds.distance - separation_along(pair, bounds.n_lower))
     if miss > off:
-        off = max(off, off_surfaces(pair, found.n_lower, a, b, miss))
+        off = max(off, off_surfaces(pair, bounds.n_lower, a, b, miss))
     if off < lacking:
-        return found.n_lower, a, b, off
-    return n, found.a, found.b, lacking + ROUNDING * EPS * size
+        return bounds.n_lower, a, b, off
+    return n, bounds.a, bounds.b, lacking + ROUNDING * EPS * size
 
 
 @compiled
 def signed_distance_of_cores(
     A: OrientedShape, B: OrientedShape, p_AB_W: Floats, aim: Aim, out: Floats
 ) -> None:
-    """Write the result row of two convex shapes, given by type number and parameters."""
+    """Write the signed distance of two convex shapes, given by type number and parameters."""
     r_A, r_B = core_radius(A.kind, A.shape), core_radius(B.kind, B.shape)
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
     size = bounding_radius(A.kind, A.shape) + bounding_radius(B.kind, B.shape) + norm(p)
@@ -354,12 +356,12 @@ def signed_distance_of_cores(
     hulls = A.kind == CONVEX and B.kind == CONVEX
     memory = part(out, min(SLOT_WIDTH, out.size) if hulls else out.size, out.size)
     tolerance, cutoff = aim.tolerance, aim.cutoff + r_A + r_B
-    found = bounds_along(pair, n)
-    if not found.lower > cutoff:
-        found = bounds_of_best_start(
-            pair, n, -found.lower, hinted, size, tolerance, cutoff, memory
+    bounds = bounds_along(pair, n)
+    if not bounds.lower > cutoff:
+        bounds = bounds_of_best_start(
+            pair, n, -bounds.lower, hinted, size, tolerance, cutoff, memory
         )
-    end, distance, upper, lower, n, a, b, miss, unique, _ = found
+    end, distance, upper, lower, n, a, b, miss, unique, _ = bounds
     method = ITERATIVE
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
@@ -369,7 +371,7 @@ def signed_distance_of_cores(
     if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
     if end != BEYOND_CUTOFF:
-        n, a, b, error_bound = proved_by_normal(pair, found, error_bound, size)
+        n, a, b, error_bound = proved_by_normal(pair, bounds, error_bound, size)
     if A.kind == CONVEX:
         error_bound += hull_defect(A.shape)
     if B.kind == CONVEX:

@@ -1,9 +1,9 @@
-"""The axes of two shapes as normals: where symmetric positions have their least depth.
+"""Axes of two shapes as candidate normals, where symmetric positions have their least depth.
 
-Among the axes of A and of B and their cross products is the answer of most aligned pairs, which
-are the ones where an iteration finds several equal minima, or a difference without volume. Any
-normal bounds the depth from above (``phi = max over n`` in the conventions), so nothing is lost by
-trying, and nothing is claimed: this set is not called complete, and the bound from below stays.
+The axes of A and B and their cross products contain the answer of most aligned pairs. These are
+the pairs where an iteration finds several equal minima, or a difference without volume. Any normal
+bounds the depth from above (``phi = max over n`` in the conventions), so trying one is always
+valid. The set is not complete, so the lower bound stays unchanged.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
@@ -16,7 +16,7 @@ from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 @compiled
 def candidate(R_WA: Floats, R_WB: Floats, k: int) -> Vector:
-    """Return the k-th of 15 normals: axes of A, of B, cross products; (0, 0, 0) for parallels."""
+    """Return the k-th of 15 normals: axes of A, of B, cross products; (0, 0, 0) if parallel."""
     if k < 3:
         return column(R_WA, k)
     if k < 6:
@@ -28,7 +28,7 @@ def candidate(R_WA: Floats, R_WB: Floats, k: int) -> Vector:
 def least_along_axes(pair: CorePair, best: float) -> tuple[float, Vector, Vector, Vector]:
     """Return (h, n, a, b): the least width of the overlap along an axis, if below ``best``.
 
-    Points a and b are midpoints of what is extreme along n. Where no axis does better h is
+    Points a and b are midpoints of the features extreme along n. If no axis is better, h is
     ``best``.
     """
     R_WA, R_WB = pair.R_WA, pair.R_WB

@@ -1,9 +1,9 @@
-"""Directions in which two cores are certain to overlap by no less than a depth that is known.
+"""Caps of directions in which two cores overlap by at least a given depth, from balls inside them.
 
-A ball in A and one in B make a ball in D = A - B, about c of radius R, so that h(u) is at least
-``c . u + R`` for any unit u: where ``c . u >= rival - R`` the overlap is at least ``rival`` wide.
-That is a cap of directions (see ``caps``), of more than half of them as a rule, for the balls are
-behind the contact: EPA need not grow there.
+A ball in A and one in B give a ball in D = A - B, with centre c and radius R. So h(u) is at least
+``c . u + R`` for any unit u: where ``c . u >= rival - R``, the overlap is at least ``rival`` wide.
+That is a cap of directions (see ``caps``), usually more than half of them, because the balls are
+behind the contact. EPA need not grow there.
 """
 
 import math
@@ -28,7 +28,7 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inline
 
 
 class Ball(NamedTuple):
-    """A ball in a difference of cores: its centre, how far that is away, its radius [m]."""
+    """A ball in a difference of cores: centre, the centre's distance from 0, radius [m]."""
 
     centre: Vector
     away: float
@@ -37,7 +37,7 @@ class Ball(NamedTuple):
 
 @inlined
 def ball_in_core(kind: int, shape: Floats) -> tuple[Vector, float]:
-    """Return (centre, radius) [m] of a ball in a core; of radius -infinity if none is known."""
+    """Return (centre, radius) [m] of a ball in a core; the radius is -infinity if unknown."""
     if kind == CONVEX:
         centre, radius = ball_in_hull(shape)
         return centre, radius if radius > 0.0 else -math.inf
@@ -46,7 +46,7 @@ def ball_in_core(kind: int, shape: Floats) -> tuple[Vector, float]:
 
 @compiled
 def ball_in_difference(pair: CorePair) -> Ball:
-    """Return the ball that balls in two cores make; of radius -infinity where one is not known."""
+    """Return the ball in the difference of two cores; the radius is -infinity if unknown."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     a, r_A = ball_in_core(kind_A, shape_A)
     b, r_B = ball_in_core(kind_B, shape_B)
@@ -58,12 +58,13 @@ def ball_in_difference(pair: CorePair) -> Ball:
 def is_cap_of_ball(
     x: Vector, y: Vector, z: Vector, n: Vector, offset: float, ball: Ball, rival: float
 ) -> bool:
-    """Tell whether h is at least ``rival`` wherever a face is nearer than that, by the ball.
+    """Return whether the ball proves h >= ``rival`` in all directions where a face is nearer.
 
-    The face has the corners x, y, z and a plane. Of a point p of it that is true if ``c . p >=
-    (rival - R) |p|``. The corners tell it of the whole face, or its offset, for it is nearer only
-    within an angle y of its normal, ``cos y = offset / rival``, and the cap goes as far as z from
-    c, ``cos z = (rival - R) / |c|``. Of a face that has the origin before it nothing is told.
+    The face has the corners x, y, z and a plane. A point p of it is covered if ``c . p >=
+    (rival - R) |p|``. The whole face is covered if its corners are, or by its offset: the face is
+    nearer only within an angle y of its normal, ``cos y = offset / rival``, and the cap reaches to
+    the angle z from c, ``cos z = (rival - R) / |c|``. Faces with the origin in front of them are
+    never covered.
     """
     edge, away = rival - ball.radius, ball.away
     if offset <= 0.0 or edge >= away:
@@ -85,7 +86,7 @@ def is_cap_of_ball(
 def is_in_ball_cap(
     points: Floats, faces: Integers32, planes: Floats, f: int, ball: Ball, rival: float
 ) -> bool:
-    """Tell whether face f of a ``polytope`` is in the cap of a ball."""
+    """Return whether face f of a ``polytope`` is in the cap of a ball."""
     f = unsigned(f)
     return is_cap_of_ball(
         vector_in(points, faces[f, 0]),

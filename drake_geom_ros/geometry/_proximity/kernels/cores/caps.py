@@ -1,12 +1,12 @@
-"""How far around a minimum of h nothing is less: a whole cap of directions, certified at once.
+"""Certified caps of directions around a minimum of h, in which h is nowhere less.
 
-On a great circle from n, ``g'' + g = rho`` where g is h and rho >= 0 the radius of
-curvature (a measure: kinks only add to it). If ``rho >= rho_0`` within the angle C, then there
-``g >= g(0) cos + g'(0) sin + rho_0 (1 - cos)``, and ``rho_0 >= g(0)`` makes that at least g(0) but
-for the square of the slope that Newton left. The ellipsoid ``y = |E n|`` has ``rho = const / y^3``
-on the circle, and y is at most ``y_0 cos C + |E| sin C`` and at most |E| in the cap: ``rho_0`` is
-rho times the third power of y_0 over the lesser. So a whole cap of directions is certified at
-once, where a polytope would need faces by the dozen.
+On a great circle from n, ``g'' + g = rho`` where g is h and rho >= 0 the radius of curvature (a
+measure: kinks only add to it). If ``rho >= rho_0`` within the angle C, then ``g >= g(0) cos +
+g'(0) sin + rho_0 (1 - cos)`` there. With ``rho_0 >= g(0)`` that is at least g(0), up to the square
+of the slope that Newton's method left. The ellipsoid ``y = |E n|`` has ``rho = const / y^3`` on
+the circle, and in the cap y is at most ``y_0 cos C + |E| sin C`` and at most |E|: ``rho_0`` is rho
+times the cube of y_0 over the smaller of both. So a whole cap of directions is certified at once,
+for which a polytope would need dozens of faces.
 """
 
 import math
@@ -34,9 +34,9 @@ from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 WIDEST_CAP = 1.2  # [rad]; wider ones would save no faces
 NARROWER = 0.7  # times a cap that could not be proven
 LEAST_CAP = 0.002  # [rad]
-FLAT_SHARE = 0.9  # of the margin of a face; the rest leaves what CLEAR asks for, times ten
-# h rises in a cap with the cosine of the angle; this share of what it rises with, less what the
-# other terms take of it at most, is left where another normal would count as clearly another one.
+FLAT_SHARE = 0.9  # of the margin of a face; the rest is ten times what CLEAR requires
+# h rises in a cap with the cosine of the angle. At the angle where another normal counts as
+# clearly different, this share of the coefficient remains after the effect of all other terms.
 CLEAR = 0.125 * (1.0 - SAME_DIRECTION)
 
 
@@ -44,7 +44,7 @@ CLEAR = 0.125 * (1.0 - SAME_DIRECTION)
 def sharpness(
     terms: Floats, radius: float, n: Vector, e: Vector, f: Vector, cap: float
 ) -> tuple[float, float, float]:
-    """Return the least radii of curvature [m] of D within ``cap`` [rad] of n (see above)."""
+    """Return the least radii of curvature [m] of D within ``cap`` [rad] of n, see the module."""
     m11, m12, m22 = -radius, 0.0, -radius
     cosine, sine = math.cos(cap), math.sin(cap)
     for axes in (AXES_A, AXES_B):
@@ -59,10 +59,10 @@ def sharpness(
 
 @compiled
 def is_cap(
-    terms: Floats, last: int, radius: float, found: Minimum, cap: float, enough: float
+    terms: Floats, last: int, radius: float, minimum: Minimum, cap: float, enough: float
 ) -> bool:
-    """Tell whether no h within ``cap`` [rad] of the minimum ``found`` is less than it."""
-    kind, n, h, margin = found
+    """Return whether h is nowhere less than the minimum within ``cap`` [rad] of it."""
+    kind, n, h, margin = minimum
     half = math.tan(0.5 * cap)
     e = (0.0, 0.0, 0.0)
     for k in range(SEGMENT, last):
@@ -83,17 +83,17 @@ def is_cap(
 
 
 @compiled
-def widest_cap(difference: Difference, found: Minimum, enough: float) -> float:
-    """Return the angle [rad] of a cap around the minimum ``found``, 0 if none is known."""
+def widest_cap(difference: Difference, minimum: Minimum, enough: float) -> float:
+    """Return the angle [rad] of a certified cap around the minimum; 0 if there is none."""
     terms, _, last, r_A, r_B = difference
     cap = WIDEST_CAP
-    if found.kind == FLAT:
-        h, margin = found.h, found.margin
+    if minimum.kind == FLAT:
+        h, margin = minimum.h, minimum.margin
         if margin * CLEAR < enough:
             return 0.0
         return min(cap, 2.0 * math.atan(FLAT_SHARE * margin / max(h, FLAT_SHARE * margin)))
-    if not is_cap(terms, last, r_A + r_B, found, LEAST_CAP, enough):
+    if not is_cap(terms, last, r_A + r_B, minimum, LEAST_CAP, enough):
         return 0.0
-    while cap > LEAST_CAP and not is_cap(terms, last, r_A + r_B, found, cap, enough):
+    while cap > LEAST_CAP and not is_cap(terms, last, r_A + r_B, minimum, cap, enough):
         cap *= NARROWER
     return max(cap, LEAST_CAP)

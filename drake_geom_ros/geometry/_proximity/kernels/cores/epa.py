@@ -1,26 +1,25 @@
-"""EPA: the depth of two overlapping cores, between certified bounds.
+"""EPA: certified bounds of the depth of two overlapping cores.
 
 Van den Bergh (*Proximity queries and penetration depth computation on 3D game objects*, Game
 Developers Conference 2001) grows a polytope P of points of the Minkowski difference D = A - B at
-the face nearest to the origin. Three things are done differently here.
+the face nearest to the origin. This implementation differs in three ways.
 
-*The polytope need not start around the origin.* Faces have signed offsets and the most negative
-one is expanded first, so no enclosing simplex is asked of GJK, and touching shapes, whose
-difference has the origin on its surface, are the normal case.
+*The polytope need not enclose the origin at first.* Faces have signed offsets and the most
+negative one is expanded first. So GJK need not provide an enclosing simplex, and touching shapes,
+whose difference has the origin on its surface, are no special case.
 
-*It starts at the answer, where that can be guessed.* Newton's method (see ``normals``) finds the
-local minimum next to a hint, and a cap of directions in which there is nothing less. Faces are
-only asked to be farther away than that minimum, outside its cap: a dozen vertices do, and the last
-digits of the distance and of the normal cost nothing.
+*It starts near the answer.* Newton's method (see ``normals``) finds the local minimum next to a
+hint, and a cap of directions in which nothing is less. Other faces only have to be farther than
+that minimum, outside its cap: a dozen vertices suffice, and the last digits of distance and normal
+cost nothing.
 
-*The bounds do not trust the planes.* Above: ``h_D(n)``, the width of the overlap along the unit n,
-holds for any n. Below: a triangle with vertices v_i is no nearer to the origin than
-``min_i (n . v_i)``, for any unit n, be the triangle a sliver or not. The triangles form a closed
-surface in D by the way they are linked. When all these offsets are positive, all triangles are
-seen from inside, so their solid angles add up to 4 pi or more, the surface winds around the
-origin, and the ball of the least offset lies within D. Neither convexity of P nor an exact
-visibility test is needed for that. D must have a volume: see ``revolution`` for the pairs of cores
-that have none.
+*The bounds do not rely on the planes.* Upper bound: ``h_D(n)``, the width of the overlap along the
+unit n, holds for any n. Lower bound: a triangle with vertices v_i is no nearer to the origin than
+``min_i (n . v_i)``, for any unit n, even if the triangle is a sliver. The links make the triangles
+a closed surface in D. When all offsets are positive, all triangles are seen from inside. Then
+their solid angles add up to 4 pi or more, the surface winds around the origin, and the ball of the
+least offset lies within D. This needs neither convexity of P nor an exact visibility test. D must
+have a volume: see ``revolution`` for pairs of cores without one.
 """
 
 import math
@@ -83,11 +82,11 @@ COS_120 = (1.0, -0.5, -0.5)
 SIN_120 = (0.0, math.sqrt(0.75), -math.sqrt(0.75))
 
 
-class Known(NamedTuple):
-    """The best direction n so far: the width [m] along it, and points a and b extreme along it.
+class BestDirection(NamedTuple):
+    """The best direction n so far, with the width [m] and the extreme points a and b along it.
 
-    Where it is exact it is a minimum, nothing is less within the angle ``cap`` [rad] of it, and a
-    minimum's points are one over the other along n.
+    An ``exact`` one is a minimum: nothing is less within the angle ``cap`` [rad], and a - b is
+    along n.
     """
 
     exact: bool
@@ -100,7 +99,7 @@ class Known(NamedTuple):
 
 @compiled
 def first_points(pair: CorePair, n: Vector, points: Floats) -> None:
-    """Fill in support points 1 to 3, so that they span a volume with point 0, extreme along n."""
+    """Fill in support points 1 to 3 that span a volume with point 0, which is extreme along n."""
     along = n
     m = scale(-1.0, n)
     for k in range(1, 4):
@@ -124,7 +123,7 @@ def first_points(pair: CorePair, n: Vector, points: Floats) -> None:
 
 @compiled
 def ring_points(pair: CorePair, n: Vector, tilt: float, points: Floats) -> None:
-    """Fill in four support points: three around n, at the angle ``tilt`` from it, and opposite."""
+    """Fill in four support points: three around n, tilted by ``tilt`` [rad], and one along -n."""
     e = perpendicular(n)
     f = cross(n, e)
     along, aside = math.cos(tilt), math.sin(tilt)
@@ -139,15 +138,15 @@ def ring_points(pair: CorePair, n: Vector, tilt: float, points: Floats) -> None:
 
 @inlined
 def is_in_cap(m: Vector, offset: float, n: Vector, rival: float, cap: float) -> bool:
-    """Tell whether all directions in which a face is nearer than ``rival`` are in the cap of n.
+    """Return whether all directions in which a face is nearer than ``rival`` are in the cap of n.
 
-    A ray at an angle x from the normal m crosses the face at ``offset / cos x`` or later. (Angles
-    by differences: that of two directions 1e-9 rad apart has the cosine 1.)
+    A ray at an angle x from the normal m crosses the face at ``offset / cos x`` or later. Angles
+    are computed from chords, because two directions 1e-9 rad apart have the cosine 1.
     """
     if cap == 0.0 or offset <= 0.0:
         return False
     chord = norm(sub(m, n))
-    if chord > cap:  # most faces: an arc is longer still
+    if chord > cap:  # rejects most faces, since the arc is even longer
         return False
     away = 2.0 * math.asin(min(0.5 * chord, 1.0))
     beyond = math.sqrt(max(rival - offset, 0.0) * (rival + offset))
@@ -155,7 +154,7 @@ def is_in_cap(m: Vector, offset: float, n: Vector, rival: float, cap: float) -> 
 
 
 @allocating
-def nearest_known(
+def minimum_near(
     pair: CorePair,
     difference: Difference,
     n: Vector,
@@ -164,31 +163,31 @@ def nearest_known(
     b: Vector,
     enough: float,
     noise: float,
-) -> Known:
-    """Return (exact, width, n, a, b, cap): the minimum next to n, or what was given if none is.
+) -> BestDirection:
+    """Return the minimum next to n, or the given direction n if there is none.
 
-    ``a`` and ``b`` are the points extreme along n; a minimum's are one over the other along it.
-    Of hulls it is that of the edges next to n, where the hulls reach no farther; their h is
-    nowhere less than that of the edges, so that the cap is theirs, too.
+    ``width`` [m], ``a`` and ``b`` are those along n. For hulls it is the minimum of the edges next
+    to n, if the hulls reach no farther there. The h of the hulls is nowhere less than that of the
+    edges, so the cap is valid for the hulls, too.
     """
     hulls, start = difference.last == 0, n
     if hulls:
         difference = difference_of_edges(pair, n)
         start = onto_kink(difference, n)
-    found = nearby_minimum(difference, start, noise)
-    if found.kind == NOTHING or found.h > width + noise:
-        return Known(False, width, n, a, b, 0.0)
+    minimum = nearby_minimum(difference, start, noise)
+    if minimum.kind == NOTHING or minimum.h > width + noise:
+        return BestDirection(False, width, n, a, b, 0.0)
     if hulls:
-        s_A, s_B = support_points(pair, found.n, 0.0)
-        if dot(sub(s_A, s_B), found.n) > found.h + noise:
-            return Known(False, width, n, a, b, 0.0)
-    a, b = witness_points(difference, found.n)
-    return Known(True, found.h, found.n, a, b, widest_cap(difference, found, enough))
+        s_A, s_B = support_points(pair, minimum.n, 0.0)
+        if dot(sub(s_A, s_B), minimum.n) > minimum.h + noise:
+            return BestDirection(False, width, n, a, b, 0.0)
+    a, b = witness_points(difference, minimum.n)
+    return BestDirection(True, minimum.h, minimum.n, a, b, widest_cap(difference, minimum, enough))
 
 
 @compiled
 def is_flat(points: Floats, share: float, size: float) -> bool:
-    """Tell whether the tetrahedron of vertices 0 to 3 is thinner than a share of the size."""
+    """Return whether the tetrahedron of vertices 0 to 3 is thinner than a share of the size."""
     a, b, c, d = (
         vector_in(points, 0),
         vector_in(points, 1),
@@ -202,19 +201,19 @@ def is_flat(points: Floats, share: float, size: float) -> bool:
 @compiled
 def start(
     pair: CorePair,
-    known: Known,
+    best: BestDirection,
     near: bool,
     growth: tuple[Floats, Integers32, Floats, Integers32, Integers32, Integers32, Integers32],
     size: float,
     noise: float,
 ) -> tuple[int, int, int]:
-    """Make the first polytope, around a minimum that has a cap; return (count, total, waiting).
+    """Make the first polytope, around a minimum with a cap; return (count, total, waiting).
 
-    They are the numbers of vertices, of faces, and of those on the heap. ``near`` tells that the n
-    that is known is thought to be near the answer.
+    They are the numbers of vertices, of faces, and of faces on the heap. ``near``: the best
+    direction is expected to be near the answer.
     """
     points, faces, planes, horizon, stack, starting_at, heap = growth
-    n, a, b, cap = known.n, known.a, known.b, known.cap
+    n, a, b, cap = best.n, best.a, best.b, best.cap
     if cap > 0.0 or near:
         ring_points(pair, n, max(0.5 * cap, LEAST_TILT), points)
     if not (cap > 0.0 or near) or is_flat(points, SLIVER, size):
@@ -233,24 +232,24 @@ def start(
 
 
 @compiled
-def guarded_hulls(pair: CorePair, found: Depth, noise: float) -> Depth:
-    """Return a depth of hulls after a look at planes that no search chose.
+def guarded_hulls(pair: CorePair, depth: Depth, noise: float) -> Depth:
+    """Return a depth of hulls, checked against planes that no search chose.
 
-    EPA's lower bound is that of a difference with a volume. That of a segment and a hull which is
-    nothing beside it has none: its faces are slivers, whose sides rounding tells.
+    EPA's lower bound requires a difference with a volume. That of a segment and a hull negligible
+    beside it has none: its faces are slivers, whose orientation is rounding.
     """
-    if found.lower <= 0.0:
-        return found
-    e = perpendicular(found.n)
-    f = cross(found.n, e)
-    for m in (unit(pair.p_AB), scale(-1.0, found.n), e, scale(-1.0, e), f, scale(-1.0, f)):
+    if depth.lower <= 0.0:
+        return depth
+    e = perpendicular(depth.n)
+    f = cross(depth.n, e)
+    for m in (unit(pair.p_AB), scale(-1.0, depth.n), e, scale(-1.0, e), f, scale(-1.0, f)):
         a, b = support_points(pair, m, 0.0)
         h = dot(sub(a, b), m)
-        if dot(m, m) > 0.5 and h < found.lower - 2.0 * noise:
+        if dot(m, m) > 0.5 and h < depth.lower - 2.0 * noise:
             apart = norm(sub(a, b))
             aside = norm(sub(sub(a, b), scale(h, m)))
-            found = Depth(h, -apart, m, a, b, aside, False)
-    return found
+            depth = Depth(h, -apart, m, a, b, aside, False)
+    return depth
 
 
 @compiled
@@ -259,12 +258,12 @@ def depth_at(
     faces: Integers32,
     planes: Floats,
     total: int,
-    least: Known,
+    least: BestDirection,
     lower: float,
     enough: float,
     unique: bool,
 ) -> Depth:
-    """Return the depth that a polytope has come to, with the least width that is known."""
+    """Return the depth from a polytope and the least width found."""
     best, n, a, b, aside = least.width, least.n, least.a, least.b, 0.0
     if least.exact:
         lower = min(lower, best)
@@ -287,15 +286,18 @@ def depth_of_cores(
 ) -> Depth:
     """Return the depth of two overlapping or touching cores.
 
-    ``pair`` is that of ``support_points``, ``difference`` that of ``sums``, and n any direction to
-    start from: the better it is, the less there is to do, and ``near`` tells that it may be good
-    and that the cores are thought to overlap. ``upper`` is the width of the overlap
-    along the unit n (from A to B). ``lower`` is the radius of a ball around the origin in the
-    Minkowski difference, or minus a length within which the difference has a point. Points a and
-    b, from Ao, have ``a - b = upper n``; ``aside`` is of ``witness``. ``unique`` tells that the
-    bounds exclude every clearly different direction: once they have met, faces turned elsewhere go
-    on growing until none is as near. Cores that are no hulls and turn out to be apart end the
-    growth, with a negative ``upper``.
+    n is any direction to start from, the better the faster. ``near``: it may be good, and the
+    cores are expected to overlap. See ``Depth`` for the result:
+
+    - ``upper`` is the width of the overlap along the unit n (from A to B);
+    - ``lower`` is the radius of a ball around the origin in the Minkowski difference, or minus a
+      length within which the difference has a point;
+    - a and b, from Ao, have ``a - b = upper n``; ``aside`` is that of ``witness``;
+    - ``unique``: the bounds exclude every clearly different direction. Once the bounds have met,
+      faces turned elsewhere are expanded until none is as near.
+
+    Cores expected to overlap that turn out to be separated end the growth, with a negative
+    ``upper``.
     """
     block = np.empty(growth_numbers(most_vertices))
     growth = growth_arrays(block, most_vertices)
@@ -303,16 +305,16 @@ def depth_of_cores(
     noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)
     a, b = support_points(pair, n, 0.0)
-    known = nearest_known(pair, difference, n, dot(sub(a, b), n), a, b, enough, noise)
-    count, total, waiting = start(pair, known, near, growth, size, noise)
+    best_direction = minimum_near(pair, difference, n, dot(sub(a, b), n), a, b, enough, noise)
+    count, total, waiting = start(pair, best_direction, near, growth, size, noise)
     hulls, ball = difference.last == 0, ball_in_difference(pair)
     thin = hulls and is_flat(points, THIN, size)
-    exact, best, n, a, b, cap = known
+    exact, best, n, a, b, cap = best_direction
     lower, least_in_cap, settled, unique = -np.inf, np.inf, False, False
     while True:
         f, waiting = pop_living(faces, planes, heap, waiting)
         if f < 0 or (settled and planes[f, OFFSET] > best + enough):
-            lower = lower if settled else best  # all that is left is in caps
+            lower = lower if settled else best  # all remaining faces are in caps
             unique = True
             break
         m, offset = (planes[f, 0], planes[f, 1], planes[f, 2]), planes[f, OFFSET]
@@ -332,11 +334,11 @@ def depth_of_cores(
             break
         closed = not settled and width - lower <= enough
         if closed or (not settled and width < best - noise):
-            known = Known(False, width, m, s_A, s_B, 0.0)
-            # On the way it ends nothing sooner for polytopes, which are asked without a tolerance.
+            best_direction = BestDirection(False, width, m, s_A, s_B, 0.0)
+            # Before the end it saves nothing for polytopes, which have no tolerance.
             if closed or not hulls or tolerance > 0.0:
-                known = nearest_known(pair, difference, m, width, s_A, s_B, enough, noise)
-            exact, best, n, a, b, cap = known
+                best_direction = minimum_near(pair, difference, m, width, s_A, s_B, enough, noise)
+            exact, best, n, a, b, cap = best_direction
             if exact and dot(sub(a, b), m) > offset + noise:
                 s_A, s_B = a, b
         if closed:
@@ -353,6 +355,6 @@ def depth_of_cores(
         if grown == total:
             break
         count, total = count + 1, grown
-    found = depth_at(points, faces, planes, total, known, lower, enough, unique)
+    depth = depth_at(points, faces, planes, total, best_direction, lower, enough, unique)
     outlive(block)
-    return guarded_hulls(pair, found, noise) if thin else found
+    return guarded_hulls(pair, depth, noise) if thin else depth

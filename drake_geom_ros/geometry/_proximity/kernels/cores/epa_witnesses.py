@@ -1,4 +1,4 @@
-"""Witness points of a face of the polytope: where the origin is nearest to it."""
+"""Witness points of a polytope, from the point of its faces nearest to the minimum."""
 
 import numpy as np
 
@@ -30,9 +30,9 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 def closest_in_face(
     points: Floats, i: int, j: int, k: int, foot: Vector
 ) -> tuple[float, Vector, Vector]:
-    """Return (away, a, b): how far the triangle of vertices i, j, k is from ``foot``, and where.
+    """Return (away, a, b): the distance of ``foot`` from the triangle of vertices i, j, k.
 
-    a and b are the points of A and of B whose difference is nearest.
+    a and b are the points of A and B whose difference is the nearest point of the triangle.
     """
     x = sub(vector_in(points, i), foot)
     y, z = sub(vector_in(points, j), foot), sub(vector_in(points, k), foot)
@@ -46,7 +46,7 @@ def closest_in_face(
 def moved_to_planes(
     a: Vector, b: Vector, n: Vector, upper: float, s_A: Vector, s_B: Vector
 ) -> tuple[Vector, Vector]:
-    """Return (a, b): moved along n to the planes of the points s_A, s_B, with a - b = upper n."""
+    """Return (a, b) moved along n to the planes through s_A and s_B, with a - b = upper n."""
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     centre = scale(0.5, add_scaled(add(a, b), rise, n))
     return add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
@@ -66,9 +66,9 @@ def witness(
 ) -> tuple[Vector, Vector, float]:
     """Return (a, b, aside): points on the supporting planes of A and B with a - b = upper n.
 
-    They come from the point of the faces nearest to upper n, moved out to the planes. On a flat of
-    the difference it may be in any face, and not in the one that was expanded. ``aside`` is how
-    far that point is from upper n: as far, at most, a and b were put off their surfaces.
+    They come from the point of the faces nearest to upper n, moved out to the planes. On a flat
+    part of the difference it may be in any face, not only in the one that was expanded. ``aside``
+    is the distance of that point from upper n, and bounds how far a and b are off their surfaces.
     """
     foot = scale(upper, n)
     a, b, least = s_A, s_B, np.inf

@@ -1,8 +1,8 @@
-"""GJK: the distance of two disjoint cores, with the points that attain it.
+"""GJK: the distance of two disjoint cores, with its witness points.
 
 Gilbert, Johnson, Keerthi (IEEE Journal of Robotics and Automation 4 (2), 1988): a simplex of
-points ``w = a - b`` of the Minkowski difference walks to the point closest to the origin. Both
-ends of the answer are certified, whatever rounding does to the walk: ``|v|`` is the distance of
+points ``w = a - b`` of the Minkowski difference moves to the point closest to the origin. Both
+bounds of the answer are certified for any rounding of the iteration: ``|v|`` is the distance of
 two points of the cores, and ``f(n) = -h_A(n) - h_B(-n)`` is the width of an empty slab between
 them.
 """
@@ -34,13 +34,13 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     ROUNDING,
 )
 
-# How a walk ended.
+# Ends of an iteration.
 CLOSED = 0  # the bounds met, to tolerance or to rounding
 BEYOND_CUTOFF = 1
-OVERLAP = 2  # the origin is in the Minkowski difference, or on it to rounding
-CLOSED_ASIDE = 3  # the bounds met, perhaps along another direction than that of b - a
+OVERLAP = 2  # the origin is in the Minkowski difference, or on it within rounding
+CLOSED_ASIDE = 3  # the bounds met, but perhaps not along b - a
 
-# Ordinary pairs take 5 to 20 steps; needles and near touches are left to EPA beyond this.
+# Ordinary pairs take 5 to 20 steps; beyond this, needles and near touches are left to EPA.
 GJK_STEPS = 64
 WEIGHT = 9  # column of a simplex row: w, a, b, weight
 
@@ -65,7 +65,7 @@ def put(points: Floats, k: int, a: Vector, b: Vector) -> None:
 
 @compiled
 def closest_weights(points: Floats, count: int) -> tuple[float, float, float, float]:
-    """Return the weights of up to four simplex points, 0 for those beyond count."""
+    """Return the weights of up to four simplex points, 0 for those from ``count`` on."""
     if count == 1:
         return 1.0, 0.0, 0.0, 0.0
     if count == 2:
@@ -81,16 +81,16 @@ def closest_weights(points: Floats, count: int) -> tuple[float, float, float, fl
 
 @compiled
 def reduce_simplex(points: Floats, count: int) -> int:
-    """Keep the points that hold the one closest to the origin, with weights; return how many."""
+    """Drop simplex points that do not support the closest point; return how many remain."""
     weights = closest_weights(points, count)
-    kept = 0
+    remaining = 0
     for k in range(count):
         if weights[k] > 0.0:
             for i in range(9):
-                points[kept, i] = points[k, i]
-            points[kept, WEIGHT] = weights[k]
-            kept += 1
-    return kept
+                points[remaining, i] = points[k, i]
+            points[remaining, WEIGHT] = weights[k]
+            remaining += 1
+    return remaining
 
 
 @compiled
@@ -105,8 +105,8 @@ def combine(points: Floats, count: int, column: int) -> Vector:
 
 
 @inlined
-def is_known(points: Floats, count: int, w: Vector) -> bool:
-    """Tell whether w is a point of the simplex: a polytope has no better vertex to offer."""
+def is_in_simplex(points: Floats, count: int, w: Vector) -> bool:
+    """Return whether w is already a vertex of the simplex, so that no better one exists."""
     for k in range(count):
         if points[k, 0] == w[0] and points[k, 1] == w[1] and points[k, 2] == w[2]:
             return True
@@ -117,10 +117,10 @@ def is_known(points: Floats, count: int, w: Vector) -> bool:
 def distance_of_cores(
     pair: CorePair, n: Vector, size: float, tolerance: float, cutoff: float
 ) -> Separation:
-    """Return the separation of two cores, walking from the unit n, with points a and b from Ao.
+    """Return the separation of two cores, starting from the unit n, with points a and b from Ao.
 
-    With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last
-    direction tried. ``size`` [m] is the scale to which rounding is relative.
+    With end OVERLAP, upper is 0 within rounding, a and b are a common point, and n is only the
+    last direction tried. ``size`` [m] is the scale to which rounding is relative.
     """
     a, b = support_points(pair, n, RIGHT_ANGLE)
     v = sub(a, b)
@@ -145,23 +145,23 @@ def distance_of_cores(
             lower, n_lower = slab, n
         if lower > cutoff:
             return Separation(BEYOND_CUTOFF, upper, lower, n, a, b, n)
-        # Bounds g apart at distance d leave the direction an angle sqrt(2 g / d): short ones need
-        # more.
+        # A gap g of the bounds at distance d leaves an error sqrt(2 g / d) of the direction, so
+        # short distances need a smaller gap.
         enough = max(tolerance * min(1.0, upper / size), noise)
-        if upper - lower <= enough or is_known(points, count, w):
+        if upper - lower <= enough or is_in_simplex(points, count, w):
             break
         put(points, count, s_A, s_B)
         count = reduce_simplex(points, count + 1)
         v = combine(points, count, 0)
         closer = norm(v)
         inside = count == 4 and closer <= INSIDE * size
-        # The length is flat in its last digits while the direction still improves.
+        # The length no longer changes in its last digits while the direction still improves.
         if not inside and (count == 4 or (closer >= upper and not gained)):
             break
         upper = closer
         a, b = combine(points, count, 3), combine(points, count, 6)
-        if inside:  # as far as rounding lets a thin simplex tell
+        if inside:  # within the rounding of a thin simplex
             return Separation(OVERLAP, upper, lower, n, a, b, n_lower)
-        slab = -np.inf  # that along b - a was not looked at yet
+        slab = -np.inf  # the slab along b - a is not computed yet
     end = CLOSED if upper - slab <= max(tolerance, noise) else CLOSED_ASIDE
     return Separation(end, upper, lower, unit(sub(b, a)), a, b, n_lower)

@@ -1,12 +1,12 @@
-"""How deep points lie in two cores, and what that certifies of the depth of the pair.
+"""Lower bounds of the depth of two cores, from the depths of a point in both.
 
 For any point c the width of the overlap along n is ``h_A(n) + h_B(-n) = (h_A(n) - n . c) +
-(h_B(-n) + n . c)``, so the depth, the least width, is at least the sum of the depths of c in A
-and in B, each the radius of the largest ball about c that fits, or minus the distance outside. The
-sum is a closed form for primitive shapes, and where one of two bodies is smooth or flat around the
-contact it *is* the depth: a box corner or a cylinder's edge within a cylinder, two barrels, a face
-on anything. Then nothing has to be enclosed. That holds for rings of equal minima too (an axis
-through the edge of a box), which EPA would have to cover with faces.
+(h_B(-n) + n . c)``. So the depth, the least width, is at least the sum of the depths of c in A and
+B: each is the radius of the largest ball about c that fits, or minus the distance outside. The sum
+has a closed form for primitive shapes. Where one body is smooth or flat around the contact it *is*
+the depth: for a box corner or a cylinder's edge within a cylinder, for two barrels, for a face on
+anything. Then no polytope is needed. That also holds for rings of equal minima (an axis through
+the edge of a box), which EPA would have to cover with faces.
 """
 
 import math
@@ -46,15 +46,15 @@ from drake_geom_ros.geometry._proximity.kinds import (
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 
-SHARES = (0.5, 0.0, 1.0)  # of the way from a to b
-SEARCH_STEPS = 24  # of a search along a line: each leaves two thirds, all a 17000th
+SHARES = (0.5, 0.0, 1.0)  # parameters between a and b
+SEARCH_STEPS = 24  # of a line search: each step leaves two thirds, all of them a 17000th
 
 
 @compiled
 def depth_of_point(kind: int, shape: Floats, q: Vector, slack: float) -> tuple[float, bool]:
     """Return (depth, unique) of the point q in a core, in its frame; -infinity for a hull.
 
-    ``unique`` tells that one direction out is shorter than all others, by more than ``slack``.
+    ``unique``: one direction out is shorter than all others by more than ``slack`` [m].
     """
     if kind == BOX:
         distance, _, _, unique = box_point(vector_at(shape, 0), q, slack)
@@ -75,7 +75,7 @@ def depth_of_point(kind: int, shape: Floats, q: Vector, slack: float) -> tuple[f
 
 @compiled
 def depth_in_both(pair: CorePair, c: Vector, slack: float) -> tuple[float, bool]:
-    """Return (depth, unique) of the point c, from Ao, in both cores together."""
+    """Return (depth, unique): the sum of the depths of the point c, from Ao, in both cores."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     in_A, only_A = depth_of_point(kind_A, shape_A, unrotate(R_WA, c), slack)
     in_B, only_B = depth_of_point(kind_B, shape_B, unrotate(R_WB, sub(c, p)), slack)
@@ -86,7 +86,7 @@ def depth_in_both(pair: CorePair, c: Vector, slack: float) -> tuple[float, bool]
 def depth_between(
     pair: CorePair, a: Vector, b: Vector, slack: float
 ) -> tuple[float, bool, Vector]:
-    """Return (depth, unique, c): the largest of a, b and their middle, and where that is."""
+    """Return (depth, unique, c) of the deepest among a, b and their midpoint."""
     best, unique, at = -math.inf, False, a
     for share in SHARES:
         c = add_scaled(a, share, sub(b, a))
@@ -100,7 +100,7 @@ def depth_between(
 def deepest_along(pair: CorePair, c: Vector, u: Vector, reach: float) -> tuple[float, Vector]:
     """Return (depth, c) at the deepest point in both cores on c + t u, t within reach.
 
-    The depth is a concave function, so thirds of the interval tell where to look on.
+    The depth is concave, so the search keeps two thirds of the interval in each step.
     """
     low, high = -reach, reach
     for _ in range(SEARCH_STEPS):
@@ -122,8 +122,8 @@ def deepest_vertex(
 ) -> float:
     """Return the depth of the deepest vertex of a hull in the core of another shape.
 
-    A vertex is a point of the hull, so its depth there is 0 at least. ``p`` is from the shape to
-    the hull, in World axes as both rotations are.
+    A vertex is a point of the hull, so its depth in the hull is at least 0. ``p`` is from the
+    shape to the hull, in World axes.
     """
     best = -math.inf
     for k in range(1, int(hull[VERTEX_COUNT]) + 1):
@@ -135,9 +135,9 @@ def deepest_vertex(
 
 @compiled
 def deepest(pair: CorePair, a: Vector, b: Vector, size: float) -> float:
-    """Return the depth in both cores of a deep point: sought from ab and both origins, by axes.
+    """Return the depth in both cores of a deep point, searched along axes.
 
-    Of a hull only the vertices are tried.
+    The search starts from ab and both origins. For a hull only the vertices are tried.
     """
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     if kind_B == CONVEX:
@@ -149,8 +149,8 @@ def deepest(pair: CorePair, a: Vector, b: Vector, size: float) -> float:
         depth, _ = depth_in_both(pair, c, 0.0)
         for k in range(12):
             u = column(pair.R_WA if k % 6 < 3 else pair.R_WB, k % 3)
-            there, x = deepest_along(pair, c, u, size)
-            if there > depth:
-                depth, c = there, x
+            depth_there, x = deepest_along(pair, c, u, size)
+            if depth_there > depth:
+                depth, c = depth_there, x
         best = max(best, depth)
     return best

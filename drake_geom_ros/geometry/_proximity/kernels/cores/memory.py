@@ -1,9 +1,9 @@
-"""What two hulls remember of an earlier answer: a polytope, as numbers in a result row.
+"""Memory of two hulls for a warm start: the polytope of an earlier answer, in a result row.
 
-``memory`` holds the numbers of vertices and of faces, where B was from A, MOST_VERTICES names and
-MOST_FACES faces, two a number. A name is the place of A's vertex (see ``hulls``) and, times NAMES,
-that of B's. A face is, in eight bits each, its three vertices. Nothing is remembered where the
-first number is 0. All of it is looked at before it is believed.
+``memory`` has the numbers of vertices and of faces, the position of B from A, MOST_VERTICES names,
+and MOST_FACES faces, two per number. A name is the index of A's vertex (see ``hulls``) plus NAMES
+times that of B's. A face is its three vertices, in eight bits each. The memory is empty if its
+first number is 0. All of it is validated before use.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
@@ -33,28 +33,28 @@ MOST_FACES = 2 * MOST_VERTICES - 4
 POSITION = 2  # 3: of B from A [m]
 FIRST_NAME = 5
 FIRST_FACE = FIRST_NAME + MOST_VERTICES
-FAR = 0.125  # of the size: what moved as far since is not looked for where it was
+FAR = 0.125  # of the size: after a larger motion the memory is not used
 NAMES = 2**24
-MOST_BITS = 2**48  # which names and pairs of faces are below
+MOST_BITS = 2**48  # upper bound of names and pairs of faces
 
 
 @inlined
 def is_where_it_was(memory: Floats, p: Vector, size: float) -> bool:
-    """Tell whether B is about where it was from A when it was remembered."""
+    """Return whether B is near its remembered position relative to A."""
     moved = sub(p, vector_at(memory, POSITION))
     return dot(moved, moved) <= (FAR * size) * (FAR * size)
 
 
 @inlined
 def remember_position(memory: Floats, p: Vector) -> None:
-    """Remember where B is from A."""
+    """Store the position of B from A."""
     for k in range(3):
         memory[POSITION + k] = p[k]
 
 
 @compiled
 def recall_faces(memory: Floats, corners: Integers32, count: int, total: int) -> bool:
-    """Fill in the faces; tell whether their numbers can be such."""
+    """Fill in the faces from memory; return whether their numbers are valid."""
     for k in range((total + 1) // 2):
         number = memory[FIRST_FACE + k]
         if not 0.0 <= number < MOST_BITS:
@@ -62,7 +62,7 @@ def recall_faces(memory: Floats, corners: Integers32, count: int, total: int) ->
         bits = signed(number)
         f = 2 * k
         set_corners(corners, f, bits & 255, (bits >> 8) & 255, (bits >> 16) & 255)
-        f += 1  # beyond the last one it is written, but nobody looks there
+        f += 1  # may be beyond the last one, which does no harm
         set_corners(corners, f, (bits >> 24) & 255, (bits >> 32) & 255, bits >> 40)
     highest = 0
     for k in range(3):
@@ -75,7 +75,7 @@ def recall_faces(memory: Floats, corners: Integers32, count: int, total: int) ->
 def recall(
     memory: Floats, pair: CorePair, points: Floats, corners: Integers32, masks: Indices
 ) -> tuple[int, int]:
-    """Fill in the vertices at their poses, and the faces; return (count, total), 0 for nothing."""
+    """Fill in the posed vertices and the faces; return (count, total), (0, 0) if invalid."""
     _, shape_A, R_WA, _, shape_B, R_WB, p = pair
     if not (4.0 <= memory[0] <= MOST_VERTICES and 4.0 <= memory[1] <= MOST_FACES):
         return 0, 0
@@ -101,9 +101,9 @@ def recall(
 def keep(
     memory: Floats, points: Floats, corners: Integers32, total: int, numbers: Indices
 ) -> None:
-    """Remember the faces and their vertices; nothing where they are too many.
+    """Store the faces and their vertices, or nothing if there are too many.
 
-    ``numbers`` is scratch, for those of the vertices.
+    ``numbers`` is scratch for the numbers of the vertices.
     """
     memory[0] = 0.0
     if total > MOST_FACES:

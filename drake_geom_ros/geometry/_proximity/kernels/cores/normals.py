@@ -1,14 +1,16 @@
-"""The normal of a contact by Newton's method, and how far around it nothing is nearer.
+"""Normal of a contact by Newton's method: a local minimum of the support function.
 
-Where two cores are apart or overlap least, the support function h of their Minkowski difference D
-(see ``sums``) has a local minimum on the sphere of directions. There the point of D that is
-extreme along n is on the line of n itself; what it is aside of it is the gradient of h, and
-``M - h`` is the Hessian, where M are the radii of curvature of D. Newton's method doubles the
-digits of n at each step. Kinks are followed: a step that would cross one stops on it, and goes on
-along it until the subgradient says that the minimum is not there. Where h is not convex no minimum
-comes before the next kink, and the step goes down the slope to that. Three kinds of minima remain:
-SMOOTH; CREASE, with parallel segments held and n on a circle; FLAT, on a face of D that holds the
-foot of the origin.
+At the distance or depth of two cores, the support function h of their Minkowski difference D (see
+``sums``) has a local minimum on the sphere of directions. There the point of D extreme along n is
+on the line of n itself. Its deviation from that line is the gradient of h, and ``M - h`` is the
+Hessian, where M are the radii of curvature of D. Newton's method doubles the digits of n at each
+step. A step that would cross a kink stops on it, and continues along it until the subgradient
+shows that the minimum is elsewhere. Where h is not convex, there is no minimum before the next
+kink, and the step descends to that. There are three kinds of minima:
+
+- SMOOTH;
+- CREASE, with parallel segments held and n on a circle;
+- FLAT, on a face of D that contains the foot of the origin.
 """
 
 import math
@@ -46,7 +48,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     RIGHT_ANGLE,
 )
 
-# What was found.
+# Kinds of minima.
 NOTHING = 0
 SMOOTH = 1
 CREASE = 2
@@ -59,13 +61,13 @@ LONGEST_STEP = 0.5  # tangent of the angle
 
 @inlined
 def nowhere(n: Vector) -> Minimum:
-    """Return no minimum, but a direction to start from."""
+    """Return a record without a minimum, with only a direction to start from."""
     return Minimum(NOTHING, n, math.inf, 0.0)
 
 
 @compiled
 def set_shares(terms: Floats, last: int, n: Vector) -> None:
-    """Set the shares of the segments at n: their ends, 0 for those at right angles."""
+    """Set the shares of the segments at n: 1 or -1 for an end, 0 for segments normal to n."""
     for k in range(SEGMENT, last):
         d = dot(vector_in(terms, k), n)
         terms[k, SHARE] = 0.0
@@ -75,7 +77,7 @@ def set_shares(terms: Floats, last: int, n: Vector) -> None:
 
 @compiled
 def onto_kink(difference: Difference, n: Vector) -> Vector:
-    """Return n, or, where it is almost at right angles to a segment, the direction that is so."""
+    """Return n, made normal to a segment to which it is almost normal."""
     terms, _, last, _, _ = difference
     for k in range(SEGMENT, last):
         d = dot(vector_in(terms, k), n) / terms[k, LENGTH]
@@ -86,7 +88,7 @@ def onto_kink(difference: Difference, n: Vector) -> Vector:
 
 @compiled
 def held_line(terms: Floats, last: int) -> tuple[Vector, float, bool]:
-    """Return (e, reach, flat): direction and half length of held segments, if not in one line."""
+    """Return (e, reach, flat): direction, half length of held segments; flat if not parallel."""
     e, reach, flat = (0.0, 0.0, 0.0), 0.0, False
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
@@ -100,7 +102,7 @@ def held_line(terms: Floats, last: int) -> tuple[Vector, float, bool]:
 
 @compiled
 def free_segments(terms: Floats, last: int, e: Vector, slope: float) -> None:
-    """Let held segments go to the end that lowers h against a slope along e."""
+    """Release held segments to the end that lowers h against a slope along e."""
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
             terms[k, SHARE] = -1.0 if slope * dot(vector_in(terms, k), e) > 0.0 else 1.0
@@ -108,7 +110,7 @@ def free_segments(terms: Floats, last: int, e: Vector, slope: float) -> None:
 
 @compiled
 def held_sum(terms: Floats, last: int) -> Vector:
-    """Return the sum of -p and the segments' ends."""
+    """Return the sum of -p and the segments times their shares."""
     base = scale(-1.0, vector_in(terms, 0))
     for k in range(SEGMENT, last):
         base = add_scaled(base, terms[k, SHARE], vector_in(terms, k))
@@ -117,7 +119,7 @@ def held_sum(terms: Floats, last: int) -> Vector:
 
 @compiled
 def part_before_kink(terms: Floats, last: int, n: Vector, step: Vector) -> tuple[float, bool]:
-    """Return the part of a step up to the first kink, and hold the segments whose kink that is."""
+    """Return (part, crossed) of a step up to the first kink, and hold the kink's segments."""
     part, first = 1.0, -1
     for k in range(SEGMENT, last):
         here = max(terms[k, SHARE] * dot(vector_in(terms, k), n), 0.0)
@@ -135,7 +137,7 @@ def part_before_kink(terms: Floats, last: int, n: Vector, step: Vector) -> tuple
 
 @compiled
 def at_disk(terms: Floats, n: Vector, axes: int) -> bool:
-    """Tell whether n is along the axis of a disk."""
+    """Return whether n is along the axis of the disk in row ``axes``."""
     return (
         terms[axes, LENGTH] > 0.0
         and norm(
@@ -153,7 +155,7 @@ def at_disk(terms: Floats, n: Vector, axes: int) -> bool:
 def face_normal(terms: Floats, last: int, n: Vector) -> Vector:
     """Return the unit normal, on the side of n, of two held segments or of a disk at its axis.
 
-    n itself where segments are parallel but for rounding, by which another test took them apart.
+    It is n itself where segments are parallel within rounding, despite the test that held both.
     """
     best, m = 0.0, n
     for i in range(SEGMENT, last):
@@ -172,9 +174,9 @@ def face_normal(terms: Floats, last: int, n: Vector) -> Vector:
 
 @compiled
 def shares_on_face(terms: Floats, last: int, n: Vector, x: Vector) -> float:
-    """Let two held segments balance x in the face normal to n; return the margin left.
+    """Choose shares of two held segments that balance x in the face of n; return the margin.
 
-    Where they cannot, the margin is -1 and a segment that would have to be longer is released.
+    If they cannot, the margin is -1, and a segment that would have to be longer is released.
     """
     first, second, area = -1, -1, 0.0
     for i in range(SEGMENT, last):
@@ -191,11 +193,11 @@ def shares_on_face(terms: Floats, last: int, n: Vector, x: Vector) -> float:
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
             d = scale(1.0 / terms[k, LENGTH], cross(n, vector_in(terms, k)))
-            room = -abs(dot(x, d))
+            reserve = -abs(dot(x, d))
             for m in range(SEGMENT, last):
                 if terms[m, SHARE] == 0.0:
-                    room += abs(dot(vector_in(terms, m), d))
-            margin = min(margin, room)
+                    reserve += abs(dot(vector_in(terms, m), d))
+            margin = min(margin, reserve)
     if abs(u) <= 1.0 and abs(v) <= 1.0:
         terms[first, SHARE], terms[second, SHARE] = u, v
         return max(margin, 0.0)
@@ -208,7 +210,7 @@ def shares_on_face(terms: Floats, last: int, n: Vector, x: Vector) -> float:
 
 @compiled
 def lean_on_disks(terms: Floats, n: Vector, x: Vector) -> float:
-    """Let the disks whose axis is along n balance x; return the margin left, negative if none."""
+    """Choose points of disks with axes along n that balance x; return the margin, or below 0."""
     on_A, on_B = at_disk(terms, n, AXES_A), at_disk(terms, n, AXES_B)
     r_A, r_B = (
         (terms[AXES_A, LENGTH] if on_A else 0.0),
@@ -228,7 +230,7 @@ def on_face(
 ) -> tuple[Vector, float, float, Vector]:
     """Return (n, h, margin, step) at the face normal next to n.
 
-    Where the face does not hold the foot of the origin the margin is negative: a segment was
+    The margin is negative if the face does not contain the foot of the origin. Then a segment was
     released, or ``step`` leads away from the axis of a disk.
     """
     n = face_normal(terms, last, n)
@@ -256,7 +258,7 @@ def on_face(
 def slope_and_curvature(
     terms: Floats, last: int, radius: float, n: Vector, e: Vector, f: Vector
 ) -> tuple[float, float, float, float, float, float]:
-    """Return h at n, its two slopes along e and f, and its three second derivatives."""
+    """Return h at n, its slopes along e and f, and its three second derivatives."""
     base = held_sum(terms, last)
     y, x_A, z_A, m11, m12, m22 = curvature(terms, AXES_A, n, e, f)
     y_B, x_B, z_B, k11, k12, k22 = curvature(terms, AXES_B, n, e, f)
@@ -269,7 +271,7 @@ def slope_and_curvature(
 def newton_step(
     x: float, z: float, m11: float, m12: float, m22: float, e: Vector, f: Vector, held: bool
 ) -> Vector:
-    """Return the step to where the slopes x along e and z along f vanish; held, that along f."""
+    """Return the step to zero slopes x along e and z along f; if held, only along f."""
     if held:
         return scale(-z / m22, f)
     det = m11 * m22 - m12 * m12
@@ -278,7 +280,7 @@ def newton_step(
 
 @inlined
 def downhill(x: float, z: float, aside: float, e: Vector, f: Vector, held: bool) -> Vector:
-    """Return the longest step against the slopes, ``aside`` long; held, that along f."""
+    """Return the longest step against the slopes, of norm ``aside``; if held, only along f."""
     return scale(-LONGEST_STEP / aside, add_scaled(scale(0.0 if held else x, e), z, f))
 
 
@@ -295,23 +297,23 @@ def slope_across_kink(x: float, z: float, m12: float, m22: float) -> float:
 
 @compiled
 def lowest_tip(terms: Floats, last: int, radius: float, n: Vector, h: float) -> Vector:
-    """Return the axis of a disk along which the width is least, if that is below h [m]; else n.
+    """Return the disk axis of the least width, if that is below h [m]; else n.
 
-    There h has a tip like that of a cone, which the slopes around it do not lead to.
+    There h has a tip like that of a cone, to which the slopes around it do not lead.
     """
     for axes in (AXES_A, AXES_B):
         if terms[axes, LENGTH] > 0.0 and terms[axes + 2, LENGTH] == 0.0:
             m = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
             m = m if dot(m, vector_in(terms, 0)) >= 0.0 else scale(-1.0, m)
-            there = width(terms, last, radius, m)
-            if there < h:
-                n, h = m, there
+            width_there = width(terms, last, radius, m)
+            if width_there < h:
+                n, h = m, width_there
     return n
 
 
 @compiled
 def descend(difference: Difference, n: Vector, noise: float) -> Minimum:
-    """Return what ``nearby_minimum`` does, with h by the shares."""
+    """Return the minimum of ``nearby_minimum``, with h computed from the shares."""
     terms, _, last, r_A, r_B = difference
     radius = r_A + r_B
     if last == 0:
@@ -375,7 +377,7 @@ def descend(difference: Difference, n: Vector, noise: float) -> Minimum:
 
 @compiled
 def share_out(terms: Floats, last: int, e: Vector, share: float) -> None:
-    """Put the support point of held parallel segments at the same share of each."""
+    """Set the support point of held parallel segments to the same share of each."""
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
             terms[k, SHARE] = share if dot(vector_in(terms, k), e) > 0.0 else -share
@@ -383,7 +385,7 @@ def share_out(terms: Floats, last: int, e: Vector, share: float) -> None:
 
 @compiled
 def nearby_minimum(difference: Difference, n: Vector, noise: float) -> Minimum:
-    """Return a local minimum near n, and set the shares to those there."""
+    """Return a local minimum near n, and set the shares at it."""
     kind, n, h, margin = descend(difference, n, noise)
     terms, _, last, r_A, r_B = difference
     if kind != NOTHING:

@@ -1,10 +1,11 @@
-"""The growing polytope of EPA: triangles linked to a closed surface, and a heap of their offsets.
+"""Growing polytope of EPA: linked triangles of a closed surface, and a heap of their offsets.
 
-A face is a row of integers (three vertices, the faces across its edges 01, 12 and 20, whether it
-is alive) and a row of numbers (its plane: a unit normal out of the polytope and the least offset
-of its vertices along it). Dead faces keep their row. Vertices are the rows of ``gjk.put``.
+A face is a row of integers (three vertices, the faces across its edges 01, 12 and 20, and a flag
+whether it is alive) and a row of numbers (its plane: a unit normal out of the polytope and the
+least offset of its vertices along it). Dead faces retain their row. Vertices are rows as written
+by ``gjk.put``.
 
-Rows are taken by unsigned numbers: the test for negative ones costs a tenth of EPA.
+Row indices are unsigned, because the test for negative ones costs a tenth of EPA.
 """
 
 import math
@@ -47,7 +48,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 @inlined
 def growth_numbers(most_vertices: int) -> int:
-    """Return how many numbers a polytope of so many vertices needs to grow in."""
+    """Return the size of the block for growing a polytope to ``most_vertices``."""
     rows = 8 * most_vertices
     return 10 * most_vertices + PLANE_WIDTH * rows + ((FACE_WIDTH + 5) * rows + most_vertices) // 2
 
@@ -56,13 +57,14 @@ def growth_numbers(most_vertices: int) -> int:
 def growth_arrays(
     block: Floats, most_vertices: int
 ) -> tuple[Floats, Integers32, Floats, Integers32, Integers32, Integers32, Integers32]:
-    """Return what a polytope of so many vertices grows in, views of a block.
+    """Return the arrays for growing a polytope to ``most_vertices``, as views of a block.
 
-    They are handed on one by one: as a record they made EPA take an eighth longer. All are of one
-    block of ``growth_numbers``, for to get two, and give them back, takes as long as to look at 4
-    vertices more; and views, for slices and reshaped arrays took a tenth of the time of two hulls.
+    They are passed on individually, because as a record they made EPA 12 % slower. All are in one
+    block of ``growth_numbers``, because allocating and freeing a second one takes as long as 4
+    more vertices. They are views, because slices and reshaped arrays took a tenth of the time of
+    two hulls.
     """
-    rows, corners = 8 * most_vertices, 10 * most_vertices  # w, a, b, and room for a name
+    rows, corners = 8 * most_vertices, 10 * most_vertices  # columns: w, a, b, and a name
     rest = integers(block, corners + PLANE_WIDTH * rows)
     faces, horizon = FACE_WIDTH * rows, (FACE_WIDTH + 3) * rows
     starting_at = part(rest, horizon + 2 * rows, horizon + 2 * rows + most_vertices)
@@ -80,9 +82,9 @@ def growth_arrays(
 
 @inlined
 def normal(a: Vector, b: Vector, c: Vector) -> Vector:
-    """Return the unit normal of a triangle from its two shorter edges, 0 for corners in a row.
+    """Return the unit normal of a triangle from its two shorter edges; 0 for collinear corners.
 
-    The angle between the longer two of a thin triangle is mostly rounding.
+    The angle between the two longer edges of a thin triangle is mostly rounding.
     """
     ab, bc, ca = sub(b, a), sub(c, b), sub(a, c)
     x, y, z = dot(ab, ab), dot(bc, bc), dot(ca, ca)
@@ -95,7 +97,7 @@ def normal(a: Vector, b: Vector, c: Vector) -> Vector:
 
 @compiled
 def plane_of(a: Vector, b: Vector, c: Vector, size: float) -> tuple[Vector, float]:
-    """Return (n, offset) of a triangle: of its corners, or at a sliver of its point nearest to 0.
+    """Return (n, offset) of a triangle: from its corners, or for a sliver from its nearest point.
 
     ``n`` is a unit normal, ``offset`` [m] the least one of the corners along it.
     """
@@ -104,7 +106,7 @@ def plane_of(a: Vector, b: Vector, c: Vector, size: float) -> tuple[Vector, floa
     offset = min(x, y, z)
     if n == ZERO or max(x, y, z) - offset > SLIVER * size:
         nearest = weighted(a, b, c, closest_on_triangle(a, b, c))
-        # A face that the origin is in front of has its nearest point behind itself.
+        # For a face with the origin in front of it, the nearest point is along -n.
         m = scale(1.0 if dot(nearest, n) >= 0.0 else -1.0, unit(nearest))
         if m == ZERO and n == ZERO:
             m = perpendicular(unit(sub(b, a) if b != a else sub(c, a)))
@@ -118,7 +120,7 @@ def plane_of(a: Vector, b: Vector, c: Vector, size: float) -> tuple[Vector, floa
 
 @compiled
 def set_plane(faces: Integers32, planes: Floats, points: Floats, f: int, size: float) -> None:
-    """Fill the plane of face f."""
+    """Set the plane of face f."""
     f = unsigned(f)
     n, offset = plane_of(
         vector_in(points, faces[f, 0]),
@@ -133,14 +135,14 @@ def set_plane(faces: Integers32, planes: Floats, points: Floats, f: int, size: f
 
 @inlined
 def is_corner(points: Floats, faces: Integers32, f: int, w: Vector) -> bool:
-    """Tell whether w is a vertex of face f: then rounding has nothing more to offer there."""
+    """Return whether w is a vertex of face f, so that expanding the face gains nothing."""
     i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
     return vector_in(points, i) == w or vector_in(points, j) == w or vector_in(points, k) == w
 
 
 @compiled
 def link_tetrahedron(points: Floats, faces: Integers32) -> None:
-    """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
+    """Make faces 0 to 3 of vertices 0 to 3, linked, counter-clockwise seen from outside."""
     a, b, c, d = (
         vector_in(points, 0),
         vector_in(points, 1),
@@ -167,11 +169,11 @@ def cut_visible(
     stack: Integers32,
     horizon: Integers32,
 ) -> int:
-    """Kill the faces that see w, from f outwards, and fill in their horizon; return its length.
+    """Kill the faces that see w, from f outwards, and write their horizon; return its length.
 
-    A row of the horizon is an edge of a killed face and the living face across it. A
-    face sees w if w is above its plane by more than ``thickness``: faces in one plane with w would
-    else be killed as rounding falls, and a cone over such a horizon folds back on itself.
+    A row of the horizon is an edge of a killed face and the living face across it. A face sees w
+    if w is above its plane by more than ``thickness``. Otherwise rounding would decide about faces
+    coplanar with w, and a cone over such a horizon may fold back on itself.
     """
     faces[f, ALIVE] = 0
     stack[0] = f
@@ -204,11 +206,11 @@ def link_cone(
     total: int,
     starting_at: Integers32,
 ) -> int:
-    """Link a new face from each horizon edge to the vertex apex; return the new number of faces.
+    """Link a new face from each horizon edge to the vertex ``apex``; return the number of faces.
 
-    ``starting_at`` is scratch, -1 for a new vertex: the new face whose first vertex is a given
-    one. A horizon that comes to a vertex twice, which only rounding can make, is not linked: then
-    the old number of faces is returned, and the surface is no longer closed.
+    ``starting_at`` is scratch, by vertex: the new face that begins at it, -1 for none. A horizon
+    that passes a vertex twice, which only rounding can cause, is not linked. Then the old number
+    of faces is returned, and the surface is no longer closed.
     """
     for i in range(edges):
         start, end = horizon[i, START], horizon[i, END]
@@ -232,7 +234,7 @@ def link_cone(
 
 @inlined
 def push(heap: Integers32, count: int, planes: Floats, f: int) -> None:
-    """Add face f to the heap of offsets."""
+    """Push face f onto the heap of offsets."""
     k, one = unsigned(count), unsigned(1)
     offset = planes[unsigned(f), OFFSET]
     while k > 0:
@@ -248,7 +250,7 @@ def push(heap: Integers32, count: int, planes: Floats, f: int) -> None:
 def pop_living(
     faces: Integers32, planes: Floats, heap: Integers32, waiting: int
 ) -> tuple[int, int]:
-    """Take the living face of least offset off the heap; return it or -1, and how many wait."""
+    """Pop the living face of least offset; return it, or -1, and the new size of the heap."""
     least, one = -1, unsigned(1)
     while waiting > 0 and least < 0:
         if faces[unsigned(heap[0]), ALIVE] == 1:
@@ -275,11 +277,11 @@ def pop_living(
 def set_planes(
     points: Floats, faces: Integers32, planes: Floats, first: int, total: int, size: float
 ) -> float:
-    """Set the planes of the faces from first to total; return the least offset of them [m].
+    """Set the planes of the faces from ``first`` to ``total``; return their least offset [m].
 
-    All in one loop without choices take a quarter of the time of as many calls of ``set_plane``,
-    which is left what would lose digits so: thin faces, and those so tiny or huge that their
-    squares may vanish or overflow.
+    One loop without branches takes a quarter of the time of as many calls of ``set_plane``. That
+    function handles the faces that would lose digits: thin ones, and those so tiny or huge that
+    their squares may vanish or overflow.
     """
     least, unset = np.inf, False
     for f in range(unsigned(first), unsigned(total)):
@@ -318,7 +320,7 @@ def add_faces(
     waiting: int,
     size: float,
 ) -> int:
-    """Set the planes of the faces from first to total and add them to the heap."""
+    """Set the planes of the faces from ``first`` to ``total``, and push them onto the heap."""
     set_planes(points, faces, planes, first, total, size)
     return push_nearest(heap, planes, first, total, waiting, np.inf)
 
@@ -327,7 +329,7 @@ def add_faces(
 def push_nearest(
     heap: Integers32, planes: Floats, first: int, total: int, waiting: int, rival: float
 ) -> int:
-    """Add the faces from first to total that are as near as ``rival`` [m] to the heap."""
+    """Push the faces from ``first`` on with offsets up to ``rival`` [m] onto the heap."""
     for f in range(unsigned(first), unsigned(total)):
         if planes[f, OFFSET] <= rival:
             push(heap, waiting, planes, f)
@@ -350,10 +352,10 @@ def expand(
     total: int,
     size: float,
 ) -> int:
-    """Make a - b vertex number count, in place of the faces that see it, among them f.
+    """Add the vertex a - b, number ``count``, and replace the faces that see it, including f.
 
-    Return the new number of faces: not grown where the surface could not be closed again, for no
-    more room, or a horizon that rounding spoilt.
+    Return the new number of faces. It is unchanged if the surface could not be closed again,
+    because the arrays are full or rounding spoilt the horizon.
     """
     put(points, count, a, b)
     w = vector_in(points, count)

@@ -1,6 +1,6 @@
-"""What kernels of convex pairs hand to one another.
+"""Records that kernels of convex pairs pass to each other.
 
-Numba takes named tuples as it takes tuples: inside compiled code a name costs nothing.
+Numba treats named tuples as tuples: inside compiled code names cost nothing.
 """
 
 from typing import NamedTuple
@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 class CorePair(NamedTuple):
-    """Two cores as they stand: A at the origin, B at ``p_AB`` from it, in World axes [m]."""
+    """Two posed cores: A at the origin, B at ``p_AB`` from it, in World axes [m]."""
 
     kind_A: int
     shape_A: Floats
@@ -26,17 +26,17 @@ class CorePair(NamedTuple):
 
 
 class Overlap(NamedTuple):
-    """The width h(n) [m] of the overlap of two cores along a unit n; below 0 they are apart."""
+    """The width h(n) [m] of the overlap of two cores along a unit n; negative if separated."""
 
     width: float
     n: Vector
 
 
 class Separation(NamedTuple):
-    """How far two cores are apart: ``lower <= distance <= upper = |b - a|`` [m].
+    """Bounds of the distance of two cores: ``lower <= distance <= upper = |b - a|`` [m].
 
-    ``end`` is how the search came to an end (see ``gjk``), n the unit vector from a to b, and
-    ``n_lower`` the one along which the cores are ``lower`` apart.
+    ``end`` is the end of the search (see ``gjk``), n the unit vector from a to b, and ``n_lower``
+    the unit vector along which the cores are separated by ``lower``.
     """
 
     end: int
@@ -49,11 +49,11 @@ class Separation(NamedTuple):
 
 
 class Depth(NamedTuple):
-    """How deep two cores are in each other: ``lower <= depth <= upper`` [m].
+    """Bounds of the penetration depth of two cores: ``lower <= depth <= upper`` [m].
 
     ``upper`` is the width of the overlap along the unit n from A to B. Points a and b, from Ao,
-    have ``a - b = upper n`` but for ``aside`` [m]; ``unique`` tells that the bounds exclude every
-    clearly different direction.
+    have ``a - b = upper n`` up to ``aside`` [m]. ``unique``: the bounds exclude every clearly
+    different direction.
     """
 
     upper: float
@@ -69,7 +69,7 @@ class Difference(NamedTuple):
     """The Minkowski difference of two cores that are not hulls, as a sum (see ``sums``).
 
     The segments of A have rows of ``terms`` below ``first``, those of B below ``last``, which is 0
-    if one is a hull; r_A and r_B [m] are the radii of the balls that are taken away.
+    if one is a hull; r_A and r_B [m] are the radii of the balls that are subtracted.
     """
 
     terms: Floats
@@ -82,8 +82,8 @@ class Difference(NamedTuple):
 class Minimum(NamedTuple):
     """A local minimum h [m] of the support function of a difference, at the unit n.
 
-    ``kind`` is what was found (see ``normals``), ``margin`` [m] how far the foot of the origin is
-    inside the crease or face there.
+    ``kind`` is that of ``normals``; ``margin`` [m] is the distance of the foot of the origin from
+    the border of the crease or face.
     """
 
     kind: int
@@ -95,8 +95,7 @@ class Minimum(NamedTuple):
 class Touch(NamedTuple):
     """Points a and b of two cores, from Ao, that touch at the unit n from A to B.
 
-    They have ``a - b = h n``, with the support value h [m] of the difference, but for ``aside``
-    [m].
+    They have ``a - b = h n``, with the support value h [m] of the difference, up to ``aside`` [m].
     """
 
     n: Vector
@@ -109,8 +108,8 @@ class Touch(NamedTuple):
 class Least(NamedTuple):
     """The least support value h [m] of a difference, at the unit n, by a search of directions.
 
-    Complete if the search came to an end. ``floor`` [m] is what no value is below, and ``unique``
-    tells that no clearly different direction is as good.
+    ``complete``: the search was finished. ``floor`` [m] is a lower bound of all values.
+    ``unique``: no clearly different direction is as good.
     """
 
     complete: bool
@@ -124,8 +123,8 @@ class Bounds(NamedTuple):
     """Bounds of the signed distance phi of two cores: ``lower <= phi <= upper`` [m].
 
     ``distance`` [m] is the answer; ``b - a = distance n`` for points a of A and b of B, on the
-    surface if it is negative, each to within ``miss`` [m]. Along ``n_lower`` they are ``lower``
-    apart.
+    surface if it is negative, each within ``miss`` [m]. The separation along ``n_lower`` is
+    ``lower``.
     """
 
     end: int

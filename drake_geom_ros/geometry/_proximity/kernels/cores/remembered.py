@@ -1,16 +1,14 @@
-"""Depth of two hulls from the polytope of an earlier answer, by EPA on vertices alone.
+"""Warm-started depth of two hulls, from the polytope of an earlier answer, by EPA on vertices.
 
-A vertex of the polytope is a vertex of A less one of B: a point of the Minkowski difference at
-every pose. The faces of last time so are a closed surface in it again, and what ``epa`` says of
-its bounds holds: it need not be convex, nor as it was. Where bodies move a little, the face that
-is nearest is nearest again, and one support point shows that nothing is beyond it; where they move
-more, it grows on. What is remembered are numbers in a result row, which are looked at before they
-are believed: no more than time is lost by others.
+A vertex of the polytope is a vertex of A minus one of B, a point of the Minkowski difference at
+every pose. So the remembered faces are a closed surface in it again, and the bounds of ``epa``
+hold: the surface need not be convex or unchanged. If bodies move a little, the same face is
+nearest, and one support point shows that nothing is beyond it; if they move more, the polytope
+grows further. The memory consists of numbers in a result row (see ``memory``), which are validated
+before use: wrong numbers only cost time.
 
-(How it is laid out tells ``memory``.)
-
-What is not certain here, or not unique, is left to the others: flat hulls, of which no ball is
-known, touching ones, and slivers next to the answer.
+Cases that are not certain or not unique here are left to other methods: flat hulls without a known
+ball, touching hulls, and slivers next to the answer.
 """
 
 import math
@@ -83,7 +81,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     THIN,
 )
 
-# Of the first polytope: corners between its tips, and how far [rad] they are looked for from one.
+# Of the first polytope: number of corners between its tips, and their angle [rad] from a tip.
 SIDES = 5
 COS_TILT, SIN_TILT = math.cos(0.8), math.sin(0.8)
 _ANGLES = 2.0 * np.pi / SIDES * np.arange(SIDES)
@@ -93,7 +91,7 @@ MORE = 8
 
 @inlined
 def named_support(pair: CorePair, n: Vector) -> tuple[Vector, Vector, float]:
-    """Return (a, b, name): the vertices of ``gjk.support_points`` and the name of their pair."""
+    """Return (a, b, name): the vertices of ``gjk.support_points``, and the name of the pair."""
     _, shape_A, R_WA, _, shape_B, R_WB, p = pair
     x, y, z = unrotate(R_WA, n)
     i = farthest(shape_A, x, y, z)
@@ -117,9 +115,9 @@ def put_named(pair: CorePair, n: Vector, points: Floats, k: int, narrow: Overlap
 def double_pyramid(
     pair: CorePair, narrow: Overlap, points: Floats, corners: Integers32
 ) -> Overlap:
-    """Make a polytope with tips along n and -n, a ring between; return the narrowest of these.
+    """Make a polytope with tips along n and -n and a ring between; return the narrowest overlap.
 
-    n is that of ``narrow``. A tetrahedron grows to it in more steps. It need not be convex.
+    n is that of ``narrow``. Growing it from a tetrahedron takes more steps. It need not be convex.
     """
     n = narrow.n
     e = perpendicular(n)
@@ -138,10 +136,10 @@ def double_pyramid(
 
 @compiled
 def outweighs_slivers(points: Floats, corners: Integers32, f: int, size: float) -> bool:
-    """Tell whether a face is seen from the origin under more than what rounding makes of others.
+    """Return whether the solid angle of a face exceeds the rounding of that of all slivers.
 
-    Slivers may be turned the wrong way. The solid angles of all faces add up to a whole number of
-    spheres: more than 0 by this face alone.
+    Slivers may have the wrong orientation. The solid angles of all faces add up to a whole number
+    of spheres, which is then positive because of this face alone.
     """
     a, b, c = (
         corner(points, corners, 0, f),
@@ -152,12 +150,12 @@ def outweighs_slivers(points: Floats, corners: Integers32, f: int, size: float) 
 
 
 class Grown(NamedTuple):
-    """How far a polytope was grown: whether until its nearest face ``face`` has nothing beyond.
+    """Result of growing a polytope; closed if nothing is beyond its nearest face ``face``.
 
-    ``vertices`` and ``total`` (faces) are numbers, ``width`` [m] that of the
-    overlap along n. If it is closed, that is the normal of the face, a and b are the points
-    extreme along it, and no other face is as near if it is alone; else n is the narrowest
-    direction that was seen.
+    ``vertices`` and ``total`` are the numbers of vertices and faces, ``width`` [m] is that of the
+    overlap along n. If closed, n is the normal of the face, and a and b are the points extreme
+    along it; ``alone``: no other face is as near. If not closed, n is the narrowest direction
+    seen.
     """
 
     closed: bool
@@ -173,7 +171,7 @@ class Grown(NamedTuple):
 
 @inlined
 def not_grown(narrow: Overlap) -> Grown:
-    """Return no closed polytope, but the narrowest overlap that was seen."""
+    """Return a result without a closed polytope, with the narrowest overlap seen."""
     return Grown(False, False, 0, 0, 0, narrow.width, narrow.n, ZERO, ZERO)
 
 
@@ -189,9 +187,9 @@ def grown(
     size: float,
     noise: float,
 ) -> Grown:
-    """Grow a polytope of ``count`` vertices, whose faces have planes, to ``most`` vertices.
+    """Grow a polytope of ``count`` vertices, whose faces have planes, to ``most`` at most.
 
-    Faces that are farther away than the ``narrow`` overlap that is known need not be looked at.
+    Faces farther away than the ``narrow`` overlap are not examined.
     """
     points, corners, planes = growth[:3]
     (least, n), alone = narrow, True
@@ -234,7 +232,7 @@ def grown(
 
 @compiled
 def is_unique(planes: Floats, total: int, n: Vector, rival: float) -> bool:
-    """Tell whether all faces as near as ``rival`` [m], but settled ones, have the normal n."""
+    """Return whether all faces within ``rival`` [m], except settled ones, have the normal n."""
     for f in range(unsigned(total)):
         if planes[at(KEY, f)] <= rival and dot(normal_of(planes, f), n) < SAME_DIRECTION:
             return False
@@ -243,18 +241,18 @@ def is_unique(planes: Floats, total: int, n: Vector, rival: float) -> bool:
 
 @compiled
 def witness(
-    points: Floats, corners: Integers32, planes: Floats, total: int, found: Grown, rival: float
+    points: Floats, corners: Integers32, planes: Floats, total: int, polytope: Grown, rival: float
 ) -> tuple[Vector, Vector, float]:
-    """Return (a, b, aside) as ``epa.witness`` does, of a polytope that was ``found`` closed.
+    """Return (a, b, aside) as ``epa_witnesses.witness`` does, of a closed polytope.
 
-    If the face is alone, only that one is looked at.
+    If the face is alone, only that face is examined.
     """
-    foot, n = scale(found.width, found.n), found.n
-    f = unsigned(found.face)
+    foot, n = scale(polytope.width, polytope.n), polytope.n
+    f = unsigned(polytope.face)
     least, a, b = closest_in_face(
         points, corners[at(0, f)], corners[at(1, f)], corners[at(2, f)], foot
     )
-    for f in range(unsigned(0 if found.alone else total)):
+    for f in range(unsigned(0 if polytope.alone else total)):
         if planes[at(OFFSET, f)] > rival or dot(normal_of(planes, f), n) < SAME_DIRECTION:
             continue
         away, x, y = closest_in_face(
@@ -262,32 +260,32 @@ def witness(
         )
         if away < least:
             a, b, least = x, y, away
-    a, b = moved_to_planes(a, b, n, found.width, found.a, found.b)
+    a, b = moved_to_planes(a, b, n, polytope.width, polytope.a, polytope.b)
     return a, b, least
 
 
 @inlined
-def unsure(found: Grown) -> Depth:
-    """Return the depth of which no more is known than the overlap that was found."""
-    return Depth(found.width, -np.inf, found.n, found.a, found.b, 0.0, False)
+def unsure(polytope: Grown) -> Depth:
+    """Return a depth without a lower bound, from the narrowest overlap seen."""
+    return Depth(polytope.width, -np.inf, polytope.n, polytope.a, polytope.b, 0.0, False)
 
 
 @compiled
 def closed_depth(
     growth: tuple[Floats, Integers32, Floats, Indices, Integers32, Integers32],
-    found: Grown,
+    polytope: Grown,
     size: float,
     noise: float,
 ) -> tuple[bool, Depth]:
-    """Return (sure, depth) of a polytope that was grown: sure if closed and the normal unique."""
+    """Return (sure, depth) of a grown polytope; sure if it is closed and the normal unique."""
     points, corners, planes = growth[:3]
-    width, n, rival = found.width, found.n, found.width + noise
-    offset = planes[at(OFFSET, found.face)]
-    sure = found.closed and offset > THIN * size
-    sure = sure and outweighs_slivers(points, corners, found.face, size)
-    if not (sure and (found.alone or is_unique(planes, found.total, n, rival))):
-        return False, unsure(found)
-    a, b, aside = witness(points, corners, planes, found.total, found, rival)
+    width, n, rival = polytope.width, polytope.n, polytope.width + noise
+    offset = planes[at(OFFSET, polytope.face)]
+    sure = polytope.closed and offset > THIN * size
+    sure = sure and outweighs_slivers(points, corners, polytope.face, size)
+    if not (sure and (polytope.alone or is_unique(planes, polytope.total, n, rival))):
+        return False, unsure(polytope)
+    a, b, aside = witness(points, corners, planes, polytope.total, polytope, rival)
     return True, Depth(width, offset, n, a, b, aside, True)
 
 
@@ -295,29 +293,29 @@ def closed_depth(
 def remembered_depth(
     pair: CorePair, narrow: Overlap, memory: Floats, size: float, noise: float
 ) -> tuple[bool, Depth]:
-    """Return (sure, depth) of two hulls by the polytope that is remembered; forget one that fails.
+    """Return (sure, depth) of two hulls from the remembered polytope, and forget it if it fails.
 
-    Sure are bounds that are rounding apart, and a unique normal. ``narrow`` is the overlap along
-    the normal of last time, or any other: it is no less than the depth, and where there is none
+    Sure means that the bounds differ by rounding and the normal is unique. ``narrow`` is the
+    overlap along the last normal or any other: it is at least the depth, and if it is not positive
     there is no depth.
     """
-    ball, found = ball_in_difference(pair), not_grown(narrow)
+    ball, polytope = ball_in_difference(pair), not_grown(narrow)
     if not (narrow.width > noise and ball.radius > THIN * size):
         memory[0] = 0.0
-        return False, unsure(found)
+        return False, unsure(polytope)
     block = np.empty(growth_numbers())
     growth = growth_arrays(block)
     points, corners, planes, masks, _, _ = growth
     count, total = recall(memory, pair, points, corners, masks)
     if total > 0:
         set_planes(points, corners, planes, 0, total, size)
-        found = grown(pair, growth, ball, count, total, count + MORE, narrow, size, noise)
-    sure, depth = closed_depth(growth, found, size, noise)
+        polytope = grown(pair, growth, ball, count, total, count + MORE, narrow, size, noise)
+    sure, depth = closed_depth(growth, polytope, size, noise)
     remember_position(memory, pair.p_AB)
     if not sure:
         memory[0] = 0.0
-    elif found.vertices != count:
-        keep(memory, points, corners, found.total, masks)
+    elif polytope.vertices != count:
+        keep(memory, points, corners, polytope.total, masks)
     outlive(block)
     return sure, depth
 
@@ -326,28 +324,28 @@ def remembered_depth(
 def depth_of_hulls(
     pair: CorePair, narrow: Overlap, memory: Floats, size: float, noise: float
 ) -> tuple[bool, Depth]:
-    """Return (sure, depth) of two hulls as ``remembered_depth`` does, from any overlap known.
+    """Return (sure, depth) of two hulls as ``remembered_depth`` does, from any known overlap.
 
-    The polytope is remembered where there is room in ``memory``. What is not sure is the narrowest
-    overlap that was seen: below 0, the hulls are apart.
+    The polytope is stored if ``memory`` is large enough. If not sure, the depth is the narrowest
+    overlap seen; if that is negative, the hulls are separated.
     """
-    ball, found = ball_in_difference(pair), not_grown(narrow)
+    ball, polytope = ball_in_difference(pair), not_grown(narrow)
     if not (narrow.width > noise and ball.radius > THIN * size):
-        return False, unsure(found)
+        return False, unsure(polytope)
     block = np.empty(growth_numbers())
     growth = growth_arrays(block)
     points, corners, planes, masks, _, _ = growth
     narrow = double_pyramid(pair, narrow, points, corners)
-    found = not_grown(narrow)
+    polytope = not_grown(narrow)
     if narrow.width > noise:
         count, total = 2 + SIDES, 2 * SIDES
         set_planes(points, corners, planes, 0, total, size)
-        found = grown(pair, growth, ball, count, total, MOST_GROWN, narrow, size, noise)
-    sure, depth = closed_depth(growth, found, size, noise)
+        polytope = grown(pair, growth, ball, count, total, MOST_GROWN, narrow, size, noise)
+    sure, depth = closed_depth(growth, polytope, size, noise)
     if sure and memory.size >= MEMORY_WIDTH:
         memory[0] = 0.0
-        if is_where_it_was(memory, pair.p_AB, size):  # else it leaps, and is not likely to be
-            keep(memory, points, corners, found.total, masks)
+        if is_where_it_was(memory, pair.p_AB, size):  # after a leap it is unlikely to be reused
+            keep(memory, points, corners, polytope.total, masks)
         remember_position(memory, pair.p_AB)
     outlive(block)
     return sure, depth

@@ -1,8 +1,8 @@
-"""Where on the faces of two cores a known normal touches: the shares of what is held there.
+"""Witness points on the faces of two cores at a known normal: the shares of held segments.
 
-For an n whose h is known to be least, or almost, but where Newton's method found no minimum: on a
-ring of almost equal values it has no curvature to go by, and almost parallel segments span a face
-that rounding may miss.
+This is for an n whose h is least, or almost, but where Newton's method found no minimum. On a ring
+of almost equal values it lacks curvature, and rounding may miss the narrow face that almost
+parallel segments span.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
@@ -39,13 +39,13 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
-TURNS = 4  # two are enough for two segments
-INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
+TURNS = 4  # two suffice for two segments
+INNER = 1.0 - EPS  # a share of 1 or -1 means that a segment is not held
 
 
 @compiled
 def settle(difference: Difference, n: Vector) -> None:
-    """Set the shares at n to where the points extreme along it are least aside of one another."""
+    """Set the shares at n that minimise the sideways deviation of the extreme points."""
     terms, _, last, r_A, r_B = difference
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
@@ -61,11 +61,12 @@ def settle(difference: Difference, n: Vector) -> None:
 
 @compiled
 def settle_by_turns(difference: Difference, n: Vector, noise: float) -> None:
-    """Do what ``settle`` does where held segments are almost parallel, and where it finds nothing.
+    """Set the shares as ``settle`` does, for almost parallel segments and where it fails.
 
     The face that such segments span is narrow, and rounding may put the foot of the origin beside
-    it. The two that span most are solved for together, then each in turn takes what is left, and
-    disks the rest. Segments whose ends are as high as each other to ``noise`` [m] are held too.
+    it. The two segments that span most are solved together, then each in turn balances the
+    remainder, and disks the rest. Segments whose ends are level within ``noise`` [m] are held,
+    too.
     """
     terms, _, last, _, _ = difference
     for k in range(3):

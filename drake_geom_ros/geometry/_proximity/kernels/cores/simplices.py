@@ -1,11 +1,10 @@
-"""The point of a segment, triangle or tetrahedron that is closest to the origin.
+"""Closest point to the origin of a segment, triangle or tetrahedron.
 
 Each function returns the barycentric weights of that point. Weights of an interior point come from
 signed areas and volumes (Montanari, Petrinic, Barbieri, *Improving the GJK algorithm for faster
 and more reliable distance queries between convex objects*, ACM Transactions on Graphics 36 (3),
-2017); where a sign says the point is not interior, the faces it may be on are tried and the
-nearest is taken, so a sign that rounding got wrong on a sliver costs rounding and not a wrong
-region.
+2017). If a sign says that the point is not interior, all candidate faces are tried and the nearest
+is used. So a wrong sign on a sliver costs only rounding, and never a wrong region.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, cross, dot, scale, sub
@@ -21,7 +20,7 @@ def weighted(a: Vector, b: Vector, c: Vector, weights: Vector) -> Vector:
 
 @compiled
 def closest_on_segment(a: Vector, b: Vector) -> tuple[float, float]:
-    """Return the weights of a and b."""
+    """Return the weights of a and b at the closest point of their segment."""
     d = sub(b, a)
     length2 = dot(d, d)
     t = -dot(a, d)
@@ -34,7 +33,7 @@ def closest_on_segment(a: Vector, b: Vector) -> tuple[float, float]:
 
 @compiled
 def closest_on_triangle(a: Vector, b: Vector, c: Vector) -> tuple[float, float, float]:
-    """Return the weights of a, b and c."""
+    """Return the weights of a, b and c at the closest point of their triangle."""
     ab, ac = sub(b, a), sub(c, a)
     n = cross(ab, ac)
     area2 = dot(n, n)

@@ -1,18 +1,17 @@
-"""A polytope of few vertices: all its triangles are looked at in each step, and none is linked.
+"""Polytope of few vertices, without links: each step examines all its triangles by SIMD.
 
 Two hulls take 10 to 25 vertices. Links, a heap and dead faces (``polytope``) then cost more than
-they save (a depth of two hulls: 1.4 times as long). Here loops over all faces, several at a time,
-tell which is nearest and which see a vertex; these are taken out, and the last faces fill their
-places. An edge of such a face is on the horizon where none of
-them has it the other way round. For that, the ends of the edges from a vertex are the bits of a
-number: no polytope has more vertices than MOST_GROWN.
+they save: a depth of two hulls takes 1.4 times as long. Here vectorised loops over all faces find
+the nearest one and those that see a vertex; these are removed, and the last faces fill their
+places. An edge of a removed face is on the horizon if no removed face has it in the opposite
+direction. To test that, the ends of the edges from a vertex are the bits of a number, so no
+polytope has more vertices than MOST_GROWN.
 
-``corners`` has three rows of numbers, one a face, of its vertices, counter-clockwise seen from
-outside. ``planes`` has rows for the unit normals out of the polytope, for the least offset of the
-vertices along them, and for the *key*: the offset again, or infinite where a face need not be
-looked at; what follows is scratch. Their rows are parts of flat arrays, MOST_ROWS long (``at``):
-LLVM then knows that they do not overlap, and makes one operation of those for several faces.
-Vertices are the rows of ``gjk.put``, with a name at the end.
+``corners`` has three rows of vertices by face, counter-clockwise seen from outside. ``planes`` has
+rows for the unit normals out of the polytope, for the least offset of the vertices along them, and
+for the *key*: the offset, or infinity where a face need not be examined; further rows are scratch.
+Rows are parts of flat arrays, MOST_ROWS long (``at``): LLVM then knows that they do not overlap,
+and vectorises over faces. Vertices are rows as written by ``gjk.put``, with a name at the end.
 """
 
 import math
@@ -45,22 +44,22 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     SMALL_SQUARE,
 )
 
-# Vertices that a polytope may grow to; most take 10 to 25. Faces are 2 n - 4, but for surfaces
-# that are recalled, which may be several.
+# Most vertices of a polytope; usual are 10 to 25. There are 2 n - 4 faces, except for recalled
+# surfaces, which may be several.
 MOST_GROWN = 40
-MOST_ROWS = 96  # LANES of them are for what is not looked at
+MOST_ROWS = 96  # LANES of them are padding
 POINT_WIDTH = 10
 NAME = 9  # column of the points
 OFFSET, KEY = 3, 4  # rows of the planes, after the normal
 PLANE_ROWS = 5
-ABOVE = 5  # rows of scratch: how far a vertex is above a face
-PLACES = 6  # 9: x, y and z of the corners
+ABOVE = 5  # scratch row: height of a vertex above a face
+PLACES = 6  # scratch rows, 9: x, y and z of the corners
 MOST_EDGES = 3 * MOST_ROWS + 1
 
 
 @inlined
 def growth_numbers() -> int:
-    """Return how many numbers a polytope needs to grow in."""
+    """Return the size of the block for growing a polytope."""
     return (POINT_WIDTH + 2) * MOST_GROWN + (PLACES + 9) * MOST_ROWS + 2 * MOST_ROWS + MOST_EDGES
 
 
@@ -68,7 +67,7 @@ def growth_numbers() -> int:
 def growth_arrays(
     block: Floats,
 ) -> tuple[Floats, Integers32, Floats, Indices, Integers32, Integers32]:
-    """Return what a polytope grows in: (points, corners, planes, masks, seen, horizon).
+    """Return the arrays of a growing polytope: (points, corners, planes, masks, seen, horizon).
 
     All are views of a block of ``growth_numbers``; the last three are scratch.
     """
@@ -87,7 +86,7 @@ def growth_arrays(
 
 @inlined
 def at(row: int, f: int) -> int:
-    """Return the place of face f in a row of corners or planes."""
+    """Return the index of face f in a row of corners or planes."""
     return unsigned(row * MOST_ROWS) + unsigned(f)
 
 
@@ -105,13 +104,13 @@ def normal_of(planes: Floats, f: int) -> Vector:
 
 @inlined
 def set_corners(corners: Integers32, f: int, i: int, j: int, k: int) -> None:
-    """Make face f that of the vertices i, j and k."""
+    """Set the vertices i, j and k of face f."""
     corners[at(0, f)], corners[at(1, f)], corners[at(2, f)] = i, j, k
 
 
 @inlined
 def place_of(planes: Floats, row: int, f: int) -> Vector:
-    """Return the three numbers of scratch of a face that begin in a row."""
+    """Return three scratch numbers of a face, from a row on."""
     return planes[at(row, f)], planes[at(row + 1, f)], planes[at(row + 2, f)]
 
 
@@ -126,12 +125,11 @@ def set_plane(planes: Floats, f: int, n: Vector, offset: float) -> None:
 def set_planes(
     points: Floats, corners: Integers32, planes: Floats, first: int, total: int, size: float
 ) -> None:
-    """Set the planes and keys of the faces from first to total.
+    """Set the planes and keys of the faces from ``first`` to ``total``.
 
-    What ``polytope.set_planes`` does: a loop without choices, and ``plane_of`` for the faces that
-    would lose digits so. Corners are put side by side, and the faces are made a multiple of LANES:
-    then all is done for LANES of them at a time (what comes out of the rows beyond the last face,
-    whatever these hold, nobody looks at).
+    As in ``polytope.set_planes``, a loop without branches is followed by ``plane_of`` for faces
+    that would lose digits. Corners are copied side by side, and the number of faces is rounded up
+    to a multiple of LANES, so that LLVM vectorises the loop; rows beyond the last face are unused.
     """
     for f in range(unsigned(first), unsigned(total)):
         for k in range(3):
@@ -165,7 +163,7 @@ def set_planes(
 def set_slivers(
     points: Floats, corners: Integers32, planes: Floats, first: int, total: int, size: float
 ) -> None:
-    """Set the planes that ``set_planes`` left out."""
+    """Set the planes of slivers, which ``set_planes`` left out."""
     for f in range(unsigned(first), unsigned(total)):
         if planes[at(OFFSET, f)] == np.inf:
             n, offset = plane_of(
@@ -179,8 +177,8 @@ def set_slivers(
 
 @inlined
 def nearest(planes: Floats, total: int) -> int:
-    """Return the first of the faces whose key is least; the number of faces if that is 0."""
-    end, least = unsigned(total), -np.inf  # of the keys' opposites, for the sake of ``larger``
+    """Return the first face with the least key; the number of faces if there is none."""
+    end, least = unsigned(total), -np.inf  # of negated keys, so that ``larger`` applies
     for f in range(unsigned(0), end):
         least = larger(-planes[at(KEY, f)], least)
     best = end
@@ -193,9 +191,9 @@ def nearest(planes: Floats, total: int) -> int:
 def faces_that_see(
     planes: Floats, total: int, w: Vector, thickness: float, seen: Integers32
 ) -> int:
-    """List the faces that see w, which is more than ``thickness`` [m] above them; return how many.
+    """List the faces that w is above by more than ``thickness`` [m]; return how many.
 
-    Faces in one plane with w would else be taken out as rounding falls.
+    Without the thickness, rounding would decide about faces coplanar with w.
     """
     for f in range(unsigned(total)):
         m = planes[at(0, f)], planes[at(1, f)], planes[at(2, f)]
@@ -211,10 +209,10 @@ def faces_that_see(
 def horizon_of(
     corners: Integers32, seen: Integers32, count: int, masks: Indices, horizon: Integers32
 ) -> int:
-    """Fill in the edges around ``count`` faces that are listed; return how many, or 0.
+    """Write the horizon, the edges around ``count`` listed faces; return their number, or 0.
 
-    None are told of where they come to a vertex twice, which only rounding, or a polytope that is
-    not convex, can make: a cone over them would not be linked in one way.
+    It is 0 if the horizon passes a vertex twice, which rounding or a polytope that is not convex
+    can cause: a cone over it would be ambiguous.
     """
     one = signed(1)
     for s in range(unsigned(count)):
@@ -246,10 +244,10 @@ def expand(
     total: int,
     thickness: float,
 ) -> tuple[int, int]:
-    """Put a cone with the apex ``count`` in place of the faces that see it.
+    """Replace the faces that see the vertex ``count`` by a cone with that apex.
 
-    Return the new number of faces, whose last ones are those of the cone, and how many these are:
-    0 where nothing was changed.
+    Return the new number of faces, of which the last are the cone, and the number of faces of the
+    cone: 0 if nothing was changed.
     """
     points, corners, planes, masks, seen, horizon = growth
     killed = faces_that_see(planes, total, vector_in(points, count), thickness, seen)
@@ -271,9 +269,9 @@ def expand(
 
 @compiled
 def is_closed(corners: Integers32, count: int, total: int, masks: Indices) -> bool:
-    """Tell whether faces of ``count`` vertices are closed surfaces.
+    """Return whether faces of ``count`` vertices form closed surfaces.
 
-    Then each edge is there once in each direction.
+    Then each edge occurs once in each direction.
     """
     one, spoilt = signed(1), signed(0)
     for v in range(unsigned(2 * count)):

@@ -1,23 +1,23 @@
-"""The Minkowski difference of two cores, of a hull one edge, as a sum with derivatives.
+"""Minkowski difference of two cores, or of edges of hulls, as a sum with derivatives.
 
-Such a core is a sum of segments (a box of three, a capsule or cylinder of its axis) and at most
-one ellipsoid (a cylinder's disk is a flat one), less a ball (see ``supports``). So is the
+Such a core is a sum of segments (three for a box, the axis of a capsule or cylinder) and at most
+one ellipsoid (a cylinder's disk is a flat one), minus a ball (see ``supports``). So is the
 difference D = A - B: its support function is
 
     h(n) = sum |s . n| + |E_A n| + |E_B n| - r - p . n
 
-smooth but where n is at right angles to a segment or along the axis of a disk, with known
-curvature. The rows of E are the semi-axes. The least h is minus the signed distance of the cores.
+It is smooth, with known curvature, except where n is normal to a segment or along the axis of a
+disk. The rows of E are the semi-axes. The least h is minus the signed distance of the cores.
 
-A hull is not such a sum; an edge of it is, off the hull's origin. The difference with the edge
-lies in that with the hull, so its h is nowhere more, and where it is as much what is known of
-its minimum is true of the hull's.
+A hull is not such a sum, but one of its edges is, with an offset from the hull's origin. The
+difference with the edge lies in that with the hull, so its h is nowhere more. Where both are
+equal, a minimum for the edge is a minimum for the hull.
 
-``terms`` holds a row for p, four for segments, three for the semi-axes of A and of B, one for
-the point of A's and of B's disk where n is along its axis, and one for the middle of A's edge,
-from Ao: p then is from there to B or to the middle of B's. Column LENGTH is that of the row.
-Column SHARE of a segment tells where on it the support point is: at an end, -1 or 1, or anywhere
-between where n is at right angles to it and h has a kink; the segment is *held* there.
+``terms`` has a row for p, four for segments, three for the semi-axes of A and of B, one for the
+point of A's and of B's disk if n is along its axis, and one for the midpoint of A's edge, from Ao;
+p is then from there to B, or to the midpoint of B's edge. Column LENGTH is that of the row. Column
+SHARE of a segment is the position of its support point: -1 or 1 at an end, or in between where n
+is normal to the segment and h has a kink; the segment is then *held*.
 """
 
 import math
@@ -68,7 +68,7 @@ LENGTH = 4
 
 
 class Curvature(NamedTuple):
-    """A support function at n along e and f: value and slopes, radii of curvature ee, ef, ff."""
+    """Derivatives of a support function at n: value, slopes along e, f, curvature ee, ef, ff."""
 
     y: float
     along_e: float
@@ -80,7 +80,7 @@ class Curvature(NamedTuple):
 
 @inlined
 def _put(terms: Floats, k: int, s: float, R: Floats, axis: int) -> None:
-    """Store s times an axis of R in row k, with its length; a vanishing one as the least."""
+    """Store s times an axis of R in row k, with its length, at least LEAST_LENGTH."""
     s = max(s, LEAST_LENGTH)
     for i in range(3):
         terms[k, i] = s * R[i, axis]
@@ -112,7 +112,7 @@ def difference_of(pair: CorePair) -> Difference:
     """Return the Minkowski difference of the two cores of a pair."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     if kind_A == CONVEX or kind_B == CONVEX:
-        # Terms that nobody reads, and an array would take a tenth of the time of two hulls.
+        # Terms are not read here, and an array would take a tenth of the time of two hulls.
         return Difference(R_WA, 0, 0, 0.0, 0.0)
     terms = np.zeros((ROWS, 5))
     for i in range(3):
@@ -120,19 +120,23 @@ def difference_of(pair: CorePair) -> Difference:
     first = _put_shape(terms, kind_A, shape_A, R_WA, SEGMENT, AXES_A)
     last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
     return Difference(
-        terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+        terms,
+        first,
+        last,
+        _subtracted_radius(kind_A, shape_A),
+        _subtracted_radius(kind_B, shape_B),
     )
 
 
 @inlined
-def _taken_away(kind: int, shape: Floats) -> float:
-    """Return the radius [m] of the ball that the core of a shape lacks of its terms."""
+def _subtracted_radius(kind: int, shape: Floats) -> float:
+    """Return the radius [m] of the ball that the core of a shape subtracts from its terms."""
     return core_radius(kind, shape) if kind == ELLIPSOID else 0.0
 
 
 @compiled
 def _put_edge(terms: Floats, shape: Floats, R: Floats, n: Vector, segment: int) -> Vector:
-    """Store the edge of a hull next to the unit n; return its middle, from Go in World axes."""
+    """Store the edge of a hull next to the unit n; return its midpoint, from Go in World axes."""
     x, y, z = unrotate(R, n)
     u, v = farthest_edge(shape, x, y, z)
     half = rotate(R, scale(0.5, sub(v, u)))
@@ -144,7 +148,7 @@ def _put_edge(terms: Floats, shape: Floats, R: Floats, n: Vector, segment: int) 
 
 @allocating
 def difference_of_edges(pair: CorePair, n: Vector) -> Difference:
-    """Return ``difference_of`` a pair with hulls, of which it takes but the edges next to n."""
+    """Return ``difference_of`` a pair in which hulls are replaced by their edges next to n."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     terms = np.zeros((ROWS, 5))
     first = _put_shape(terms, kind_A, shape_A, R_WA, SEGMENT, AXES_A)
@@ -160,14 +164,18 @@ def difference_of_edges(pair: CorePair, n: Vector) -> Difference:
     for i in range(3):
         terms[0, i] = p[i]
     return Difference(
-        terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+        terms,
+        first,
+        last,
+        _subtracted_radius(kind_A, shape_A),
+        _subtracted_radius(kind_B, shape_B),
     )
 
 
 @inlined
 def _stretch(terms: Floats, axes: int, n: Vector) -> float:
     """Return |E n| of the ellipsoid with semi-axes from row ``axes``."""
-    if terms[axes, LENGTH] == 0.0:  # none, as in most cores
+    if terms[axes, LENGTH] == 0.0:  # no ellipsoid, as in most cores
         return 0.0
     x, y, z = (
         dot(vector_in(terms, axes), n),
@@ -188,7 +196,7 @@ def width(terms: Floats, last: int, radius: float, n: Vector) -> float:
 
 @compiled
 def likely_normal(difference: Difference, n: Vector) -> Vector:
-    """Return n or what separates better: faces, crossed edges and axes of the two cores."""
+    """Return n, or the best separating face normal, crossed edges or axis of the two cores."""
     terms, _, last, r_A, r_B = difference
     radius = r_A + r_B
     least = width(terms, last, radius, n)
@@ -223,7 +231,7 @@ def _better(
 def curvature(terms: Floats, axes: int, n: Vector, e: Vector, f: Vector) -> Curvature:
     """Return the slopes and the curvature at n of the support function ``y = |E n|``.
 
-    For the unit n and e, f at right angles to it and to each other. The radii of curvature are
+    n, e and f are orthonormal. The radii of curvature are
     ``(|E e x E n|^2, (E e x E n) . (E f x E n), |E f x E n|^2) / y^3`` [m]. At the axis of a disk,
     where y has no derivative, all are 0.
     """
@@ -250,7 +258,7 @@ def curvature(terms: Floats, axes: int, n: Vector, e: Vector, f: Vector) -> Curv
 
 @inlined
 def ellipsoid_support(terms: Floats, axes: int, n: Vector) -> Vector:
-    """Return the point of the ellipsoid that is extreme along n; its centre at a disk's axis."""
+    """Return the point of the ellipsoid extreme along n; the centre of a disk along its axis."""
     if terms[axes, LENGTH] == 0.0:
         return 0.0, 0.0, 0.0
     a, b, c = vector_in(terms, axes), vector_in(terms, axes + 1), vector_in(terms, axes + 2)
@@ -263,7 +271,7 @@ def ellipsoid_support(terms: Floats, axes: int, n: Vector) -> Vector:
 
 @inlined
 def ends_at(terms: Floats, last: int, n: Vector) -> Vector:
-    """Return the sum of -p and of the segments' ends that are extreme along n."""
+    """Return the sum of -p and the segments' ends extreme along n."""
     base = scale(-1.0, vector_in(terms, 0))
     for k in range(SEGMENT, last):
         s = vector_in(terms, k)
@@ -273,7 +281,7 @@ def ends_at(terms: Floats, last: int, n: Vector) -> Vector:
 
 @compiled
 def witness_points(difference: Difference, n: Vector) -> tuple[Vector, Vector]:
-    """Return the points (a, b), from Ao, of the cores, extreme along n and -n by the shares."""
+    """Return the points (a, b) of the cores, from Ao, extreme along n and -n, from the shares."""
     terms, first, last, r_A, r_B = difference
     a = add_scaled(add(ellipsoid_support(terms, AXES_A, n), vector_in(terms, LEAN_A)), -r_A, n)
     a = add(a, vector_in(terms, ORIGIN))
@@ -287,7 +295,7 @@ def witness_points(difference: Difference, n: Vector) -> tuple[Vector, Vector]:
 
 @compiled
 def is_point_of(kind: int, shape: Floats, q: Vector) -> bool:
-    """Tell whether q, in the shape's frame, is a point of a core that is a solid."""
+    """Return whether q, in the shape's frame, is a point of the core of a box or cylinder."""
     if kind == BOX:
         return abs(q[0]) <= shape[0] and abs(q[1]) <= shape[1] and abs(q[2]) <= shape[2]
     if kind == CYLINDER:
@@ -298,7 +306,7 @@ def is_point_of(kind: int, shape: Floats, q: Vector) -> bool:
 
 @compiled
 def nearest_to(kind: int, shape: Floats, q: Vector) -> Vector:
-    """Return a point of a box or of the axis of a cylinder or capsule that is near to q, in G."""
+    """Return the point of a box, or of the axis of a cylinder or capsule, nearest to q, in G."""
     if kind == BOX:
         return clamp(q[0], shape[0]), clamp(q[1], shape[1]), clamp(q[2], shape[2])
     return 0.0, 0.0, clamp(q[2], shape[HALF_LENGTH])
@@ -306,11 +314,11 @@ def nearest_to(kind: int, shape: Floats, q: Vector) -> Vector:
 
 @compiled
 def share_a_point(pair: CorePair, a: Vector, b: Vector) -> bool:
-    """Tell whether a box, cylinder or capsule is seen to have a point in common with a cylinder B.
+    """Return whether a box or capsule A and a cylinder B are found to have a common point.
 
-    ``a`` is a point of A and ``b`` one of B, from Ao. Tried are they, the point of each core that
-    is nearest to the other's origin, and the middles of the two: a and b may be on the surface,
-    where rounding decides.
+    ``a`` is a point of A and ``b`` one of B, from Ao. The test tries these, the point of each core
+    nearest to the other's origin, and the midpoints between both, because a and b may be on the
+    surface, where rounding decides.
     """
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     a, b = unrotate(R_WA, a), unrotate(R_WB, sub(b, p))

@@ -1,33 +1,33 @@
-"""Depth of a core in the barrel of a cylinder or capsule, where the way out is across the axis.
+"""Depth of a core in a cylinder or capsule, where the separating translation is radial.
 
-Two cylinders that are almost coaxial, or anything small in the middle of a cylinder, have a ring
-of almost equally good directions across the axis u of the cylinder, which EPA would have to cover
-with faces. The ring is the crease of the cylinder's axis, which ``circles`` searches; what is
-shown here is that nothing off it is better.
+Two almost coaxial cylinders, or anything small in the middle of a cylinder, have a ring of almost
+equally good directions normal to the axis u of the cylinder, which EPA would have to cover with
+faces. The ring is the crease of the cylinder's axis, which ``circles`` searches. The criteria here
+show that no direction off the ring is better.
 
-*A long barrel.* Let the cylinder have radius r, 0 if it is the axis of a capsule, and half length
-l, and ``h(n) = r s + l |c| + k(n)`` for ``n = s e + c u``, where k is the support function of the
+*A long barrel.* Let the cylinder have radius r, 0 for the axis of a capsule, and half length l,
+and ``h(n) = r s + l |c| + k(n)`` for ``n = s e + c u``, where k is the support function of the
 rest. It is subadditive, so ``k(s e) <= k(n) + k(-c u)``, and with ``v = l - max(k(u), k(-u))``
 
     h(n) >= s (r + k(e)) + |c| v >= min(r + k(e), v)    where both are positive, as s + |c| >= 1.
 
-If v is not below the least h on the crease, that is the depth, whatever the rest may be.
+If v is not below the least h on the crease, that is the depth, for any rest.
 
-*A barrel as long as wide.* Let the rest be within a ball of the radius rho about the middle: its
-support function k is within -rho and rho, and changes by rho times the angle at most. At the angle
-phi from the crease ``f = r cos(phi) + l sin(phi)`` is concave. So ``f(phi) >= f(0) + rho phi`` up
-to the angle where that is last so, and ``f(phi) >= f(pi/2) + rho (pi/2 - phi)`` from where it is
-first so: if both are so at one angle, such as that of the largest f, h is nowhere less than at one
-of the ends of the quarter circle, on the crease or along the axis.
+*A barrel about as long as wide.* Let the rest be within a ball of radius rho about the centre: its
+support function k is within -rho and rho, and changes by at most rho times the angle. At the angle
+phi from the crease, ``f = r cos(phi) + l sin(phi)`` is concave. So ``f(phi) >= f(0) + rho phi``
+holds up to some angle, and ``f(phi) >= f(pi/2) + rho (pi/2 - phi)`` from some angle on. If both
+hold at one angle, such as that of the largest f, h is nowhere less than at one of the ends of the
+quarter circle, on the crease or along the axis.
 
-*Two cylinders almost parallel.* Let phi be the angle about the axis u of one, of radius r, and
-theta that from the crease of it. Along a half circle of one phi only the disk of the other
-cylinder is curved: its radius of curvature is ``r' (u' . t)^2 / s'^3``, with t across u and n,
+*Two almost parallel cylinders.* Let phi be the angle about the axis u of one, of radius r, and
+theta the angle from its crease. Along a half circle of constant phi only the disk of the other
+cylinder is curved: its radius of curvature is ``r' (u' . t)^2 / s'^3``, with t normal to u and n,
 which is at most ``r' sin^2(alpha) / s'^3`` for the angle alpha between the axes. Where no h is
-below ``floor`` and that radius is not above it, h has a negative second derivative: it is least at
-a crease of either or at the border of that region, the cap about u or -u where ``s <= s_0``. There
-``h(n) >= y . n + r s + r' (s - sin alpha)`` for the point y of D at the ends of both segments,
-which is concave in the angle while it is positive: least at u or at the border of the cap.
+below ``floor`` and that radius does not exceed it, h has a negative second derivative. So it is
+least at a crease of either, or at the border of that region, the cap about u or -u where
+``s <= s_0``. There ``h(n) >= y . n + r s + r' (s - sin alpha)`` for the point y of D at the ends
+of both segments, which is concave in the angle while positive: least at u or at the border.
 """
 
 import math
@@ -65,14 +65,14 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 
-STEEPEST = 0.9  # sine of the largest caps about the axes that are tried
+STEEPEST = 0.9  # largest sine of the caps about the axes
 
 
 @allocating
 def least_in_long_barrel(
     difference: Difference, k: int, axes: int, n: Vector, h: float, enough: float, noise: float
 ) -> Least:
-    """Return the least h for the cylinder with segment k and disk ``axes``, 0 of a capsule.
+    """Return the least h for the cylinder with segment k and disk ``axes`` (0 for a capsule).
 
     ``n`` is a direction to start from, and h [m] its value. Complete if the barrel is long beside
     the rest (see *A long barrel*).
@@ -80,7 +80,7 @@ def least_in_long_barrel(
     terms, _, last, r_A, r_B = difference
     length, radius = terms[k, LENGTH], terms[axes, LENGTH]
     u = scale(1.0 / length, vector_in(terms, k))
-    # Along the axis the disk has no width, so that of all is l and that of the rest.
+    # Along the axis the disk has no width, so the total width is l plus that of the rest.
     up = width(terms, last, r_A + r_B, u)
     down = width(terms, last, r_A + r_B, scale(-1.0, u))
     margin = length - (max(up, down) - length) - noise
@@ -93,7 +93,7 @@ def least_in_long_barrel(
     n, h, _, unique, floor = best
     if bulged:
         near = 2.0 * enough
-        if min(up, down) < h:  # then what is on the crease, if as good, is elsewhere
+        if min(up, down) < h:  # the best direction is off the crease
             unique = floor > min(up, down) + near and abs(up - down) > near
             n, h = (u, up) if up < down else (scale(-1.0, u), down)
         else:
@@ -106,7 +106,7 @@ def least_in_long_barrel(
 
 @compiled
 def reach_beside(terms: Floats, last: int, k: int, axes: int) -> float:
-    """Return within how far [m] of the origin the difference is, without the cylinder k, axes."""
+    """Return the radius [m] of a ball around the difference without the cylinder (k, axes)."""
     reach = norm(vector_in(terms, 0))
     for i in range(SEGMENT, last):
         reach += terms[i, LENGTH] if i != k else 0.0
@@ -118,9 +118,9 @@ def reach_beside(terms: Floats, last: int, k: int, axes: int) -> float:
 
 @compiled
 def least_in_caps(terms: Floats, u: Vector, other: Vector, sine: float, radius: float) -> float:
-    """Return what no h is below within the caps of that sine about u and -u [m].
+    """Return a lower bound of h [m] in the caps of the given sine about u and -u.
 
-    ``other`` is the other cylinder's axis and ``radius`` [m] the sum of both radii.
+    ``other`` is the axis of the other cylinder, ``radius`` [m] the sum of both radii.
     """
     p = vector_in(terms, 0)
     cosine, least = math.sqrt(1.0 - sine * sine), math.inf
@@ -140,9 +140,9 @@ def least_in_caps(terms: Floats, u: Vector, other: Vector, sine: float, radius: 
 def least_of_barrels(
     difference: Difference, n: Vector, floor: float, enough: float, noise: float
 ) -> Least:
-    """Return the least h of two cylinders, no h being below ``floor`` > 0 [m].
+    """Return the least h of two cylinders, given a lower bound ``floor`` > 0 of h [m].
 
-    Complete if they are parallel enough (see *Two cylinders almost parallel*).
+    Complete if they are parallel enough (see *Two almost parallel cylinders*).
     """
     terms = difference.terms
     first_is_wider = terms[AXES_A, LENGTH] >= terms[AXES_A + 3, LENGTH]

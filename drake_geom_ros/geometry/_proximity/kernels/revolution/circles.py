@@ -1,25 +1,24 @@
-"""The least h on a great circle of directions, with a proof: arcs between support points.
+"""Certified least h on a great circle of directions, by arcs between support points.
 
 On a circle about the unit e the support function h of the Minkowski difference D (see ``sums``)
 satisfies ``h'' + h = rho`` in the angle, where rho is the radius of curvature of D: a measure,
-with a mass at each *kink*, where n is at right angles to a segment. Arcs end at kinks, so that
-within one rho is a function. Of an arc of width w (at most a right angle) two things bound h from
-below, and the larger counts:
+with a mass at each *kink*, where n is normal to a segment. Arcs end at kinks, so within an arc rho
+is a function. On an arc of width w (at most a right angle) h has two lower bounds, of which the
+larger counts:
 
-- the *chord*: u and v, the support points at the ends, are points of D, so ``h(n) >= max(u . n,
+- The *chord*: u and v, the support points at the ends, are points of D, so ``h(n) >= max(u . n,
   v . n)``. Where they are positive both are concave, so the least of their maximum is at an end or
-  where they cross: at the normal of the chord. This is a polygon that grows, and proves a strict
-  minimum in a few steps;
-- the *bend*: ``h'' + h <= rho`` for the largest rho, and ``y = rho - (rho - g) cos t / cos(w /
-  2)`` for the lesser of the values at the ends, g, and the angle t from the middle of the arc,
-  solves ``y'' + y = rho``. So ``(h - y)'' + (h - y) <= 0``, and h - y is not negative at the ends
-  of an arc shorter than a half turn: then it is not negative within (Sturm). The least of y is at
-  an end if g >= rho, else at the middle. Where D is almost round about e, rho - g is almost
-  nothing: so a ring of almost equal values is proven by a few arcs, where a polygon needs
-  thousands.
+  where they cross: at the normal of the chord. This is a growing polygon, and proves a strict
+  minimum in a few steps.
+- The *bend*: ``h'' + h <= rho`` for the largest rho. Let g be the lesser of the values at the ends
+  and t the angle from the middle of the arc: ``y = rho - (rho - g) cos t / cos(w / 2)`` solves
+  ``y'' + y = rho``. So ``(h - y)'' + (h - y) <= 0``, and h - y is not negative at the ends of an
+  arc shorter than a half turn: then it is not negative within (Sturm). The least of y is at an end
+  if g >= rho, else at the middle. Where D is almost round about e, rho - g is almost 0: so a few
+  arcs prove a ring of almost equal values, for which a polygon needs thousands.
 
-An arc whose bound exceeds the best h found so far is done; others are split. Newton's method takes
-the last digits of a minimum, and the cap that it proves (see ``normals``) ends the splitting.
+An arc whose bound exceeds the best h is done; others are split. Newton's method computes the last
+digits of a minimum, and its certified cap (see ``caps``) ends the splitting.
 """
 
 import math
@@ -63,7 +62,7 @@ BORDER = 0.01  # [rad]
 # Columns of an arc: its two directions and its two support points.
 START, END, START_POINT, END_POINT = 0, 3, 6, 9
 ARC_WIDTH = 12
-# Of a kink, after its direction: where it is among the others, and the ellipsoids' point there.
+# Columns of a kink after its direction: its order by angle, and the ellipsoids' support point.
 TURN, ROUND_POINT = 3, 4
 KINK_WIDTH = 7
 
@@ -80,23 +79,23 @@ def put_arc(
 
 @compiled
 def turn_of(x: float, y: float) -> float:
-    """Return a number in [-2, 2] that grows with the angle of (x, y)."""
+    """Return a number in [-2, 2] that increases with the angle of (x, y)."""
     t = x / (abs(x) + abs(y))
     return 1.0 - t if y >= 0.0 else t - 1.0
 
 
 @inlined
 def across(n: Vector, e: Vector) -> Vector:
-    """Return the unit n with what rounding left of it along the unit e taken off.
+    """Return the unit n without the component along the unit e that rounding left.
 
-    A vector product of almost parallel vectors is at right angles to neither.
+    The cross product of almost parallel vectors is normal to neither within rounding.
     """
     return unit(add_scaled(n, -dot(n, e), e))
 
 
 @compiled
 def put_kink(kinks: Floats, count: int, n: Vector, x: Vector, y: Vector) -> int:
-    """Put the direction n among ``count`` others by its angle in the plane of x and y."""
+    """Insert the direction n among ``count`` others, sorted by angle in the plane of x and y."""
     turn = turn_of(dot(n, x), dot(n, y))
     at = count
     while at > 0 and kinks[at - 1, TURN] > turn:
@@ -110,19 +109,19 @@ def put_kink(kinks: Floats, count: int, n: Vector, x: Vector, y: Vector) -> int:
 
 @compiled
 def kinks_on_circle(terms: Floats, last: int, e: Vector, kinks: Floats) -> int:
-    """Fill in the directions at right angles to e and a segment, in turn; return how many.
+    """Write the directions normal to e and a segment, sorted by angle; return how many.
 
-    Where they leave arcs wider than a right angle, directions without a kink are put between
-    them. That is only where all segments are in one plane with e: the axes of a box, as they stand
-    on the plane across e, are not all within a right angle of one another, for the sum of their
-    squares is the same in each of its directions.
+    Where they leave arcs wider than a right angle, directions without a kink are inserted. That
+    happens only if all segments are coplanar with e: the projections of a box's axes onto the
+    plane normal to e are not all within a right angle, since the sum of their squares is the same
+    in each direction of the plane.
     """
     x = perpendicular(e)
     y = cross(e, x)
     count = 0
     for k in range(SEGMENT, last):
         m = cross(e, vector_in(terms, k))
-        # A segment along e but for rounding has no kink: what its ends differ by is rounding too.
+        # A segment along e within rounding has no kink: its ends differ only by rounding.
         if norm(m) > RIGHT_ANGLE * terms[k, LENGTH]:
             n = across(unit(m), e)
             count = put_kink(kinks, count, n, x, y)
@@ -141,11 +140,11 @@ def kinks_on_circle(terms: Floats, last: int, e: Vector, kinks: Floats) -> int:
 def may_reach(
     start: Vector, end: Vector, e: Vector, q: Vector, reach: float, noise: float
 ) -> bool:
-    """Tell whether q . n may be as large as ``reach`` on an arc of the circle about e.
+    """Return whether q . n may be as large as ``reach`` on an arc of the circle about e.
 
-    q . n is largest at an end of the arc, or along q, where it is the length of q, if that is on
-    the arc. Each of the three is compared with ``noise`` [m], the rounding of q, to spare, so an
-    arc that reaches is never left out; one that does not may be kept.
+    q . n is largest at an end of the arc, or along q, with the value |q|, if that is on the arc.
+    All comparisons allow for ``noise`` [m], the rounding of q: an arc that reaches is never left
+    out, but one that does not may be retained.
     """
     if dot(start, q) >= reach - noise or dot(end, q) >= reach - noise:
         return True
@@ -157,25 +156,25 @@ def may_reach(
 def first_arcs(
     terms: Floats, last: int, e: Vector, reach: float, noise: float, arcs: Floats, kinks: Floats
 ) -> int:
-    """Fill in the arcs between the kinks of the circle about e; return how many.
+    """Write the arcs between the kinks of the circle about e; return how many.
 
-    Arcs on which p . n is certain to be below ``reach`` [m] are left out. On the circle p . n is
-    q . n for the part q of p that is at right angles to e.
+    Arcs on which p . n is certified to be below ``reach`` [m] are left out. On the circle p . n is
+    q . n for the part q of p normal to e.
     """
     p = vector_in(terms, 0)
     q = add_scaled(p, -dot(p, e), e)
     if norm(q) < reach - noise:
         return 0
     count = kinks_on_circle(terms, last, e, kinks)
-    arc, known = 0, -1  # the last kink whose point is known
+    arc, last_pointed = 0, -1  # the last kink whose support point is stored
     for k in range(count):
         after = k + 1 if k + 1 < count else 0
         start, end = vector_at(kinks[k], 0), vector_at(kinks[after], 0)
         if may_reach(start, end, e, q, reach, noise):
-            if known != k:
+            if last_pointed != k:
                 put_round_point(terms, kinks[k])
             put_round_point(terms, kinks[after])
-            known = after
+            last_pointed = after
             base = ends_at(terms, last, add(start, end))
             u = add(base, vector_at(kinks[k], ROUND_POINT))
             v = add(base, vector_at(kinks[after], ROUND_POINT))
@@ -224,12 +223,12 @@ def largest_radius(terms: Floats, e: Vector) -> float:
 
 
 @compiled
-def chord_of_cap(difference: Difference, found: Minimum, enough: float) -> float:
-    """Return the chord of the cap of a minimum that was just found, or NO_CAP.
+def chord_of_cap(difference: Difference, minimum: Minimum, enough: float) -> float:
+    """Return the chord of the certified cap of a minimum, or NO_CAP.
 
-    A chord, not a cosine: caps may be as small as 1e-9 rad, whose cosine is 1.
+    It is a chord instead of a cosine, because caps may be as small as 1e-9 rad, with cosine 1.
     """
-    cap = widest_cap(difference, found, enough)
+    cap = widest_cap(difference, minimum, enough)
     return 2.0 * math.sin(0.5 * cap) if cap > 0.0 else NO_CAP
 
 
@@ -237,11 +236,11 @@ def chord_of_cap(difference: Difference, found: Minimum, enough: float) -> float
 def improved(
     difference: Difference, n: Vector, h: float, enough: float, noise: float
 ) -> tuple[Vector, float, float]:
-    """Return (n, h, chord of its cap) of the minimum near n, or of n if there is none."""
-    found = nearby_minimum(difference, n, noise)
-    if found.kind == NOTHING or found.h > h + noise:
+    """Return (n, h, chord of its cap) of the minimum near n, or of n itself if there is none."""
+    minimum = nearby_minimum(difference, n, noise)
+    if minimum.kind == NOTHING or minimum.h > h + noise:
         return n, h, NO_CAP
-    return found.n, found.h, chord_of_cap(difference, found, enough)
+    return minimum.n, minimum.h, chord_of_cap(difference, minimum, enough)
 
 
 @compiled
@@ -258,10 +257,10 @@ def chord_normal(arc: Floats, e: Vector) -> Vector:
 
 @inlined
 def values_at_ends(arc: Floats, radius: float) -> tuple[float, float, float]:
-    """Return h at the start and the end of an arc [m], and, where positive, a lower bound on it.
+    """Return h at the start and end of an arc [m], and a crude lower bound, valid if positive.
 
-    An n of the arc is a start + b end for a + b >= 1: so no point of D is less far along n than
-    along the end where it is less far, if it is positive there.
+    Directions of the arc are a start + b end with a + b >= 1. So a point of D reaches along n at
+    least as far as along the end where it reaches less, if that is positive.
     """
     start, end = vector_at(arc, START), vector_at(arc, END)
     u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
@@ -274,8 +273,8 @@ def values_at_ends(arc: Floats, radius: float) -> tuple[float, float, float]:
 def least_on_arc(arc: Floats, m: Vector, radius: float, rho: float) -> float:
     """Return a lower bound of h [m] on an arc with the chord's normal m (see *chord*, *bend*).
 
-    ``radius`` [m] is that of the balls that are taken away, ``rho`` what no radius of curvature of
-    the rest exceeds.
+    ``radius`` [m] is that of the subtracted balls, ``rho`` [m] an upper bound of the radii of
+    curvature of the rest.
     """
     start, end = vector_at(arc, START), vector_at(arc, END)
     u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
@@ -284,8 +283,8 @@ def least_on_arc(arc: Floats, m: Vector, radius: float, rho: float) -> float:
     if rho < math.inf:
         bent = ends
         if ends < rho:
-            # rho - (rho - ends) / cos, for the half angle: rho may be 1e6 times as large as the
-            # bodies (a disk seen almost from its edge), and what its digits hide would be lost.
+            # Equal to rho - (rho - ends) / cos, for the half angle, without cancellation: rho may
+            # be 1e6 times as large as the bodies (a disk seen almost from its edge).
             cosine, span = 0.5 * norm(add(start, end)), norm(sub(end, start))
             bent = (ends - rho * 0.25 * span * span / (1.0 + cosine)) / cosine
         least = max(least, bent)
@@ -294,10 +293,10 @@ def least_on_arc(arc: Floats, m: Vector, radius: float, rho: float) -> float:
 
 @inlined
 def is_away(from_n: float, to_n: float, span: float) -> bool:
-    """Tell whether any of an arc of width ``span`` [rad] is clearly another direction than n.
+    """Return whether part of an arc of width ``span`` [rad] is clearly another direction than n.
 
-    The cosines of its ends with n are given. An arc across the border of what counts as another
-    direction does not: there nothing need be proven to the last degree.
+    ``from_n`` and ``to_n`` are the cosines of its ends with n. A short arc across the border of
+    what counts as another direction does not, since that border need not be exact.
     """
     across_border = max(from_n, to_n) >= SAME_DIRECTION and span <= BORDER
     return min(from_n, to_n) < SAME_DIRECTION and not across_border
@@ -306,8 +305,8 @@ def is_away(from_n: float, to_n: float, span: float) -> bool:
 class Best(NamedTuple):
     """The best direction n of a search so far, and its h [m].
 
-    In the angle with this ``chord`` around it nothing is less, nothing clearly elsewhere is as
-    good if it is ``unique``, and no h looked at so far is below ``floor`` [m].
+    Within the angle of this ``chord`` nothing is less. If ``unique``, nothing clearly elsewhere is
+    as good. No h examined so far is below ``floor`` [m].
     """
 
     n: Vector
@@ -328,13 +327,13 @@ def least_on_circle(
     arcs: Floats,
     kinks: Floats,
 ) -> tuple[bool, Best]:
-    """Return (complete, best) for the circle of directions at right angles to the unit e.
+    """Return (complete, best) for the circle of directions normal to the unit e.
 
-    ``best`` is the ``Best`` so far. ``inner`` [m] is how far both cores together reach from their
-    centres, at least, along any such direction. Not complete where the splitting of arcs did not
-    come to an end.
+    ``best`` is the ``Best`` so far. ``inner`` [m] is a lower bound of how far both cores together
+    reach from their centres along any such direction. The search is not complete if the splitting
+    of arcs was ended.
 
-    Arcs left out by ``first_arcs`` hold nothing as good: the cores are symmetric, so ``h(n) >=
+    Arcs left out by ``first_arcs`` contain nothing as good: the cores are symmetric, so ``h(n) >=
     inner - p . n``, and h(-n) is less than h(n) by -2 p . n.
     """
     terms, _, last, r_A, r_B = difference
@@ -361,9 +360,9 @@ def least_on_circle(
             m = start if at_start < at_end else end
             n, h, chord = improved(difference, m, ends, enough, noise)
             unique = unique and not away
-            waiting += 1  # once more, with what is known now
+            waiting += 1  # examined again with the better minimum
             continue
-        # Where no cap is known the minimum is so flat that only its tolerance can be proven.
+        # Without a cap the minimum is so flat that only its tolerance can be proved.
         limit = h - (enough if chord == NO_CAP else noise)
         if unique and away:
             limit = h + 2.0 * enough

@@ -1,17 +1,17 @@
-"""Depth of a box or capsule in a cylinder: the least of all kinds of normals that there are.
+"""Depth of a box or capsule in a cylinder, by a complete search of all possible normals.
 
 The support function h of the Minkowski difference D of two overlapping cores (see ``sums``) has a
-local minimum at n only where D has no radius of curvature below h(n): a radius rho along some
-great circle through n makes ``h'' = rho - h`` there. Where n is at right angles to no segment and
-not along the axis of the disk, only the disk is curved, and along one direction: across it rho is
-0, h is positive, so n is no minimum. What is left is on
+local minimum at n only where no radius of curvature of D is below h(n): a radius rho along some
+great circle through n makes ``h'' = rho - h`` there. If n is normal to no segment and not along
+the axis of the disk, only the disk is curved, and only along one direction: across it rho is 0 and
+h is positive, so n is no minimum. The remaining normals are on
 
-- a *crease*: n at right angles to a segment. All of the circle of each segment is searched (see
-  ``circles``), its crossings with other circles too, which are the faces of two segments;
+- a *crease*: n normal to a segment. The whole circle of each segment is searched (see
+  ``circles``), including its crossings with other circles, which are the faces of two segments;
 - a *face of a disk*: n along its axis, where h is known (``likely_normal``).
 
-So the least of these is the depth. Nothing is left out by a comparison that rounding could turn:
-those of ``circles`` keep what is in doubt.
+The least of these is the depth. Rounding cannot exclude a candidate: the comparisons in
+``circles`` retain doubtful ones.
 """
 
 import math
@@ -46,9 +46,9 @@ from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 @compiled
 def reach_across(terms: Floats, first: int, last: int, axes: int, i: int) -> float:
-    """Return how far [m] the core whose segments are from first to last reaches across segment i.
+    """Return a lower bound of the reach [m] of a core normal to its segment i.
 
-    That is, at least, from its centre along any direction at right angles to the segment.
+    It holds from the core's centre along any such direction; its segments start at ``first``.
     """
     if terms[axes, LENGTH] > 0.0:
         radius = terms[axes, LENGTH]
@@ -63,7 +63,7 @@ def reach_across(terms: Floats, first: int, last: int, axes: int, i: int) -> flo
 
 @compiled
 def best_of_starts(difference: Difference, newton: Minimum, enough: float, noise: float) -> Best:
-    """Return the ``Best`` of what Newton's method found, the line of centres, faces and axes."""
+    """Return the ``Best`` among Newton's minimum, the line of centres, faces and axes."""
     terms, _, last, r_A, r_B = difference
     radius = r_A + r_B
     least = width(terms, last, radius, newton.n)
@@ -82,12 +82,11 @@ def best_of_starts(difference: Difference, newton: Minimum, enough: float, noise
 def least_on_creases(
     difference: Difference, newton: Minimum, enough: float, noise: float
 ) -> Least:
-    """Return the least h over all faces and creases, and where.
+    """Return the least h over all faces and creases.
 
-    ``newton`` is what ``nearby_minimum`` of the difference has just found, or any direction to
-    start from, and ``floor`` what no h is below. Not complete where the splitting of arcs did not
-    come to an end. It is the depth if the cores overlap: h is positive then. No plane that
-    ``depths.guarded`` looks at is below it.
+    ``newton`` is the result of ``nearby_minimum`` for the difference, or any direction to start
+    from. The search is not complete if the splitting of arcs was ended. If the cores overlap, h is
+    positive and is the depth. No plane examined by ``depths.guarded`` is below it.
     """
     terms, first, last, r_A, r_B = difference
     best = best_of_starts(difference, newton, enough, noise)

@@ -1,22 +1,22 @@
-"""Depth of two bodies of revolution whose axes are parallel: one angle instead of two.
+"""Depth of two bodies of revolution with parallel axes, as a planar problem.
 
 Coaxial cylinders, capsules and spheroids have rings of equally good directions. EPA would have to
-cover the whole ring with faces to certify one of them; but the Minkowski difference is a body of
-revolution too, so a nearest point of its surface lies in the half plane through its axis and the
-origin, and there the polygon that EPA grows has corners on one arc only.
+cover the whole ring with faces to certify one of them. But the Minkowski difference is a body of
+revolution, too, so a nearest point of its surface lies in the half plane through its axis and the
+origin, and there EPA's polygon has corners on one arc only.
 
-That one half plane, and of it the quarter with both numbers positive, is enough. Across the half
-plane of the origin the width of a body of revolution is ``h = f(s, c) - p . n``, with f even in s
-and c: of all n with one s and c, and of their mirror images, the one toward p is least. On the
-quarter every arc between two corners is kept with the lower bound of its chord (``set_chord``),
-none is left out by a comparison, and the least of these bounds is what is returned.
+The quarter of that half plane with both components positive suffices: the width is ``h = f(s, c)
+- p . n``, with f even in s and c, so of all n with the same s and c and their mirror images, the
+one towards p is least. Every arc of the quarter between two corners is retained with the lower
+bound of its chord (``set_chord``). None is excluded by a comparison, and the least of these bounds
+is returned.
 
-Axes that are almost parallel, and an ellipsoid with two semi-axes almost equal, count too where
-turning the one and rounding the other moves no point farther than the tolerance: the move is taken
-off the lower bound, the upper one is measured on the shapes as they are.
+Almost parallel axes, and an ellipsoid with two almost equal semi-axes, are included if rotating
+the one and rounding the other moves no point farther than the tolerance. The move is subtracted
+from the lower bound; the upper bound is computed from the actual shapes.
 
-Where the origin is on the axis and all directions about it are as good, the normal out of B is the
-one nearest to the x axis of B.
+Where the origin is on the axis and all directions about it are equally good, the normal out of B
+is the one nearest to the x axis of B.
 """
 
 import math
@@ -60,11 +60,11 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 MOST_CORNERS = 64  # a corner halves its arc, and an arc of 1e-8 is flat to rounding
-# Columns of a corner: direction, point, width along the direction; and of the chord to the next
-# corner: its normal, the bound of the widths over its arc.
+# Columns of a corner: direction, point, width along the direction; then the normal of the chord to
+# the next corner, and the lower bound of widths over its arc.
 SINE, COSINE, RADIAL, AXIAL, WIDTH, CHORD_SINE, CHORD_COSINE, CHORD_WIDTH = range(8)
 CORNER_WIDTH = 8
-OFF_AXIS = math.sqrt(1.0 - SAME_DIRECTION**2)  # sine of the angle that makes a clear difference
+OFF_AXIS = math.sqrt(1.0 - SAME_DIRECTION**2)  # sine of a clearly different angle
 
 
 class Planar(NamedTuple):
@@ -76,9 +76,9 @@ class Planar(NamedTuple):
 
 @compiled
 def axis_of_revolution(kind: int, shape: Floats) -> tuple[int, float]:
-    """Return (k, move): the axis of the core, and how far [m] its surface is from round about it.
+    """Return (k, move): the axis of the core, and the deviation [m] from a body of revolution.
 
-    ``move`` is infinite for shapes with no axis.
+    ``move`` is infinite for shapes without an axis.
     """
     if kind == BOX or kind == CONVEX:
         return 2, np.inf
@@ -98,16 +98,16 @@ def axis_of_revolution(kind: int, shape: Floats) -> tuple[int, float]:
 
 @compiled
 def common_axis(pair: CorePair) -> tuple[Vector, float]:
-    """Return (u, move): an axis both cores are round about when their surfaces move so far.
+    """Return (u, move): a common axis of both cores if their surfaces move by ``move`` [m].
 
-    The smaller core is turned; one that is a point, of a ball, is round about any axis.
+    The smaller core is rotated; the core of a ball, a point, has any axis.
     """
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, _ = pair
     k_A, move_A = axis_of_revolution(kind_A, shape_A)
     k_B, move_B = axis_of_revolution(kind_B, shape_B)
     u_A, u_B = column(R_WA, k_A), column(R_WB, k_B)
     if move_A + move_B == np.inf:
-        return u_A, np.inf  # the radius of a hull is a look at every vertex
+        return u_A, np.inf  # early, since the radius of a hull may need every vertex
     reach_A = bounding_radius(kind_A, shape_A) - core_radius(kind_A, shape_A)
     reach_B = bounding_radius(kind_B, shape_B) - core_radius(kind_B, shape_B)
     move = move_A + move_B + 2.0 * norm(cross(u_A, u_B)) * min(reach_A, reach_B)
@@ -116,7 +116,7 @@ def common_axis(pair: CorePair) -> tuple[Vector, float]:
 
 @compiled
 def profile(kind: int, shape: Floats, s: float, c: float) -> Planar:
-    """Return the point of the core's profile where its normal is (s, c), both >= 0."""
+    """Return the point of the core's profile with the normal (s, c), both >= 0."""
     if kind == CAPSULE:
         return Planar(0.0, shape[HALF_LENGTH])
     if kind == CYLINDER:
@@ -144,11 +144,11 @@ def put_corner(
 
 @compiled
 def set_chord(corners: Floats, k: int, following: int) -> None:
-    """Store the normal of the chord from corner k to the following one and the width at it.
+    """Store the normal of the chord from corner k to the following one, and the width along it.
 
-    A width between the two is at least the larger of those of the two points. Both are sinusoids,
+    Widths in between are at least the larger of those of the two points. Both are sinusoids,
     concave where positive, so the least is at an end of the arc or where they cross: at the normal
-    of the chord, if that is within the arc; else there is no chord and its width is infinite.
+    of the chord, if it is within the arc. Otherwise the width of the chord is infinite.
     """
     x = corners[k, RADIAL] - corners[following, RADIAL]
     y = corners[following, AXIAL] - corners[k, AXIAL]
@@ -167,10 +167,10 @@ def set_chord(corners: Floats, k: int, following: int) -> None:
 def touching_points(
     corners: Floats, after: Integers32, best: int, pair: CorePair, radial: float, axial: float
 ) -> tuple[Planar, Planar]:
-    """Return a point of each profile, one over the other along the best normal.
+    """Return a point of each profile such that both touch along the best normal.
 
-    The best corner's points are aside of each other by ``aside``. Its neighbour on the other side
-    has the opposite sign; at the ends of the quarter that is its own mirror image.
+    The best corner's points deviate by ``aside``. Its neighbour on the other side deviates with
+    the opposite sign; at the ends of the quarter, the neighbour is its own mirror image.
     """
     s, c = corners[best, SINE], corners[best, COSINE]
     aside = s * corners[best, AXIAL] - c * corners[best, RADIAL]
@@ -202,10 +202,10 @@ def touching_points(
 
 
 class PlanarDepth(NamedTuple):
-    """The least width over the directions (s, c) of a quarter, and the points a and b there.
+    """The least width over the directions (s, c) of a quarter, with its points a and b.
 
-    No width is below ``lower`` [m]; ``unique`` tells that no direction of the quarter that is
-    clearly another one is as good.
+    No width is below ``lower`` [m]. ``unique``: no clearly different direction of the quarter is
+    as good.
     """
 
     lower: float
@@ -220,7 +220,7 @@ class PlanarDepth(NamedTuple):
 def planar_depth(
     pair: CorePair, radial: float, axial: float, enough: float, noise: float
 ) -> PlanarDepth:
-    """Return the least width over directions s, c >= 0, and where."""
+    """Return the least width over directions s, c >= 0."""
     corners = np.empty((MOST_CORNERS, CORNER_WIDTH))
     after = np.empty(MOST_CORNERS, dtype=np.int32)
     put_corner(corners, 0, pair, radial, axial, 1.0, 0.0)
@@ -260,9 +260,9 @@ def planar_depth(
 def depth_of_revolution(
     pair: CorePair, u: Vector, move: float, size: float, tolerance: float
 ) -> Depth:
-    """Return the depth of two cores that are round about the common axis u."""
+    """Return the depth of two bodies of revolution about the common axis u."""
     enough = max(0.5 * tolerance, ROUNDING * EPS * size)
-    u = unit(u)  # orientations are rotations to rounding only
+    u = unit(u)  # orientations are rotations only within rounding
     axial = dot(pair.p_AB, u)
     if axial < 0.0:
         axial, u = -axial, scale(-1.0, u)
@@ -270,7 +270,7 @@ def depth_of_revolution(
     radial = norm(across)
     e = unit(across)
     e = unit(add_scaled(e, -dot(e, u), u))
-    if radial <= 4.0 * EPS * size:  # all rounding: any direction about the axis is as good
+    if radial <= 4.0 * EPS * size:  # rounding only: all directions about the axis are equal
         side = cross(u, column(pair.R_WB, 0))
         e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(pair.R_WB, 1))))
         radial = 0.0
@@ -284,7 +284,7 @@ def depth_of_revolution(
     b = add_scaled(scale(at_B.radial, e), at_B.axial, u)
     lower = (lower if lower > 0.0 else -norm(sub(a, b))) - move
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
-    # Where h is level along the quarter, the points of the best corner are not one over the other.
+    # Where h is level along the quarter, the points of the best corner deviate sideways.
     apart = sub(a, b)
     aside = norm(add_scaled(apart, -dot(apart, n), n))
     centre = scale(0.5, add_scaled(add(a, b), rise, n))

@@ -1,28 +1,28 @@
-"""Depth of two cores that are almost round about one axis: half planes through it, in turn.
+"""Depth of two cores that are almost bodies of revolution about one axis, by half planes.
 
 Two ellipsoids, or one in a cylinder or capsule, whose axes are almost parallel have a ring of
-directions that are almost as good as the best. EPA would have to cover the ring with faces; here
-two facts make it a matter of some dozen half planes. Let u be the axis, e a unit vector across it
-at the angle phi, and ``n = s e + c u``.
+directions almost as good as the best. EPA would have to cover the ring with faces. Two facts
+reduce it to some dozen half planes. Let u be the axis, e a unit vector normal to it at the angle
+phi, and ``n = s e + c u``.
 
-*A half plane is a planar problem.* With phi fixed, n goes along half of a great circle, and a
+*A half plane is a planar problem.* With phi fixed, n moves along half of a great circle, and a
 polygon proves that h is nowhere on it below a given number (see ``circles``).
 
 *Between half planes h hardly bends.* With c fixed, each term of h as a function of phi has a
-second derivative of no more than
+second derivative of at most
 
 - ``S / b + |c| T / b`` for ``|E n|``, an ellipsoid with least semi-axis b, where S is the
-  difference of the eigenvalues of ``Q = E^T E`` in the plane across u, and T the length of what
-  Q u has in that plane: for ``g = n . Q n`` it is ``g'' = 2 s^2 (e' . Q e' - e . Q e) - 2 s c u .
-  Q e``, and ``(sqrt g)'' <= g'' / (2 sqrt g)``;
-- the length of q for ``-p . n``, where q is the part of p across u;
-- 0 for a segment or a disk round about u.
+  difference of the eigenvalues of ``Q = E^T E`` in the plane normal to u, and T the length of the
+  component of Q u in that plane: for ``g = n . Q n`` it is ``g'' = 2 s^2 (e' . Q e' - e . Q e) -
+  2 s c u . Q e``, and ``(sqrt g)'' <= g'' / (2 sqrt g)``;
+- the length of q for ``-p . n``, where q is the component of p normal to u;
+- 0 for a segment along u or a disk about u.
 
-A function whose second derivative is at most M is above the lesser of its values at the ends of an
-interval of length w by at least ``-M w^2 / 8``. So a *cell* between two half planes w apart holds
-no h below a number if on both ``h - (M_0 + |c| M_1) w^2 / 8`` is nowhere below it, where M_0 and
-M_1 are the sums of the above. On either side of ``c = 0`` that takes no more than a constant and a
-linear function off h. Cells that fail are halved.
+A function whose second derivative is at most M is at least the lesser of its values at the ends of
+an interval of length w minus ``M w^2 / 8``. So a *cell* between two half planes w apart contains
+no h below a number if ``h - (M_0 + |c| M_1) w^2 / 8`` is nowhere below it on both, where M_0 and
+M_1 are the sums of the above. On either side of ``c = 0`` that subtracts only a constant and a
+linear function from h. Cells that fail are halved.
 """
 
 import math
@@ -70,16 +70,16 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION, TIE
 
-MOST_LOOKS = 1000  # at a cell; some dozens are usual
+MOST_LOOKS = 1000  # examined cells; some dozens are usual
 MOST_CELLS = 64
 MOST_SPLITS = 400  # of the arcs of a half plane; some dozens are usual
 FIRST_CELLS = 8
-# Columns of a cell: its first half plane, and how wide it is [rad].
+# Columns of a cell: the angle of its first half plane, and its width [rad].
 ANGLE, SPAN = 0, 1
 
 
 class Direction(NamedTuple):
-    """The best direction n so far, its h [m], and whether nothing clearly elsewhere is as good."""
+    """The best direction n so far, its h [m]; unique if nothing clearly elsewhere is as good."""
 
     n: Vector
     h: float
@@ -88,7 +88,7 @@ class Direction(NamedTuple):
 
 @compiled
 def largest_curvatures(terms: Floats, u: Vector) -> tuple[float, float]:
-    """Return (M_0, M_1) [m] about the axis u, along which all segments and disks are."""
+    """Return (M_0, M_1) [m] about the axis u, common to all segments and disks."""
     x = perpendicular(u)
     y = cross(u, x)
     p = vector_in(terms, 0)
@@ -112,7 +112,7 @@ def largest_curvatures(terms: Floats, u: Vector) -> tuple[float, float]:
 def roundest_axis(difference: Difference) -> tuple[Vector, float, float]:
     """Return (u, M_0, M_1) for the axis u about which the cores are most nearly round.
 
-    That of a segment or disk if there is one; else one of the ellipsoids' own.
+    It is that of a segment or disk if there is one, or else an axis of an ellipsoid.
     """
     terms, _, last, _, _ = difference
     if last > SEGMENT:
@@ -142,10 +142,10 @@ def slice_holds(
 ) -> tuple[bool, float, Vector]:
     """Return (holds, floor, m): whether h is high enough on the half circle from -u over e to u.
 
-    For a cell of width ``span`` [rad], with ``bends`` M_0 and M_1, it is compared with the best h
-    less ``enough``, and clearly away from the best direction with the best h plus twice that, for
-    as long as that is unique. ``floor`` is what h in the cell is not
-    below; m is the direction that was seen to fail, or the last that was looked at.
+    For a cell of width ``span`` [rad], with ``bends`` M_0 and M_1, h is compared with the best h
+    minus ``enough``; clearly away from the best direction, if that is unique so far, with the best
+    h plus twice that. ``floor`` is a lower bound of h in the cell; m is the direction that failed,
+    or the last one examined.
     """
     terms, _, last, r_A, r_B = difference
     n, h, unique = best
@@ -171,7 +171,7 @@ def slice_holds(
         if at_end:
             m = start if dot(v, start) < dot(w, end) else end
         least = (ends if at_end else min(dot(v, m), dot(w, m))) - radius
-        there = width(terms, last, r_A + r_B, m) - drop - tilt * abs(dot(m, u))
+        width_there = width(terms, last, r_A + r_B, m) - drop - tilt * abs(dot(m, u))
         needed, needed_here = h - enough, h - enough
         if unique and (span > BORDER or is_away(from_n, to_n, norm(sub(end, start)))):
             needed = h + 2.0 * enough
@@ -180,7 +180,7 @@ def slice_holds(
         if least >= needed:
             floor = min(floor, least)
             continue
-        if there < needed_here or waiting + 2 > MOST_ARCS:
+        if width_there < needed_here or waiting + 2 > MOST_ARCS:
             return False, -math.inf, m
         if at_end:
             m = unit(add(start, end))
@@ -196,14 +196,14 @@ def slice_holds(
 def bettered(
     difference: Difference, best: Direction, m: Vector, enough: float, noise: float
 ) -> Direction:
-    """Return the best ``Direction`` now that m was looked at."""
+    """Return the best ``Direction`` after examining m."""
     terms, _, last, r_A, r_B = difference
     n, h, unique = best
-    there, far = width(terms, last, r_A + r_B, m), dot(m, n) < SAME_DIRECTION
-    if there < h - noise:
-        unique = h > there + 2.0 * enough if far else unique
-        n, h, _ = improved(difference, m, there, enough, noise)
-    elif far and there <= h + 2.0 * enough:
+    width_there, far = width(terms, last, r_A + r_B, m), dot(m, n) < SAME_DIRECTION
+    if width_there < h - noise:
+        unique = h > width_there + 2.0 * enough if far else unique
+        n, h, _ = improved(difference, m, width_there, enough, noise)
+    elif far and width_there <= h + 2.0 * enough:
         unique = False
     return Direction(n, h, unique)
 
@@ -212,11 +212,10 @@ def bettered(
 def least_over_slices(
     difference: Difference, n: Vector, h: float, enough: float, noise: float
 ) -> Least:
-    """Return the least h there is.
+    """Return the least h over all directions.
 
-    ``n`` is a direction to start from and h [m] its value. ``floor`` is what no h is below, and
-    ``unique`` tells that no clearly different direction is as good. Not complete where the
-    splitting of cells did not come to an end.
+    ``n`` is a direction to start from and h [m] its value. The search is not complete if the
+    splitting of cells was ended.
     """
     u, flat, steep = roundest_axis(difference)
     x = perpendicular(u)

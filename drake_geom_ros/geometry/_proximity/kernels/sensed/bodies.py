@@ -1,7 +1,7 @@
-"""A pair with a map: what the walks know of A and of B, and bounds of how far parts are apart.
+"""Bodies of a pair with a map, and lower bounds of the distances of their parts.
 
-B is a map, and A is one too or any other shape: of that its *core* is a leaf of its own, in a box
-of its axes, grown by a ball (``shapes.supports``). Bounds are computed in B's axes, from Bo.
+B is a map. A is a map, too, or any other shape, whose *core* is then a single leaf, in a box along
+its axes, grown by a ball (``shapes.supports``). Bounds are computed in B's axes, from Bo.
 """
 
 from __future__ import annotations
@@ -53,22 +53,22 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 
 class MapBody(NamedTuple):
-    """A body as walks take it: its leaves are cells, or it is one leaf itself."""
+    """A body for tree walks: its leaves are cells, or it is a single leaf."""
 
     kind: int
     shape: Floats
     R_W: Floats
     leaf_kind: int
     leaf: Floats  # parameters of a leaf
-    reach: float  # [m] of a leaf from its centre
+    reach: float  # [m] radius of a leaf about its centre
     tree: MapTree
     box: NodeBox  # of the core, if it is no map
-    half: float  # [m] that the box of a node is grown by on each side, ...
-    radius: float  # [m] ... and all around
+    half: float  # [m] growth of the box of a node on each side, ...
+    radius: float  # [m] ... and of all by a ball
 
 
 class MapPair(NamedTuple):
-    """A, and a map B; R is the orientation of A in B."""
+    """A body A and a map B; R is the orientation of A in B."""
 
     A: MapBody
     B: MapBody
@@ -80,13 +80,13 @@ class MapPair(NamedTuple):
 
 @inlined
 def noise_of(pair: MapPair) -> float:
-    """Return what rounding may make of a distance [m]."""
+    """Return a bound of the rounding of a distance [m]."""
     return ROUNDING * EPS * pair.size
 
 
 @inlined
 def towards(p: Vector) -> Vector:
-    """Return the unit vector towards a point; that of x where it is no way off."""
+    """Return the unit vector towards a point; +x for the origin."""
     n = unit(p)
     return n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)
 
@@ -117,20 +117,20 @@ def body_of(kind: int, shape: Floats, R_W: Floats) -> MapBody:
 def map_pair(
     address: Address, A: OrientedShape, B: OrientedShape, aim: Aim, away: float
 ) -> MapPair:
-    """Return a pair whose origins are as far as ``away`` [m] apart, at most."""
-    mine, its = body_of(A.kind, A.shape, A.R_W), body_of(B.kind, B.shape, B.R_W)
+    """Return a pair whose origins are at most ``away`` [m] apart."""
+    body_A, body_B = body_of(A.kind, A.shape, A.R_W), body_of(B.kind, B.shape, B.R_W)
     R = np.empty((3, 3))
     for k in range(3):
         R[0, k], R[1, k], R[2, k] = unrotate(B.R_W, column(A.R_W, k))
     size = bounding_radius(B.kind, B.shape) + away
     if A.kind != HALF_SPACE:
         size += bounding_radius(A.kind, A.shape)
-    return MapPair(mine, its, R, address, aim, size)
+    return MapPair(body_A, body_B, R, address, aim, size)
 
 
 @allocating
 def moved_away(pair: MapPair, away: float) -> MapPair:
-    """Return a pair of origins at one place as one whose origins are so far [m] apart."""
+    """Return a copy of a pair with coincident origins whose origins are ``away`` [m] apart."""
     return MapPair(pair.A, pair.B, pair.R, pair.address, pair.aim, pair.size + away)
 
 
@@ -158,28 +158,28 @@ def box_of_cell(body: MapBody, i: int) -> NodeBox:
 
 @inlined
 def centre_of(body: MapBody, i: int) -> Vector:
-    """Return the origin of leaf i, in the body's frame; a body that is no map is at its own."""
+    """Return the origin of leaf i in the body's frame; 0 for a body that is no map."""
     return (0.0, 0.0, 0.0) if body.tree.leaves == 0 else centre_at(body.shape, body.tree, i)
 
 
 @inlined
 def _reach_along(n: Vector, h: Vector) -> float:
-    """Return how far a box of half size h reaches along n from its middle."""
+    """Return the support value of a box of half size h along n, from its centre."""
     return abs(n[0]) * h[0] + abs(n[1]) * h[1] + abs(n[2]) * h[2]
 
 
 @inlined
 def _above_plane(R: Floats, p: Vector, box: NodeBox) -> float:
-    """Return how far a box in B is above the half space A that stands at p, turned by R."""
+    """Return the height of a box in B above the half space A, posed by p and R."""
     n = column(R, 2)
     return dot(n, sub(box.middle, p)) - _reach_along(n, box.half)
 
 
 @inlined
 def _beyond_faces(d: Vector, R: Floats, h: Vector, k: Vector) -> Vector:
-    """Return the gaps along the faces of a box of half size k, of one of half size h turned by R.
+    """Return the gaps of two boxes along the face normals of one, the other turned by R.
 
-    Negative where they overlap; d is the middle of the second, from that of the first.
+    The first has half size k, the second h; d is from the first's centre. Negative: overlap.
     """
     return (
         abs(d[0]) - k[0] - (abs(R[0, 0]) * h[0] + abs(R[0, 1]) * h[1] + abs(R[0, 2]) * h[2]),
@@ -190,7 +190,7 @@ def _beyond_faces(d: Vector, R: Floats, h: Vector, k: Vector) -> Vector:
 
 @inlined
 def _length_beyond(gaps: Vector) -> float:
-    """Return how far boxes are apart by the gaps along three faces; negative: the largest."""
+    """Return the separation of boxes from the gaps along three faces; the largest if negative."""
     most = max(gaps[0], gaps[1], gaps[2])
     if most <= 0.0:
         return most
@@ -199,10 +199,10 @@ def _length_beyond(gaps: Vector) -> float:
 
 @inlined
 def _way_from(is_round: bool, h: Vector, q: Vector) -> Vector:
-    """Return the way to q from what is nearest in a box of half size h, or its cylinder along z.
+    """Return the vector to q from the nearest point of a box of half size h, or cylinder.
 
-    Part by part outwards along normals, so that no rounding turns it, however short it is. What is
-    nearest then is also what is farthest along the way, of the box or cylinder.
+    It is computed by components outwards along normals, so that rounding does not turn it, even if
+    it is short. The nearest point is then the support point of the box or cylinder along it.
     """
     z = math.copysign(max(abs(q[2]) - h[2], 0.0), q[2])
     if is_round:
@@ -218,33 +218,33 @@ def _way_from(is_round: bool, h: Vector, q: Vector) -> Vector:
 
 
 class Between(NamedTuple):
-    """What bounds of a pair need, few words to hand over: Ao is at p in B, A is turned by R."""
+    """Relative pose of a pair for its bounds: Ao is at p in B, A is turned by R."""
 
     kind_A: int
     R: Floats
     p: Vector
-    radius: float  # [m] that both are grown by
+    radius: float  # [m] by which both are grown
 
 
 @allocating
 def between(pair: MapPair, p: Vector) -> Between:
-    """Return that of a pair whose Bo is at p from Ao in World axes."""
+    """Return the relative pose of a pair whose Bo is at p from Ao in World axes."""
     p_BA = scale(-1.0, unrotate(pair.B.R_W, p))
     return Between(pair.A.kind, pair.R, p_BA, pair.A.radius + pair.B.radius)
 
 
 @inlined
 def least_apart(at: Between, box_A: NodeBox, box_B: NodeBox, limit: float) -> float:
-    """Return a lower bound [m] of the signed distance of what is in two boxes, of A and of B.
+    """Return a lower bound [m] of the signed distance of the contents of a box of A and one of B.
 
-    What lies in a body is no nearer, and no deeper, than that body, and a gap along any direction,
-    a negative one too, is never more than the signed distance. So directions are tried: normals of
-    faces first, the way from A's box, or cylinder, to the middle of the other last, which of a
-    small box misses little. A few roundings of the pair's size may be missing, less than
-    ``noise_of``. Of what is beyond the limit [m] less is told.
+    The content of a box is no nearer, and no deeper, than the box, and a gap along any direction,
+    even a negative one, never exceeds the signed distance. So several directions are tried: face
+    normals first, and last the direction from A's box, or cylinder, to the centre of B's box,
+    which is nearly exact for a small box. A few roundings of the pair's size are not subtracted,
+    less than ``noise_of``. Beyond the limit [m] the bound may be less sharp.
     """
     R, p, k = at.R, at.p, box_B.half
-    if at.kind_A == SPHERE:  # whichever way it is turned
+    if at.kind_A == SPHERE:  # its orientation does not matter
         d = sub(p, box_B.middle)
         gaps = (abs(d[0]) - k[0], abs(d[1]) - k[1], abs(d[2]) - k[2])
         return _length_beyond(gaps) - at.radius

@@ -1,9 +1,9 @@
-"""The parameters of a map, made of its centres in one compiled call.
+"""Packing of a map's parameters from its centres, in one compiled call.
 
-Centres are put in the order of Morton's curve (G. M. Morton, *A computer oriented geodetic data
-base*, IBM 1966), by a sort that looks at their keys digit by digit, each pass over all of them:
-that takes as long for a million as one sort by comparisons of a level of a tree. Equal counts of
-neighbours on the curve are the leaves, and boxes are made from them upwards.
+Centres are sorted along Morton's curve (G. M. Morton, *A computer oriented geodetic data base*,
+IBM 1966) by a radix sort, which for a million takes as long as one comparison sort for a single
+level of a tree. Equal counts of neighbours on the curve are the leaves, and boxes are made from
+them upwards.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, SMALL_SIZE
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Of a number that is sorted: the place on the curve, 13 bits of each coordinate, above which of
-# all cells it is, 23 bits. 62 bits have a positive sign.
+# Sorted numbers have the position on the curve, 13 bits per coordinate, above the number of the
+# cell, 23 bits. 62 bits leave the sign positive.
 KEY_BITS, NUMBER_BITS = 13, 23
 DIGIT_BITS, PASSES = 13, 3  # of the sort: 8192 counts stay in a near cache
 HULL = 1 + 3 * 8 + RADIUS  # parameters of the box around all: 8 corners, no lists
@@ -47,9 +47,9 @@ _SURFACE = np.array(
 
 
 def map_parameters(centres: Floats, size: float) -> Floats:
-    """Return the kernel parameters of a map, laid out as ``kernels.shapes.maps`` says.
+    """Return the kernel parameters of a map, in the layout of ``kernels.shapes.maps``.
 
-    ``centres`` (n, 3) [m] in one piece, ``size`` [m] half the edge of a cell, or its radius.
+    ``centres`` (n, 3) [m] are contiguous; ``size`` [m] is half the edge of a cell, or its radius.
     """
     leaves = 1
     while leaves * MOST_IN_LEAF < len(centres):
@@ -86,7 +86,7 @@ def _least_and_largest(centres: Floats) -> tuple[Vector, float]:
 
 @inlined
 def _spread(bits: int) -> int:
-    """Return the 13 bits of a coordinate with two free places behind each."""
+    """Return the 13 bits of a coordinate with two zero bits between neighbours."""
     bits = (bits | (bits << 16)) & 0x0000FF0000FF
     bits = (bits | (bits << 8)) & 0x00F00F00F00F
     bits = (bits | (bits << 4)) & 0x0C30C30C30C3
@@ -95,9 +95,9 @@ def _spread(bits: int) -> int:
 
 @compiled
 def _put_keys(centres: Floats, low: Vector, scale: float, keys: Indices, counts: Indices) -> None:
-    """Write each centre's place on the curve and its number, and count the digits of the places.
+    """Write each centre's position on the curve and its number, and count the positions' digits.
 
-    ``scale`` [1/m] makes the longest side full.
+    ``scale`` [1/m] maps the longest side to all bits.
     """
     last, mask = float((1 << KEY_BITS) - 1), (1 << DIGIT_BITS) - 1
     x0, y0, z0 = low[0], low[1], low[2]
@@ -114,7 +114,7 @@ def _put_keys(centres: Floats, low: Vector, scale: float, keys: Indices, counts:
 
 @compiled
 def _sort_by_digit(shift: int, keys: Indices, to: Indices, counts: Indices) -> None:
-    """Write the keys by one digit, and as they were before where that is the same."""
+    """Write the keys sorted by one digit, stable for equal digits."""
     mask, total = (1 << DIGIT_BITS) - 1, 0
     for k in range(counts.size):
         count = counts[k]
@@ -126,35 +126,35 @@ def _sort_by_digit(shift: int, keys: Indices, to: Indices, counts: Indices) -> N
 
 
 @inlined
-def _comes_before(given: Floats, i: int, j: int) -> bool:
-    """Tell whether a centre comes before another by its coordinates."""
+def _comes_before(points: Floats, i: int, j: int) -> bool:
+    """Return whether point i precedes point j by coordinates."""
     for k in range(3):
-        if given[i, k] != given[j, k]:
-            return bool(given[i, k] < given[j, k])
+        if points[i, k] != points[j, k]:
+            return bool(points[i, k] < points[j, k])
     return False
 
 
 @compiled
-def _sift_down(given: Floats, keys: Indices, first: int, at: int, count: int) -> None:
-    """Let key ``at`` of a heap of so many, from ``first`` on, sink to where it belongs."""
+def _sift_down(points: Floats, keys: Indices, first: int, at: int, count: int) -> None:
+    """Sift down key ``at`` of a heap of ``count`` keys from ``first`` on."""
     mask = (1 << NUMBER_BITS) - 1
     while 2 * at + 1 < count:
         child = first + 2 * at + 1
         if child + 1 < first + count and _comes_before(
-            given, keys[child] & mask, keys[child + 1] & mask
+            points, keys[child] & mask, keys[child + 1] & mask
         ):
             child += 1
-        if not _comes_before(given, keys[first + at] & mask, keys[child] & mask):
+        if not _comes_before(points, keys[first + at] & mask, keys[child] & mask):
             return
         keys[first + at], keys[child] = keys[child], keys[first + at]
         at = child - first
 
 
 @compiled
-def _sort_ties(given: Floats, keys: Indices) -> None:
-    """Put centres at one place of the curve in the order of their coordinates (a heap sort).
+def _sort_ties(points: Floats, keys: Indices) -> None:
+    """Sort centres at the same position of the curve by coordinates (heap sort).
 
-    So a map is the same in whatever order its cells are given.
+    So a map does not depend on the order of its cells.
     """
     first = 0
     while first < keys.size:
@@ -163,16 +163,16 @@ def _sort_ties(given: Floats, keys: Indices) -> None:
             last += 1
         count = last - first
         for at in range(count // 2 - 1, -1, -1):
-            _sift_down(given, keys, first, at, count)
+            _sift_down(points, keys, first, at, count)
         for end in range(count - 1, 0, -1):
             keys[first], keys[first + end] = keys[first + end], keys[first]
-            _sift_down(given, keys, first, 0, end)
+            _sift_down(points, keys, first, 0, end)
         first = last
 
 
 @compiled
 def _put_boxes(centres: Floats, nodes: Floats) -> None:
-    """Write the boxes of the leaves, by the centres in them, and of all nodes above."""
+    """Write the boxes of the leaves, around their centres, and of all nodes above."""
     leaves = (nodes.shape[0] + 1) // 2
     for i in range(leaves):
         at = leaves - 1 + i
@@ -188,20 +188,20 @@ def _put_boxes(centres: Floats, nodes: Floats) -> None:
 
 
 @allocating
-def make_tree(given: Floats, centres: Floats, nodes: Floats) -> None:
-    """Fill in the centres (n, 3) in the order of the leaves, and the nodes (2 L - 1, 6)."""
-    n = given.shape[0]
+def make_tree(points: Floats, centres: Floats, nodes: Floats) -> None:
+    """Fill ``centres`` (n, 3) with the points in leaf order, and the nodes (2 L - 1, 6)."""
+    n = points.shape[0]
     keys, to = np.empty(n, np.int64), np.empty(n, np.int64)
     counts = np.empty((PASSES, 1 << DIGIT_BITS), np.int64)
-    low, extent = _least_and_largest(given)
-    _put_keys(given, low, float(1 << KEY_BITS) / max(extent, SMALL_SIZE), keys, counts)
+    low, extent = _least_and_largest(points)
+    _put_keys(points, low, float(1 << KEY_BITS) / max(extent, SMALL_SIZE), keys, counts)
     for turn in range(PASSES):
         _sort_by_digit(NUMBER_BITS + turn * DIGIT_BITS, keys, to, counts[turn])
         keys, to = to, keys
-    _sort_ties(given, keys)
+    _sort_ties(points, keys)
     mask = (1 << NUMBER_BITS) - 1
     for i in range(n):
         at = keys[i] & mask
         for k in range(3):
-            centres[i, k] = given[at, k]
+            centres[i, k] = points[at, k]
     _put_boxes(centres, nodes)

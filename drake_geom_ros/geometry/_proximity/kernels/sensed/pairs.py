@@ -1,11 +1,11 @@
-"""Signed distance of any shape, or of a map, from a map: the walk around a pair's kernel.
+"""Signed distance of any shape, or of a map, from a map: a tree walk around a pair's kernel.
 
-The rows of the pair table that have a map name the kernel that answers for one cell, a box or a
-ball. Apart, the answer is that about the nearest cell. Overlapping, the union is as deep as its
-deepest cell at least, and no deeper than a way out is long (``ways_out``). Where both are the
-same to rounding, the answer is that about the deepest cell; else it is the way out, with OPEN as
-method, and the error bound tells how much shorter another may be. What leaves a half space leaves
-it along its normal, so of that the deepest cell is the answer.
+Rows of the pair table with a map name the kernel for one cell, a box or a ball. If separated, the
+answer is that of the nearest cell. If overlapping, the union is at least as deep as its deepest
+cell, and at most as deep as the length of a separating translation (``ways_out``). Where both are
+equal within rounding, the answer is that of the deepest cell. Otherwise it is the separating
+translation, with OPEN as method and an error bound for how much shorter another may be. A half
+space is left along its normal, so there the deepest cell is the answer.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from drake_geom_ros.geometry._proximity.kernels.sensed.bodies import (
     towards,
 )
 from drake_geom_ros.geometry._proximity.kernels.sensed.leaves import (
-    FOUND_WIDTH,
     LEAST,
+    NEAREST_WIDTH,
     OTHER,
     SKIPPED,
 )
@@ -48,12 +48,12 @@ from drake_geom_ros.geometry._proximity.runtime.addresses import Address
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 
-LOOSE = 4.0 * BACK_OFF  # roundings that a depth may be off by all the same
+LOOSE = 4.0 * BACK_OFF  # roundings within which both depths count as equal
 
 
 @compiled
 def _write_beyond(pair: MapPair, p: Vector, lower: float, out: Floats) -> None:
-    """Write the row of a pair that is farther apart than ``lower`` [m]."""
+    """Write the row of a pair certified to be at least ``lower`` [m] apart."""
     n = towards(p)
     error = max(pair.size - lower, 0.0) + noise_of(pair)
     zero = (0.0, 0.0, 0.0)
@@ -61,39 +61,39 @@ def _write_beyond(pair: MapPair, p: Vector, lower: float, out: Floats) -> None:
 
 
 @compiled
-def _write_open(pair: MapPair, found: Floats, way: WayOut, out: Floats) -> None:
-    """Write the row of a pair that overlaps by less than a way out is long, or by as much."""
-    depth = -found[DISTANCE]
-    error = max(way.length - depth, 0.0) + found[ERROR_BOUND] + 2.0 * noise_of(pair)
+def _write_open(pair: MapPair, nearest: Floats, way: WayOut, out: Floats) -> None:
+    """Write the row of a pair that overlaps by at most the length of a separating translation."""
+    depth = -nearest[DISTANCE]
+    error = max(way.length - depth, 0.0) + nearest[ERROR_BOUND] + 2.0 * noise_of(pair)
     a = add_scaled(way.b, -way.length, way.n)
     write(out, -way.length, way.n, a, way.b, error, False, OPEN)
 
 
 @allocating
 def answer_of(pair: MapPair, p: Vector, cutoff: float, out: Floats) -> None:
-    """Write the row of a pair; ``p`` is Bo from Ao in World axes, and the cutoff is in metres."""
-    found, noise = np.empty(FOUND_WIDTH), noise_of(pair)
+    """Write the row of a pair; ``p`` [m] is Bo from Ao in World axes; the cutoff is in metres."""
+    nearest, noise = np.empty(NEAREST_WIDTH), noise_of(pair)
     if pair.A.kind != HALF_SPACE:  # a union may be deeper than each of its cells
         cutoff = max(cutoff, 0.0)
-    find_nearest(pair, p, cutoff, found)
-    if found[DISTANCE] == math.inf:
-        _write_beyond(pair, p, found[SKIPPED], out)
+    find_nearest(pair, p, cutoff, nearest)
+    if nearest[DISTANCE] == math.inf:
+        _write_beyond(pair, p, nearest[SKIPPED], out)
         return
-    # Another leaf that was told a little farther may be nearer by what its own bound leaves open.
-    error = max(found[ERROR_BOUND], found[DISTANCE] - found[LEAST]) + noise
-    found[ERROR_BOUND] = error
-    found[UNIQUE] *= 1.0 if found[OTHER] > found[DISTANCE] + 2.0 * error else 0.0
-    if found[DISTANCE] - error < 0.0 and pair.A.kind != HALF_SPACE:
-        way = way_out(pair, p, -found[DISTANCE], found.copy())
-        more = way.length + found[DISTANCE]
-        is_told = more <= LOOSE * noise + 2.0 * error
-        if not is_told and found[DISTANCE] < -error:
-            _write_open(pair, found, way, out)
+    # A leaf that seems slightly farther may be nearer within its own error bound.
+    error = max(nearest[ERROR_BOUND], nearest[DISTANCE] - nearest[LEAST]) + noise
+    nearest[ERROR_BOUND] = error
+    nearest[UNIQUE] *= 1.0 if nearest[OTHER] > nearest[DISTANCE] + 2.0 * error else 0.0
+    if nearest[DISTANCE] - error < 0.0 and pair.A.kind != HALF_SPACE:
+        way = way_out(pair, p, -nearest[DISTANCE], nearest.copy())
+        more = way.length + nearest[DISTANCE]
+        is_same = more <= LOOSE * noise + 2.0 * error
+        if not is_same and nearest[DISTANCE] < -error:
+            _write_open(pair, nearest, way, out)
             return
-        # No cell surely overlaps: it may touch, however long the way out would be.
-        found[ERROR_BOUND] = max(error, more if is_told else more + noise)
+        # No cell certainly overlaps: the pair may touch, however long the translation is.
+        nearest[ERROR_BOUND] = max(error, more if is_same else more + noise)
     for c in range(PAIR_WIDTH):
-        out[c] = found[c]
+        out[c] = nearest[c]
 
 
 @allocating

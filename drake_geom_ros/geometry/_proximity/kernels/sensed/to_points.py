@@ -1,4 +1,4 @@
-"""Signed distance of points to a map: each is a ball without radius."""
+"""Point kernel of maps: each point is a ball of radius 0."""
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def to_map(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a map; ``address`` is that of a ball's and a cell's kernel."""
+    """Write the signed distances of points to a map; ``address`` is a ball and cell kernel's."""
     point = OrientedShape(SPHERE, np.zeros(1), np.eye(3))
     G, aim = OrientedShape(kind, body.shape, body.R_WG), Aim(0.0, 0.0, threshold)
     pair, out = map_pair(address, point, G, aim, 0.0), np.zeros(PAIR_WIDTH)
@@ -57,5 +57,5 @@ def to_map(
         grad_W, unique = vector_at(out, NORMAL), out[UNIQUE] > 0.0
         at = k * span.n + span.g
         put_point(answers.rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
-        answers.found[at] = True
+        answers.is_within[at] = True
         answers.counts[int(out[METHOD])] += 1

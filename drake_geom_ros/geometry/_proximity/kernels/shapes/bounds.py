@@ -1,4 +1,4 @@
-"""Bounds of one shape: its box in World axes, the ball around it and the ball inside it."""
+"""Bounds of a shape: its box in World axes, its bounding ball and its inner ball."""
 
 import math
 from typing import NamedTuple
@@ -49,15 +49,15 @@ class PosedShape(NamedTuple):
 
 @inlined
 def has_hull(shape_type: int) -> bool:
-    """Tell whether the shape's parameters begin with the vertices of its hull."""
+    """Return whether the shape's parameters begin with the vertices of its hull."""
     return shape_type == CONVEX or shape_type == SOLID or is_map(shape_type)
 
 
 @inlined
 def support_value(shape_type: int, shape: Floats, n_G: Vector) -> float:
-    """Return the support value h(n) [m] from Go; n a unit vector in G. A half space has none.
+    """Return the support value h(n) [m] from Go, n a unit vector in G; infinite for half spaces.
 
-    Every shape but a hull is symmetric about Go: h(-n) is the same. That of a solid is its hull's.
+    All shapes except hulls are symmetric about Go: h(-n) is equal. A solid has that of its hull.
     """
     x, y, z = abs(n_G[0]), abs(n_G[1]), abs(n_G[2])
     if shape_type == SPHERE:
@@ -78,7 +78,7 @@ def support_value(shape_type: int, shape: Floats, n_G: Vector) -> float:
 
 @compiled
 def box_half_extents(shape_type: int, shape: Floats, R_WG: Floats, half_extents: Floats) -> None:
-    """Write the half extents (3,) [m] of the World-aligned box about Go that holds the shape."""
+    """Write the half extents (3,) [m] of the World-aligned box about Go around the shape."""
     if has_hull(shape_type):
         half_extents[0], half_extents[1], half_extents[2] = farthest_along_axes(shape, R_WG)
         return
@@ -125,10 +125,10 @@ def shape_radii(types: Indices, starts: Indices, pool: Floats) -> tuple[Floats, 
 
 @inlined
 def point_inside(shape_type: int, shape: Floats, R_WG: Floats, n_W: Vector) -> Vector:
-    """Return the centre of the ball inside a shape, from Go in World: a vertex of a hull, else Go.
+    """Return the centre of the inner ball, from Go in World: Go, or for a hull a vertex along n.
 
-    The origin of a hull may lie outside it, and that of a solid too. Of a map, whose hull is the
-    box around it, it is the middle of its first cell.
+    The origin of a hull or solid may lie outside it. The hull of a map is the box around it, so
+    its inner ball is in its first cell.
     """
     if is_map(shape_type):
         return rotate(R_WG, centre_at(shape, map_tree_of(shape_type, shape), 0))
@@ -142,7 +142,7 @@ def point_inside(shape_type: int, shape: Floats, R_WG: Floats, n_W: Vector) -> V
 def _put_balls_in_hulls(
     types: Indices, starts: Indices, pool: Floats, centres: Floats, radii: Floats
 ) -> None:
-    """Write the centre and the radius of the ball that is known in each hull."""
+    """Write the centre and radius of the packed ball of each hull."""
     for k in range(types.size):
         if types[k] == CONVEX:
             centre, radii[k] = ball_in_hull(part(pool, starts[k], starts[k + 1]))
@@ -153,7 +153,7 @@ def _put_balls_in_hulls(
 def balls_inside(
     types: Indices, starts: Indices, pool: Floats, inner: Floats
 ) -> tuple[Floats, Floats]:
-    """Return centres (n, 3) from Go, in G, and radii (n,) [m] of balls in shapes; 0: none.
+    """Return centres (n, 3) from Go, in G, and radii (n,) [m] of balls in shapes; radius 0: none.
 
     ``inner`` are the inner radii of ``shape_radii``.
     """

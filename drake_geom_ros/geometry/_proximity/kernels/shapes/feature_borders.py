@@ -1,7 +1,7 @@
-"""Whether an extreme point lies inside its segment or face, or on the border of it.
+"""Test whether an extreme point lies inside its segment or face, or on the border.
 
-On a border the next motion may bring another feature to the fore: the normal of what touches there
-is not the only one, and the point has no derivative.
+On a border, any motion may make another feature extreme: the normal of a contact there is not
+unique, and the point has no derivative.
 """
 
 import math
@@ -28,17 +28,17 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS
 
-# Directions in which the corners of a hull's face are looked for. A face with more corners counts
-# as the polygon of those that are found.
+# Directions in which the corners of a hull's face are searched. A face with more corners counts as
+# the polygon of those found.
 SIDES = 16
-# Tangent [-] of the angle by which a hull is tilted to bring a corner of its face to the fore: no
-# face next to it is to come first, and edges count as parallel to DISTINCT_NORMALS.
+# Tangent [-] of the tilt that makes a corner of a hull's face extreme: too small for adjacent
+# faces, and larger than DISTINCT_NORMALS, within which edges count as parallel.
 TILT = 4.0 * DISTINCT_NORMALS
 
 
 @compiled
 def _in_box(shape: Floats, n: Vector, q: Vector, slack: float) -> bool:
-    """Tell whether q is inside along the axes of the edge or face."""
+    """Return whether q is inside its edge or face of a box."""
     for k in range(3):
         if abs(n[k]) <= DISTINCT_NORMALS and abs(q[k]) > shape[k] - slack:
             return False
@@ -47,7 +47,7 @@ def _in_box(shape: Floats, n: Vector, q: Vector, slack: float) -> bool:
 
 @compiled
 def _in_hull_edge(shape: Floats, along: Vector, n: Vector, q: Vector, slack: float) -> bool:
-    """Tell whether q is between the vertices at both ends of an edge along a unit vector."""
+    """Return whether q is between the end vertices of an edge along a unit vector."""
     for k in range(2):
         side = scale(1.0 - 2.0 * k, along)
         x, y, z = unit(add_scaled(n, TILT, side))
@@ -58,7 +58,7 @@ def _in_hull_edge(shape: Floats, along: Vector, n: Vector, q: Vector, slack: flo
 
 @compiled
 def _in_hull_face(shape: Floats, n: Vector, u: Vector, v: Vector, q: Vector, slack: float) -> bool:
-    """Tell whether q is inside the polygon of the corners of a face."""
+    """Return whether q is inside the polygon of the corners of a face."""
     step = 2.0 * math.pi / SIDES
     x, y, z = unit(add_scaled(n, TILT, u))
     before = farthest_vertex(shape, x, y, z)
@@ -87,7 +87,7 @@ def is_inside(
     q: Vector,
     slack: float,
 ) -> bool:
-    """Tell whether the extreme point q is inside its segment or face by more than ``slack`` [m].
+    """Return whether the extreme point q is inside its segment or face by more than ``slack`` [m].
 
     Everything is in the shape's frame; n is out of it, and u, v, n right-handed. A single point is
     always inside.

@@ -1,16 +1,18 @@
-"""Which points of a shape are extreme along a direction, and how they move as it turns.
+"""Features of a shape extreme along a direction, and their motion as the direction turns.
 
-Where two bodies are nearest, or overlap least, along a normal n, the points of each that are
-extreme along it decide what the distance does next. There may be one such point, and then it
-either stays (a vertex) or moves over the surface by the radii of curvature, the Hessian of the
-support function; or a whole segment of them (an edge, the side of a capsule or a cylinder); or a
-face. Within a segment or a face the point that is nearest may be anywhere, and n stays at right
-angles to it.
+At the normal n of two bodies, the extreme points of each along n determine how the distance
+changes. There are three cases:
 
-Everything is told in two axes u, v at right angles to n. A direction counts as at right angles to
-an edge or a face if it is to ``DISTINCT_NORMALS``. The Hessians are those of the support functions
-of ``kernels``: of a ball r, of an ellipsoid with h = |S n| that of |S n|, of a cylinder that of
-r hypot(n_x, n_y).
+- one point, which stays (a vertex) or moves over the surface by the radii of curvature, the
+  Hessian of the support function;
+- a segment (an edge, or the side of a capsule or cylinder);
+- a face.
+
+Within a segment or a face the nearest point may be anywhere, and n stays normal to it.
+
+All is expressed in two axes u, v normal to n. A direction counts as normal to an edge or face
+within ``DISTINCT_NORMALS``. The Hessians are those of the support functions of ``kernels``: r for
+a ball, that of h = |S n| for an ellipsoid, that of r hypot(n_x, n_y) for a cylinder.
 """
 
 import math
@@ -39,7 +41,7 @@ from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS
 
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
-# What the extreme points are.
+# Kinds of features.
 POINT = 0
 SEGMENT = 1
 FACE = 2
@@ -49,7 +51,7 @@ class Feature(NamedTuple):
     """The extreme points: POINT, SEGMENT along the unit (du, dv), or FACE.
 
     When n turns by (a, b) along u, v, the point moves by the matrix [[uu, uv], [uv, vv]] [m] times
-    that; across a segment only, for along it and in a face nothing holds the point.
+    (a, b). For a segment that holds only normal to it: along it, and in a face, the point is free.
     """
 
     freedom: int
@@ -62,9 +64,9 @@ class Feature(NamedTuple):
 
 @inlined
 def hold_one_point(A: Feature, B: Feature) -> bool:
-    """Tell whether the features of two bodies leave no room: one pair of points is nearest.
+    """Return whether the features of two bodies determine a single pair of nearest points.
 
-    Not so of faces and edges in line with each other, whose nearest points fill more than a point.
+    Parallel faces and edges do not: all points of their common part are equally near.
     """
     freedom = A.freedom + B.freedom
     if freedom != FACE or A.freedom != B.freedom:
@@ -74,7 +76,7 @@ def hold_one_point(A: Feature, B: Feature) -> bool:
 
 @inlined
 def along(d: Vector, u: Vector, v: Vector, uu: float, uv: float, vv: float) -> Feature:
-    """Return the segment along the unit d, which is at right angles to n."""
+    """Return the segment along the unit d, which is normal to n."""
     x, y = dot(d, u), dot(d, v)
     length = math.hypot(x, y)
     return Feature(SEGMENT, x / length, y / length, uu, uv, vv)
@@ -82,7 +84,7 @@ def along(d: Vector, u: Vector, v: Vector, uu: float, uv: float, vv: float) -> F
 
 @inlined
 def vertex(radius: float) -> Feature:
-    """Return a point with a ball around it."""
+    """Return a vertex with a ball of a radius [m] around it."""
     return Feature(POINT, 0.0, 0.0, radius, 0.0, radius)
 
 
@@ -108,7 +110,7 @@ def _of_box(n: Vector, u: Vector, v: Vector) -> Feature:
 
 @compiled
 def _of_cylinder(radius: float, n: Vector, u: Vector, v: Vector) -> Feature:
-    """Return a point of a rim, a line of the side, or a cap."""
+    """Return the rim point, side line or cap of a cylinder."""
     radial = math.hypot(n[0], n[1])
     if radial <= DISTINCT_NORMALS:
         return _face()
@@ -141,7 +143,7 @@ def _of_ellipsoid(shape: Floats, n: Vector, u: Vector, v: Vector) -> Feature:
 
 @compiled
 def _of_hull(shape: Floats, n: Vector, u: Vector, v: Vector) -> Feature:
-    """Return the vertex, edge or face of a hull, by the edges that leave an extreme vertex."""
+    """Return the vertex, edge or face of a hull, from the edges at an extreme vertex."""
     here = farthest(shape, n[0], n[1], n[2])
     end = 3 * int(shape[VERTEX_COUNT])
     first, last, listed = 1, end // 3 + 1, False
@@ -165,7 +167,7 @@ def _of_hull(shape: Floats, n: Vector, u: Vector, v: Vector) -> Feature:
 
 @compiled
 def feature_of(kind: int, shape: Floats, R: Floats, n: Vector, u: Vector, v: Vector) -> Feature:
-    """Return the extreme points of a shape along its outward unit n, for axes u and v.
+    """Return the extreme feature of a shape along its outward unit n, for axes u and v.
 
     The three are in World axes, in which the shape has the orientation R. A solid is taken for its
     hull.

@@ -1,4 +1,4 @@
-"""The parameters of a hull for the kernels: its vertices, a ball in it, edges of a large one."""
+"""Packing of a hull's kernel parameters: vertices, an inner ball, edges of a large hull."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from drake_geom_ros.geometry._proximity.tolerances import BLUNT, EPS, PLAIN_DEPT
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Vertices from which on a hull is climbed; to look at all of fewer is faster (bench/costs).
+# Vertices from which on hill climbing is used; below, a scan is faster (bench/costs).
 CLIMBED = 500
 
 
 def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
-    """Return the parameters of a hull as ``kernels.shapes.hulls`` lays them out.
+    """Return the parameters of a hull in the layout of ``kernels.shapes.hulls``.
 
     ``vertices`` (n, 3) [m] are the corners of the hull, ``triangles`` (m, 3) its surface,
     counter-clockwise from outside.
@@ -28,10 +28,10 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
     edges = np.unique(np.concatenate((sides, sides[:, ::-1])), axis=0)
     sharpness = _sharpness(vertices, triangles, edges)
     blunt = sharpness < BLUNT
-    if np.count_nonzero(blunt) > count // 8:  # most climbs would end in looking at all
+    if np.count_nonzero(blunt) > count // 8:  # most climbs would end in a scan
         return unlisted
-    # Computed gains are off by 3 EPS of the edge. A vertex whose edges all seem to lead down is
-    # the summit for a direction this little off, in radians: 3 EPS over its sharpness.
+    # Computed gains are off by 3 EPS of the edge. A vertex whose edges all seem to descend is
+    # extreme for a direction off by only 3 EPS over its sharpness, in radians.
     defect = 4.0 * EPS / sharpness[~blunt].min() * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     summits = [side(vertices[:, k]) for k in range(3) for side in (np.argmin, np.argmax)]
     starts, ends = edges.T
@@ -43,9 +43,9 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
 
 
 def unlisted_parameters(vertices: Floats, triangles: Indices) -> Floats:
-    """Return the parameters of a hull of which every vertex is looked at, however many there are.
+    """Return the parameters of a hull of any size whose vertices are always scanned.
 
-    What is certified by such a hull is certified by each of its vertices.
+    Bounds from such a hull are certified by all its vertices.
     """
     radius = np.hypot.reduce(vertices, axis=1).max()
     ball = _ball(vertices, triangles)
@@ -53,9 +53,9 @@ def unlisted_parameters(vertices: Floats, triangles: Indices) -> Floats:
 
 
 def _ball(vertices: Floats, triangles: Indices) -> Floats:
-    """Return centre and radius (4,) [m] of a ball in a hull: the largest about its centroid.
+    """Return the centre and radius (4,) [m] of the largest ball about the centroid of a hull.
 
-    The radius is 0 where the hull is so flat that nobody would see the ball.
+    The radius is 0 if the hull is so flat that the ball is negligible.
     """
     size = float(np.abs(vertices).max())
     corners = vertices / size  # about 1, so that nothing overflows
@@ -73,9 +73,9 @@ def _ball(vertices: Floats, triangles: Indices) -> Floats:
 
 
 def _sharpness(vertices: Floats, triangles: Indices, edges: Indices) -> Floats:
-    """Return the sine (n,) of the angle by which the edges of each vertex at least fall away.
+    """Return the sine (n,) of the least angle by which edges fall away from each vertex.
 
-    From the plane at right angles to the mean of the normals around it; 0 where there are none.
+    It is relative to the plane normal to the mean of the adjacent normals; 0 without edges.
     """
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)

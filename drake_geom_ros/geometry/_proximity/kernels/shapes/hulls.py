@@ -1,22 +1,22 @@
-"""The vertices of a convex hull: which is extreme along a direction, and how far they reach.
+"""Support vertices and radii of convex hulls.
 
 The parameters of a hull are the number n of its vertices, their n x, n y and n z, its *defect*,
-centre and radius of a ball in it, and its radius about Go. Those of a large one, whose defect is
-not 0, go on: the vertices extreme along -x, x, -y, y, -z, z, the places of n + 1 lists, and the
-lists of the neighbours of each vertex along the edges (``hull_parameters`` makes them). A vertex
-is named by the place of its x, 1 to n. Vertices alone make a hull too, whose ball is not known.
+the centre and radius of an inner ball, and its radius about Go. A large hull, with a defect other
+than 0, also has the vertices extreme along -x, x, -y, y, -z, z, the starts of n + 1 lists, and the
+lists of the neighbours of each vertex along the edges (made by ``hull_parameters``). A vertex is
+identified by the index of its x, 1 to n. Vertices alone are a valid hull without a ball.
 
-Where all vertices are looked at, ``summit`` does it, several at a time.
+All vertices of a small hull are scanned, several at a time (``summit``).
 
-A large hull is climbed, from neighbour to neighbour, for as long as that leads farther along the
-direction: on a convex polytope there is no other summit. At a vertex that is almost flat rounding
-may hide the way on; its list has a negative place, and all vertices are looked at instead. The
-defect [m] is by how much the vertex found elsewhere may fall short of the true one.
+A large hull is searched by hill climbing from neighbour to neighbour: a convex polytope has no
+other local maximum. At an almost flat vertex rounding may hide the way on; the start of its list
+is negative, and all vertices are scanned instead. The defect [m] bounds how far the vertex found
+elsewhere may fall short of the true one.
 """
 
 import math
 
-from drake_geom_ros.geometry._proximity.kernels.shapes.summit import summit
+from drake_geom_ros.geometry._proximity.kernels.shapes.summit import farthest_index
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
 from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector, signed, unsigned
@@ -24,13 +24,13 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inline
 from drake_geom_ros.geometry._proximity.runtime.larger import larger
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
 
-# Places after the coordinates.
+# Offsets after the coordinates.
 DEFECT = 1
 BALL = 2  # 4: centre and radius
 RADIUS = 6
-SUMMITS = 7  # 6
+EXTREMES = 7  # 6: vertices extreme along the axes
 LISTS = 13
-# Vertices from which on several are looked at a time: of fewer, one by one is faster.
+# Vertices from which on the vectorised scan is faster.
 SEVERAL = 32
 
 
@@ -43,7 +43,7 @@ def hull_defect(shape: Floats) -> float:
 
 @inlined
 def ball_in_hull(shape: Floats) -> tuple[Vector, float]:
-    """Return (centre, radius) [m] of a ball in a hull; the radius is 0 where none is known."""
+    """Return (centre, radius) [m] of a ball in a hull; the radius is 0 if unknown."""
     place = 3 * int(shape[VERTEX_COUNT]) + BALL
     if shape.size <= place + 3:
         return (0.0, 0.0, 0.0), 0.0
@@ -53,7 +53,7 @@ def ball_in_hull(shape: Floats) -> tuple[Vector, float]:
 @inlined
 def vertex_at(shape: Floats, k: int) -> Vector:
     """Return vertex k of a hull, 1 to n."""
-    # Unsigned numbers: the test for negative ones would double the time of a loop.
+    # Unsigned indices: the test for negative ones would double the time of a loop.
     n, k = _count(shape), unsigned(k)
     return shape[k], shape[k + n], shape[k + n + n]
 
@@ -65,13 +65,13 @@ def _count(shape: Floats) -> int:
 
 @inlined
 def _along(shape: Floats, n: int, k: int, x: float, y: float, z: float) -> float:
-    """Return how far vertex k of n is along (x, y, z)."""
+    """Return the offset of vertex k of n along (x, y, z)."""
     return shape[k] * x + shape[k + n] * y + shape[k + n + n] * z
 
 
 @inlined
 def _farthest_of_few(shape: Floats, n: int, x: float, y: float, z: float) -> int:
-    """Return the first of n vertices that are extreme along (x, y, z)."""
+    """Return the first of n vertices extreme along (x, y, z), one by one."""
     first = unsigned(1)
     best, value = first, _along(shape, n, first, x, y, z)
     for k in range(unsigned(2), n + first):
@@ -83,29 +83,29 @@ def _farthest_of_few(shape: Floats, n: int, x: float, y: float, z: float) -> int
 
 @compiled
 def _farthest_of_all(shape: Floats, x: float, y: float, z: float) -> int:
-    """Return the first of the vertices that are extreme along (x, y, z)."""
+    """Return the first vertex extreme along (x, y, z), by a scan."""
     n = _count(shape)
     if n < SEVERAL:
         return _farthest_of_few(shape, n, x, y, z)
-    return summit(shape, signed(n), x, y, z)
+    return farthest_index(shape, signed(n), x, y, z)
 
 
 @inlined
-def _summit(shape: Floats, end: int, x: float, y: float, z: float) -> int:
-    """Return the vertex that is extreme along the axis nearest to (x, y, z)."""
+def _first_vertex(shape: Floats, end: int, x: float, y: float, z: float) -> int:
+    """Return the vertex extreme along the axis nearest to (x, y, z), where climbing starts."""
     along, value = 0, x
     if abs(y) > abs(value):
         along, value = 2, y
     if abs(z) > abs(value):
         along, value = 4, z
-    return int(shape[end + SUMMITS + along + (1 if value > 0.0 else 0)])
+    return int(shape[end + EXTREMES + along + (1 if value > 0.0 else 0)])
 
 
 @compiled
 def _climbed(shape: Floats, end: int, x: float, y: float, z: float) -> int:
-    """Return the place of the vertex that is extreme along (x, y, z), up to the defect."""
-    here = _summit(shape, end, x, y, z)
-    # The path visits no vertex twice, for each is farther than the one before.
+    """Return the index of the vertex extreme along (x, y, z), within the defect, by climbing."""
+    here = _first_vertex(shape, end, x, y, z)
+    # The path visits no vertex twice, because each is farther than the previous one.
     for _ in range(int(shape[VERTEX_COUNT])):
         place = end + LISTS + here - 1
         first, last = int(shape[place]), int(abs(shape[place + 1]))
@@ -114,7 +114,7 @@ def _climbed(shape: Floats, end: int, x: float, y: float, z: float) -> int:
         p, best, gain = vertex_at(shape, here), here, 0.0
         for k in range(first, last):
             u = int(shape[k])
-            # Differences of neighbours: what rounding hides is relative to the edge.
+            # From differences of neighbours, so rounding is relative to the edge.
             d = dot(sub(vertex_at(shape, u), p), (x, y, z))
             if d > gain:
                 best, gain = u, d
@@ -126,7 +126,7 @@ def _climbed(shape: Floats, end: int, x: float, y: float, z: float) -> int:
 
 @inlined
 def farthest(shape: Floats, x: float, y: float, z: float) -> int:
-    """Return the place of the vertex that is extreme along the unit vector (x, y, z)."""
+    """Return the index of the vertex extreme along the unit vector (x, y, z)."""
     if hull_defect(shape) > 0.0:
         return _climbed(shape, 3 * int(shape[VERTEX_COUNT]), x, y, z)
     return _farthest_of_all(shape, x, y, z)
@@ -134,15 +134,15 @@ def farthest(shape: Floats, x: float, y: float, z: float) -> int:
 
 @compiled
 def farthest_vertex(shape: Floats, x: float, y: float, z: float) -> Vector:
-    """Return the vertex of a hull that is extreme along the unit vector (x, y, z)."""
+    """Return the vertex of a hull extreme along the unit vector (x, y, z)."""
     return vertex_at(shape, farthest(shape, x, y, z))
 
 
 @inlined
 def _slope(shape: Floats, here: int, k: int, x: float, y: float, z: float) -> float:
-    """Return the squared slope of the line from vertex ``here`` to k, inf where they are one.
+    """Return the squared slope of the line from vertex ``here`` to k; infinite for equal ones.
 
-    Down along (x, y, z); the square needs no square root.
+    The slope is the descent along (x, y, z); squaring avoids a square root.
     """
     u, v, w = sub(vertex_at(shape, k), vertex_at(shape, here))
     fall, length = larger(-(u * x + v * y + w * z), 0.0), u * u + v * v + w * w
@@ -153,7 +153,7 @@ def _slope(shape: Floats, here: int, k: int, x: float, y: float, z: float) -> fl
 def _least_slope(shape: Floats, here: int, x: float, y: float, z: float) -> int:
     """Return the vertex to which the line from vertex ``here`` has the least slope."""
     n, first = _count(shape), unsigned(1)
-    steepest = -math.inf  # of the slopes' opposites, for the sake of ``larger``
+    steepest = -math.inf  # of negated slopes, so that ``larger`` applies
     for k in range(first, n + first):
         steepest = larger(-_slope(shape, here, k, x, y, z), steepest)
     best = n
@@ -164,11 +164,11 @@ def _least_slope(shape: Floats, here: int, x: float, y: float, z: float) -> int:
 
 @compiled
 def farthest_edge(shape: Floats, x: float, y: float, z: float) -> tuple[Vector, Vector]:
-    """Return the vertex of a hull extreme along the unit (x, y, z), and another.
+    """Return the edge of a hull at the vertex extreme along the unit (x, y, z).
 
-    The line to the other falls away from the direction with the least slope: it is an edge of the
-    hull, and where a turn of the direction brings another vertex to the fore, the first one. So
-    only neighbours are looked at where they are listed.
+    The line from the extreme vertex to the other one has the least slope, so it is an edge of the
+    hull, and the first that becomes extreme as the direction turns. Only listed neighbours are
+    examined, if there are lists.
     """
     here = farthest(shape, x, y, z)
     end = 3 * int(shape[VERTEX_COUNT])
@@ -204,7 +204,7 @@ def hull_radius(shape: Floats) -> float:
 
 @compiled
 def farthest_along_axes(shape: Floats, R: Floats) -> Vector:
-    """Return how far [m] the vertices reach along each row of R (3, 3), or against it."""
+    """Return the largest absolute offsets [m] of the vertices along the rows of R (3, 3)."""
     along_x, along_y, along_z = 0.0, 0.0, 0.0
     for k in range(unsigned(1), _count(shape) + unsigned(1)):
         x, y, z = vertex_at(shape, k)

@@ -1,10 +1,10 @@
-"""The point that is farthest along a direction, of many, told by eight at a time.
+"""Index of the point farthest along a direction, by SIMD with eight lanes.
 
-LLVM turns the search for a largest number into operations on several at a time, but not that for
-whose it is, which so took a second look at all points. Here the code is written with vectors of
-eight numbers (LLVM Language Reference, *Vector Type*), which become what the processor has: each
-lane keeps the farthest of its points, and at last the lanes are compared. Of 64 points that takes
-a third of the time of two looks.
+LLVM vectorises the search for a largest number, but not for its index, which took a second pass
+over all points. Here the code is written with vectors of eight numbers (LLVM Language Reference,
+*Vector Type*), which LLVM maps to the registers of the processor: each lane has the farthest of
+its points, and finally the lanes are compared. For 64 points that takes a third of the time of two
+passes.
 """
 
 from typing import Any
@@ -21,10 +21,10 @@ _INTEGER, _NUMBER = ir.IntType(64), ir.DoubleType()
 _INTEGERS, _NUMBERS = ir.VectorType(_INTEGER, LANES), ir.VectorType(_NUMBER, LANES)
 
 
-def _summit(numbers: Any, n: int, x: float, y: float, z: float) -> int:
-    """Return the first of n points, 1 to n, that is farthest along (x, y, z).
+def _farthest_index(numbers: Any, n: int, x: float, y: float, z: float) -> int:
+    """Return the first of n points, 1 to n, farthest along (x, y, z).
 
-    ``numbers`` are one that is not looked at, and the n x, n y and n z of LANES points or more.
+    ``numbers`` are one unused number, and the n x, n y and n z of at least LANES points.
     """
     best, value = 1, numbers[1] * x + numbers[1 + n] * y + numbers[1 + 2 * n] * z
     for k in range(2, n + 1):
@@ -35,7 +35,7 @@ def _summit(numbers: Any, n: int, x: float, y: float, z: float) -> int:
 
 
 def _same(builder: Any, value: Any, kind: Any) -> Any:
-    """Return a vector of a kind with the value in each lane."""
+    """Return a vector of a type with the value in each lane."""
     lane = ir.IntType(32)
     one = builder.insert_element(ir.Constant(kind, ir.Undefined), value, lane(0))
     zeros = ir.Constant(ir.VectorType(lane, LANES), [0] * LANES)
@@ -43,7 +43,7 @@ def _same(builder: Any, value: Any, kind: Any) -> Any:
 
 
 def _along(builder: Any, data: Any, place: Any, n: Any, direction: Any) -> Any:
-    """Return how far the eight points from a place on are along a direction."""
+    """Return the offsets along a direction of the eight points from an index on."""
     terms = []
     for axis in direction:
         pointer = builder.bitcast(builder.gep(data, [place]), _NUMBERS.as_pointer())
@@ -66,9 +66,9 @@ def _halves(builder: Any, value: Any, width: int) -> tuple[Any, Any]:
 
 
 def _first_of_lanes(builder: Any, value: Any, place: Any) -> Any:
-    """Return the least place among the lanes of the largest value.
+    """Return the least index among the lanes of the largest value.
 
-    By halves: where vectors were turned around, LLVM 20 compared a lane with itself.
+    By halves, because LLVM 20 miscompiled rotated vectors and compared a lane with itself.
     """
     width = LANES
     while width > 1:
@@ -85,7 +85,7 @@ def _first_of_lanes(builder: Any, value: Any, place: Any) -> Any:
 
 @intrinsic
 def _at(typing: Any, address: Any, n: Any, x: Any, y: Any, z: Any) -> Any:
-    """Return the signature of ``summit`` in compiled code, of an address, and what writes it."""
+    """Return the signature of ``farthest_index`` for an address, and its code generator."""
 
     def write(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         start, count, *direction = arguments
@@ -97,7 +97,7 @@ def _at(typing: Any, address: Any, n: Any, x: Any, y: Any, z: Any) -> Any:
         blocks = builder.udiv(builder.add(count, _INTEGER(LANES - 1)), _INTEGER(LANES))
         with cgutils.for_range(builder, blocks, start=one) as loop:
             first = builder.add(builder.mul(loop.index, _INTEGER(LANES)), one)
-            # The last eight are looked at together, some of them for the second time.
+            # The last eight are compared together, some of them for the second time.
             first = builder.select(builder.icmp_signed('<', first, last), first, last)
             along = _along(builder, data, first, count, direction)
             before = builder.load(value)
@@ -113,9 +113,9 @@ def _at(typing: Any, address: Any, n: Any, x: Any, y: Any, z: Any) -> Any:
 
 
 @inlined
-def _compiled_summit(numbers: Any, n: int, x: float, y: float, z: float) -> int:
-    """Do what ``_summit`` does."""
+def _compiled_farthest_index(numbers: Any, n: int, x: float, y: float, z: float) -> int:
+    """Return the index that ``_farthest_index`` does, from compiled code."""
     return _at(numbers.ctypes.data, n, x, y, z)
 
 
-summit = _summit if config.DISABLE_JIT else _compiled_summit
+farthest_index = _farthest_index if config.DISABLE_JIT else _compiled_farthest_index

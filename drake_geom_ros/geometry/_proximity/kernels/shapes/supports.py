@@ -1,16 +1,15 @@
-"""Support mappings of the shapes, by type number: all that the iterative kernels know of a shape.
+"""Support mappings of shapes by type number, the only interface of shapes to iterative kernels.
 
-Every body here is a *core* grown by a ball: ``h(n) = h_core(n) + core_radius``. A capsule is a
-segment with a radius. An ellipsoid is taken as what is left of it when its largest rolling ball,
-of radius c^2 / a (the least radius of curvature, c and a the least and largest semi-axis), is
-taken away: the support function of that is still convex (Schneider, *Convex Bodies: The
-Brunn-Minkowski Theory*, 2nd ed., theorem 3.2.11), a ball becomes a point, and the cores of a
-shallow contact are disjoint, which GJK solves many times faster than EPA solves an overlap.
+Every body is a *core* grown by a ball: ``h(n) = h_core(n) + core_radius``. A capsule is a segment
+with a radius. The core of an ellipsoid is the ellipsoid minus its largest rolling ball, of radius
+c^2 / a (the least radius of curvature, with c and a the least and largest semi-axis). Its support
+function is still convex (Schneider, *Convex Bodies: The Brunn-Minkowski Theory*, 2nd ed., theorem
+3.2.11), and a ball becomes a point. So the cores of a shallow contact are disjoint, which GJK
+solves many times faster than EPA solves an overlap.
 
-Where the direction is at right angles to an edge within ``right_angle``, the support point is the
-midpoint of the edge. GJK asks for that (RIGHT_ANGLE): resting faces are answered in a step or two,
-with witness points in the middle. EPA does not (0): three points in a row make a triangle of no
-area.
+Where the direction is normal to an edge within ``right_angle``, the support point is the midpoint
+of the edge. GJK uses that (RIGHT_ANGLE): resting faces take a step or two, with witness points in
+the middle. EPA does not (0), because three collinear points make a triangle without area.
 """
 
 import math
@@ -37,7 +36,7 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inline
 
 @inlined
 def core_radius(kind: int, shape: Floats) -> float:
-    """Return the radius [m] of the ball that the core of a shape is grown by."""
+    """Return the radius [m] of the ball by which the core of a shape is grown."""
     if kind == SPHERE or kind == CAPSULE:
         return shape[SHAPE_RADIUS]
     if kind == ELLIPSOID:
@@ -48,7 +47,7 @@ def core_radius(kind: int, shape: Floats) -> float:
 
 @compiled
 def bounding_radius(kind: int, shape: Floats) -> float:
-    """Return the radius [m] of a ball around the shape's origin that holds the shape."""
+    """Return the radius [m] of the bounding ball about the shape's origin."""
     if kind == SPHERE:
         return shape[SHAPE_RADIUS]
     if kind == BOX:
@@ -64,7 +63,7 @@ def bounding_radius(kind: int, shape: Floats) -> float:
 
 @inlined
 def signed(size: float, direction: float, right_angle: float) -> float:
-    """Return size with the sign of direction, 0 for a direction below right_angle."""
+    """Return size with the sign of direction, or 0 if |direction| is below ``right_angle``."""
     if direction >= right_angle:
         return size
     if direction <= -right_angle:
@@ -74,7 +73,7 @@ def signed(size: float, direction: float, right_angle: float) -> float:
 
 @inlined
 def farthest_corner(shape: Floats, x: float, y: float, z: float) -> Vector:
-    """Return the corner of TRIANGLE parameters, 3 x 3 numbers, that is extreme along (x, y, z)."""
+    """Return the corner of a TRIANGLE (3 x 3 parameters) extreme along (x, y, z)."""
     best = 0
     value = shape[0] * x + shape[1] * y + shape[2] * z
     for k in (3, 6):
@@ -87,7 +86,7 @@ def farthest_corner(shape: Floats, x: float, y: float, z: float) -> Vector:
 
 @compiled
 def local_support(kind: int, shape: Floats, n: Vector, right_angle: float) -> Vector:
-    """Return the point of the core that is extreme along the unit vector n, both in G."""
+    """Return the point of the core extreme along the unit vector n, both in G."""
     x, y, z = n
     if kind == BOX:
         return (

@@ -1,4 +1,4 @@
-"""Moves after which two bodies are apart, seen to be so: by more than rounding, or without error.
+"""Moves after which two bodies are certainly apart: by more than rounding, or without error.
 
 Bodies are given as in ``distance``.
 """
@@ -25,37 +25,38 @@ ASIDE = 3.0  # roundings from what it touches that A is moved, to be apart by mo
 
 @allocating
 def step_aside(
-    pair: SolidPair, t: Vector, found: Nearest, ways: Floats, count: int
+    pair: SolidPair, t: Vector, closest: Nearest, ways: Floats, count: int
 ) -> tuple[bool, Vector, Nearest]:
-    """Return (clear, t, found): A is seen to be apart at t, some roundings from a t where it may.
+    """Return (clear, t, closest): A is certainly apart at t, some roundings beside the given t.
 
-    ``found`` and ``ways`` are of ``stand_of`` there; without ways contacts are looked for.
+    It may overlap at the given t; ``closest`` and ``ways`` are of ``stand_of`` there. Without ways
+    contacts provide them.
     """
     here = moved(pair, t)
     noise = noise_of(pair)
     if count == 0:
-        count = contacts(here, found.n, noise, ways, MOST_CONTACTS)
+        count = contacts(here, closest.n, noise, ways, MOST_CONTACTS)
     is_found, step = aside_of(ways, count, ASIDE * noise)
     if not is_found:
-        return False, t, found
+        return False, t, closest
     t = add(t, step)
     there = moved(pair, t)
-    found = nearest(there, found.n, np.inf, touch_of(pair))
-    stand, _ = stand_of(there, found, ways)
-    return stand <= TOUCHES, t, found
+    closest = nearest(there, closest.n, np.inf, touch_of(pair))
+    stand, _ = stand_of(there, closest, ways)
+    return stand <= TOUCHES, t, closest
 
 
 @allocating
 def cleared(pair: SolidPair, t: Vector, n: Vector) -> tuple[bool, Vector, Nearest]:
-    """Return (clear, t, found): whether A, moved by t, is apart from B, and what is nearest then.
+    """Return (clear, t, closest): whether A, moved by t, is apart from B, and the nearest points.
 
-    Where it touches, and nobody can tell that it is no overlap, it is moved aside by some
-    roundings. Nothing is asked within a limit, and so nothing is left out.
+    Where it touches, and an overlap cannot be excluded, it is moved aside by some roundings. The
+    search has no limit, and so leaves nothing out.
     """
     here = moved(pair, t)
-    found = nearest(here, n, np.inf, touch_of(pair))
+    closest = nearest(here, n, np.inf, touch_of(pair))
     ways = np.empty((MOST_WAYS, WAY_WIDTH))
-    stand, count = stand_of(here, found, ways)
+    stand, count = stand_of(here, closest, ways)
     if stand == MAY_OVERLAP:
-        return step_aside(pair, t, found, ways, count)
-    return stand <= TOUCHES, t, found
+        return step_aside(pair, t, closest, ways, count)
+    return stand <= TOUCHES, t, closest

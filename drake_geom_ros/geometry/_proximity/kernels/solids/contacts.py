@@ -1,4 +1,4 @@
-"""Leaves of A and B in contact, and the ways out of B that they ask for.
+"""Leaves of A and B in contact, and the separating translations that they suggest.
 
 Bodies are given as in ``distance``.
 """
@@ -18,7 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.slabs import (
     blocks_of,
     gap_of_blocks,
     leaf_in_block,
-    room_for_blocks,
+    scratch_for_blocks,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     SolidPair,
@@ -54,7 +54,7 @@ PUSH_LENGTH = 3
 PUSH_WIDTH = 4
 
 MOST_TURNS = 24  # of ``aside_of``
-STEEPEST_ASIDE = 0.05  # cosine of the step that it takes and a way that asks for one
+STEEPEST_ASIDE = 0.05  # cosine of the step that it takes and of the way of a slot
 
 
 @compiled
@@ -76,35 +76,35 @@ def push_out(pair: SolidPair, close: Floats) -> tuple[Vector, float]:
 def close_pairs(pair: SolidPair, n: Vector, cutoff: float, close: Floats) -> int:
     """Fill ``close`` (k, CLOSE_WIDTH) with leaves of A and B within ``cutoff``; return how many.
 
-    Whoever asks has room for as many as matter; the rest is left out: they are where to begin, and
-    no answer rests on there being no more.
+    What exceeds the caller's array is left out: the rows are where searches begin, and no answer
+    depends on their being complete.
     """
     A, B, p = blocks_of(pair)
     limit, is_core = cutoff + noise_of(pair), A.kind != SOLID
-    path, top, room = walk(A, B, p), 1, room_for_blocks()
+    path, top, scratch = walk(A, B, p), 1, scratch_for_blocks()
     count = 0
     while True:
         top, i, j, _ = next_leaves(A, B, p, path, top, cutoff)
         if i < 0:
             return count
-        if gap_of_blocks(pair, i, j, room) > limit:
+        if gap_of_blocks(pair, i, j, scratch) > limit:
             continue
         first, start = first_of_leaf(A.tree, i), first_of_leaf(B.tree, j)
         for k in range(first, first_of_leaf(A.tree, i + 1)):
-            mine = leaf_in_block(pair, k, first, room)
+            leaf_A = leaf_in_block(pair, k, first, scratch)
             for t in range(start, first_of_leaf(B.tree, j + 1)):
-                if room[t - start, BEGIN] - room[k - first, END] > limit:
+                if scratch[t - start, BEGIN] - scratch[k - first, END] > limit:
                     continue
-                if gap_of_leaves(mine, leaf_of_B(B, t), is_core) > limit:
+                if gap_of_leaves(leaf_A, leaf_of_B(B, t), is_core) > limit:
                     continue
-                found = separation_within(pair, k, t, n, limit)
-                crosses = found.end == OVERLAP
-                if crosses or (found.end == CLOSED and found.upper <= cutoff):
+                separation = separation_within(pair, k, t, n, limit)
+                crosses = separation.end == OVERLAP
+                if crosses or (separation.end == CLOSED and separation.upper <= cutoff):
                     close[count, LEAF_A], close[count, LEAF_B] = k, t
                     close[count, CROSSES] = 1.0 if crosses else 0.0
-                    close[count, APART] = found.upper
+                    close[count, APART] = separation.upper
                     for c in range(3):
-                        close[count, ALONG + c] = found.n[c]
+                        close[count, ALONG + c] = separation.n[c]
                     count += 1
                     if count == close.shape[0]:
                         return count
@@ -114,7 +114,7 @@ def close_pairs(pair: SolidPair, n: Vector, cutoff: float, close: Floats) -> int
 def contacts(pair: SolidPair, n: Vector, reach: float, slots: Floats, most: int) -> int:
     """Fill ``slots`` (k, PUSH_WIDTH) with pushes of distinct directions; return how many.
 
-    At most ``most`` pairs of leaves are looked at, no farther apart than ``reach`` [m] beside the
+    At most ``most`` pairs of leaves are examined, no farther apart than ``reach`` [m] beside the
     radius; a slot keeps the longest push along its direction.
     """
     close, count = np.empty((most, CLOSE_WIDTH)), 0

@@ -1,10 +1,10 @@
-"""How two bodies stand to each other: whether they overlap, touch, are apart, or may overlap.
+"""The relation of two bodies: they overlap, touch, are apart, or may overlap.
 
-Two solids are decided by their triangles (``meetings``, ``rays``), without error where the pose
-swaps axes at most, and so are a box and a solid. Where corners are turned, those that touch may
-overlap by less than rounding, and of a body that fits between walls so little leaves no way out
-but the one through the opening: then all is certain that is certain for all corners within
-rounding. Bodies are given as in ``distance``.
+Triangles decide it for two solids (``meetings``, ``rays``), without error where the pose swaps
+axes at most, and for a box and a solid. Where corners are turned, bodies that touch may overlap by
+less than rounding, and a body that fits between walls so closely has no way out but the one
+through the opening: then only what holds for all corners within rounding is certain. Bodies are
+given as in ``distance``.
 """
 
 import numpy as np
@@ -36,7 +36,7 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, V
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
-# How two bodies stand.
+# Relations of two bodies.
 APART = 0  # by more than rounding
 TOUCHES = 1  # decided without error
 MAY_OVERLAP = 2  # they touch, or overlap by less than rounding
@@ -91,7 +91,7 @@ def box_as_solid(A: TreeBody, low: Vector, high: Vector) -> TreeBody:
 
 @compiled
 def touch_of(pair: SolidPair) -> float:
-    """Return the separation [m] at which triangles are to decide: of bodies that have such."""
+    """Return the separation [m] below which triangles decide, NEVER of bodies without such."""
     if pair.A.kind == SOLID or bounds_if_box(pair.A)[0]:
         return noise_of(pair)
     return NEVER
@@ -99,7 +99,7 @@ def touch_of(pair: SolidPair) -> float:
 
 @compiled
 def is_piece_within(posed: Posed, other: Posed) -> bool:
-    """Tell whether what is just beneath a triangle of any piece of a solid is in the other."""
+    """Return whether what is just beneath a triangle of any piece of a solid is in the other."""
     tree = posed.tree
     for k in range(tree.pieces):
         j = int(posed.shape[tree.pieces_at + k])
@@ -109,10 +109,10 @@ def is_piece_within(posed: Posed, other: Posed) -> bool:
 
 
 @compiled
-def is_touched_within(posed: Posed, other: Posed, told: Indices) -> bool:
-    """Tell whether what is beneath a triangle, of which only a touch is known, is in the other."""
-    for j in range(told.size):
-        if told[j] == TOUCH and is_beneath_within(triangle_of(posed, j), other):
+def is_touched_within(posed: Posed, other: Posed, touch_bits: Indices) -> bool:
+    """Return whether what is beneath a triangle that is only known to touch is in the other."""
+    for j in range(touch_bits.size):
+        if touch_bits[j] == TOUCH and is_beneath_within(triangle_of(posed, j), other):
             return True
     return False
 
@@ -130,28 +130,30 @@ def rounding_of_places(A: TreeBody, p: Vector) -> float:
 
 @allocating
 def stand_of_solids(pair: SolidPair, touches: bool, ways: Floats) -> tuple[int, int]:
-    """Return how two solids stand, and how many ``ways`` apart were found where they touch.
+    """Return the relation of two solids, and the number of ``ways`` apart found where they touch.
 
     If they have an inside in common, a face of what they have in common lies on a triangle of one,
     and just beneath it is the inside of the other. Triangles that touch the other's surface are
-    asked, and one of each piece for all of its that do not.
+    examined, and one of each piece for all of its triangles that do not.
     """
     A, B, p = pair.A, pair.B, pair.p
     off = rounding_of_places(A, p)
-    mine = Posed(A.shape, A.tree, A.R, p, off)
-    its = Posed(B.shape, B.tree, B.identity, (0.0, 0.0, 0.0), off)
+    posed_A = Posed(A.shape, A.tree, A.R, p, off)
+    posed_B = Posed(B.shape, B.tree, B.identity, (0.0, 0.0, 0.0), off)
     open_, count = False, 0
     if touches:
-        told = np.zeros(A.tree.triangles, dtype=np.int64)
-        heard = np.zeros(B.tree.triangles, dtype=np.int64)
+        bits_A = np.zeros(A.tree.triangles, dtype=np.int64)
+        bits_B = np.zeros(B.tree.triangles, dtype=np.int64)
         reach = FLUSH * noise_of(pair)
-        met = meet_anywhere(pair, (mine, its), reach, (told, heard), ways)
+        met = meet_anywhere(pair, (posed_A, posed_B), reach, (bits_A, bits_B), ways)
         if met.overlapping:
             return OVERLAPS, 0
-        if is_touched_within(mine, its, told) or is_touched_within(its, mine, heard):
+        if is_touched_within(posed_A, posed_B, bits_A) or is_touched_within(
+            posed_B, posed_A, bits_B
+        ):
             return OVERLAPS, 0
         open_, count = met.touches and off > 0.0, met.ways
-    if is_piece_within(mine, its) or is_piece_within(its, mine):
+    if is_piece_within(posed_A, posed_B) or is_piece_within(posed_B, posed_A):
         return OVERLAPS, 0
     if open_:
         return MAY_OVERLAP, count
@@ -159,18 +161,18 @@ def stand_of_solids(pair: SolidPair, touches: bool, ways: Floats) -> tuple[int, 
 
 
 @allocating
-def stand_of(pair: SolidPair, found: Nearest, ways: Floats) -> tuple[int, int]:
-    """Return how A and B stand, by what ``nearest`` found, and how many ``ways`` (k, WAY_WIDTH).
+def stand_of(pair: SolidPair, closest: Nearest, ways: Floats) -> tuple[int, int]:
+    """Return the relation of A and B, by ``closest``, and the number of ``ways`` (k, WAY_WIDTH).
 
-    What touches to rounding, solids and boxes, is decided by triangles. Else a core with a volume
-    crosses any triangle within it, as ``nearest`` sees it; it is left that the core is in B, and
-    then its middle is. A core without is a point or a segment with a ball around it, which
+    Triangles decide where solids or boxes touch to rounding. Else a core with a volume crosses any
+    triangle within it, which ``nearest`` reports; it remains that the core is in B, and then its
+    middle is. A core without a volume is a point or a segment with a ball around it, which
     overlaps where the core touches, unless the ball is as small as rounding.
     """
     A, B, noise = pair.A, pair.B, noise_of(pair)
-    if found.end == OVERLAP or found.upper - pair.radius < -noise:
+    if closest.end == OVERLAP or closest.upper - pair.radius < -noise:
         return OVERLAPS, 0
-    touches = found.lower - pair.radius <= noise
+    touches = closest.lower - pair.radius <= noise
     if A.kind == SOLID:
         return stand_of_solids(pair, touches, ways)
     if touches:

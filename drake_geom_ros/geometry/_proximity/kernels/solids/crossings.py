@@ -1,8 +1,8 @@
-"""Whether the surface of a solid crosses itself, which it must not.
+"""Crossings of a solid's surface with itself, of which there must be none.
 
 Triangles that go through each other are found by pairs. Where surfaces cross along an edge of a
-triangle none goes through another, and what touches looks alike: that is told by winding numbers
-(``winding.find_astray``), and here it is found which triangles are to be asked.
+triangle none goes through another, and triangles that touch look alike: winding numbers decide
+(``winding.find_astray``), and this module finds the triangles to decide about.
 """
 
 import math
@@ -62,7 +62,7 @@ class TrianglePlane(NamedTuple):
 
 @compiled
 def rounding_of_corners(shape: Floats, tree: Tree) -> float:
-    """Return how far apart [m] corners may be that rounding has parted: some of their spacings."""
+    """Return how far rounding may move equal corners apart [m]: some of their spacings."""
     largest = 0.0
     for c in range(3):
         at = tree.nodes + c
@@ -72,11 +72,11 @@ def rounding_of_corners(shape: Floats, tree: Tree) -> float:
 
 @compiled
 def boxes_meet(shape: Floats, tree: Tree, i: int, j: int, apart: float) -> bool:
-    """Tell whether the boxes of two nodes are no more than ``apart`` from each other.
+    """Return whether the boxes of two nodes are no more than ``apart`` from each other.
 
-    Nothing is lost by what this leaves out. A point that two triangles have in common is in both
-    boxes, whose ends are coordinates of corners, compared and not computed with; and faces that
-    lie on each other to rounding are not farther apart than that.
+    No crossing is lost by what this leaves out. A point that two triangles have in common is in
+    both boxes, whose ends are coordinates of corners, compared and not computed with; and faces
+    that lie on each other to rounding are not farther apart than that.
     """
     a, b = tree.nodes + NODE_WIDTH * i, tree.nodes + NODE_WIDTH * j
     for c in range(3):
@@ -89,7 +89,7 @@ def boxes_meet(shape: Floats, tree: Tree, i: int, j: int, apart: float) -> bool:
 
 @compiled
 def triangles_may_meet(shape: Floats, at: int, other: int, apart: float) -> bool:
-    """Tell of the boxes around two triangles what ``boxes_meet`` tells of those of nodes."""
+    """Return whether the boxes of two triangles are no more than ``apart`` from each other."""
     for c in range(3):
         a, b = at + c, other + c
         low_a, high_a = least_and_largest(shape[a], shape[a + 3], shape[a + 6])
@@ -148,13 +148,13 @@ def heights_over(shape: Floats, at: int, plane: TrianglePlane) -> Vector:
 
 @compiled
 def straddles(heights: Vector, enough: float) -> bool:
-    """Tell whether a triangle has corners on both sides of a plane, by their heights over it."""
+    """Return whether a triangle has corners on both sides of a plane, by their heights over it."""
     return min(heights) < -enough and max(heights) > enough
 
 
 @compiled
 def is_beyond(heights: Vector, enough: float) -> bool:
-    """Tell whether a triangle is on one side of a plane, by their heights over it."""
+    """Return whether a triangle is on one side of a plane, by their heights over it."""
     return min(heights) > enough or max(heights) < -enough
 
 
@@ -190,42 +190,42 @@ def cross_in_line(
     planes: tuple[TrianglePlane, TrianglePlane],
     heights: tuple[Vector, Vector],
 ) -> bool:
-    """Tell whether two triangles go through each other along a line of some length.
+    """Return whether two triangles go through each other along a line of some length.
 
     Each has corners on both sides of the other's plane, and the parts of the common line in them
-    overlap (Moeller, Journal of Graphics Tools 2 (2), 1997). So it is told of two that meet where
-    each has an edge, or a corner, too. Those of the second are over the plane of the first, and
-    the reverse.
+    overlap (Moeller, Journal of Graphics Tools 2 (2), 1997). This also holds for two that meet
+    where each has an edge or a corner. ``heights`` are those of the second triangle's corners over
+    the plane of the first, and the reverse.
     """
-    (mine, its), (over_mine, over_its) = planes, heights
-    if not straddles(over_its, max(its.near, its.noise)):
+    (plane_A, plane_B), (over_A, over_B) = planes, heights
+    if not straddles(over_B, max(plane_B.near, plane_B.noise)):
         return False
-    if not straddles(over_mine, max(mine.near, mine.noise)):
+    if not straddles(over_A, max(plane_A.near, plane_A.noise)):
         return False
-    along = unit(cross(mine.n, its.n))
-    first, last = part_of_line(corners_at(shape, at), over_its, mine.p, along)
-    begin, end = part_of_line(corners_at(shape, other), over_mine, mine.p, along)
-    return min(last, end) - max(first, begin) > min(mine.near, its.near)
+    along = unit(cross(plane_A.n, plane_B.n))
+    first, last = part_of_line(corners_at(shape, at), over_B, plane_A.p, along)
+    begin, end = part_of_line(corners_at(shape, other), over_A, plane_A.p, along)
+    return min(last, end) - max(first, begin) > min(plane_A.near, plane_B.near)
 
 
 @compiled
 def overlap_in_plane(shape: Floats, at: int, other: int, n: Vector, enough: float) -> bool:
-    """Tell whether two triangles of one plane with the normal n have an area in common.
+    """Return whether two triangles of one plane with the normal n have an area in common.
 
     They have none if all of one is beyond an edge of the other, to ``enough``: where two convex
-    polygons are apart, a line along an edge of one of them parts them.
+    polygons are apart, a line along an edge of one of them separates them.
     """
     for turn in range(2):
-        mine, its = (at, other) if turn == 0 else (other, at)
+        at_A, at_B = (at, other) if turn == 0 else (other, at)
         for k in range(3):
-            p = vector_at(shape, mine + 3 * k)
-            edge = sub(vector_at(shape, mine + 3 * ((k + 1) % 3)), p)
+            p = vector_at(shape, at_A + 3 * k)
+            edge = sub(vector_at(shape, at_A + 3 * ((k + 1) % 3)), p)
             side = unit(cross(edge, n))
-            third = dot(sub(vector_at(shape, mine + 3 * ((k + 2) % 3)), p), side)
+            third = dot(sub(vector_at(shape, at_A + 3 * ((k + 2) % 3)), p), side)
             out = 1.0 if third <= 0.0 else -1.0
             nearest = math.inf
             for c in range(3):
-                nearest = min(nearest, out * dot(sub(vector_at(shape, its + 3 * c), p), side))
+                nearest = min(nearest, out * dot(sub(vector_at(shape, at_B + 3 * c), p), side))
             if nearest >= -enough:
                 return False
     return True
@@ -233,7 +233,7 @@ def overlap_in_plane(shape: Floats, at: int, other: int, n: Vector, enough: floa
 
 @compiled
 def is_corner(shape: Floats, p: Vector, at: int) -> bool:
-    """Tell whether a point is a corner of a triangle."""
+    """Return whether a point is a corner of a triangle."""
     for k in range(3):
         if p == vector_at(shape, at + 3 * k):
             return True
@@ -242,7 +242,7 @@ def is_corner(shape: Floats, p: Vector, at: int) -> bool:
 
 @compiled
 def corner_touches(shape: Floats, at: int, other: int, near: float) -> bool:
-    """Tell whether a corner of a triangle, but one of both, is within ``near`` of another."""
+    """Return whether a corner of a triangle, but one of both, is within ``near`` of another."""
     for k in range(3):
         p = vector_at(shape, at + 3 * k)
         if is_corner(shape, p, other):
@@ -256,7 +256,7 @@ def corner_touches(shape: Floats, at: int, other: int, near: float) -> bool:
 
 @allocating
 def touch(shape: Floats, at: int, other: int, near: float) -> bool:
-    """Tell whether two triangles are within ``near`` elsewhere than in a common corner or edge.
+    """Return whether two triangles are within ``near`` elsewhere than in a common corner or edge.
 
     Of two with a corner in common, edges may cross far from any corner of either: then the edge
     goes on into a neighbour that has none in common, or ends within it.
@@ -280,25 +280,25 @@ def touch(shape: Floats, at: int, other: int, near: float) -> bool:
 def meeting(shape: Floats, at: int, other: int, apart: float) -> int:
     """Return how two triangles meet: APART, TOUCHING (beyond what they share) or CROSSED.
 
-    Only what is proven apart, by a plane and more than rounding, is not looked at.
+    Only triangles that are proven apart, by a plane and more than rounding, are passed over.
     """
-    mine, its = plane_of(shape, at, other, apart), plane_of(shape, other, at, apart)
-    above_mine, above_its = heights_over(shape, other, mine), heights_over(shape, at, its)
-    if is_beyond(above_mine, max(mine.near, mine.noise)):
+    plane_A, plane_B = plane_of(shape, at, other, apart), plane_of(shape, other, at, apart)
+    above_A, above_B = heights_over(shape, other, plane_A), heights_over(shape, at, plane_B)
+    if is_beyond(above_A, max(plane_A.near, plane_A.noise)):
         return APART
-    if is_beyond(above_its, max(its.near, its.noise)):
+    if is_beyond(above_B, max(plane_B.near, plane_B.noise)):
         return APART
-    if cross_in_line(shape, at, other, (mine, its), (above_mine, above_its)):
+    if cross_in_line(shape, at, other, (plane_A, plane_B), (above_A, above_B)):
         return CROSSED
-    flat = max(above_mine) <= mine.noise and min(above_mine) >= -mine.noise
-    if flat and overlap_in_plane(shape, at, other, mine.n, mine.noise):
+    flat = max(above_A) <= plane_A.noise and min(above_A) >= -plane_A.noise
+    if flat and overlap_in_plane(shape, at, other, plane_A.n, plane_A.noise):
         return CROSSED
-    return TOUCHING if touch(shape, at, other, max(mine.near, its.near)) else APART
+    return TOUCHING if touch(shape, at, other, max(plane_A.near, plane_B.near)) else APART
 
 
 @allocating
-def first_crossing(shape: Floats, found: Floats, touching: Booleans) -> bool:
-    """Tell whether triangles of a solid's surface cross; ``found`` (2, 3, 3) gets the first.
+def first_crossing(shape: Floats, crossing: Floats, touching: Booleans) -> bool:
+    """Return whether triangles of a solid's surface cross; ``crossing`` (2, 3, 3) gets the first.
 
     ``touching`` (n,) gets which touch others, where they share neither edge nor corner.
     """
@@ -329,7 +329,7 @@ def first_crossing(shape: Floats, found: Floats, touching: Booleans) -> bool:
                     touching[s] = touching[t] = True
                 if how == CROSSED:
                     for c in range(CORNERS):
-                        found[0, c // 3, c % 3] = shape[at + c]
-                        found[1, c // 3, c % 3] = shape[other + c]
+                        crossing[0, c // 3, c % 3] = shape[at + c]
+                        crossing[1, c // 3, c % 3] = shape[other + c]
                     return True
     return False

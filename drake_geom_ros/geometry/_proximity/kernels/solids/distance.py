@@ -1,4 +1,4 @@
-"""How far a core or a solid is from a solid's surface: branch and bound over trees of boxes.
+"""Distance of a core or a solid from a solid's surface: branch and bound over trees of boxes.
 
 A is a ``TreeBody`` and B a ``Solid``, and A's origin is at p in B. Points are measured from Bo and
 expressed in B's axes; n points from A towards B.
@@ -21,7 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.slabs import (
     blocks_of,
     gap_of_blocks,
     leaf_in_block,
-    room_for_blocks,
+    scratch_for_blocks,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     SolidPair,
@@ -40,12 +40,12 @@ NEVER = -math.inf  # of ``touch``: what touches does not end the walk
 
 
 class Nearest(NamedTuple):
-    """Where the surfaces of A's core and of B are nearest: a and b, with n from a to b.
+    """The nearest points a and b of the surfaces of A's core and of B, with n from a to b.
 
-    ``lower <= distance <= upper = |b - a|``. End BEYOND_CUTOFF: farther apart than was asked, and
-    only ``lower`` tells. End OVERLAP: they cross, and the rest tells nothing. End TOUCHING: they
-    are as near as that, or cross. ``unique`` is False if other points are as near, along a clearly
-    different n.
+    ``lower <= distance <= upper = |b - a|``. End BEYOND_CUTOFF: farther apart than the limit, and
+    only ``lower`` is meaningful. End OVERLAP: they cross, and the rest is meaningless. End
+    TOUCHING: they are no farther apart than ``touch``, or cross. ``unique`` is False if other
+    points are as near, along a clearly different n.
     """
 
     end: int
@@ -59,7 +59,7 @@ class Nearest(NamedTuple):
 
 @compiled
 def is_wider(pair: SolidPair, n: Vector, other: Vector) -> bool:
-    """Tell whether the hulls are less of an overlap along n than along another direction.
+    """Return whether the hulls overlap less along n than along another direction.
 
     Of walls that are in line and floors that lie on each other, the floors are in contact.
     """
@@ -69,19 +69,19 @@ def is_wider(pair: SolidPair, n: Vector, other: Vector) -> bool:
 
 @allocating
 def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
-    """Return where the surfaces of A's core and of B are nearest.
+    """Return the nearest points of the surfaces of A's core and of B.
 
-    Nothing nearer is missed: left out, by boxes or within a leaf by GJK, is what is beyond the
-    limit, or farther than the best so far by more than ``noise``, which rounding keeps below. The
-    least of what was left out is in ``lower``: with ``noise`` added to the error it is a
-    certificate. Nothing that crosses is missed, if the limit is ``noise`` or more: its boxes have
-    a separation of 0, to rounding, and no best is below 0. Of faces as near as the nearest, along
-    about the same direction, one is enough. The first leaves that are no farther
-    apart than ``touch`` end the walk.
+    Nothing nearer is missed: what is left out, by boxes or within a leaf by GJK, is beyond the
+    limit, or farther than the best so far by more than ``noise``, which bounds rounding. The least
+    of what was left out is in ``lower``: with ``noise`` added to the error it is a certificate. No
+    crossing is missed, if the limit is ``noise`` or more: boxes of leaves that cross have a
+    separation of 0, to rounding, and no best is below 0. Of faces as near as the nearest, along
+    about the same direction, one is enough. The first leaves that are no farther apart than
+    ``touch`` end the walk.
     """
     A, B, p = blocks_of(pair)
     noise, cutoff, is_core = noise_of(pair), limit, A.kind != SOLID
-    room = room_for_blocks()
+    scratch = scratch_for_blocks()
     path, top = walk(A, B, p), 1
     best, least, a, b, unique = math.inf, math.inf, p, p, True
     n_best = n
@@ -90,24 +90,24 @@ def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
         least = min(least, skipped)
         if i < 0:
             break
-        gap = gap_of_blocks(pair, i, j, room)
+        gap = gap_of_blocks(pair, i, j, scratch)
         if gap > limit:
             least = min(least, gap)
             continue
         first, start = first_of_leaf(A.tree, i), first_of_leaf(B.tree, j)
         for k in range(first, first_of_leaf(A.tree, i + 1)):
-            mine = leaf_in_block(pair, k, first, room)
+            leaf_A = leaf_in_block(pair, k, first, scratch)
             for m in range(start, first_of_leaf(B.tree, j + 1)):
-                gap, tells = room[m - start, BEGIN] - room[k - first, END], False
+                gap, is_same_face = scratch[m - start, BEGIN] - scratch[k - first, END], False
                 if gap > limit:
                     least = min(least, gap)
                     continue
-                its = leaf_of_B(B, m)
-                gap = gap_of_leaves(mine, its, is_core)
+                leaf_B = leaf_of_B(B, m)
+                gap = gap_of_leaves(leaf_A, leaf_B, is_core)
                 if gap <= limit:
-                    gap, along = gap_over_planes(pair, mine, its)
-                    tells = gap > best - noise and dot(along, n_best) >= SAME_DIRECTION
-                if tells or gap > limit:
+                    gap, along = gap_over_planes(pair, leaf_A, leaf_B)
+                    is_same_face = gap > best - noise and dot(along, n_best) >= SAME_DIRECTION
+                if is_same_face or gap > limit:
                     least = min(least, gap)
                     continue
                 end, upper, lower, n, x, y, _ = separation_of_leaves(pair, k, m, n_best, limit)
@@ -130,6 +130,6 @@ def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
                 limit = min(limit, best + noise)
                 if nearer:
                     n_best, a, b = n, x, y
-    # What was left out is farther than the cutoff; so may be what was answered all the same.
+    # What was left out is farther than the cutoff; the best pair may be farther too.
     end = CLOSED if best < math.inf and least <= cutoff else BEYOND_CUTOFF
     return Nearest(end, best, min(least, best), n_best, a, b, unique)

@@ -1,4 +1,4 @@
-"""Hulls of what meets a solid: they hold the bodies, so what separates them separates the bodies.
+"""Convex hulls of two bodies: they hold the bodies, so what separates them separates the bodies.
 
 Bodies are given as in ``distance``.
 """
@@ -52,10 +52,10 @@ def width_of_hulls(pair: SolidPair, m: Vector, radius: float) -> float:
 
 
 @compiled
-def way_out_of_hull(pair: SolidPair) -> tuple[Vector, float]:
-    """Return (m, s) of the shortest of some moves by s along m that separate the hulls.
+def separating_move_of_hulls(pair: SolidPair) -> tuple[Vector, float]:
+    """Return (m, s): the shortest of some moves by s along m that separate the hulls.
 
-    Tried are the normals of their largest faces and the axes of A; no direction is wrong.
+    It tries the normals of their largest faces and the axes of A; no direction is wrong.
     """
     A, B, radius = pair.A, pair.B, pair.radius
     best, best_m = math.inf, (1.0, 0.0, 0.0)

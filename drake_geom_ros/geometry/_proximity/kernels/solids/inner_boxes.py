@@ -1,8 +1,8 @@
 """Boxes in a solid, along the axes of its frame, that together fill much of it.
 
 Planes along the axes cut the space of a solid into cells. A cell that no triangle goes into is in
-the solid or out of it, and is asked for one point; boxes of cells that are in it are grown until
-nothing can be added. Of a union of boxes they are all that a solid has; of what is round, some.
+the solid or out of it, and one point decides which; boxes of cells that are in it are grown until
+nothing can be added. They fill a union of boxes; of what is round they fill some.
 """
 
 import numpy as np
@@ -46,9 +46,9 @@ def reach_of(
 
 @compiled
 def goes_into(a: Vector, b: Vector, c: Vector, low: Vector, high: Vector) -> bool:
-    """Tell whether a triangle goes into the inside of a box, or may: no axis parts them.
+    """Return whether a triangle goes into the inside of a box, or may: no axis separates them.
 
-    Along the box's axes coordinates are compared as they are, so a face of it is not gone into.
+    Along the box's axes coordinates are compared as they are, so a face of it is not its inside.
     """
     for k in range(3):
         if max(a[k], b[k], c[k]) <= low[k] or min(a[k], b[k], c[k]) >= high[k]:
@@ -77,7 +77,7 @@ def cell_at(lines: Floats, x: float) -> int:
 
 @allocating
 def cells_within(posed: Posed, xs: Floats, ys: Floats, zs: Floats) -> Indices:
-    """Return which cells between lines along x, y and z are in a solid, (l, m, n) of 0 and 1."""
+    """Return 1 for cells (l, m, n) between lines along x, y and z that are in a solid, else 0."""
     filled = np.ones((xs.size - 1, ys.size - 1, zs.size - 1), dtype=np.int64)
     shape, tree = posed.shape, posed.tree
     for j in range(tree.triangles):
@@ -110,7 +110,7 @@ def cells_within(posed: Posed, xs: Floats, ys: Floats, zs: Floats) -> Indices:
 
 @compiled
 def is_full(sums: Indices, low: Indices, high: Indices) -> bool:
-    """Tell whether a box of cells is full, by the sums of all cells before each corner."""
+    """Return whether a box of cells is full, by the sums of all cells before each corner."""
     inside = (
         sums[high[0], high[1], high[2]]
         - sums[low[0], high[1], high[2]]
@@ -142,8 +142,8 @@ def grow_box(sums: Indices, low: Indices, high: Indices, order: tuple[int, int, 
 
 
 @compiled
-def is_known(boxes: Indices, count: int, low: Indices, high: Indices) -> bool:
-    """Tell whether a box of cells lies in one of ``boxes`` (n, 6)."""
+def is_contained(boxes: Indices, count: int, low: Indices, high: Indices) -> bool:
+    """Return whether a box of cells lies in one of ``boxes`` (n, 6)."""
     for k in range(count):
         holds = True
         for c in range(3):
@@ -155,9 +155,9 @@ def is_known(boxes: Indices, count: int, low: Indices, high: Indices) -> bool:
 
 @allocating
 def full_boxes(sums: Indices, boxes: Indices) -> int:
-    """Fill ``boxes`` (n, 6) with the largest full boxes of cells, as far as there is room.
+    """Fill ``boxes`` (n, 6) with the largest full boxes of cells, at most n; return how many.
 
-    From each full cell all six orders of axes are grown along.
+    Each full cell is grown along the axes in all six orders.
     """
     count = 0
     low, high = np.empty(3, dtype=np.int64), np.empty(3, dtype=np.int64)
@@ -170,7 +170,7 @@ def full_boxes(sums: Indices, boxes: Indices) -> int:
             if not is_full(sums, low, high):
                 break
             grow_box(sums, low, high, order)
-            if not is_known(boxes, count, low, high):
+            if not is_contained(boxes, count, low, high):
                 for c in range(3):
                     boxes[count, c], boxes[count, c + 3] = low[c], high[c]
                 count += 1
@@ -183,7 +183,7 @@ def full_boxes(sums: Indices, boxes: Indices) -> int:
 def inner_boxes(shape: Floats, xs: Floats, ys: Floats, zs: Floats, boxes: Indices) -> int:
     """Fill ``boxes`` (n, 6) with boxes of cells that are in a solid; return how many there are.
 
-    A box is given by the numbers of its first lines along x, y, z, and of its last, in
+    A box is the numbers of its first lines along x, y, z, and of its last, in
     ``xs``, ``ys`` and ``zs``.
     """
     tree = tree_of(SOLID, shape)

@@ -1,7 +1,7 @@
-"""How deep bodies are in each other at least: balls in both about one point.
+"""Lower bounds of the depth of bodies in each other: balls in both about one point.
 
 A ball of A around a point that lies at depth d in B moves at least its radius plus d before A is
-out. The deepest points of A in contacts are tried, and its middle. Bodies are given as in
+out. Candidates are the deepest points of A in contacts, and its middle. Bodies are given as in
 ``distance``.
 """
 
@@ -21,8 +21,8 @@ from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_tre
 from drake_geom_ros.geometry._proximity.kernels.solids.nearest_triangles import (
     FEW,
     nearest_triangles,
-    room_for,
     rounding_at,
+    scratch_for,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     Solid,
@@ -65,17 +65,17 @@ MOST_MIDDLES = 16  # of touching triangles that are tried
 
 @allocating
 def depth_in_solid(B: Solid, q: Vector) -> float:
-    """Return how deep q lies in B [m], or less: negative outside, and where it is not known."""
+    """Return how deep q lies in B [m], or less: negative outside and where the side is unknown."""
     shape, tree = B.shape, B.tree
     lanes, extent = lane_tree_of(tree), 2.0 * norm(box_of_node(shape, tree, 0).half)
-    room = room_for(lanes, FEW)
-    count = nearest_triangles(shape, tree, lanes, q, extent, room)
+    scratch = scratch_for(lanes, FEW)
+    count = nearest_triangles(shape, tree, lanes, q, extent, scratch)
     while count < 0:
-        room = room_for(lanes, 2 * room.triangles.size)
-        count = nearest_triangles(shape, tree, lanes, q, extent, room)
-    distance = room.away[first_of(count, room)]
+        scratch = scratch_for(lanes, 2 * scratch.triangles.size)
+        count = nearest_triangles(shape, tree, lanes, q, extent, scratch)
+    distance = scratch.away[first_of(count, scratch)]
     noise = rounding_at(distance, extent)
-    inside = side_of_surface(shape, tree, q, distance, noise, count, room) == INSIDE
+    inside = side_of_surface(shape, tree, q, distance, noise, count, scratch) == INSIDE
     return distance if inside else -distance
 
 
@@ -104,7 +104,7 @@ def depth_in_body(pair: SolidPair, x: Vector) -> float:
 
 @compiled
 def deepest_at(pair: SolidPair, x: Vector) -> float:
-    """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it.
+    """Return a lower bound of the depth [m]: by balls of A and of B around a point x of either.
 
     Balls of radius a in A and b in B about one point are apart only after a move by a + b. With x
     at a distance d out of A, a is -d: a ball of radius b - d in B is about A's nearest point then.
@@ -116,10 +116,10 @@ def deepest_at(pair: SolidPair, x: Vector) -> float:
 def deepest_touching(pair: SolidPair, t: Vector, contact: tuple[Vector, Vector, Vector]) -> float:
     """Return a lower bound of the depth [m] by points near where A touches after the move by t.
 
-    They are the point a of A's core and b of B's surface that touch then, what is half-way between
-    them before the move, and the middles of what touches: of a core the lowest face, of solids the
-    triangles. A corner that touches may be no deeper than a wall beside it. ``contact`` is
-    (a, b, m), m out of B.
+    They are the points a of A's core and b of B's surface that touch then, the point half-way
+    between them before the move, and the middles of what touches: of a core the lowest face, of
+    solids the triangles. A corner that touches may be no deeper than a wall beside it. ``contact``
+    is (a, b, m), m out of B.
     """
     A, B, radius, (a, b, m) = pair.A, pair.B, pair.radius, contact
     least = radius + depth_in_solid(B, sub(a, t))

@@ -28,7 +28,7 @@ MOST_WAITING = 16 * LANES
 
 
 class LaneTree(NamedTuple):
-    """Where the boxes and blocks begin in a solid's parameters, and how many blocks there are."""
+    """The offsets of the boxes and blocks in a solid's parameters, and the number of blocks."""
 
     boxes: int
     blocks_at: int

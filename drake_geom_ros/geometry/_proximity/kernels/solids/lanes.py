@@ -1,11 +1,12 @@
-"""Eight boxes or triangles side by side: how far a point is from each, all at once.
+"""Distances of a point from eight boxes or triangles side by side, all at once.
 
-What is told is good enough to choose by, never an answer: of triangles it is off by the
-``LANE_ERROR`` part of where they are at most, and of needles it may be too small by their width.
+The distances serve to choose by, they are never an answer: those of triangles are off by at most
+``LANE_ERROR`` times the distance of their farthest corner, and those of needles may be too small
+by their width.
 
-LLVM makes no such arithmetic of a loop in Python as long as this, so the formulas are written
-once, over *lanes*: LANES numbers that are added, multiplied and compared together. Compiled they
-are vectors of LLVM, uncompiled arrays of NumPy.
+LLVM does not vectorize a Python loop as long as this, so the formulas are written once, over
+*lanes*: LANES numbers that are added, multiplied and compared together. Compiled they are vectors
+of LLVM, uncompiled arrays of NumPy.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ def _gaps_of_boxes(sides: list[Lanes], q: list[Lanes]) -> Lanes:
 
 
 def _gaps_of_triangles(corners: list[Lanes], q: list[Lanes]) -> tuple[Lanes, Lanes]:
-    """Return (no more, no less) than how far q is from triangles of nine coordinates.
+    """Return (lower, upper) bounds of the distances of q from triangles of nine coordinates.
 
     Where the foot of the perpendicular is inside all three edges it is as far as the plane, else
     as the nearest edge. A needle has no normal that is good enough: wherever the foot is, it is no
@@ -93,7 +94,7 @@ if config.DISABLE_JIT:
         return np.sqrt(lanes)
 
     def _within(gaps: Any, limit: float) -> int:
-        """Return bits: which of the gaps are not beyond the limit."""
+        """Return the bits of the gaps that are not beyond the limit."""
         return sum(1 << k for k in range(LANES) if not gaps[k] > limit)
 
     def near_boxes(
@@ -124,7 +125,7 @@ else:
     _SQUARE_ROOT = f'llvm.sqrt.v{LANES}f64'
 
     class _Vector:
-        """Lanes as a vector of LLVM; what is combined with a number is so in each lane."""
+        """Lanes as a vector of LLVM; a number that is combined with it is so in each lane."""
 
         def __init__(self, builder: Any, value: Any) -> None:
             self.builder, self.value = builder, value
@@ -178,7 +179,7 @@ else:
         return builder.shuffle_vector(one, one, _PLACES)
 
     def _arguments(builder: Any, begin: Any, count: int, q: Any) -> Any:
-        """Return so many lanes from an address on, and the coordinates of q in each."""
+        """Return ``count`` lanes from an address on, and the coordinates of q in each."""
         address, numbers = builder.inttoptr(begin, _DOUBLES.as_pointer()), []
         for k in range(count):
             loaded = builder.load(builder.gep(address, [ir.Constant(_LONG, k)]))
@@ -219,8 +220,8 @@ else:
         def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             begin, q, limit, loose = values
             least, most = _gaps_of_triangles(*_arguments(builder, begin, 9, q))
-            known = _least(_least_of(most), _Vector(builder, _spread(builder, limit)))
-            reach = known + _Vector(builder, _spread(builder, loose))
+            bound = _least(_least_of(most), _Vector(builder, _spread(builder, limit)))
+            reach = bound + _Vector(builder, _spread(builder, loose))
             return _bits(builder, builder.fcmp_unordered('<=', least.value, reach.value))
 
         return types.int64(types.intp, _POINT, types.float64, types.float64), codegen
@@ -238,18 +239,18 @@ else:
     def near_boxes(
         shape: Floats, at: int, q: Vector, limit: float, gaps: Floats
     ) -> tuple[int, int]:
-        """Fill the gaps (LANES,) [m] of q and the boxes from a place on.
+        """Fill the gaps (LANES,) [m] between q and the boxes that begin at ``at``.
 
-        Returns (bits, lane): which of them are not known to be beyond the limit, and the nearest.
+        Returns (bits, lane): those not known to be beyond the limit, and the nearest.
         """
-        found = _near_boxes(shape.ctypes.data + 8 * at, q, limit, gaps.ctypes.data)
-        return found & ((1 << LANES) - 1), lowest(found >> LANES | 1 << (LANES - 1))
+        bits = _near_boxes(shape.ctypes.data + 8 * at, q, limit, gaps.ctypes.data)
+        return bits & ((1 << LANES) - 1), lowest(bits >> LANES | 1 << (LANES - 1))
 
     @inlined
     def near_triangles(shape: Floats, at: int, q: Vector, limit: float, loose: float) -> int:
-        """Return bits: which triangles from a place on may be the nearest of them to q.
+        """Return the bits of those triangles that begin at ``at`` which may be the nearest to q.
 
-        That is so of those that are not farther than the limit, and not than what another is at
-        most, by more than ``loose``.
+        They are not farther, by more than ``loose``, than the limit, nor than another's upper
+        bound.
         """
         return _near_triangles(shape.ctypes.data + 8 * at, q, limit, loose)

@@ -1,9 +1,9 @@
-"""A leaf of A and a leaf of B: how far apart they are, or whether they cross.
+"""The distance of a leaf of A from a leaf of B, and whether they cross.
 
-A pair of leaves is answered by GJK, with a certificate; a sphere's centre by the closed form. What
-touches to rounding is told from what crosses by the slabs between the leaves: a face that lies
-flush on another crosses nothing. Most pairs are told to be too far apart by their boxes, or by one
-slab, before.
+GJK answers a pair of leaves, with a certificate; a closed form answers the centre of a sphere.
+Slabs between the leaves distinguish leaves that touch to rounding from leaves that cross: a face
+that lies flush on another crosses nothing. Boxes, or one slab, exclude most pairs before, as too
+far apart.
 """
 
 import math
@@ -94,24 +94,24 @@ def leaf_of_B(B: Solid, j: int) -> Leaf:
 
 
 @inlined
-def gap_of_leaves(mine: Leaf, its: Leaf, is_core: bool) -> float:
+def gap_of_leaves(leaf_A: Leaf, leaf_B: Leaf, is_core: bool) -> float:
     """Return a lower bound of the distance of two leaves, by their boxes and one slab.
 
     It is right to some roundings of the pair's size, less than ``noise_of``.
     """
-    between = sub(its.middle, mine.middle)
+    between = sub(leaf_B.middle, leaf_A.middle)
     boxes = norm(
         (
-            outside(between[0], mine.half[0] + its.half[0]),
-            outside(between[1], mine.half[1] + its.half[1]),
-            outside(between[2], mine.half[2] + its.half[2]),
+            outside(between[0], leaf_A.half[0] + leaf_B.half[0]),
+            outside(between[1], leaf_A.half[1] + leaf_B.half[1]),
+            outside(between[2], leaf_A.half[2] + leaf_B.half[2]),
         )
     )
     if is_core or dot(between, between) == 0.0:
         return boxes
     u = between
-    begin = min(dot(its.a, u), dot(its.b, u), dot(its.c, u))
-    end = max(dot(mine.a, u), dot(mine.b, u), dot(mine.c, u))
+    begin = min(dot(leaf_B.a, u), dot(leaf_B.b, u), dot(leaf_B.c, u))
+    end = max(dot(leaf_A.a, u), dot(leaf_A.b, u), dot(leaf_A.c, u))
     return max(boxes, (begin - end) / norm(u))
 
 
@@ -128,20 +128,22 @@ def normal_of_leaf(leaf: Leaf) -> Vector:
 
 
 @compiled
-def gap_over_planes(pair: SolidPair, mine: Leaf, its: Leaf) -> tuple[float, Vector]:
+def gap_over_planes(pair: SolidPair, leaf_A: Leaf, leaf_B: Leaf) -> tuple[float, Vector]:
     """Return (gap, n): a lower bound of the distance of leaves, by the planes of their triangles.
 
-    It is as far as one leaf is above the plane of the other, along the unit n from A to B. Of
-    faces that lie side by side it is the distance. Negative where no plane parts them.
+    It is the height of one leaf over the plane of the other, along the unit n from A to B. For
+    parallel faces opposite each other it is the distance. Negative if no plane separates them.
     """
-    up = normal_of_leaf(its)
+    up = normal_of_leaf(leaf_B)
     down = scale(-1.0, up)
     if pair.A.kind != SOLID:
         lowest = add(pair.p, support(pair.A.kind, pair.A.shape, pair.A.R, down, 0.0))
-        return dot(sub(lowest, its.a), up), down
-    gap = least_over(up, sub(mine.a, its.a), sub(mine.b, its.a), sub(mine.c, its.a))
-    out = normal_of_leaf(mine)
-    other = least_over(out, sub(its.a, mine.a), sub(its.b, mine.a), sub(its.c, mine.a))
+        return dot(sub(lowest, leaf_B.a), up), down
+    gap = least_over(up, sub(leaf_A.a, leaf_B.a), sub(leaf_A.b, leaf_B.a), sub(leaf_A.c, leaf_B.a))
+    out = normal_of_leaf(leaf_A)
+    other = least_over(
+        out, sub(leaf_B.a, leaf_A.a), sub(leaf_B.b, leaf_A.a), sub(leaf_B.c, leaf_A.a)
+    )
     return (gap, down) if gap >= other else (other, out)
 
 
@@ -177,9 +179,9 @@ def separation_of_point(q: Vector, B: Solid, j: int, noise: float) -> tuple[floa
 def separation_of_leaves(
     together: SolidPair, i: int, j: int, n: Vector, limit: float
 ) -> Separation:
-    """Return the separation of leaf i of A and leaf j of B, as GJK does, but a and b are from Bo.
+    """Return the separation of leaf i of A and leaf j of B as GJK does, with a and b from Bo.
 
-    GJK begins with the direction n; farther apart than ``limit`` [m] they need not be told.
+    GJK begins with the direction n; it may end early if they are farther apart than ``limit`` [m].
     """
     A, B, p, size, tolerance, _ = together
     noise = noise_of(together)
@@ -212,8 +214,8 @@ def separation_of_leaves(
 def separation_within(pair: SolidPair, i: int, j: int, n: Vector, limit: float) -> Separation:
     """Return what ``separation_of_leaves`` does, for a limit [m] about 0.
 
-    Most triangles are beyond it, or cross, which their axes tell for less than GJK takes; of those
-    that cross nothing else is told.
+    Most triangles are beyond it, or cross, which their axes decide faster than GJK; of those that
+    cross the rest of the record is meaningless.
     """
     A, B, p, noise = pair.A, pair.B, pair.p, noise_of(pair)
     if A.kind == SOLID:

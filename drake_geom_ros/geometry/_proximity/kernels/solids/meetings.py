@@ -1,4 +1,4 @@
-"""What a triangle of one solid and a triangle of another tell of their insides, where they meet.
+"""The meeting of a triangle of one solid with a triangle of another, and what follows for both.
 
 T is of A and S of B, three places each (``signs``), counter-clockwise from outside. Just beneath
 every triangle is the inside of its body. So two bodies have an inside in common where
@@ -7,9 +7,9 @@ every triangle is the inside of its body. So two bodies have an inside in common
 - an edge or a corner of one lies in the other, off its edges, and it goes on beneath that one.
 
 If no two triangles of A and B meet so, then all that is just beneath a triangle, where that is not
-on the other's surface, is in the other body, or nothing is: one point beneath it tells. For what
-lies in S of A's surface are edges and corners that go on above S, and faces that lie on S and face
-it; and along such an edge all that is beneath S is in one wedge between faces of A.
+on the other's surface, is in the other body, or nothing is: one point beneath it decides. For the
+parts of A's surface that lie in S are edges and corners that go on above S, and faces that lie on
+S and face it; and along such an edge all that is beneath S is in one wedge between faces of A.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.solids.signs import (
@@ -25,14 +25,14 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot
 from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
-# What is told, bit by bit.
+# Bits of a meeting.
 NOTHING = 0  # they have no point in common
 TOUCH = 1  # they have
 A_IS_OUT = 2  # just beneath T is nothing of B
 B_IS_OUT = 4  # just beneath S is nothing of A
 OVERLAPPING = 8  # A and B have an inside in common
 
-# How the parts of two triangles lie in the line that their planes have in common.
+# How the parts of two triangles lie on the common line of their planes.
 BESIDE = -1
 END_TO_END = 0
 OVER = 1
@@ -40,34 +40,34 @@ OVER = 1
 
 @inlined
 def has_both(signs: Signs) -> bool:
-    """Tell whether corners are on both sides of a plane."""
+    """Return whether corners are on both sides of a plane."""
     return min(signs) < 0 and max(signs) > 0
 
 
 @inlined
 def is_flat(signs: Signs) -> bool:
-    """Tell whether all corners are in a plane."""
+    """Return whether all corners are in a plane."""
     return min(signs) == max(signs) == 0
 
 
 @inlined
 def is_off(signs: Signs) -> bool:
-    """Tell whether all corners are on one side of a plane, and none is in it."""
+    """Return whether all corners are on one side of a plane, and none is in it."""
     return min(signs) > 0 or max(signs) < 0
 
 
 @compiled
 def alone(signs: Signs) -> tuple[int, bool]:
-    """Return (k, up): the corner that is alone on its side of a plane, and whether that is above.
+    """Return (k, up): the corner that is alone on its side of a plane, and whether it is above.
 
-    The others are in the plane or beyond; where one is in the plane and two are off it, to one
+    The others are in the plane or beyond it; where one is in the plane and two are off it, to one
     side, that one is alone.
     """
     for k in range(3):
-        mine, y, z = signs[k], signs[(k + 1) % 3], signs[(k + 2) % 3]
-        if mine > 0 and y <= 0 and z <= 0:
+        first, y, z = signs[k], signs[(k + 1) % 3], signs[(k + 2) % 3]
+        if first > 0 and y <= 0 and z <= 0:
             return k, True
-        if mine < 0 and y >= 0 and z >= 0:
+        if first < 0 and y >= 0 and z >= 0:
             return k, False
     for k in range(3):
         y, z = signs[(k + 1) % 3], signs[(k + 2) % 3]
@@ -97,9 +97,9 @@ def order_on_line(
     over_T: Signs,
     off: float,
 ) -> int:
-    """Return how the parts of T and S lie in the line that their planes have in common.
+    """Return how the parts of T and S lie on the common line of their planes.
 
-    ``over_S`` are the sides of S's plane on which T's corners are. With the corners p and x alone,
+    ``over_S`` are the sides of S's plane that T's corners are on. With the corners p and x alone,
     both above, the edges of T leave the line at pr and pq, and those of S at xy and xz, in this
     order along it (Guigue, Devillers, Journal of Graphics Tools 8 (1), 2003).
     """
@@ -127,19 +127,19 @@ def areas_overlap(
     axis: int,
     off: float,
 ) -> bool:
-    """Tell whether triangles of one plane have an area in common, as seen along an axis.
+    """Return whether triangles of one plane have an area in common, as seen along an axis.
 
     They have none if all of one is beyond an edge of the other, or on it.
     """
     for swap in range(2):
-        mine, its = (T, S) if swap == 0 else (S, T)
-        way = turn(mine[0], mine[1], mine[2], axis, off)
+        first, second = (T, S) if swap == 0 else (S, T)
+        way = turn(first[0], first[1], first[2], axis, off)
         for k in range(3):
-            a, b = mine[k], mine[(k + 1) % 3]
+            a, b = first[k], first[(k + 1) % 3]
             if (
-                way * turn(a, b, its[0], axis, off) <= 0
-                and way * turn(a, b, its[1], axis, off) <= 0
-                and way * turn(a, b, its[2], axis, off) <= 0
+                way * turn(a, b, second[0], axis, off) <= 0
+                and way * turn(a, b, second[1], axis, off) <= 0
+                and way * turn(a, b, second[2], axis, off) <= 0
             ):
                 return False
     return True
@@ -170,14 +170,14 @@ def sides_of(
     S: Triangle,
     off: float,
 ) -> Signs:
-    """Return on which sides of T's plane the corners of S are."""
+    """Return the sides of T's plane that the corners of S are on."""
     plane = plane_through(T[0], T[1], T[2], off)
     return side_of(plane, S[0], off), side_of(plane, S[1], off), side_of(plane, S[2], off)
 
 
 @inlined
 def is_from(T: Triangle, S: Triangle, k: int) -> bool:
-    """Tell whether T begins along axis k where S ends, to the last bit, or beyond."""
+    """Return whether T begins along axis k where S ends, to the last bit, or beyond."""
     begin, end = min(T[0][k], T[1][k], T[2][k]), max(S[0][k], S[1][k], S[2][k])
     if begin != end:
         return begin > end
@@ -189,7 +189,7 @@ def is_from(T: Triangle, S: Triangle, k: int) -> bool:
 
 @inlined
 def is_level(T: Triangle, S: Triangle, k: int) -> bool:
-    """Tell whether all corners have one coordinate along axis k."""
+    """Return whether all corners have one coordinate along axis k."""
     x, dx = T[0][k], T[0][k + 3]
     for c in range(3):
         if T[c][k] != x or S[c][k] != x or T[c][k + 3] != dx or S[c][k + 3] != dx:
@@ -199,9 +199,9 @@ def is_level(T: Triangle, S: Triangle, k: int) -> bool:
 
 @inlined
 def are_side_by_side(T: Triangle, S: Triangle) -> bool:
-    """Tell of triangles in a plane at right angles to an axis that their boxes only touch there.
+    """Return whether the boxes of triangles in a plane normal to an axis only touch there.
 
-    So are most of those that touch where walls of boxes lie on each other: no sign is asked.
+    This holds for most that touch where walls of boxes lie on each other, and needs no sign.
     """
     for k in range(3):
         if is_level(T, S, k):
@@ -216,7 +216,7 @@ def meeting(
     S: Triangle,
     off: float,
 ) -> int:
-    """Return what T and S tell, as bits; places may be off by ``off`` [m] if that is not 0."""
+    """Return the bits of the meeting of T and S; places may be off by ``off`` [m]."""
     if are_side_by_side(T, S):
         return TOUCH
     over_T = sides_of(T, S, off)

@@ -1,6 +1,6 @@
-"""Which triangles of a solid are nearest to a point: a walk over its tree for points.
+"""The triangles of a solid that are nearest to a point: a walk over its tree for points.
 
-What is found does not depend on where the walk began, nor on its order: all triangles that are as
+The result does not depend on where the walk began, nor on its order: all triangles that are as
 near as the nearest one, to rounding, each with the vector to its nearest point.
 """
 
@@ -40,12 +40,12 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, LANE_ERROR, ROUND
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-FEW = 64  # triangles that there is room for at first
-FULL = -1  # more are as near than there is room for
+FEW = 64  # triangles that the first scratch holds
+FULL = -1  # more are as near than the scratch holds
 
 
-class Room(NamedTuple):
-    """What a walk works on: boxes that wait, gaps of lanes, and the triangles that were found."""
+class PointScratch(NamedTuple):
+    """The arrays of a walk: boxes that wait, gaps of lanes, and the nearest triangles so far."""
 
     firsts: Indices  # (levels,) where the groups of each begin
     levels: Indices  # (MOST_WAITING,)
@@ -58,12 +58,12 @@ class Room(NamedTuple):
 
 
 @allocating
-def room_for(lanes: LaneTree, count: int) -> Room:
-    """Return room for so many triangles that are as near as the nearest."""
+def scratch_for(lanes: LaneTree, count: int) -> PointScratch:
+    """Return scratch arrays for up to ``count`` triangles that are as near as the nearest."""
     firsts = np.zeros(lanes.levels, dtype=np.int64)
     for level in range(1, lanes.levels):
         firsts[level] = firsts[level - 1] + groups_in(lanes.blocks, lanes.levels, level - 1)
-    return Room(
+    return PointScratch(
         firsts,
         np.empty(MOST_WAITING, dtype=np.int64),
         np.empty(MOST_WAITING, dtype=np.int64),
@@ -77,7 +77,7 @@ def room_for(lanes: LaneTree, count: int) -> Room:
 
 @inlined
 def rounding_at(distance: float, extent: float) -> float:
-    """Return what the distance [m] of a point from a triangle of a solid may be off by.
+    """Return how far off the distance [m] of a point from a triangle of a solid may be.
 
     All is computed from the differences of corners and the point, none of which is longer than the
     distance and the solid's ``extent`` [m] together.
@@ -87,7 +87,7 @@ def rounding_at(distance: float, extent: float) -> float:
 
 @inlined
 def same_at(distance: float, extent: float) -> float:
-    """Return how much farther [m] another triangle may be that is not known to be farther."""
+    """Return how much farther [m] a triangle may seem that is as near."""
     return 2.0 * rounding_at(distance, extent)
 
 
@@ -101,21 +101,21 @@ def vector_to(shape: Floats, tree: Tree, j: int, q: Vector) -> Vector:
 
 
 @inlined
-def _look_at_block(
+def _examine_block(
     shape: Floats,
     tree: Tree,
     lanes: LaneTree,
     k: int,
     q: Vector,
     extent: float,
-    found: tuple[float, int],
-    room: Room,
+    best_so_far: tuple[float, int],
+    scratch: PointScratch,
 ) -> tuple[float, int]:
-    """Take what is near of block k to what was ``found``, (best, count); return both.
+    """Add the near triangles of block k to ``best_so_far``, (best, count); return its new value.
 
-    The count is FULL without room for it.
+    The count is FULL if the scratch holds no more.
     """
-    best, count = found
+    best, count = best_so_far
     first, last = first_of_block(tree, lanes, k), first_of_block(tree, lanes, k + 1)
     at, loose = lanes.blocks_at + TRIANGLE_LANES * k, LANE_ERROR * (best + extent)
     bits = near_triangles(shape, at, q, best, loose) & ((1 << (last - first)) - 1)
@@ -126,72 +126,77 @@ def _look_at_block(
         distance = norm(v)
         if distance > best + same_at(best, extent):
             continue
-        if count == room.triangles.size:
-            count = _without_farther(room, count, best + same_at(best, extent))
-            if count == room.triangles.size:
+        if count == scratch.triangles.size:
+            count = _without_farther(scratch, count, best + same_at(best, extent))
+            if count == scratch.triangles.size:
                 return best, FULL
-        room.triangles[count], room.away[count] = j, distance
-        room.vectors[count, 0], room.vectors[count, 1], room.vectors[count, 2] = v
+        scratch.triangles[count], scratch.away[count] = j, distance
+        scratch.vectors[count, 0], scratch.vectors[count, 1], scratch.vectors[count, 2] = v
         count += 1
         best = min(best, distance)
     return best, count
 
 
 @compiled
-def _without_farther(room: Room, count: int, limit: float) -> int:
+def _without_farther(scratch: PointScratch, count: int, limit: float) -> int:
     """Drop the triangles that are farther than a limit [m]; return how many are left."""
-    kept = 0
+    remaining = 0
     for i in range(count):
-        if room.away[i] <= limit:
-            room.triangles[kept], room.away[kept] = room.triangles[i], room.away[i]
+        if scratch.away[i] <= limit:
+            scratch.triangles[remaining], scratch.away[remaining] = (
+                scratch.triangles[i],
+                scratch.away[i],
+            )
             for c in range(3):
-                room.vectors[kept, c] = room.vectors[i, c]
-            kept += 1
-    return kept
+                scratch.vectors[remaining, c] = scratch.vectors[i, c]
+            remaining += 1
+    return remaining
 
 
 @inlined
-def _put(top: int, level: int, box: int, gap: float, room: Room) -> None:
+def _put(top: int, level: int, box: int, gap: float, scratch: PointScratch) -> None:
     """Put a box among those that wait."""
-    room.levels[top], room.boxes[top], room.waiting[top] = level, box, gap
+    scratch.levels[top], scratch.boxes[top], scratch.waiting[top] = level, box, gap
 
 
 @compiled
 def nearest_triangles(
-    shape: Floats, tree: Tree, lanes: LaneTree, q: Vector, extent: float, room: Room
+    shape: Floats, tree: Tree, lanes: LaneTree, q: Vector, extent: float, scratch: PointScratch
 ) -> int:
     """Find the nearest triangles to q; return how many, or FULL.
 
-    They are the first of the room's, in no order, and no other is as near, to rounding. Left out
-    is what a box is farther from than the nearest so far, by more than rounding. The nearest box
-    of each group is looked into first, the others wait.
+    They are the scratch's first, in no order, and no other is as near, to rounding. Boxes and
+    triangles farther than the nearest so far, by more than rounding, are left out. The nearest box
+    of each group is examined first, the others wait.
     """
     best, count, top = math.inf, 0, 0
     level, group = 0, 0
     while True:
-        at = lanes.boxes + BOX_LANES * (room.firsts[level] + group)
+        at = lanes.boxes + BOX_LANES * (scratch.firsts[level] + group)
         limit = best + 2.0 * same_at(best, extent)
-        bits, nearest = near_boxes(shape, at, q, limit, room.gaps)
+        bits, nearest = near_boxes(shape, at, q, limit, scratch.gaps)
         if level == 0:
             bits &= (1 << min(boxes_in(lanes.blocks, lanes.levels, 0), LANES)) - 1
         others = bits & ~(1 << nearest)
         while others != 0:
             lane = lowest(others)
             others &= others - 1
-            _put(top, level, LANES * group + lane, room.gaps[lane], room)
+            _put(top, level, LANES * group + lane, scratch.gaps[lane], scratch)
             top += 1
         if bits >> nearest & 1:
-            _put(top, level, LANES * group + nearest, room.gaps[nearest], room)
+            _put(top, level, LANES * group + nearest, scratch.gaps[nearest], scratch)
             top += 1
         while True:
             if top == 0:
-                return _without_farther(room, count, best + same_at(best, extent))
+                return _without_farther(scratch, count, best + same_at(best, extent))
             top -= 1
-            if room.waiting[top] > best + 2.0 * same_at(best, extent):
+            if scratch.waiting[top] > best + 2.0 * same_at(best, extent):
                 continue
-            level, group = room.levels[top] + 1, room.boxes[top]
+            level, group = scratch.levels[top] + 1, scratch.boxes[top]
             if level < lanes.levels:
                 break
-            best, count = _look_at_block(shape, tree, lanes, group, q, extent, (best, count), room)
+            best, count = _examine_block(
+                shape, tree, lanes, group, q, extent, (best, count), scratch
+            )
             if count == FULL:
                 return FULL

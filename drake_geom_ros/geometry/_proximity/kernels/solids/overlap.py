@@ -1,18 +1,18 @@
-"""How deep a core or a solid is in a solid, between certified bounds.
+"""The depth of a core or a solid in a solid, between certified bounds.
 
-No formula tells the least translation that separates a body from a solid with dents, so it is
-caught between two bounds, and the same steps serve every kind of A:
+No formula gives the least translation that separates a body from a solid with dents, so it is
+enclosed between two bounds, by the same steps for every kind of A:
 
 - *Above*: a translation t after which the two are apart, which is verified by their distance
   there (``clearing``). The first ones come from the triangles in contact, one from the hulls,
-  which always separates. From where it got, A then slides along the plane of contact to where t
-  is shortest, t' = (m . t) m for the normal m there, as long as that is verified to be apart too,
-  and is drawn back along t until it touches. Between convex surfaces this walks to the nearest
+  which always separates. From there A then slides along the plane of contact to where t is
+  shortest, t' = (m . t) m for the normal m there, as long as that is verified to be apart too, and
+  is drawn back along t until it touches. Between convex surfaces this walks to the nearest
   minimum.
 - *Below*: balls in both about one point (``inner_depths``).
 
-Of solids and boxes the boxes within them come first (``separations``): the least translation that
-parts these is a lower bound, and where it is seen to part the bodies it is the depth.
+For solids and boxes the boxes within them come first (``separations``): the least translation that
+separates these is a lower bound, and where it is certain to separate the bodies it is the depth.
 
 Bodies are given as in ``distance``. A is its core grown by a ball of ``radius``.
 """
@@ -39,7 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.distance import NEVER, Ne
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     hull_support,
     middle_of,
-    way_out_of_hull,
+    separating_move_of_hulls,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_depths import (
@@ -67,7 +67,7 @@ from drake_geom_ros.geometry._proximity.tolerances import BEYOND_HULL, SAME_DIRE
 MOST_PUSHES = 6  # directions that are tried
 MOST_ROUNDS = 4  # pushes one after the other
 MOST_SLIDES = 16
-STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
+STEEPEST = 0.25  # cosine of a translation and the normal at its end: four gaps a step at most
 MOST_STEPS_OUT = 12  # each twice as far as the one before: 4096 roundings in all
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 ROOM = 8.0  # roundings by which boxes are to be apart that may fit each other
@@ -77,33 +77,33 @@ ROOM = 8.0  # roundings by which boxes are to be apart that may fit each other
 def where_it_touches(pair: SolidPair, m: Vector) -> Vector:
     """Return the point of B where A touches the hull of B, out along the unit m.
 
-    Rounding says that they cross. Somewhat farther out they do not, and are nearest at that point,
+    To rounding they cross there. Somewhat farther out they do not, and are nearest at that point,
     unless A lies as near to another part of B. Any corner of the hull out along m would be as far
     out, but may be elsewhere on its face.
     """
     A, B = pair.A, pair.B
     for k in range(1, MOST_STEPS_OUT):
         out = 2.0**k * BACK_OFF * noise_of(pair)
-        clear, _, found = cleared(pair, scale(out, m), scale(-1.0, m))
-        if clear and dot(found.n, m) <= -SAME_DIRECTION:
-            return found.b
+        clear, _, closest = cleared(pair, scale(out, m), scale(-1.0, m))
+        if clear and dot(closest.n, m) <= -SAME_DIRECTION:
+            return closest.b
     if A.kind == ELLIPSOID or A.kind == SPHERE:  # only one of its points is that far out
         return add_scaled(add(pair.p, hull_support(A, scale(-1.0, m))), -pair.radius, m)
     return local_support(CONVEX, B.shape, m, 0.0)
 
 
 @allocating
-def push_of(pair: SolidPair, found: Nearest, pushes: Floats) -> int:
-    """Fill ``pushes`` (k, PUSH_WIDTH) with ways out, the shortest first; return how many."""
+def push_of(pair: SolidPair, closest: Nearest, pushes: Floats) -> int:
+    """Fill ``pushes`` (k, PUSH_WIDTH) with moves out of B, the shortest first; return how many."""
     B = pair.B
-    count = contacts(pair, found.n, 0.0, pushes, MOST_CONTACTS)
-    if count == 0 and found.end != OVERLAP and is_inside(B.shape, B.tree, found.a):
+    count = contacts(pair, closest.n, 0.0, pushes, MOST_CONTACTS)
+    if count == 0 and closest.end != OVERLAP and is_inside(B.shape, B.tree, closest.a):
         # Wholly inside: out through the nearest surface.
-        m = unit(sub(found.b, found.a))
+        m = unit(sub(closest.b, closest.a))
         lowest = add(pair.p, hull_support(pair.A, scale(-1.0, m)))
         for c in range(3):
             pushes[0, PUSH_WAY + c] = m[c]
-        pushes[0, PUSH_LENGTH] = dot(sub(found.b, lowest), m) + pair.radius
+        pushes[0, PUSH_LENGTH] = dot(sub(closest.b, lowest), m) + pair.radius
         count = 1
     pushes[:count] = pushes[np.argsort(pushes[:count, PUSH_LENGTH])]
     return count
@@ -111,114 +111,114 @@ def push_of(pair: SolidPair, found: Nearest, pushes: Floats) -> int:
 
 @allocating
 def escape(pair: SolidPair, t: Vector, most: float) -> tuple[bool, Vector, Nearest]:
-    """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
+    """Return (clear, t, closest): t grown, push after push, until A is out or it is too long."""
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     back_off = BACK_OFF * noise_of(pair)
     n = scale(-1.0, unit(t))
     for turn in range(MOST_ROUNDS):
-        clear, t, found = cleared(pair, t, n)
+        clear, t, closest = cleared(pair, t, n)
         if clear or turn == MOST_ROUNDS - 1:
             break
-        count = push_of(moved(pair, t), found, pushes)
+        count = push_of(moved(pair, t), closest, pushes)
         if count == 0:
             break
         t = add_scaled(t, pushes[0, PUSH_LENGTH] + back_off, vector_at(pushes[0], PUSH_WAY))
         if norm(t) >= most:
             break
-    return clear and norm(t) < most, t, found
+    return clear and norm(t) < most, t, closest
 
 
 @allocating
-def draw_back(pair: SolidPair, t: Vector, found: Nearest) -> tuple[Vector, Nearest]:
-    """Return (t, found): t shortened along itself until A touches, and what is near then.
+def draw_back(pair: SolidPair, t: Vector, closest: Nearest) -> tuple[Vector, Nearest]:
+    """Return (t, closest): t shortened along itself until A touches, and what is nearest then.
 
-    So it is drawn into a hole that it rests on from several sides. Newton's method on the
-    separation; a step that leads too far is cut to the separation, within which A goes anywhere.
+    This draws A into a hole that it rests on from several sides. It is Newton's method on the
+    separation; a step that leads too far is cut to the separation, which is safe in any direction.
     """
     back_off = BACK_OFF * noise_of(pair)
     u = unit(t)
     for _ in range(MOST_SLIDES):
-        separation, slope = found.lower - pair.radius - back_off, -dot(found.n, u)
+        separation, slope = closest.lower - pair.radius - back_off, -dot(closest.n, u)
         if separation <= max(0.25 * pair.tolerance, back_off):
             break
         step = min(separation / max(slope, STEEPEST), 0.5 * norm(t))
-        clear, ahead, there = cleared(pair, add_scaled(t, -step, u), found.n)
+        clear, ahead, there = cleared(pair, add_scaled(t, -step, u), closest.n)
         if not clear:
             ahead = add_scaled(t, -min(separation, 0.5 * norm(t)), u)
-            there = nearest(moved(pair, ahead), found.n, math.inf, NEVER)
-        t, found = ahead, there
-    return t, found
+            there = nearest(moved(pair, ahead), closest.n, math.inf, NEVER)
+        t, closest = ahead, there
+    return t, closest
 
 
 @allocating
-def slide(pair: SolidPair, t: Vector, found: Nearest) -> tuple[Vector, Vector, Vector, Vector]:
-    """Return (t, m, a, b) for a t that is no longer, where A is apart and touches, if it can.
+def slide(pair: SolidPair, t: Vector, closest: Nearest) -> tuple[Vector, Vector, Vector, Vector]:
+    """Return (t, m, a, b) for a t no longer, after which A is apart, and touches if it can.
 
-    There it touches with the point a of its core, at b, and m is the normal out of B.
+    There the point a of its core touches B at b, and m is the normal out of B.
     """
     back_off = BACK_OFF * noise_of(pair)
     for _ in range(MOST_SLIDES):
-        m, separation = scale(-1.0, found.n), found.lower - pair.radius
+        m, separation = scale(-1.0, closest.n), closest.lower - pair.radius
         s = dot(t, m) - separation + back_off
         if s > 0.0 and norm(t) - s > max(0.25 * pair.tolerance, back_off):
-            clear, ahead, there = cleared(pair, scale(s, m), found.n)
+            clear, ahead, there = cleared(pair, scale(s, m), closest.n)
             if clear and norm(ahead) < norm(t):
-                t, found = ahead, there
+                t, closest = ahead, there
                 continue
-        t, found = draw_back(pair, t, found)
+        t, closest = draw_back(pair, t, closest)
         break
-    return t, scale(-1.0, found.n), found.a, found.b
+    return t, scale(-1.0, closest.n), closest.a, closest.b
 
 
 @allocating
 def by_boxes(
     pair: SolidPair, least: float, most: float
 ) -> tuple[float, float, Vector, Vector, bool]:
-    """Return (least, depth, t, b, alone) of the depth by boxes within the bodies, if they tell.
+    """Return (least, depth, t, b, alone) by boxes within the bodies, if these decide the depth.
 
-    The least translation that parts the boxes is a lower bound, ``least`` or more, unless
-    they may overlap. If it is seen to part the bodies too it is the depth, ``alone`` if no other
+    The least translation that separates the boxes is a lower bound, ``least`` or more, unless they
+    may overlap. If it is certain to separate the bodies too it is the depth, ``alone`` if no other
     is as short; else the depth is infinite. ``most`` [m] is how long it may be where they may
     overlap, infinite where they do.
     """
     A, p, noise = pair.A, pair.p, noise_of(pair)
     if A.kind != SOLID and A.kind != BOX and A.kind != CONVEX:
         return least, math.inf, p, p, True
-    _, longest = way_out_of_hull(pair)
+    _, longest = separating_move_of_hulls(pair)
     upper = longest + max(2.0 * BACK_OFF * noise, BEYOND_HULL * longest)
     boxes = boxes_of(A), boxes_in(pair.B.shape, pair.B.tree)
     for turn in range(0 if most == math.inf else 2, 3):
-        # As it is; some roundings longer; with room for what fits only without rounding.
+        # First as it is; then some roundings longer; then with room for rounding in a close fit.
         if turn != 1:
             more = ROOM * noise if turn == 2 else 0.0
-            found = least_parting(boxes, A.R, p, (upper, more), noise)
+            parting = least_parting(boxes, A.R, p, (upper, more), noise)
         if turn == 0:
-            least = max(least, min(found.lower, longest))
-        if not found.parts or norm(found.t) >= most - ROOM * noise:
+            least = max(least, min(parting.lower, longest))
+        if not parting.separates or norm(parting.t) >= most - ROOM * noise:
             break
-        m = unit(found.t)
-        there = add_scaled(found.t, BACK_OFF * noise if turn == 1 else 0.0, m)
+        m = unit(parting.t)
+        there = add_scaled(parting.t, BACK_OFF * noise if turn == 1 else 0.0, m)
         clear, t, ahead = cleared(pair, there, scale(-1.0, m))
-        if clear:  # whoever reports it takes the step back off
-            length = max(norm(t), norm(found.t) + BACK_OFF * noise)
-            return least, length, t, ahead.b, found.alone
+        if clear:  # the caller that reports it subtracts the step
+            length = max(norm(t), norm(parting.t) + BACK_OFF * noise)
+            return least, length, t, ahead.b, parting.alone
     return least, math.inf, p, p, True
 
 
 @allocating
-def sure_way_out(
-    pair: SolidPair, found: Nearest, ways: Floats, count: int
+def certain_separating_move(
+    pair: SolidPair, closest: Nearest, ways: Floats, count: int
 ) -> tuple[float, Vector, Vector]:
-    """Return (depth, t, b) of bodies that may overlap: moved by t, as long as that, A is apart.
+    """Return (depth, t, b) of bodies that may overlap: moved by t, of length depth, A is apart.
 
-    ``found`` and ``ways`` are of ``stand_of``. Mostly some roundings do. What fits between walls
-    has to leave as if it were wider by these.
+    ``closest`` and ``ways`` are of ``stand_of``. Mostly some roundings suffice. A body that fits
+    between walls has to leave as if it were wider by these.
     """
     noise, nowhere = noise_of(pair), (0.0, 0.0, 0.0)
-    clear, t, ahead = step_aside(pair, nowhere, found, ways, count)
+    clear, t, ahead = step_aside(pair, nowhere, closest, ways, count)
     if clear:
         return norm(t), t, ahead.b
-    m, s = way_out_of_hull(pair)
+    m, s = separating_move_of_hulls(pair)
     s = max(s, 0.0) + BACK_OFF * noise
     _, depth, t, b, _ = by_boxes(pair, 0.0, s)
     if s < depth:  # hulls that are apart are apart
@@ -227,21 +227,24 @@ def sure_way_out(
 
 
 @allocating
-def bounds_of_depth(pair: SolidPair, found: Nearest) -> tuple[float, float, Vector, Vector, bool]:
+def bounds_of_depth(
+    pair: SolidPair, closest: Nearest
+) -> tuple[float, float, Vector, Vector, bool]:
     """Return (depth, least, t, b, alone) of A at p, which overlaps with B.
 
-    ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.
-    Not ``alone``: another way out, along a clearly different direction, is known to be as short.
+    ``least <= depth of A in B <= depth = |t|``: moved by t A is apart and touches B at b. Not
+    ``alone``: another separating translation, along a clearly different direction, is as short.
     """
-    # Whatever is tried or left out, both bounds hold: each t was seen to separate, and each depth
-    # is of balls in both bodies. Trying less only leaves them farther apart, which is told.
+    # Whatever is tried or left out, both bounds hold: each t was verified to separate, and each
+    # depth is of balls in both bodies. Trying less only leaves them farther apart, which the
+    # answer's error bound reports.
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     A, B, p, radius = pair.A, pair.B, pair.p, pair.radius
     back_off = BACK_OFF * noise_of(pair)
     enough = max(0.5 * pair.tolerance, 4.0 * back_off)
     least = 0.0
-    if found.end != OVERLAP and found.upper < radius:
-        least = radius - found.upper
+    if closest.end != OVERLAP and closest.upper < radius:
+        least = radius - closest.upper
     if A.kind != SOLID:
         ball = max(radius, inner_radius(A.kind, A.shape))
         least = max(least, ball + depth_in_solid(B, middle_of(A, p)))
@@ -249,7 +252,7 @@ def bounds_of_depth(pair: SolidPair, found: Nearest) -> tuple[float, float, Vect
     least, depth, t_best, b_best, alone = by_boxes(pair, least, math.inf)
     if depth - least <= enough:
         return depth, min(least, depth), t_best, b_best, alone
-    count = push_of(pair, found, pushes)
+    count = push_of(pair, closest, pushes)
     for k in range(count + 1):
         if depth - least <= enough:
             break
@@ -259,10 +262,10 @@ def bounds_of_depth(pair: SolidPair, found: Nearest) -> tuple[float, float, Vect
                 continue
             clear, t, ahead = escape(pair, scale(s, m), depth)
         else:
-            m, s = way_out_of_hull(pair)
+            m, s = separating_move_of_hulls(pair)
             out = scale(s + back_off, m)
             clear, t, ahead = cleared(pair, out, scale(-1.0, m))
-            if not clear and s < depth:  # so rounding says, but hulls that are apart are apart
+            if not clear and s < depth:  # by rounding: hulls that are apart are apart
                 depth, t_best = norm(out), out
                 b_best = where_it_touches(moved(pair, out), m)
         if clear:
@@ -271,4 +274,4 @@ def bounds_of_depth(pair: SolidPair, found: Nearest) -> tuple[float, float, Vect
                 depth, t_best, b_best = norm(t), t, b
             deep = deepest_touching(pair, t, (a, b, m))
             least = max(least, deep)
-    return depth, min(least, depth), t_best, b_best, found.unique
+    return depth, min(least, depth), t_best, b_best, closest.unique

@@ -33,8 +33,8 @@ Indices = NDArray[np.int64]
 SUMS = 16  # numbers that a node is made of
 
 MOST_LINES = 12  # of a kind, between the cells of a solid along an axis
-FEW = 0.2  # of triangles at right angles to an axis: what has so few is round, or turned
-MOST_BOXES, KEPT_BOXES = 512, 32  # that are found, and the thickest, which are kept
+FEW = 0.2  # share of triangles normal to an axis: a solid with fewer is round, or turned
+MOST_BOXES, KEPT_BOXES = 512, 32  # boxes that are found, and the thickest, which remain
 
 
 def solid_parameters(
@@ -65,7 +65,7 @@ def solid_parameters(
 
 
 def with_boxes(parameters: Floats) -> Floats:
-    """Return the parameters of a solid with the boxes (k, 6) [m] that are found within it."""
+    """Return the parameters of a solid together with the boxes (k, 6) [m] found within it."""
     tree = tree_of(SOLID, parameters)
     end = tree.corners + CORNERS * tree.triangles
     corners = parameters[tree.corners : end].reshape(-1, 3, 3)
@@ -85,7 +85,7 @@ def with_boxes(parameters: Floats) -> Floats:
 def _lines(places: Floats, corners: Floats) -> Floats:
     """Return the places (l,) along an axis that cut a solid into cells, by its ``places`` (n, 3).
 
-    Those of the largest areas at right angles to the axis, which a union of boxes has alone, and
+    They are those of the largest areas normal to the axis, which suffice for a union of boxes, and
     both ends; where there are few, some between.
     """
     low, high = float(places.min()), float(places.max())
@@ -101,7 +101,7 @@ def _lines(places: Floats, corners: Floats) -> Floats:
 
 
 def leaf_bounds(count: int, leaves: int) -> Indices:
-    """Return where each leaf's triangles begin (L + 1,), the end last."""
+    """Return the offset of each leaf's first triangle (L + 1,), the end last."""
     return np.arange(leaves + 1, dtype=np.int64) * count // leaves
 
 
@@ -117,7 +117,7 @@ def _order(middles: Floats, leaves: int) -> Indices:
         spans = np.maximum.reduceat(points, ends[:-1]) - np.minimum.reduceat(points, ends[:-1])
         segment = np.repeat(np.arange(len(sizes)), sizes)
         along = np.argmax(spans, axis=1)[segment]
-        # One number says segment and place in it: a sort by two keys takes three times as long.
+        # One number is segment and place in it: a sort by two keys takes three times as long.
         places = points[np.arange(count), along] - lower[along]
         keys = segment + 0.5 * places / extent
         order = order[np.argsort(keys, kind='stable')]

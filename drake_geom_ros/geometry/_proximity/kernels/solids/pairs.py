@@ -2,10 +2,10 @@
 
 A solid is the closed body that a mesh bounds, dents, holes and cavities and all. Apart, the answer
 is the distance of the surfaces (``distance``), as exact as that of two cores. Overlapping, it is
-minus the length of a translation that is verified to separate, and ``error_bound`` tells how much
-shorter the shortest may be (``overlap``); the method OPEN says that this is much. Where surfaces
-do not cross, triangles that touch tell, and one of each piece (``containment``); where these may
-be in each other by less than rounding, the answer holds both.
+minus the length of a translation that is verified to separate, and ``error_bound`` is how much
+shorter the shortest may be (``overlap``); the method is OPEN where this is much. Where surfaces
+do not cross, triangles that touch decide, and one of each piece (``containment``); where these may
+be in each other by less than rounding, the error bound includes both cases.
 """
 
 import math
@@ -37,7 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import hull_support
 from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     BACK_OFF,
     bounds_of_depth,
-    sure_way_out,
+    certain_separating_move,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.reach import nearest_within
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
@@ -67,14 +67,14 @@ from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, O
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 
-MOST_ASIDE = 64.0  # roundings by which what touches may have to be moved to be apart
-OPEN_SHARE = 0.1  # of a depth [-] that the shortest way out may be less by: more leaves it open
+MOST_ASIDE = 64.0  # roundings that bodies which touch may have to be moved to be apart
+OPEN_SHARE = 0.1  # of a depth [-] that the least translation may be less by: more leaves it open
 LOOSE = 4.0 * BACK_OFF  # roundings that a depth may be off by all the same
 
 
 @compiled
 def first_direction(out: Floats, R_WB: Floats, p: Vector) -> Vector:
-    """Return the unit n out of A by the hint in a result row, in B's axes; else towards Bo."""
+    """Return the unit n out of A by the hint in a result row, in B's axes, else towards Bo."""
     n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
     if dot(n, n) > 0.5:
         return unrotate(R_WB, n)
@@ -83,7 +83,7 @@ def first_direction(out: Floats, R_WB: Floats, p: Vector) -> Vector:
 
 
 class Answer(NamedTuple):
-    """What a row is filled with, in B: m out of B, points a and b from Bo."""
+    """The contents of a result row, in B: m out of B, points a and b from Bo."""
 
     m: Vector
     a: Vector
@@ -120,9 +120,9 @@ def beyond(pair: SolidPair, n: Vector, lower: float) -> Answer:
 
 
 @compiled
-def overlap(pair: SolidPair, found: Nearest) -> Answer:
+def overlap(pair: SolidPair, closest: Nearest) -> Answer:
     """Return the answer about a pair that overlaps."""
-    depth, least, t, b, alone = bounds_of_depth(pair, found)
+    depth, least, t, b, alone = bounds_of_depth(pair, closest)
     noise, tolerance = noise_of(pair), pair.tolerance
     m, unique = unit(t), alone and depth - least <= tolerance + LOOSE * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
@@ -132,77 +132,77 @@ def overlap(pair: SolidPair, found: Nearest) -> Answer:
 
 
 @compiled
-def separation(pair: SolidPair, found: Nearest, more: float) -> Answer:
+def separation(pair: SolidPair, closest: Nearest, more: float) -> Answer:
     """Return the answer about a pair that is apart, or overlaps by no more than ``more`` [m]."""
-    noise, radius, n = noise_of(pair), pair.radius, found.n
-    distance = found.upper - radius
-    a = add_scaled(found.a, radius, n)
+    noise, radius, n = noise_of(pair), pair.radius, closest.n
+    distance = closest.upper - radius
+    a = add_scaled(closest.a, radius, n)
     b = add_scaled(a, distance, n)
-    error = max(found.upper - found.lower, 0.0) + noise + more
-    return Answer(scale(-1.0, n), a, b, distance, error, found.unique, MESH)
+    error = max(closest.upper - closest.lower, 0.0) + noise + more
+    return Answer(scale(-1.0, n), a, b, distance, error, closest.unique, MESH)
 
 
 @compiled
-def contact(pair: SolidPair, found: Nearest, ways: Floats, count: int) -> Answer:
-    """Return the answer about a pair that touches and, for all rounding tells, may overlap.
+def contact(pair: SolidPair, closest: Nearest, ways: Floats, count: int) -> Answer:
+    """Return the answer about a pair that touches and, to rounding, may overlap.
 
-    Where some roundings more part it, the answer is a touch, else a way out that is open. No gap
-    of a level makes a touch of an overlap, for ``plain_overlap`` would see it all the same. The
-    upper end is no less than how far apart the nearest points are.
+    Where a move by some roundings separates it, the answer is a touch, else an OPEN depth. The
+    tolerance of a level never makes a touch of an overlap, for ``plain_overlap`` would see it all
+    the same. The upper end is no less than the distance of the nearest points.
     """
-    depth, t, b = sure_way_out(pair, found, ways, count)
+    depth, t, b = certain_separating_move(pair, closest, ways, count)
     noise = noise_of(pair)
     if depth <= MOST_ASIDE * noise:
-        return separation(pair, contact_of(pair, found, ways, count), depth)
+        return separation(pair, contact_of(pair, closest, ways, count), depth)
     m, depth = unit(t), depth - BACK_OFF * noise
     a = add_scaled(b, -depth, m)
-    error = depth + max(found.upper - pair.radius, 0.0) + (1.0 + BACK_OFF) * noise
+    error = depth + max(closest.upper - pair.radius, 0.0) + (1.0 + BACK_OFF) * noise
     return Answer(m, a, b, -depth, error, False, OPEN)
 
 
 @compiled
-def point(pair: SolidPair, found: Nearest, stand: int) -> Answer:
+def point(pair: SolidPair, closest: Nearest, stand: int) -> Answer:
     """Return the answer about a point: it is out where the surface is nearest."""
-    n, noise = found.n, noise_of(pair)
+    n, noise = closest.n, noise_of(pair)
     if stand == OVERLAPS:
-        return Answer(n, found.a, found.b, -found.lower, noise, found.unique, MESH)
-    answer = separation(pair, found, 0.0)
+        return Answer(n, closest.a, closest.b, -closest.lower, noise, closest.unique, MESH)
+    answer = separation(pair, closest, 0.0)
     if stand == APART:
         return answer
-    error = answer.error + 2.0 * found.upper  # it may be on the other side
+    error = answer.error + 2.0 * closest.upper  # it may be on the other side
     return Answer(answer.m, answer.a, answer.b, answer.distance, error, answer.unique, MESH)
 
 
 @allocating
 def answer_of(pair: SolidPair, n: Vector, cutoff: float) -> Answer:
-    """Return the answer about a pair, of which what is beyond the cutoff [m] need not be told."""
+    """Return the answer about a pair, a bound alone if it is beyond the cutoff [m]."""
     noise, radius = noise_of(pair), pair.radius
-    found = nearest_within(pair, n, max(cutoff, 0.0) + radius + noise, touch_of(pair))
+    closest = nearest_within(pair, n, max(cutoff, 0.0) + radius + noise, touch_of(pair))
     ways = np.empty((MOST_WAYS, WAY_WIDTH))
-    stand, count = stand_of(pair, found, ways)
-    if stand == MAY_OVERLAP and found.upper - found.lower > noise:
-        # The gap of the level hides whether they overlap: only rounding may.
+    stand, count = stand_of(pair, closest, ways)
+    if stand == MAY_OVERLAP and closest.upper - closest.lower > noise:
+        # The tolerance of the level hides whether they overlap: only rounding may.
         pair = SolidPair(pair.A, pair.B, pair.p, pair.size, noise, radius)
-        found = nearest(pair, n, math.inf, touch_of(pair))
-        stand, count = stand_of(pair, found, ways)
-    if stand == OVERLAPS and found.end == BEYOND_CUTOFF:
-        found = nearest(pair, n, math.inf, NEVER)
-    if pair.A.kind == SPHERE and radius == 0.0 and found.end != BEYOND_CUTOFF:
-        return point(pair, found, stand)
+        closest = nearest(pair, n, math.inf, touch_of(pair))
+        stand, count = stand_of(pair, closest, ways)
+    if stand == OVERLAPS and closest.end == BEYOND_CUTOFF:
+        closest = nearest(pair, n, math.inf, NEVER)
+    if pair.A.kind == SPHERE and radius == 0.0 and closest.end != BEYOND_CUTOFF:
+        return point(pair, closest, stand)
     if stand == OVERLAPS:
-        return overlap(pair, found)
-    if found.end == BEYOND_CUTOFF:
-        return beyond(pair, found.n, found.lower - radius - noise)
+        return overlap(pair, closest)
+    if closest.end == BEYOND_CUTOFF:
+        return beyond(pair, closest.n, closest.lower - radius - noise)
     if stand == MAY_OVERLAP:
-        return contact(pair, found, ways, count)
-    return separation(pair, contact_of(pair, found, ways, count), 0.0)
+        return contact(pair, closest, ways, count)
+    return separation(pair, contact_of(pair, closest, ways, count), 0.0)
 
 
 @allocating
 def posed_pair(
     shaped_A: OrientedShape, shaped_B: OrientedShape, p_AB_W: Floats, tolerance: float
 ) -> SolidPair:
-    """Return any bounded shape and a solid as they stand together, in the solid's frame."""
+    """Return any bounded shape and a solid in their relative pose, in the solid's frame."""
     kind_A, shape_A, R_WA = shaped_A
     kind_B, shape_B, R_WB = shaped_B
     p = scale(-1.0, unrotate(R_WB, vector_at(p_AB_W, 0)))

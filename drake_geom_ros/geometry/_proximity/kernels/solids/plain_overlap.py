@@ -1,10 +1,10 @@
-"""Whether a core or a solid plainly overlaps a solid: a depth that is proved, and no way out.
+"""Plain overlaps of a core or a solid with a solid: a depth that is proved, and no translation.
 
-Whoever asks whether anything collides needs one proof. The shortest way out of a solid, which a
-penetration tells, is looked for a hundred times as long (``overlap``). So first the same balls are
+A collision query needs one proof. The least separating translation of a solid, which a penetration
+query returns, takes a hundred times as long to find (``overlap``). So first the same balls are
 tried as there, about a few points: the middle of a core, points just beneath where surfaces cross,
 and of bodies that do not cross a point of each; and boxes within both, where only walls touch.
-What they leave open the pair's kernel tells.
+What they leave open the pair's kernel decides.
 """
 
 import math
@@ -28,7 +28,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.contacts import (
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import part_of_line
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     middle_of,
-    way_out_of_hull,
+    separating_move_of_hulls,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_depths import (
@@ -66,9 +66,9 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
 # Roundings that a depth must exceed to be plain: more than those for which ``containment`` may
-# take an overlap for a touch, and ``pairs`` part what touches.
+# take an overlap for a touch, and by which ``pairs`` separates bodies that touch.
 PLAIN = 128.0
-MOST_CROSSINGS = 4  # pairs of leaves that are looked at
+MOST_CROSSINGS = 4  # pairs of leaves that are examined
 MOST_STEPS = 6  # inwards from where surfaces cross
 SHORTER = 0.125  # each step over the one before
 
@@ -81,37 +81,37 @@ def heights_over(corners: tuple[Vector, Vector, Vector], p: Vector, n: Vector) -
 
 
 @compiled
-def middle_of_crossing(mine: Leaf, its: Leaf) -> Vector:
-    """Return the middle of what two triangles that go through each other have in common.
+def middle_of_crossing(leaf_A: Leaf, leaf_B: Leaf) -> Vector:
+    """Return the middle of the segment that two triangles which cross have in common.
 
-    Of others it is anything, or not finite.
+    For others it is any point, or not finite.
     """
-    n, m = normal_of_leaf(mine), normal_of_leaf(its)
-    T, S, along = (mine.a, mine.b, mine.c), (its.a, its.b, its.c), unit(cross(n, m))
-    first, last = part_of_line(T, heights_over(T, its.a, m), mine.a, along)
-    begin, end = part_of_line(S, heights_over(S, mine.a, n), mine.a, along)
-    # The line itself, nearest to mine.a: up mine's own plane to that of the other.
+    n, m = normal_of_leaf(leaf_A), normal_of_leaf(leaf_B)
+    T, S, along = (leaf_A.a, leaf_A.b, leaf_A.c), (leaf_B.a, leaf_B.b, leaf_B.c), unit(cross(n, m))
+    first, last = part_of_line(T, heights_over(T, leaf_B.a, m), leaf_A.a, along)
+    begin, end = part_of_line(S, heights_over(S, leaf_A.a, n), leaf_A.a, along)
+    # The point of the line nearest to leaf_A.a: up leaf_A's own plane to that of the other.
     up = cross(n, along)
     steep = dot(up, m)
     if steep == 0.0:
         return math.nan, math.nan, math.nan
-    rise = dot(sub(its.a, mine.a), m) / steep
+    rise = dot(sub(leaf_B.a, leaf_A.a), m) / steep
     middle = 0.5 * (max(first, begin) + min(last, end))
-    return add_scaled(add_scaled(mine.a, rise, up), middle, along)
+    return add_scaled(add_scaled(leaf_A.a, rise, up), middle, along)
 
 
 @allocating
 def beneath(pair: SolidPair, i: int, j: int) -> tuple[Vector, Vector, float]:
-    """Return (x, m, s): where leaves i of A and j of B cross, inwards from there, and how far."""
+    """Return (x, m, s): a point where leaves i and j cross, the way inwards from it, a length."""
     A, B = pair.A, pair.B
-    mine, its = leaf_of_A(pair, i), leaf_of_B(B, j)
-    size = norm(its.half)
+    leaf_A, leaf_B = leaf_of_A(pair, i), leaf_of_B(B, j)
+    size = norm(leaf_B.half)
     if A.kind != SOLID:
         q = middle_of(A, pair.p)
         _, _, b = separation_of_point(q, B, j, noise_of(pair))
         return b, scale(-1.0, normal_of(B.shape, B.tree, j)), size
-    inwards = scale(-1.0, add(normal_of_leaf(mine), normal_of_leaf(its)))
-    return middle_of_crossing(mine, its), unit(inwards), min(size, norm(mine.half))
+    inwards = scale(-1.0, add(normal_of_leaf(leaf_A), normal_of_leaf(leaf_B)))
+    return middle_of_crossing(leaf_A, leaf_B), unit(inwards), min(size, norm(leaf_A.half))
 
 
 @allocating
@@ -131,19 +131,19 @@ def depth_at_crossing(pair: SolidPair, i: int, j: int, enough: float) -> float:
 
 @allocating
 def depth_of_boxes(pair: SolidPair) -> float:
-    """Return a depth [m] by boxes within the bodies, 0 without: of walls that are flush."""
+    """Return a depth [m] by boxes within the bodies, or 0: it finds overlaps of flush walls."""
     A, B = pair.A, pair.B
     if A.kind != SOLID and A.kind != BOX:
         return 0.0
-    _, longest = way_out_of_hull(pair)
+    _, longest = separating_move_of_hulls(pair)
     boxes = boxes_of(A), boxes_in(B.shape, B.tree)
-    found = least_parting(boxes, A.R, pair.p, (longest, 0.0), noise_of(pair))
-    return min(found.lower, longest)
+    parting = least_parting(boxes, A.R, pair.p, (longest, 0.0), noise_of(pair))
+    return min(parting.lower, longest)
 
 
 @allocating
 def plain_depth(pair: SolidPair, enough: float) -> float:
-    """Return how deep A and B are in each other at least [m], by the first proof of ``enough``."""
+    """Return a lower bound of the depth [m] of A and B, by the first proof of ``enough``."""
     A, B, p, radius = pair.A, pair.B, pair.p, pair.radius
     if A.kind != SOLID:
         ball = max(radius, inner_radius(A.kind, A.shape))
@@ -175,7 +175,7 @@ def plain_overlap(
 ) -> None:
     """Write minus a certified depth of any bounded shape in a solid, as DISTANCE, or 0.
 
-    Below 0 it is plain that the pair's kernel tells of an overlap; of 0 nothing follows.
+    Below 0 it is certain that the pair's kernel reports an overlap; from 0 nothing follows.
     """
     pair = posed_pair(shaped_A, shaped_B, p_AB_W, aim.tolerance)
     enough = PLAIN * noise_of(pair)

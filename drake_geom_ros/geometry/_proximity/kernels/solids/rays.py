@@ -1,4 +1,4 @@
-"""Which places lie in a solid, decided without error: the triangles that a ray goes through.
+"""Containment of places in a solid, decided without error by the triangles that a ray crosses.
 
 Along a ray from a place to beyond a closed surface, triangles that it leaves by count 1 and those
 that it enters by -1: the sum is 1 within and 0 outside. Where a ray meets an edge another one is
@@ -35,7 +35,7 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 # Where a place is.
 OUTSIDE = 0
 INSIDE = 1
-UNTOLD = 2  # on the surface, or all rays met edges
+UNDECIDED = 2  # on the surface, or all rays met edges
 
 # Directions of rays, of any length: no two components have a simple ratio, where edges are not to
 # be expected.
@@ -65,7 +65,7 @@ class Posed(NamedTuple):
 
 @compiled
 def swaps_axes(R: Floats) -> bool:
-    """Tell whether a rotation takes axes to axes: it rounds nothing."""
+    """Return whether a rotation takes axes to axes: it rounds nothing."""
     for i in range(3):
         for j in range(3):
             if R[i, j] != 0.0 and abs(R[i, j]) != 1.0:
@@ -98,7 +98,7 @@ def weighed(
     shares: Vector,
     k: int,
 ) -> tuple[float, float]:
-    """Return coordinate k of ``place_on``, and what rounding took off."""
+    """Return coordinate k of ``place_on``, and its rounding error."""
     x, dx = two_product(shares[0], a[k])
     y, dy = two_product(shares[1], b[k])
     z, dz = two_product(shares[2], c[k])
@@ -123,7 +123,7 @@ def place_on(
 
 @compiled
 def misses_box(box: NodeBox, q: Vector, d: Vector, slack: float) -> bool:
-    """Tell whether the segment from q to q + d is farther than ``slack`` from a box, or may be."""
+    """Return whether the segment from q to q + d may be farther than ``slack`` from a box."""
     first, last = 0.0, 1.0
     for k in range(3):
         low, high = box.middle[k] - box.half[k] - slack, box.middle[k] + box.half[k] + slack
@@ -143,9 +143,9 @@ def through(
     far: Place,
     off: float,
 ) -> tuple[bool, int]:
-    """Return (told, count): by T the segment from q to ``far`` leaves (1) or enters (-1), or not.
+    """Return (is_decided, count): the segment from q to ``far`` leaves by T (1), enters (-1) or 0.
 
-    Not told where it meets an edge, or q is on T.
+    It is not decided where the segment meets an edge, or q is on T.
     """
     a, b, c = T
     first, second = side(q, far, a, b, off), side(q, far, b, c, off)
@@ -164,7 +164,7 @@ def through(
 
 @allocating
 def count_through(posed: Posed, q: Place, d: Vector) -> tuple[bool, int]:
-    """Return (told, count) of all triangles that the segment from q to q + d goes through."""
+    """Return (is_decided, count) of all triangles that the segment from q to q + d crosses."""
     stack = np.empty(DEEPEST, dtype=np.int64)
     stack[0], top, count = 0, 1, 0
     shape, tree = posed.shape, posed.tree
@@ -183,8 +183,8 @@ def count_through(posed: Posed, q: Place, d: Vector) -> tuple[bool, int]:
             continue
         leaf = k - (tree.leaves - 1)
         for j in range(first_of_leaf(tree, leaf), first_of_leaf(tree, leaf + 1)):
-            told, more = through(triangle_of(posed, j), q, far, posed.off)
-            if not told:
+            is_decided, more = through(triangle_of(posed, j), q, far, posed.off)
+            if not is_decided:
                 return False, 0
             count += more
     return True, count
@@ -192,7 +192,7 @@ def count_through(posed: Posed, q: Place, d: Vector) -> tuple[bool, int]:
 
 @compiled
 def where_is(posed: Posed, q: Place) -> int:
-    """Return whether a place is INSIDE a posed solid, OUTSIDE, or that is UNTOLD."""
+    """Return whether a place is INSIDE a posed solid, OUTSIDE, or UNDECIDED."""
     root, x = box_of_node(posed.shape, posed.tree, 0), (q[0], q[1], q[2])
     seen = sub(unrotate(posed.R, sub(x, posed.p)), root.middle)
     slack = posed.off + ROUNDING * EPS * (norm(x) + norm(posed.p) + norm(root.middle))
@@ -202,10 +202,10 @@ def where_is(posed: Posed, q: Place) -> int:
     middle = add(rotate(posed.R, root.middle), posed.p)
     reach = 4.0 * (norm(root.half) + norm(sub(x, middle)))
     for ray in RAYS:
-        told, count = count_through(posed, q, add_scaled((0.0, 0.0, 0.0), reach, ray))
-        if told:
+        is_decided, count = count_through(posed, q, add_scaled((0.0, 0.0, 0.0), reach, ray))
+        if is_decided:
             return INSIDE if count > 0 else OUTSIDE
-    return UNTOLD
+    return UNDECIDED
 
 
 @compiled
@@ -213,9 +213,9 @@ def is_beneath_within(
     T: Triangle,
     posed: Posed,
 ) -> bool:
-    """Tell whether what is just beneath a triangle is in a posed solid that does not cross it."""
+    """Return whether the space just beneath a triangle that crosses no surface is in a solid."""
     for shares in PLACES:
         where = where_is(posed, place_on(T, shares))
-        if where != UNTOLD:
+        if where != UNDECIDED:
             return where == INSIDE
     return False

@@ -48,7 +48,7 @@ def ends_along(n: Vector, a: Vector, b: Vector, c: Vector) -> tuple[float, float
 
 @compiled
 def slab_axis(A: TreeBody, i: int, B: Solid, j: int, turn: int) -> Vector:
-    """Return one of the 11 axes that may separate two leaves, or the zero vector.
+    """Return one of the 11 axes that may separate two leaves, or the zero vector without one.
 
     They are the normals of both triangles and the products of their edges; of a core, which has no
     normal, its axes stand for edges. Of a box and of a triangle these are all there are.
@@ -70,15 +70,15 @@ def widest_slab(
 ) -> tuple[float, Vector]:
     """Return (width, n) of the widest slab between two leaves along ``slab_axis``.
 
-    Or of the first that is wider than ``enough`` [m].
-    Of slabs that are as wide to rounding n is the first one's, out of A's triangle and into B's:
-    of faces that lie flush rounding would choose the side.
+    The first slab that is wider than ``enough`` [m] ends the search. Among slabs that are as wide
+    to rounding n is the first one's, out of A's triangle and into B's: for faces that lie flush
+    rounding would choose the side.
     """
-    its = triangle_from(p, B, j)
-    mine = its
+    triangle_B = triangle_from(p, B, j)
+    triangle_A = triangle_B
     if A.kind == SOLID:
         at = A.tree.corners + CORNERS * i
-        mine = (
+        triangle_A = (
             rotate(A.R, vector_at(A.shape, at)),
             rotate(A.R, vector_at(A.shape, at + 3)),
             rotate(A.R, vector_at(A.shape, at + 6)),
@@ -90,9 +90,9 @@ def widest_slab(
             continue
         if turn == 0:
             n = scale(-1.0, n)
-        begin, end = ends_along(n, its[0], its[1], its[2])
+        begin, end = ends_along(n, triangle_B[0], triangle_B[1], triangle_B[2])
         if A.kind == SOLID:
-            low, high = ends_along(n, mine[0], mine[1], mine[2])
+            low, high = ends_along(n, triangle_A[0], triangle_A[1], triangle_A[2])
         else:
             high = dot(support(A.kind, A.shape, A.R, n, 0.0), n)
             low = dot(support(A.kind, A.shape, A.R, scale(-1.0, n), 0.0), n)

@@ -1,12 +1,12 @@
-"""The least translation that parts two families of boxes: what parts two solids is no shorter.
+"""The least translation that separates two sets of boxes: no shorter one separates the solids.
 
-All boxes of A have the axes of A and all of B those of B, so the same few axes part any two of
+All boxes of A have the axes of A and all of B those of B, so the same few axes separate any two of
 them: three where A's axes are B's, else up to fifteen. A box of A is moved out of one of B when it
 is moved along one of these directions m by at least a width. So the least translation t fulfils
-``m . t >= width`` for a direction of each two boxes that overlap, and it is looked for best first:
-a node has a bound for some directions; the shortest t within them is known in closed form; the two
-boxes that overlap the most after it are branched on. The shortest t of all nodes that are left is
-a lower bound at any time, and where it parts all boxes it is the least.
+``m . t >= width`` for a direction of each two boxes that overlap. A best-first search finds it:
+a node has a bound for some directions; the shortest t within them has a closed form; the search
+branches on the two boxes that overlap the most after it. The shortest t of all remaining nodes is
+a lower bound at any time, and where it separates all boxes it is the least.
 """
 
 import math
@@ -36,27 +36,27 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 MOST_NODES = 400
-SNAP = 16.0 * EPS  # of a rotation whose axes are taken for those of the other
+SNAP = 16.0 * EPS  # of a rotation's elements from 0 and 1, to take its axes for the other's
 TIES = 8.0  # roundings that translations as long may differ by
 NO_BOUND = -math.inf
 
 
 class Parting(NamedTuple):
-    """What is known of the least translation: it is no shorter than ``lower``.
+    """Bounds of the least translation that separates: it is no shorter than ``lower``.
 
-    ``parts`` tells that ``t`` (3,) parts all boxes and is as long as ``lower``, to rounding, and
-    ``alone`` that none as long does along a clearly different direction.
+    If ``separates``, ``t`` (3,) separates all boxes and is as long as ``lower``, to rounding. If
+    ``alone``, no other as long does along a clearly different direction.
     """
 
     lower: float
     t: Vector
-    parts: bool
+    separates: bool
     alone: bool
 
 
 @compiled
 def nearly_swaps_axes(R: Floats) -> bool:
-    """Tell whether a rotation takes axes to axes, to rounding."""
+    """Return whether a rotation takes axes to axes, to rounding."""
     for i in range(3):
         for j in range(3):
             if abs(R[i, j]) > SNAP and abs(abs(R[i, j]) - 1.0) > SNAP:
@@ -66,7 +66,7 @@ def nearly_swaps_axes(R: Floats) -> bool:
 
 @allocating
 def directions_of(R: Floats) -> tuple[Floats, float]:
-    """Return (directions (2 n, 3), slack): axes and their reverses; slack [-] of one left out."""
+    """Return (directions (2 n, 3), slack [-] for those left out): axes and their reverses."""
     ways, count, slack = np.empty((30, 3)), 0, 0.0
     for k in range(15):
         if k < 3:
@@ -98,19 +98,19 @@ def widths_of(
     slack: float,
     limits: tuple[float, float],
 ) -> Floats:
-    """Return the widths (k, 2 n) of each two boxes that less than ``upper`` lets overlap.
+    """Return the widths (k, 2 n) of each two boxes that may overlap within moves below ``upper``.
 
-    A width is how far one of A's is to be moved along a direction to be beyond one of B's by
-    ``more``; ``limits`` are (upper, more) [m], ``slack`` [-] is that of directions left out.
+    A width is how far a box of A is to be moved along a direction to be beyond one of B by
+    ``more``; ``limits`` are (upper, more) [m], ``slack`` [-] is for directions left out.
     """
-    (mine, its), (upper, more) = boxes, limits
-    count, width = 0, np.empty((mine.shape[0] * its.shape[0], ways.shape[0]))
-    for i in range(mine.shape[0]):
-        low, high = vector_at(mine[i], 0), vector_at(mine[i], 3)
+    (boxes_A, boxes_B), (upper, more) = boxes, limits
+    count, width = 0, np.empty((boxes_A.shape[0] * boxes_B.shape[0], ways.shape[0]))
+    for i in range(boxes_A.shape[0]):
+        low, high = vector_at(boxes_A[i], 0), vector_at(boxes_A[i], 3)
         half = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])
         middle = add(rotate(R, scale(0.5, add(low, high))), p)
-        for j in range(its.shape[0]):
-            start, end = vector_at(its[j], 0), vector_at(its[j], 3)
+        for j in range(boxes_B.shape[0]):
+            start, end = vector_at(boxes_B[j], 0), vector_at(boxes_B[j], 3)
             room = 0.5 * (end[0] - start[0]), 0.5 * (end[1] - start[1]), 0.5 * (end[2] - start[2])
             between = add_scaled(scale(0.5, add(start, end)), -1.0, middle)
             least = math.inf
@@ -129,7 +129,7 @@ def widths_of(
 
 @compiled
 def on_axes(bounds: Floats) -> tuple[bool, Vector]:
-    """Return (feasible, t) of the shortest t within bounds along three axes and their reverses."""
+    """Return (feasible, t): the shortest t within bounds along three axes and their reverses."""
     t = (
         max(bounds[0], 0.0) - max(bounds[1], 0.0),
         max(bounds[2], 0.0) - max(bounds[3], 0.0),
@@ -145,7 +145,10 @@ def on_axes(bounds: Floats) -> tuple[bool, Vector]:
 def weights_of(
     m: Vector, n: Vector, o: Vector, a: float, b: float, c: float
 ) -> tuple[bool, Vector]:
-    """Return (told, t): m . t = a, n . t = b, o . t = c, and t is no negative sum of m, n, o."""
+    """Return (is_valid, t) with m . t = a, n . t = b and o . t = c.
+
+    It is valid if t is a sum of m, n and o, clearly independent, with no negative weight.
+    """
     volume = dot(m, cross(n, o))
     if volume * volume < INDEPENDENT:
         return False, m
@@ -160,10 +163,10 @@ def weights_of(
 
 @compiled
 def longest_foot(ways: Floats, bounds: Floats) -> Vector:
-    """Return the shortest t within bounds along any directions, as the longest that some ask for.
+    """Return the shortest t within bounds along any directions, as the longest that some require.
 
-    One, two or three bounds that t presses on ask for a t, and all within all bounds are no
-    shorter: so what is returned is no longer than they, whatever is left out.
+    One, two or three active bounds require a t, and every t within all bounds is no shorter: so
+    the result is no longer than the shortest, whatever is left out.
     """
     best, longest = (0.0, 0.0, 0.0), 0.0
     for i in range(bounds.size):
@@ -186,8 +189,8 @@ def longest_foot(ways: Floats, bounds: Floats) -> Vector:
                 c, o = bounds[k], vector_at(ways[k], 0)
                 if c == NO_BOUND:
                     continue
-                told, t = weights_of(m, n, o, a, b, c)
-                if told and norm(t) > longest:
+                is_valid, t = weights_of(m, n, o, a, b, c)
+                if is_valid and norm(t) > longest:
                     best, longest = t, norm(t)
     return best
 
@@ -205,7 +208,7 @@ def shortest(ways: Floats, bounds: Floats) -> tuple[bool, Vector]:
 
 @compiled
 def most_overlapping(width: Floats, ways: Floats, t: Vector) -> tuple[int, float]:
-    """Return (k, depth) of the two boxes that overlap the most after the move by t."""
+    """Return (k, depth): the two boxes that overlap the most after the move by t, and how deep."""
     best, deepest = -1, -math.inf
     for k in range(width.shape[0]):
         least = math.inf
@@ -220,7 +223,7 @@ def most_overlapping(width: Floats, ways: Floats, t: Vector) -> tuple[int, float
 
 @compiled
 def is_listed(bounds: Floats, lengths: Floats, count: int, new: Floats, length: float) -> bool:
-    """Tell whether a node of the same bounds is there."""
+    """Return whether a node of the same bounds is listed already."""
     for k in range(count):
         if lengths[k] == length:
             same = True
@@ -235,7 +238,7 @@ def is_listed(bounds: Floats, lengths: Floats, count: int, new: Floats, length: 
 def is_alone(
     ways: Floats, bounds: Floats, lengths: Floats, count: int, t: Vector, longest: float
 ) -> bool:
-    """Tell whether no node up to that length goes along a clearly different direction than t."""
+    """Return whether all nodes up to a length go along about the same direction as t."""
     for k in range(count):
         if lengths[k] <= longest:
             _, other = shortest(ways, bounds[k])
@@ -250,12 +253,12 @@ def least_parting(
 ) -> Parting:
     """Return the ``Parting`` of boxes (k, 6) of A, turned by R and moved by p, from boxes of B.
 
-    ``limits`` are (upper, more) [m]: ``lower`` is no more than ``upper``, which parts them, and
-    they count as apart from ``more`` on; ``noise`` [m] is rounding.
+    ``limits`` are (upper, more) [m]: ``lower`` is no more than ``upper``, which separates them,
+    and they count as apart from ``more`` on; ``noise`` [m] is rounding.
     """
-    (mine, its), upper = boxes, limits[0]
+    (boxes_A, boxes_B), upper = boxes, limits[0]
     nothing = Parting(0.0, (0.0, 0.0, 0.0), False, False)
-    if mine.shape[0] == 0 or its.shape[0] == 0:
+    if boxes_A.shape[0] == 0 or boxes_B.shape[0] == 0:
         return nothing
     ways, slack = directions_of(R)
     width = widths_of(boxes, R, p, ways, slack, limits)

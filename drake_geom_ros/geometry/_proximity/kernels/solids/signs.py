@@ -1,11 +1,11 @@
-"""Signs of determinants, exact where floats cannot tell.
+"""Signs of determinants, exact where floats cannot decide.
 
-A place is a point of six numbers: its coordinates rounded, then what rounding took off. So a
-vertex that a pose without rotation has moved is known to the last bit. A sign is that of a
-determinant of differences of places: told by floats where its error bound allows, else summed
-without error as an expansion, a sum of floats that do not overlap (Shewchuk, Discrete &
-Computational Geometry 18 (3), 1997). Places may be off by ``off`` [m], as a rotation leaves them:
-then what is no larger than that makes it counts as 0, and nothing is summed.
+A place is a point of six numbers: its rounded coordinates, then their rounding errors. So a vertex
+that a pose without rotation has moved is exact to the last bit. A sign is that of a determinant of
+differences of places: computed in floats where the error bound allows, else summed without error
+as an expansion, a sum of floats that do not overlap (Shewchuk, Discrete & Computational Geometry
+18 (3), 1997). Places may be off by ``off`` [m], as a rotation leaves them: then a determinant that
+is no larger than the error this causes counts as 0, and nothing is summed.
 """
 
 from typing import NamedTuple, TypeAlias
@@ -54,22 +54,22 @@ def two_product(a: float, b: float) -> tuple[float, float]:
 
 @inlined
 def grow(parts: Floats, count: int, x: float) -> int:
-    """Add x to an expansion, smallest part first; return how many parts it has then."""
-    kept = 0
+    """Add x to an expansion, smallest part first; return its number of parts."""
+    remaining = 0
     for k in range(count):
         x, e = two_sum(x, parts[k])
         if e != 0.0:
-            parts[kept] = e
-            kept += 1
+            parts[remaining] = e
+            remaining += 1
     if x != 0.0:
-        parts[kept] = x
-        kept += 1
-    return kept
+        parts[remaining] = x
+        remaining += 1
+    return remaining
 
 
 @compiled
 def difference(parts: Floats, a: Place, b: Place, c: int) -> int:
-    """Write coordinate c of a - b as an expansion; return how many parts it has."""
+    """Write coordinate c of a - b as an expansion; return its number of parts."""
     count = grow(parts, 0, a[c])
     count = grow(parts, count, -b[c])
     count = grow(parts, count, a[c + 3])
@@ -123,7 +123,7 @@ def exact_sign(a: Place, b: Place, c: Place, d: Place, axis: int) -> int:
 
 @inlined
 def apart(a: Place, b: Place) -> tuple[Vector, Vector]:
-    """Return the difference of two places, rounded, and bounds of what it is made of."""
+    """Return the rounded difference of two places, and bounds of its terms."""
     x = (a[0] - b[0]) + (a[3] - b[3])
     y = (a[1] - b[1]) + (a[4] - b[4])
     z = (a[2] - b[2]) + (a[5] - b[5])
@@ -136,7 +136,7 @@ def apart(a: Place, b: Place) -> tuple[Vector, Vector]:
 
 @inlined
 def level(a: Place, b: Place, c: Place, d: Place) -> bool:
-    """Tell whether four places have one coordinate in common."""
+    """Return whether four places have one coordinate in common."""
     return (
         (a[0] == b[0] == c[0] == d[0] and a[3] == b[3] == c[3] == d[3])
         or (a[1] == b[1] == c[1] == d[1] and a[4] == b[4] == c[4] == d[4])
@@ -146,7 +146,7 @@ def level(a: Place, b: Place, c: Place, d: Place) -> bool:
 
 @inlined
 def plain_difference(a: float, b: float, da: float, db: float) -> tuple[bool, float]:
-    """Return (exact, difference) of a and b, with what rounding took off them."""
+    """Return (exact, difference) of a and b, with their rounding errors."""
     x, e = two_sum(a, -b)
     return e == 0.0 and da == 0.0 and db == 0.0, x
 
@@ -171,9 +171,9 @@ def plain_minor(a: float, b: float, c: float, d: float) -> tuple[bool, float]:
 
 @compiled
 def plain_sign(a: Place, b: Place, c: Place, d: Place) -> tuple[bool, int]:
-    """Return (told, sign) of ``det(b - a, c - a, d - a)``, told where nothing is rounded.
+    """Return (is_exact, sign) of ``det(b - a, c - a, d - a)``, exact where nothing is rounded.
 
-    So it is between walls of round numbers, where most determinants are 0.
+    This holds between walls of round numbers, where most determinants are 0.
     """
     (e, u), (f, v), (g, w) = plain_edge(b, a), plain_edge(c, a), plain_edge(d, a)
     if not (e and f and g):
@@ -185,8 +185,8 @@ def plain_sign(a: Place, b: Place, c: Place, d: Place) -> tuple[bool, int]:
     (p, dp), (q, dq), (r, dr) = two_product(u[0], x), two_product(u[1], y), two_product(u[2], z)
     s, ds = two_sum(p, q)
     s, dt = two_sum(s, r)
-    told = dp == dq == dr == ds == dt == 0.0
-    return told, 1 if s > 0.0 else (-1 if s < 0.0 else 0)
+    is_exact = dp == dq == dr == ds == dt == 0.0
+    return is_exact, 1 if s > 0.0 else (-1 if s < 0.0 else 0)
 
 
 class SignPlane(NamedTuple):
@@ -196,14 +196,14 @@ class SignPlane(NamedTuple):
     b: Place
     c: Place
     n: Vector
-    most: Vector  # of the products that the normal is a sum of
-    reach: float  # what an error of a fourth place counts for, and its own beside that
+    most: Vector  # sizes of the products that the normal is a sum of
+    reach: float  # factor of an error of a fourth place, beside its own
     share: float
 
 
 @inlined
 def plane_through(a: Place, b: Place, c: Place, off: float) -> SignPlane:
-    """Return the plane through three places that may be ``off`` [m]."""
+    """Return the plane through three places that may be off by ``off`` [m]."""
     (u, mu), (v, mv) = apart(b, a), apart(c, a)
     most = (
         mu[1] * mv[2] + mu[2] * mv[1],
@@ -219,8 +219,8 @@ def plane_through(a: Place, b: Place, c: Place, off: float) -> SignPlane:
 @compiled
 def summed_sign(a: Place, b: Place, c: Place, d: Place) -> int:
     """Return the sign of ``det(b - a, c - a, d - a)`` without error."""
-    told, sign = plain_sign(a, b, c, d)
-    return sign if told else exact_sign(a, b, c, d, -1)
+    is_exact, sign = plain_sign(a, b, c, d)
+    return sign if is_exact else exact_sign(a, b, c, d, -1)
 
 
 @inlined
@@ -246,7 +246,7 @@ def side_of(plane: SignPlane, d: Place, off: float) -> int:
 
 @compiled
 def side(a: Place, b: Place, c: Place, d: Place, off: float) -> int:
-    """Return on which side of the plane of a, b, c the place d is, as ``side_of`` does."""
+    """Return the side of the plane of a, b, c that the place d is on, as ``side_of`` does."""
     return side_of(plane_through(a, b, c, off), d, off)
 
 

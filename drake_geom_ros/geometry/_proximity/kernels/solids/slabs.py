@@ -1,9 +1,9 @@
-"""Slabs between blocks of triangles of two solids: which of their triangles may be near.
+"""Slabs between blocks of triangles of two solids, which exclude most pairs of triangles.
 
-A *block* is what two leaves of a tree hold. Along one axis the ends of each triangle are looked at
-once and tell of every pair, where a pair for itself costs as much as both blocks: of solids that
-are linked, or fit each other, hundreds of leaves are as near as the nearest, and nearly all pairs
-of their triangles are not. Bodies are given as in ``distance``.
+A *block* is the triangles of two leaves of a tree. The ends of each triangle along one axis are
+computed once and serve every pair, where a pair for itself costs as much as both blocks: in solids
+that are linked, or fit each other, hundreds of leaves are as near as the nearest, and nearly all
+pairs of their triangles are not. Bodies are given as in ``distance``.
 """
 
 import math
@@ -39,25 +39,25 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, comp
 
 MOST_IN_BLOCK = 2 * MOST_IN_LEAF
 
-# Columns of the room for two blocks: a row for each triangle, from the first of its block on.
+# Columns of the scratch for two blocks: a row for each triangle, from the first of its block on.
 PLACED = 0  # 9: corners of A's, in B
 END = 9  # of A's along the axis
 BEGIN = 10  # of B's
 FIRST = 11  # in row 0: the number of A's first triangle, of which corners are there
-ROOM_WIDTH = 12
+SCRATCH_WIDTH = 12
 
 
 @allocating
-def room_for_blocks() -> Floats:
-    """Return room (MOST_IN_BLOCK, ROOM_WIDTH) for two blocks."""
-    room = np.zeros((MOST_IN_BLOCK, ROOM_WIDTH))
-    room[0, FIRST] = -1.0
-    return room
+def scratch_for_blocks() -> Floats:
+    """Return scratch (MOST_IN_BLOCK, SCRATCH_WIDTH) for two blocks."""
+    scratch = np.zeros((MOST_IN_BLOCK, SCRATCH_WIDTH))
+    scratch[0, FIRST] = -1.0
+    return scratch
 
 
 @inlined
 def in_blocks(tree: Tree) -> Tree:
-    """Return the tree whose leaves are blocks; of one leaf, and of a core, it is the same."""
+    """Return the tree whose leaves are blocks: the same one for one leaf and for a core."""
     if tree.leaves < 2:
         return tree
     nodes, leaves, corners, triangles, pieces_at, pieces, planes_at, planes, boxes_at, boxes = tree
@@ -77,7 +77,7 @@ def in_blocks(tree: Tree) -> Tree:
 
 @allocating
 def blocks_of(pair: SolidPair) -> tuple[TreeBody, Solid, Vector]:
-    """Return (A, B, p) with blocks for leaves where both are solids."""
+    """Return (A, B, p) with blocks as leaves where both are solids."""
     A, B, p = pair.A, pair.B, pair.p
     if A.kind != SOLID:
         return A, B, p
@@ -86,60 +86,60 @@ def blocks_of(pair: SolidPair) -> tuple[TreeBody, Solid, Vector]:
 
 
 @inlined
-def put_corners(pair: SolidPair, first: int, count: int, room: Floats) -> None:
-    """Put the corners of A's block into the room, unless they are there from the last time."""
+def put_corners(pair: SolidPair, first: int, count: int, scratch: Floats) -> None:
+    """Put the corners of A's block into the scratch, unless they are there from the last time."""
     A, R = pair.A, pair.A.R
-    if room[0, FIRST] == first:
+    if scratch[0, FIRST] == first:
         return
-    room[0, FIRST] = first
+    scratch[0, FIRST] = first
     at = A.tree.corners + CORNERS * first
     for k in range(count):
         for c in range(0, CORNERS, 3):
             corner = add(rotate(R, vector_at(A.shape, at + CORNERS * k + c)), pair.p)
-            room[k, c], room[k, c + 1], room[k, c + 2] = corner
+            scratch[k, c], scratch[k, c + 1], scratch[k, c + 2] = corner
 
 
 @compiled
-def _gap_of_blocks(pair: SolidPair, i: int, j: int, room: Floats) -> float:
-    """Return what ``gap_of_blocks`` does, of two solids."""
+def _gap_of_blocks(pair: SolidPair, i: int, j: int, scratch: Floats) -> float:
+    """Return what ``gap_of_blocks`` does for two solids."""
     A, B = pair.A, pair.B
-    mine, its = in_blocks(A.tree), in_blocks(B.tree)
-    first, start = first_of_leaf(mine, i), first_of_leaf(its, j)
-    many, more = first_of_leaf(mine, i + 1) - first, first_of_leaf(its, j + 1) - start
-    put_corners(pair, first, many, room)
-    middle = add(rotate(A.R, box_of_node(A.shape, mine, i + mine.leaves - 1).middle), pair.p)
-    n = unit(sub(box_of_node(B.shape, its, j + its.leaves - 1).middle, middle))
+    tree_A, tree_B = in_blocks(A.tree), in_blocks(B.tree)
+    first, start = first_of_leaf(tree_A, i), first_of_leaf(tree_B, j)
+    many, more = first_of_leaf(tree_A, i + 1) - first, first_of_leaf(tree_B, j + 1) - start
+    put_corners(pair, first, many, scratch)
+    middle = add(rotate(A.R, box_of_node(A.shape, tree_A, i + tree_A.leaves - 1).middle), pair.p)
+    n = unit(sub(box_of_node(B.shape, tree_B, j + tree_B.leaves - 1).middle, middle))
     end, begin = -math.inf, math.inf
     for k in range(many):
-        a, b = vector_at(room[k], PLACED), vector_at(room[k], PLACED + 3)
-        room[k, END] = max(dot(a, n), dot(b, n), dot(vector_at(room[k], PLACED + 6), n))
-        end = max(end, room[k, END])
+        a, b = vector_at(scratch[k], PLACED), vector_at(scratch[k], PLACED + 3)
+        scratch[k, END] = max(dot(a, n), dot(b, n), dot(vector_at(scratch[k], PLACED + 6), n))
+        end = max(end, scratch[k, END])
     for m in range(more):
-        at = its.corners + CORNERS * (start + m)
+        at = tree_B.corners + CORNERS * (start + m)
         a, b = vector_at(B.shape, at), vector_at(B.shape, at + 3)
-        room[m, BEGIN] = min(dot(a, n), dot(b, n), dot(vector_at(B.shape, at + 6), n))
-        begin = min(begin, room[m, BEGIN])
+        scratch[m, BEGIN] = min(dot(a, n), dot(b, n), dot(vector_at(B.shape, at + 6), n))
+        begin = min(begin, scratch[m, BEGIN])
     return begin - end
 
 
 @inlined
-def gap_of_blocks(pair: SolidPair, i: int, j: int, room: Floats) -> float:
-    """Return a lower bound [m] of the distance of two blocks, and leave those of their triangles.
+def gap_of_blocks(pair: SolidPair, i: int, j: int, scratch: Floats) -> float:
+    """Return a lower bound [m] of the distance of two blocks, and put their ends in ``scratch``.
 
     Triangle m of B is farther from k of A than BEGIN of row m less END of row k, along the line
-    between the middles of their boxes. Of a core and a leaf all are 0. It is right to some
+    between the middles of their boxes. For a core and a leaf all are 0. The bound is right to some
     roundings of the pair's size, less than ``noise_of``: corners of A are off by two, and products
     with the axis by two.
     """
-    if pair.A.kind != SOLID:  # most calls: to hand the pair over would take longer
+    if pair.A.kind != SOLID:  # most calls: to pass the pair would take longer
         return 0.0
-    return _gap_of_blocks(pair, i, j, room)
+    return _gap_of_blocks(pair, i, j, scratch)
 
 
 @inlined
-def leaf_in_block(pair: SolidPair, k: int, first: int, room: Floats) -> Leaf:
-    """Return A's core, or triangle k of the block in the room, as a leaf."""
+def leaf_in_block(pair: SolidPair, k: int, first: int, scratch: Floats) -> Leaf:
+    """Return A's core, or triangle k of the block in the scratch, as a leaf."""
     if pair.A.kind != SOLID:
         return leaf_of_A(pair, k)
-    row = room[k - first]
+    row = scratch[k - first]
     return around(vector_at(row, PLACED), vector_at(row, PLACED + 3), vector_at(row, PLACED + 6))

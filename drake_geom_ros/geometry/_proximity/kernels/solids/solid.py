@@ -1,10 +1,10 @@
-"""A solid's triangles under a tree of boxes: where things stand, and how trees are walked.
+"""A solid's triangles under a tree of boxes: the layout of its parameters, and its records.
 
 Parameters of SOLID: those of CONVEX for its hull; a header; the nodes of a heap (node k has the
 children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; the number of a triangle of
 each connected piece of the surface; the planes of the hull's largest faces; boxes in it; the tree
 for points (``lane_tree``); last the place of the header. Everything is in the solid's frame, and
-here B's frame is where all is computed: A, its origin at p, is turned into it. A may be a core of
+all is computed in B's frame: A, its origin at p, is turned into it. A may be a core of
 ``supports`` or a solid: a core is a tree of one leaf.
 """
 
@@ -48,7 +48,7 @@ INNER_BOX = 6  # numbers a box: its lower and its upper corner
 
 
 class Tree(NamedTuple):
-    """Where the parts of a solid begin in its parameters, and how many there are; 0 of a core."""
+    """The offsets of a solid's parts in its parameters, and their numbers; all 0 for a core."""
 
     nodes: int
     leaves: int
@@ -84,7 +84,7 @@ class Solid(NamedTuple):
 
 
 class SolidPair(NamedTuple):
-    """A and B as they stand together: A's origin is at p, and A is its core grown by a ball."""
+    """A and B in their relative pose: A's origin is at p, and A is its core grown by a ball."""
 
     A: TreeBody
     B: Solid
@@ -96,7 +96,7 @@ class SolidPair(NamedTuple):
 
 @inlined
 def noise_of(pair: SolidPair) -> float:
-    """Return what rounding may make of a distance [m]."""
+    """Return how far off rounding may put a distance [m]."""
     return ROUNDING * EPS * pair.size
 
 
@@ -194,9 +194,9 @@ def solid_angle(a: Vector, b: Vector, c: Vector) -> float:
 
 @compiled
 def rounding_of_angle(a: Vector, b: Vector, c: Vector) -> float:
-    """Return how far off ``solid_angle`` may be [sr]: both its parts, sums of products of three.
+    """Return how far off ``solid_angle`` may be [sr], by both its parts: sums of triple products.
 
-    Beside a needle nothing may be left of them, and the angle is anything.
+    Beside a needle both may vanish in rounding, and the angle is arbitrary.
     """
     y, x, product = parts_of_angle(a, b, c)
     left = max(abs(y), abs(x))

@@ -4,8 +4,8 @@ The distance is that of the nearest triangle. Let b be the point nearest to q on
 nothing of the surface is between them, so q is inside where the segment from b to q begins inside.
 About b the surface is a fan of triangles, or one: seen along the segment, the triangle first met
 when one turns away from it decides, and so do all that b is on, where they agree. They mostly do.
-Where not, at the tip of a needle say, the winding number tells; and where rounding leaves it open
-even so, the bound holds both signs.
+Where not, at the tip of a needle say, the winding number decides; and where rounding leaves it
+open even so, the error bound includes both signs.
 """
 
 import math
@@ -22,10 +22,10 @@ from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_tre
 from drake_geom_ros.geometry._proximity.kernels.solids.nearest_triangles import (
     FEW,
     FULL,
-    Room,
+    PointScratch,
     nearest_triangles,
-    room_for,
     rounding_at,
+    scratch_for,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
@@ -65,10 +65,10 @@ AT_SURFACE = 4.0
 
 @compiled
 def side_of_triangle(shape: Floats, tree: Tree, j: int, q: Vector) -> int:
-    """Return on which side of the plane of triangle j the point q is, UNSURE to rounding.
+    """Return the side of the plane of triangle j that the point q is on, UNSURE to rounding.
 
-    What the determinant may be off by is Shewchuk's (Discrete & Computational Geometry 18 (3),
-    1997): of a face along the axes next to nothing.
+    The error bound of the determinant is Shewchuk's (Discrete & Computational Geometry 18 (3),
+    1997): for a face along the axes it is next to nothing.
     """
     at = tree.corners + CORNERS * j
     a = vector_at(shape, at)
@@ -86,7 +86,7 @@ def side_of_triangle(shape: Floats, tree: Tree, j: int, q: Vector) -> int:
 
 @compiled
 def side_by_winding(shape: Floats, tree: Tree, q: Vector) -> int:
-    """Return on which side of the surface q is by its winding number, UNSURE to rounding."""
+    """Return the side of the surface that q is on, by its winding number, UNSURE to rounding."""
     ratio = FIRST_RATIO
     while True:
         # No triangle has this number: all are counted, and so is their rounding.
@@ -100,17 +100,23 @@ def side_by_winding(shape: Floats, tree: Tree, q: Vector) -> int:
 
 @compiled
 def side_of_surface(
-    shape: Floats, tree: Tree, q: Vector, distance: float, noise: float, count: int, room: Room
+    shape: Floats,
+    tree: Tree,
+    q: Vector,
+    distance: float,
+    noise: float,
+    count: int,
+    scratch: PointScratch,
 ) -> int:
-    """Return on which side of the surface q is, by the nearest triangles, the first of the room's.
+    """Return the side of the surface that q is on, by the nearest triangles, the scratch's first.
 
-    All that b is on are among these, and other points that are as near ask for the same side. One
-    whose plane goes through q does not decide: seen from there it is the last to be met. But of
+    All that b is on are among these, and other points that are as near give the same side. One
+    whose plane goes through q does not decide: seen from there it is the last to be met. But among
     more than two, or at the surface itself, rounding might hide one that does.
     """
     inside, outside_, unsure = 0, 0, 0
     for i in range(count):
-        side = side_of_triangle(shape, tree, room.triangles[i], q)
+        side = side_of_triangle(shape, tree, scratch.triangles[i], q)
         inside += side == INSIDE
         outside_ += side == OUTSIDE
         unsure += side == UNSURE
@@ -123,34 +129,43 @@ def side_of_surface(
 
 
 @compiled
-def first_of(count: int, room: Room) -> int:
-    """Return the place of the nearest triangle in the room, of equal ones that of least number."""
+def first_of(count: int, scratch: PointScratch) -> int:
+    """Return the place of the nearest triangle in the scratch, the least number among equals."""
     best = 0
     for i in range(1, count):
-        nearer = room.away[i] < room.away[best]
+        nearer = scratch.away[i] < scratch.away[best]
         if nearer or (
-            room.away[i] == room.away[best] and room.triangles[i] < room.triangles[best]
+            scratch.away[i] == scratch.away[best]
+            and scratch.triangles[i] < scratch.triangles[best]
         ):
             best = i
     return best
 
 
 @compiled
-def direction_of(shape: Floats, tree: Tree, i: int, noise: float, side: int, room: Room) -> Vector:
-    """Return the unit vector along which the distance grows, as triangle i of the room has it."""
-    if room.away[i] > noise:
-        return scale(-1.0 if side != INSIDE else 1.0, unit(vector_in(room.vectors, i)))
-    normal = normal_of(shape, tree, room.triangles[i])
+def direction_of(
+    shape: Floats, tree: Tree, i: int, noise: float, side: int, scratch: PointScratch
+) -> Vector:
+    """Return the unit vector along which the distance from triangle i of the scratch grows."""
+    if scratch.away[i] > noise:
+        return scale(-1.0 if side != INSIDE else 1.0, unit(vector_in(scratch.vectors, i)))
+    normal = normal_of(shape, tree, scratch.triangles[i])
     return normal if dot(normal, normal) > 0.5 else (1.0, 0.0, 0.0)
 
 
 @compiled
 def is_one_direction(
-    shape: Floats, tree: Tree, grad: Vector, noise: float, side: int, count: int, room: Room
+    shape: Floats,
+    tree: Tree,
+    grad: Vector,
+    noise: float,
+    side: int,
+    count: int,
+    scratch: PointScratch,
 ) -> bool:
-    """Tell whether the distance grows along about the same direction by all nearest triangles."""
+    """Return whether the distances from all nearest triangles grow along about one direction."""
     for i in range(count):
-        if dot(direction_of(shape, tree, i, noise, side, room), grad) < SAME_DIRECTION:
+        if dot(direction_of(shape, tree, i, noise, side, scratch), grad) < SAME_DIRECTION:
             return False
     return True
 
@@ -165,11 +180,11 @@ def to_solid(
     span: Span,
     answers: PointAnswers,
 ) -> None:
-    """Signed distance of points to a solid."""
+    """Write the signed distances of points to a solid."""
     shape = body.shape
     tree = tree_of(kind, shape)
     lanes, box = lane_tree_of(tree), box_of_node(shape, tree, 0)
-    extent, room = 2.0 * norm(box.half), room_for(lanes, FEW)
+    extent, scratch = 2.0 * norm(box.half), scratch_for(lanes, FEW)
     for k in range(span.first, span.last):
         near, q, rounding = seen(body, p_WQs, k, threshold)
         if not near:
@@ -183,26 +198,26 @@ def to_solid(
         )
         if beyond > max(threshold, 0.0) + rounding + 2.0 * rounding_at(beyond, extent):
             continue
-        count = nearest_triangles(shape, tree, lanes, q, extent, room)
+        count = nearest_triangles(shape, tree, lanes, q, extent, scratch)
         while count == FULL:
-            room = room_for(lanes, 2 * room.triangles.size)
-            count = nearest_triangles(shape, tree, lanes, q, extent, room)
-        best = first_of(count, room)
-        distance = room.away[best]
+            scratch = scratch_for(lanes, 2 * scratch.triangles.size)
+            count = nearest_triangles(shape, tree, lanes, q, extent, scratch)
+        best = first_of(count, scratch)
+        distance = scratch.away[best]
         noise = rounding_at(distance, extent)
         side = OUTSIDE
         if beyond <= noise:
-            side = side_of_surface(shape, tree, q, distance, noise, count, room)
+            side = side_of_surface(shape, tree, q, distance, noise, count, scratch)
         error = noise + rounding
         if side == UNSURE:
             error += 2.0 * distance
         signed = -distance if side == INSIDE else distance
         if signed - error > threshold:
             continue
-        grad = direction_of(shape, tree, best, noise, side, room)
-        unique = is_one_direction(shape, tree, grad, noise, side, count, room)
-        p_GN, at = add(q, vector_in(room.vectors, best)), k * span.n + span.g
+        grad = direction_of(shape, tree, best, noise, side, scratch)
+        unique = is_one_direction(shape, tree, grad, noise, side, count, scratch)
+        p_GN, at = add(q, vector_in(scratch.vectors, best)), k * span.n + span.g
         grad_W = rotate(body.R_WG, grad)
         put_point(answers.rows, at, signed, grad_W, p_GN, error, unique, MESH)
-        answers.found[at] = True
+        answers.is_within[at] = True
         answers.counts[MESH] += 1

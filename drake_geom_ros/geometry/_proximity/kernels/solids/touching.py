@@ -1,4 +1,4 @@
-"""All triangles of two solids that meet: what they tell of the insides, and the ways apart.
+"""All triangles of two solids that meet: what follows for the insides, and the ways apart.
 
 Bodies are given as in ``distance``; the triangles are those of ``rays.Posed``.
 """
@@ -34,7 +34,7 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, comp
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 # Columns of a row of ways apart, beyond those of a push (``contacts``).
-WAY_A = 4  # triangles of A and of B that ask for it
+WAY_A = 4  # triangles of A and of B that it separates
 WAY_B = 5
 IS_FLUSH = 6  # 1 where they lie on each other, 0 where an edge or a corner does
 WAY_WIDTH = 7
@@ -42,9 +42,9 @@ MOST_WAYS = 8  # clearly different directions
 
 
 class Met(NamedTuple):
-    """What triangles that meet tell: whether they show an overlap, and whether any touch.
+    """The result of all triangles that meet: whether they show an overlap, and whether any touch.
 
-    As many rows of ``ways`` were filled.
+    ``ways`` is the number of rows of ways apart that were filled.
     """
 
     overlapping: bool
@@ -58,7 +58,7 @@ def beside(
     S: Triangle,
     apart: float,
 ) -> bool:
-    """Tell whether the boxes around two triangles are farther apart than that."""
+    """Return whether the boxes of two triangles are more than ``apart`` from each other."""
     (a, b, c), (x, y, z) = T, S
     for k in range(3):
         if min(a[k], b[k], c[k]) - max(x[k], y[k], z[k]) > apart:
@@ -70,7 +70,7 @@ def beside(
 
 @compiled
 def add_way(ways: Floats, count: int, m: Vector, k: int, j: int, flush: float) -> int:
-    """Put a way into the row of its direction, flush ones first, or into a new one if there is."""
+    """Put a way into the row of its direction, flush ones first, or else into a free row."""
     if not dot(m, m) > 0.5:
         return count
     for row in range(count):
@@ -89,7 +89,7 @@ def add_way(ways: Floats, count: int, m: Vector, k: int, j: int, flush: float) -
 
 @compiled
 def add_ways(pair: SolidPair, bits: int, k: int, j: int, ways: Floats, count: int) -> int:
-    """Add the ways apart of two triangles that touch, out of the one that the other lies on."""
+    """Add the way apart of two triangles that touch: out of the one that the other lies on."""
     A, B = pair.A, pair.B
     flush = 1.0 if bits & A_IS_OUT and bits & B_IS_OUT else 0.0
     if bits & B_IS_OUT:
@@ -105,16 +105,16 @@ def meet_anywhere(
     pair: SolidPair,
     posed: tuple[Posed, Posed],
     reach: float,
-    told: tuple[Indices, Indices],
+    touch_bits: tuple[Indices, Indices],
     ways: Floats,
 ) -> Met:
     """Return whether triangles of A and B that meet show that these overlap, and how they touch.
 
-    ``told`` ((n,), (m,)) gets what is known of each triangle of A and of B, ``ways``
-    (k, WAY_WIDTH) the directions apart; what is farther apart than ``reach`` does not meet.
+    ``touch_bits`` ((n,), (m,)) gets the bits of each triangle of A and of B, ``ways``
+    (k, WAY_WIDTH) the directions apart; triangles farther apart than ``reach`` do not meet.
     """
     A, B, p = pair.A, pair.B, pair.p
-    (mine, its), (of_A, of_B) = posed, told
+    (posed_A, posed_B), (of_A, of_B) = posed, touch_bits
     path, top = walk(A, B, p), 1
     touches, count = False, 0
     while True:
@@ -122,12 +122,12 @@ def meet_anywhere(
         if i < 0:
             return Met(False, touches, count)
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
-            T = triangle_of(mine, k)
+            T = triangle_of(posed_A, k)
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                S = triangle_of(its, m)
+                S = triangle_of(posed_B, m)
                 if beside(T, S, reach):
                     continue
-                bits = meeting(T, S, mine.off)
+                bits = meeting(T, S, posed_A.off)
                 if bits == NOTHING:
                     continue
                 if bits & OVERLAPPING:
@@ -139,22 +139,22 @@ def meet_anywhere(
 
 
 @compiled
-def contact_of(pair: SolidPair, found: Nearest, ways: Floats, count: int) -> Nearest:
-    """Return where A and B touch, by ways of triangles that do, if there are: ``found`` is one.
+def contact_of(pair: SolidPair, closest: Nearest, ways: Floats, count: int) -> Nearest:
+    """Return where A and B touch, by the ways of triangles that do, or ``closest`` without any.
 
-    Of faces that lie on each other, or else of any, the one is taken along which the hulls overlap
-    the least.
+    Among faces that lie on each other, or else among all, it takes the way along which the hulls
+    overlap the least.
     """
-    best, n, unique = -1, found.n, True
+    best, n, unique = -1, closest.n, True
     for row in range(count):
         other = scale(-1.0, vector_at(ways[row], PUSH_WAY))
-        unique = unique and dot(other, found.n) >= SAME_DIRECTION
+        unique = unique and dot(other, closest.n) >= SAME_DIRECTION
         firmer = best < 0 or ways[row, IS_FLUSH] > ways[best, IS_FLUSH]
         as_firm = best < 0 or ways[row, IS_FLUSH] == ways[best, IS_FLUSH]
         if firmer or (as_firm and is_wider(pair, other, n)):
             best, n = row, other
     if best < 0:
-        return found
+        return closest
     k, j = int(ways[best, WAY_A]), int(ways[best, WAY_B])
     at = separation_of_leaves(pair, k, j, n, pair.size)
     return Nearest(TOUCHING, at.upper, min(at.lower, 0.0), n, at.a, at.b, unique)

@@ -1,4 +1,4 @@
-"""Whether the points where a solid is nearest are the only ones, so that its distance has a slope.
+"""Proofs that the nearest points of a solid are the only ones, so that its distance has a slope.
 
 The distance of two surfaces is the least of those of their leaves, triangles or a core. Of those
 that attain it each is of two convex bodies, and has a derivative where their features leave no
@@ -74,22 +74,22 @@ def feature_of_triangle(
 
 @compiled
 def hold_leaves_one_point(A: TreeBody, i: int, B: Solid, j: int, n: Vector) -> bool:
-    """Tell whether two leaves that are apart along n, from A to B, are so at one point alone."""
+    """Return whether two leaves, apart along n from A to B, have one pair of nearest points."""
     v = perpendicular(n)
     u = cross(v, n)
     if A.kind == SOLID:
         m, x, y = unrotate(A.R, n), unrotate(A.R, u), unrotate(A.R, v)
-        mine = feature_of_triangle(A.shape, A.tree, i, m, x, y)
+        feature_A = feature_of_triangle(A.shape, A.tree, i, m, x, y)
     else:
-        mine = feature_of(A.kind, A.shape, A.R, n, u, v)
-    return hold_one_point(mine, feature_of_triangle(B.shape, B.tree, j, scale(-1.0, n), u, v))
+        feature_A = feature_of(A.kind, A.shape, A.R, n, u, v)
+    return hold_one_point(feature_A, feature_of_triangle(B.shape, B.tree, j, scale(-1.0, n), u, v))
 
 
 @allocating
 def is_nearest_alone(pair: SolidPair, n: Vector, limit: float) -> tuple[bool, Vector]:
     """Return (alone, b): whether no other points are as near as the nearest, that of B being b.
 
-    They are of A's core and of B's surface. All leaves are looked at that are not certified to be
+    They are of A's core and of B's surface. It examines all leaves that are not certified to be
     farther apart than ``limit`` [m], which is no less than the distance. False where rounding
     leaves it open.
     """
@@ -103,22 +103,26 @@ def is_nearest_alone(pair: SolidPair, n: Vector, limit: float) -> tuple[bool, Ve
             return count > 0, b
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                found = separation_of_leaves(pair, k, m, n, limit)
-                if found.end == BEYOND_CUTOFF:
+                separation = separation_of_leaves(pair, k, m, n, limit)
+                if separation.end == BEYOND_CUTOFF:
                     continue
-                if found.end == OVERLAP or not hold_leaves_one_point(A, k, B, m, found.n):
+                if separation.end == OVERLAP or not hold_leaves_one_point(
+                    A, k, B, m, separation.n
+                ):
                     return False, b
                 if count == 0:
-                    b, n = found.b, found.n
+                    b, n = separation.b, separation.n
                 count += 1
-                apart = norm(sub(found.b, b)) > slack
-                if apart or norm(sub(found.n, n)) > SAME_WITNESS:
+                apart = norm(sub(separation.b, b)) > slack
+                if apart or norm(sub(separation.n, n)) > SAME_WITNESS:
                     return False, b
 
 
 @allocating
-def is_way_out_alone(pair: SolidPair, q: Vector, m: Vector, depth: float, error: float) -> bool:
-    """Tell whether the move by ``depth`` along the unit m is the only one that takes A out of B.
+def is_separating_move_unique(
+    pair: SolidPair, q: Vector, m: Vector, depth: float, error: float
+) -> bool:
+    """Return whether the move by ``depth`` along the unit m alone separates A from B.
 
     ``depth`` exceeds the least one by ``error`` at most; A, its core grown by ``radius``, then
     touches B with the point that is at q before. It is proven by the ball of A that touches q from
@@ -127,7 +131,7 @@ def is_way_out_alone(pair: SolidPair, q: Vector, m: Vector, depth: float, error:
     middle x is in B, and a move leads through a point of B's surface that is nearer to x than the
     length of the move less the radius: where only one point is that near, none leads elsewhere.
 
-    Nothing may touch after the move but what is at q. False where this proves nothing: edges that
+    Nothing else than q may touch after the move. False where this proves nothing: edges that
     cross, and faces of A that B's corners touch, have no such ball.
     """
     B, size, radius = pair.B, pair.size, pair.radius

@@ -1,10 +1,10 @@
-"""Which points lie in a solid: the generalized winding number.
+"""Containment of points in a solid: the generalized winding number.
 
 The sum of the solid angles of all triangles over 4 pi is 1 inside a closed surface and 0 outside
 (Van Oosterom & Strackee 1983; Jacobson, Kavan, Sorkine-Hornung, ACM Transactions on Graphics 32
 (4), 2013). Triangles far away are seen as one dipole a node (Barill, Dickson, Schmidt, Levin,
 Jacobson, ACM Transactions on Graphics 37 (4), 2018), and how far that may be off is added up
-beside the sum: where the sum is no farther from 1/2 than that, it is made again with fewer
+beside the sum: where the sum is no farther from 1/2 than that, it is computed again with fewer
 dipoles, at last without.
 """
 
@@ -44,15 +44,15 @@ NEXT_RATIO = 4.0  # times the one before
 LAST_RATIO = 100.0  # beyond it none is
 
 
-# Places on a triangle, as shares of its second and third corner: at no simple fractions, where
-# edges of others are not to be expected.
+# Places on a triangle, as shares of its second and third corner: no simple fractions, so that no
+# edges of others are to be expected there.
 PLACES = ((0.3141, 0.2718), (0.6059, 0.2847))
 ASTRAY = 0.75  # off 1/2: half-way between what touches and a whole body more
 
 
 @inlined
 def next_ratio(ratio: float) -> float:
-    """Return how many radii away a node has to be next, to be more exact."""
+    """Return the next ratio, for a more exact sum: how many radii away a dipole has to be."""
     return math.inf if ratio > LAST_RATIO else NEXT_RATIO * ratio
 
 
@@ -79,9 +79,9 @@ def dipole(shape: Floats, at: int, q: Vector) -> tuple[float, float, float]:
 def winding(
     shape: Floats, tree: Tree, q: Vector, ratio: float, without: int
 ) -> tuple[float, float]:
-    """Return (winding number, error) at q; nodes nearer than ``ratio`` radii are looked into.
+    """Return (winding number, error) at q; nodes nearer than ``ratio`` radii are opened.
 
-    Triangle number ``without`` is left out, whose nodes, all around q, are looked into. Then the
+    Triangle number ``without`` is left out, whose nodes, all around q, are opened. Then the
     error holds the rounding of those near q too. -1: none is left out.
     """
     stack = np.empty(DEEPEST, dtype=np.int64)
@@ -113,12 +113,12 @@ def winding(
 
 @compiled
 def is_inside(shape: Floats, tree: Tree, q: Vector) -> bool:
-    """Tell whether q, in the solid's frame, lies inside; on the surface either may be told.
+    """Return whether q, in the solid's frame, lies inside; on the surface either may be returned.
 
-    The number is 0 or 1, off by the dipoles' error at most, so what is farther from 1/2 than that
-    is told rightly, and without dipoles only rounding is left: of a triangle it is EPS times the
+    The number is 0 or 1, off by the dipoles' error at most, so a sum farther from 1/2 than that is
+    decided rightly, and without dipoles only rounding is left: for a triangle it is EPS times the
     square of its length over that of its distance, or of its least width where that is more
-    (``rounding_of_angle``). As little as that, times the length, may a point be outside a box.
+    (``rounding_of_angle``). A point may be outside a box by no more than that, times the length.
     """
     box = box_of_node(shape, tree, 0)
     for c in range(3):
@@ -134,11 +134,11 @@ def is_inside(shape: Floats, tree: Tree, q: Vector) -> bool:
 
 @compiled
 def is_astray(shape: Floats, tree: Tree, q: Vector, j: int) -> bool:
-    """Tell whether q, a point of triangle j, has another body beneath the triangle, or above it.
+    """Return whether another body is beneath triangle j, or above it, at its point q.
 
-    There the winding number of all other triangles is 1/2: 1 beneath and 0 above, less or more
-    the half that j is to either side. Elsewhere it is 3/2 and more, or -1/2 and less. What only
-    touches the triangle at q takes away less than 1/2 or adds it, so nothing is said of that.
+    Where not, the winding number of all other triangles is 1/2: 1 beneath and 0 above, less or
+    more the half that j contributes to either side. Where so, it is 3/2 and more, or -1/2 and
+    less. What only touches the triangle at q adds or subtracts less than 1/2, and is not reported.
     """
     ratio = FIRST_RATIO
     while True:

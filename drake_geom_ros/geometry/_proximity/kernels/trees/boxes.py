@@ -1,4 +1,4 @@
-"""The boxes of a tree's nodes, and how far these are apart."""
+"""Boxes of the nodes of a tree, and their separations."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ UPPER = 3  # 3
 
 
 class NodeBox(NamedTuple):
-    """A box along the axes: its middle and half its size [m]."""
+    """An AABB: its centre and half its size [m]."""
 
     middle: Vector
     half: Vector
 
 
 class NodeTree(Protocol):
-    """What is asked of a tree, whatever its leaves are."""
+    """Interface of a tree with leaves of any kind."""
 
     @property
     def nodes(self) -> int:
-        """Where the nodes begin in the parameters of its owner."""
+        """Start of the nodes in the parameters of its owner."""
 
     @property
     def leaves(self) -> int:
-        """How many leaves there are."""
+        """The number of leaves."""
 
 
 class TreeOwner(Protocol):
-    """A body in whose frame all is computed."""
+    """A body with a tree, in whose frame all is computed."""
 
     @property
     def shape(self) -> Floats:
@@ -42,15 +42,15 @@ class TreeOwner(Protocol):
 
     @property
     def tree(self) -> NodeTree:
-        """Where its tree is in them."""
+        """The place of its tree in the parameters."""
 
 
 class TurnedTreeOwner(TreeOwner, Protocol):
-    """A body that stands there turned by R; one that is no solid is a leaf of its own."""
+    """A body rotated by R in that frame; one that is not a solid is a single leaf."""
 
     @property
     def kind(self) -> int:
-        """The number of its kind."""
+        """Its shape type number."""
 
     @property
     def R(self) -> Floats:
@@ -58,7 +58,7 @@ class TurnedTreeOwner(TreeOwner, Protocol):
 
     @property
     def box(self) -> NodeBox:
-        """The box around it if it is no solid, in its frame."""
+        """The box around it in its frame, if it is not a solid."""
 
 
 NO_BOX = NodeBox((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # of a point
@@ -66,7 +66,7 @@ NO_BOX = NodeBox((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # of a point
 
 @inlined
 def box_between(below: Vector, above: Vector) -> NodeBox:
-    """Return the box with these corners."""
+    """Return the box between two corners."""
     return NodeBox(
         (0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), 0.5 * (below[2] + above[2])),
         (0.5 * (above[0] - below[0]), 0.5 * (above[1] - below[1]), 0.5 * (above[2] - below[2])),
@@ -82,17 +82,17 @@ def box_of_node(shape: Floats, tree: NodeTree, k: int) -> NodeBox:
 
 @inlined
 def outside(distance: float, half_width: float) -> float:
-    """Return how far a coordinate is beyond half a width; 0 within."""
+    """Return the excess of a coordinate over half a width; 0 within."""
     return max(abs(distance) - half_width, 0.0)
 
 
 @compiled
 def separation_of_turned_boxes(box_A: NodeBox, R: Floats, p: Vector, box_B: NodeBox) -> float:
-    """Return a lower bound [m] of the distance of two boxes, the first turned by R and moved by p.
+    """Return a lower bound [m] of the distance of two boxes, the first posed by R and p.
 
-    Each is put into a box along the axes of the other: the larger of both distances. Nothing here
-    is farther from Bo than the pair's size, so a dozen roundings of EPS each make it less than
-    ROUNDING EPS size too large; whoever leaves out what is beyond a limit has added that.
+    Each box is enclosed in a box along the axes of the other; the larger of both distances counts.
+    Nothing is farther from Bo than the pair's size, so a dozen roundings of EPS make the bound too
+    large by less than ROUNDING EPS size. Callers add that to the limit beyond which they prune.
     """
     h, k = box_A.half, box_B.half
     d = sub(add(rotate(R, box_A.middle), p), box_B.middle)

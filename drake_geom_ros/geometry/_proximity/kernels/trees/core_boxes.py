@@ -1,4 +1,4 @@
-"""The box around a core, which is a leaf of its own beside the leaves of a tree."""
+"""Box around a core, which is a single leaf in a walk with a tree."""
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NodeBox, box_between

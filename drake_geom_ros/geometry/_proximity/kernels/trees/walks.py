@@ -1,4 +1,4 @@
-"""Walks over two trees at once, the nearest pair of nodes first."""
+"""Simultaneous walks over two trees, the nearest pair of nodes first."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ class Walk(NamedTuple):
     separations: Floats
 
 
-# Of a walk: each step takes one pair of nodes away and puts two back, and trees of 2^40 leaves do
+# Depth of a walk's stack: each step replaces one pair of nodes by two, and trees of 2^40 leaves do
 # not fit into memory.
 DEEPEST = 96
 
 
 @inlined
 def is_leaf(tree: NodeTree, k: int) -> bool:
-    """Tell whether node k is a leaf; leaf number k - (leaves - 1)."""
+    """Return whether node k is a leaf; its leaf number is k - (leaves - 1)."""
     return k >= tree.leaves - 1
 
 
@@ -46,7 +46,7 @@ def is_leaf(tree: NodeTree, k: int) -> bool:
 def push_children(
     A: TurnedTreeOwner, B: TreeOwner, p: Vector, i: int, j: int, path: Walk, top: int
 ) -> int:
-    """Push the two pairs that a pair of nodes, not both leaves, is cut into, the nearer last."""
+    """Split a pair of nodes, not both leaves, and push the two pairs, the nearer one last."""
     cut_B = is_leaf(A.tree, i)
     if not cut_B and not is_leaf(B.tree, j):
         cut_B = norm(box_of_node(B.shape, B.tree, j).half) >= norm(box_at(A, i).half)
@@ -59,7 +59,7 @@ def push_children(
         first = separation_of_turned_boxes(box_at(A, 2 * i + 1), A.R, p, box)
         second = separation_of_turned_boxes(box_at(A, 2 * i + 2), A.R, p, box)
     for turn in range(2):
-        # The second first, if it is the farther one.
+        # The farther pair is pushed first.
         k = 1 - turn if second >= first else turn
         path.stack[top, 0] = i if cut_B else 2 * i + 1 + k
         path.stack[top, 1] = 2 * j + 1 + k if cut_B else j
@@ -82,14 +82,14 @@ def walk(A: TurnedTreeOwner, B: TreeOwner, p: Vector) -> Walk:
 def next_leaves(
     A: TurnedTreeOwner, B: TreeOwner, p: Vector, path: Walk, top: int, limit: float
 ) -> tuple[int, int, int, float]:
-    """Go on to the next pair of leaves within ``limit``; return (top, i, j, skipped).
+    """Advance to the next pair of leaves within ``limit``; return (top, i, j, skipped).
 
-    ``top`` pairs are left on the stack. i and j number the leaves, and are -1 when none are left;
-    ``skipped`` is the least separation [m] of what was left out, which is beyond the limit.
+    ``top`` pairs remain on the stack. i and j are leaf numbers, or -1 when none remain.
+    ``skipped`` is the least separation [m] of pruned pairs, which is beyond the limit.
 
-    No leaves within the limit are left out: a pair of nodes is put aside only if its separation, a
-    lower bound of that of all leaves below, is beyond it, and otherwise it is one of leaves, and
-    handed out, or both its halves take its place. The limit may shrink from call to call.
+    No leaves within the limit are pruned: a pair of nodes is pruned only if its separation, a
+    lower bound of that of all leaves below, is beyond the limit. Otherwise it is a pair of leaves,
+    which is returned, or it is replaced by its two halves. The limit may shrink from call to call.
     """
     skipped = math.inf
     while top > 0:

@@ -208,7 +208,7 @@ def test_a_polytope_that_folds_back_ends_the_growth_at_the_bound_before(monkeypa
 
 @pytest.mark.skipif(not config.DISABLE_JIT, reason='compiled, it calls no replacement')
 def test_only_a_direction_that_is_better_or_closes_the_bounds_is_looked_at_closely(monkeypatch):
-    rng, widths, bests, look = np.random.default_rng(11), [], [], epa.nearest_known
+    rng, widths, bests, look = np.random.default_rng(11), [], [], epa.minimum_near
 
     def looked(pair, difference, n, width, *rest):
         known = look(pair, difference, n, width, *rest)
@@ -216,7 +216,7 @@ def test_only_a_direction_that_is_better_or_closes_the_bounds_is_looked_at_close
         bests.append(known.width)
         return known
 
-    monkeypatch.setattr(epa, 'nearest_known', looked)
+    monkeypatch.setattr(epa, 'minimum_near', looked)
     looks = 0
     for _ in range(12):
         widths.clear()

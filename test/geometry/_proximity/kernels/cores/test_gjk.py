@@ -128,10 +128,10 @@ def test_a_row_holds_a_point_and_what_it_is_the_difference_of():
 def test_a_point_is_known_by_all_three_coordinates():
     points = _simplex((1, 2, 3), (4, 5, 6), (7, 8, 9))
     for w in ((1, 2, 3), (4, 5, 6)):
-        assert gjk.is_known(points, 2, w)
+        assert gjk.is_in_simplex(points, 2, w)
         for k in range(3):
-            assert not gjk.is_known(points, 2, (*w[:k], 0.5, *w[k + 1 :]))
-    assert not gjk.is_known(points, 2, (7, 8, 9))
+            assert not gjk.is_in_simplex(points, 2, (*w[:k], 0.5, *w[k + 1 :]))
+    assert not gjk.is_in_simplex(points, 2, (7, 8, 9))
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from numba import njit
 
-from drake_geom_ros.geometry._proximity.kernels.shapes.summit import LANES, summit
+from drake_geom_ros.geometry._proximity.kernels.shapes.summit import LANES, farthest_index
 
 
 @njit
 def found(numbers, n, x, y, z):
-    return summit(numbers, n, x, y, z)
+    return farthest_index(numbers, n, x, y, z)
 
 
 def _packed(points):

@@ -28,7 +28,7 @@ def test_the_way_out_of_the_hulls_is_the_shortest_that_is_tried(seed):
     rng = np.random.default_rng(seed)
     R, p = random_rotation(rng), tuple(rng.uniform(0.0, 1.0, 3))
     A, B = body_of(SOLID, L, R), solid_of(L)
-    m, s = hulls.way_out_of_hull(SolidPair(A, B, p, 4.0, 1e-9, 0.0))
+    m, s = hulls.separating_move_of_hulls(SolidPair(A, B, p, 4.0, 1e-9, 0.0))
     assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
     mine = np.vstack([_corners(A, j) for j in range(A.tree.triangles)]) @ R.T + p
     its = np.vstack([_corners(B, j) for j in range(B.tree.triangles)])

@@ -61,7 +61,7 @@ def test_the_walk_finds_all_that_are_nearest(name, cuts):
     corners = parameters[tree.corners :][: 9 * tree.triangles].reshape(-1, 3, 3)
     rng = np.random.default_rng(cuts)
     for q in (*rng.uniform(-1, 4, (30, 3)), (1.0, 1.0, 0.5), (0.5, 0.5, 0.5)):
-        room, q = nearest_triangles.room_for(found, 64), tuple(map(float, q))
+        room, q = nearest_triangles.scratch_for(found, 64), tuple(map(float, q))
         count = nearest_triangles.nearest_triangles(parameters, tree, found, q, 5.0, room)
         away = np.array([math.sqrt(squared_distance(one, q)) for one in corners])
         expected = np.flatnonzero(away <= away.min() + 1e-13)
@@ -73,7 +73,7 @@ def test_where_there_is_no_room_it_says_so():
     parameters = kernel_form(solid('ring', cuts=3))[1]
     tree = tree_of(SOLID, parameters)
     found = lane_tree.lane_tree_of(tree)
-    room = nearest_triangles.room_for(found, 2)
+    room = nearest_triangles.scratch_for(found, 2)
     count = nearest_triangles.nearest_triangles(
         parameters, tree, found, (1.0, 1.0, 1.0), 5.0, room
     )

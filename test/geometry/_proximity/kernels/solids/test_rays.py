@@ -9,7 +9,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.rays import (
     INSIDE,
     OUTSIDE,
     PLACES,
-    UNTOLD,
+    UNDECIDED,
     Posed,
     place_on,
     swaps_axes,
@@ -58,8 +58,8 @@ def test_places_beside_each_wall_to_the_last_bit(cuts, turn, move):
         elif not closed:
             assert got == OUTSIDE
         else:  # on the surface, or on a wall that two cells have in common
-            assert got in (UNTOLD, INSIDE)
-    assert told == {INSIDE, OUTSIDE, UNTOLD}
+            assert got in (UNDECIDED, INSIDE)
+    assert told == {INSIDE, OUTSIDE, UNDECIDED}
 
 
 def test_places_on_a_triangle_are_in_its_plane():

@@ -37,7 +37,7 @@ def test_boxes_along_the_same_axes():
         p = rng.integers(-8, 9, 3) / 4.0
         truth = least_on_axes(mine, its, p)
         found = least_parting((mine, its), np.eye(3), tuple(p), (20.0, 0.0), NOISE)
-        assert found.parts
+        assert found.separates
         assert found.lower == pytest.approx(truth, abs=1e-11)
         assert np.linalg.norm(found.t) == pytest.approx(truth, abs=1e-11)
         assert least_on_axes(mine, its, p + found.t) < 1e-11
@@ -55,7 +55,7 @@ def test_turned_boxes():
         ways, slack = directions_of(R)
         width = widths_of((mine, its), R, tuple(p), ways, slack, (1e9, 0.0))
         depth = (width[:, :, None] - (ways @ np.array(found.t))[None, :, None]).min(axis=1).max()
-        assert found.parts
+        assert found.separates
         assert depth <= 1e-9
         if found.lower < 1e-6:
             continue
@@ -69,10 +69,10 @@ def test_a_bound_that_nothing_reaches_is_no_more_than_the_one_that_is_known():
     box = np.array([[0.0, 0.0, 0.0, 4.0, 4.0, 4.0]])
     found = least_parting((box, box), np.eye(3), (0.0, 0.0, 0.0), (1.5, 0.0), NOISE)
     assert 1.5 - 1e-12 <= found.lower <= 1.5
-    assert not found.parts
+    assert not found.separates
     nothing = least_parting((np.empty((0, 6)), box), np.eye(3), (0.0, 0.0, 0.0), (1.5, 0.0), NOISE)
     assert nothing.lower == 0.0
-    assert not nothing.parts
+    assert not nothing.separates
 
 
 def test_axes_that_are_parallel_but_for_a_hair_leave_a_margin():

@@ -54,7 +54,7 @@ def test_no_triangles_are_nearer_than_their_slabs_tell(p, turned):
     R = random_rotation(np.random.default_rng(8)) if turned else np.eye(3)
     pair = _pair(R, p)
     A, B, _ = slabs.blocks_of(pair)
-    room, told = slabs.room_for_blocks(), 0
+    room, told = slabs.scratch_for_blocks(), 0
     for i, j in itertools.product(range(0, A.tree.leaves, 3), range(B.tree.leaves)):
         gap = slabs.gap_of_blocks(pair, i, j, room)
         triangles, others = (
@@ -76,7 +76,7 @@ def test_no_triangles_are_nearer_than_their_slabs_tell(p, turned):
 
 def test_a_core_has_no_slabs():
     pair = SolidPair(body_of(BOX, np.ones(3), np.eye(3)), solid_of(L), X, 9.0, 1e-9, 0.0)
-    room = slabs.room_for_blocks()
+    room = slabs.scratch_for_blocks()
     assert slabs.gap_of_blocks(pair, 0, 1, room) == 0.0
     assert not room[:, slabs.END].any()
     assert not room[:, slabs.BEGIN].any()
