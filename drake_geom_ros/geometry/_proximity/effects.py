@@ -1,4 +1,4 @@
-"""What a query did and skipped, as counts and seconds."""
+"""Effects of a query: the work it did and skipped, as counts and seconds."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Effects:
-    """What a query did and skipped: counts and seconds.
+    """Work that a query did and skipped, as counts and seconds.
 
     ``broadphase_pairs = filtered_pairs + far_pairs + cached_pairs + narrowphase_pairs``, but in
     HasCollisions, which stops at the first contact.
@@ -25,8 +25,8 @@ class Effects:
     pairs_by_method: dict[str, int] = field(default_factory=dict)  # of these
     near_list_made: bool = False  # the broad phase ran
     kernels_compiled: list[str] = field(default_factory=list)
-    # By step. What takes a look at each pair that is known takes its time together with what
-    # computes the others, unless the context was asked for detailed effects.
+    # By step. The time of looking up known pairs is included in that of computing the others,
+    # unless the context records detailed effects.
     seconds: dict[str, float] = field(default_factory=dict)
 
 
@@ -39,9 +39,9 @@ def seconds_by_step(
     filtering: float,
     knowing: float,
 ) -> dict[str, float]:
-    """Return the seconds of each step, from when they ended [s].
+    """Return the seconds of each step, from the times [s] when they ended.
 
-    Those of the filters, and of looks at what was known, are told apart.
+    Filtering and the look-up of known pairs are steps of their own.
     """
     return {
         'update': posed - begun,

@@ -1,4 +1,4 @@
-"""What a query reports of itself, as arrays that compiled code writes: counts, moments, places."""
+"""Report of a query about its own work, as arrays that compiled code writes."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from drake_geom_ros.geometry._proximity.runtime.views import part
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
 
-# Places of ``ReportArrays.told``.
+# Places of ``ReportArrays.summary``.
 FRAMES_MOVED, BODIES_MOVED = 0, 1
 LIST_MADE = 2
 CONSIDERED, LISTED_PAIRS = 3, 4  # pairs before and after the filters
 CONTACT_A, CONTACT_B = 5, 6  # rows of the pair in which the last contact was; -1: none yet
-TOLD = 7
-# Places of ``ReportArrays.moments`` [s]: when a step ended, each where the next one begins; and
-# how long filters, and looks at what was known, took.
+SUMMARY_WIDTH = 7
+# Places of ``ReportArrays.moments`` [s]: the end of each step, where the next one begins; and
+# the durations of filtering and of cache lookups.
 BEGUN, POSED, LISTED, COMPILED, ANSWERED, FILTERING, KNOWING = range(7)
 MOMENTS = 7
 
 
 class ReportArrays(NamedTuple):
-    """What a query did."""
+    """Counts and times of the work that a query did."""
 
     counts: Integers  # (COUNTS,) of ``narrow_phase``
-    told: Integers  # (TOLD,)
+    summary: Integers  # (SUMMARY_WIDTH,)
     moments: Reals  # (MOMENTS,)
     # No pair waits: see ``slots.Queue``.
     waiting: Integers  # (0,)
@@ -50,10 +50,10 @@ report_of = taker(ReportArrays)
 
 
 def empty_report() -> ReportArrays:
-    """Return the report of an engine that was never asked."""
+    """Return the report of an engine that has answered no query."""
     return ReportArrays(
         counts=np.zeros(COUNTS, dtype=np.int64),
-        told=np.zeros(TOLD, dtype=np.int64),
+        summary=np.zeros(SUMMARY_WIDTH, dtype=np.int64),
         moments=np.zeros(MOMENTS),
         waiting=np.zeros(0, dtype=np.int64),
         distances=np.zeros(0),
@@ -69,18 +69,18 @@ def pose_world(
     revision: int,
     X_PFs: Floats,
 ) -> None:
-    """Give a world its poses, as ``run_cycle`` does, and report so."""
-    told, moments = report.told, report.moments
+    """Pose a world as ``run_cycle`` does, and write counts and times to the report."""
+    summary, moments = report.summary, report.moments
     moments[BEGUN] = now()
-    told[FRAMES_MOVED], told[BODIES_MOVED] = 0, 0
+    summary[FRAMES_MOVED], summary[BODIES_MOVED] = 0, 0
     if stale:
         if X_PFs.shape[0] > 0:
             set_poses(part(world_of(world).named, 0, X_PFs.shape[0]), X_PFs, world)
-        told[FRAMES_MOVED], told[BODIES_MOVED] = update(world, revision)
+        summary[FRAMES_MOVED], summary[BODIES_MOVED] = update(world, revision)
     moments[POSED], moments[KNOWING] = now(), 0.0
 
 
-# What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
+# Counts of ``answer_pairs``; the pairs computed by each method follow, by its number.
 FAR = 0
 CACHED = 1
 POSTPONED = 2

@@ -24,7 +24,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     STOPPED,
     UNKNOWN,
 )
-from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, Told
+from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, MotionOutcome
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSITION
@@ -255,7 +255,7 @@ class MotionQueries:
             ignores=question.ignore_start_contacts,
         )
 
-    def _answer_of(self, row: Told, path: Floats, end: float) -> MotionAnswer:
+    def _answer_of(self, row: MotionOutcome, path: Floats, end: float) -> MotionAnswer:
         """Return the answer for a row of the loops, about a motion that ends at time ``end``."""
         if row.verdict == STOPPED:
             raise InterruptedError(f'stopped in edge {row.edge} of a path')

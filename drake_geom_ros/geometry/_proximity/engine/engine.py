@@ -1,4 +1,4 @@
-"""The cycle of a query, top to bottom: near pairs, what is known of them, kernels, arrays out."""
+"""Query engine: broad phase, cached answers, narrow-phase kernels, and arrays of answers."""
 
 from __future__ import annotations
 
@@ -75,17 +75,17 @@ _empty = np.empty
 
 
 class Engine:
-    """Answers queries on a world under the filters, and tells what that took.
+    """Answers queries on a world under its filters, and reports the work that this took.
 
-    It belongs to one context: what it knows of pairs holds for the world that it saw last.
+    An engine belongs to one context: its cached answers hold for the world that it saw last.
     """
 
     def __init__(self) -> None:
-        self.detailed = False  # tell the cache's seconds from those of the kernels, for some more
-        # The last answer, and what was asked.
+        self.detailed = False  # measure cache and kernels separately, which takes a little longer
+        # The last query and its answers.
         self._last: Prepared | None = None
         self._answers = _NO_ANSWERS
-        # What the last query did; put in words only for those who ask.
+        # The work of the last query; converted to ``Effects`` only on request.
         self._report = empty_report()
         self._queries = PreparedQueries(self._report)
         self._steps = BudgetedAnswers(self._report)
@@ -103,13 +103,13 @@ class Engine:
 
     @property
     def effects(self) -> Effects:
-        """What the last query did and what it skipped."""
-        counts, told = self._counts.tolist(), self._report.told.tolist()
+        """The work that the last query did and skipped."""
+        counts, summary = self._counts.tolist(), self._report.summary.tolist()
         return Effects(
-            frames_moved=told[FRAMES_MOVED],
-            geometries_updated=told[BODIES_MOVED],
-            broadphase_pairs=told[CONSIDERED],
-            filtered_pairs=told[CONSIDERED] - told[LISTED_PAIRS],
+            frames_moved=summary[FRAMES_MOVED],
+            geometries_updated=summary[BODIES_MOVED],
+            broadphase_pairs=summary[CONSIDERED],
+            filtered_pairs=summary[CONSIDERED] - summary[LISTED_PAIRS],
             far_pairs=counts[FAR],
             cached_pairs=counts[CACHED],
             narrowphase_pairs=sum(counts[BY_METHOD:]),
@@ -120,13 +120,13 @@ class Engine:
                 for name, number in METHODS.items()
                 if counts[BY_METHOD + number]
             },
-            near_list_made=bool(told[LIST_MADE]),
+            near_list_made=bool(summary[LIST_MADE]),
             kernels_compiled=list(self._kernels),
             seconds=seconds_by_step(*self._moments.tolist()),
         )
 
     def prepare(self, world: World, tell: Tell | None = None) -> list[str]:
-        """Compile the kernels of the shape pairs that the world can have; return their names."""
+        """Compile the kernels of all shape pairs that the world can have; return their names."""
         types = world.geometries.types
         moving = np.unique(types[~world.anchored])
         return compile_rows(table_rows(moving[:, None], np.unique(types)[None, :]), tell)
@@ -140,12 +140,12 @@ class Engine:
         penetrating: bool,
         mode: int,
     ) -> Prepared:
-        """Return a query of a world under filters, in a mode of ``pair_query``, for many asks."""
+        """Return a reusable query of a world under filters; ``mode`` is one of ``pair_query``."""
         level_gap = GAPS_OF_LEVELS[accuracy]
         return self._queries.prepared(world, filters, level_gap, cutoff, penetrating, mode)
 
     def candidates_of(self, prepared: Prepared) -> Indices:
-        """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
+        """Return the unfiltered pairs (k, 2) that bounding volumes do not separate."""
         count = self._run(prepared)
         near = prepared.near
         pairs: Indices = near.arrays.pairs[near.arrays.hits[:count]]
@@ -155,12 +155,12 @@ class Engine:
     def answer_of(self, prepared: Prepared, time_budget: float = 0.0) -> Floats:
         """Return the unfiltered pairs within a query's cutoff as rows (k, ANSWER_WIDTH).
 
-        Or only those that overlap, if it is about ``penetrating`` ones. Of pairs that are answered
-        from bounds alone, by the level or because the narrow phase has spent its ``time_budget``
-        [s] (0: none), all that may be.
+        A query of ``penetrating`` pairs returns only those that overlap. Pairs that are answered
+        from bounds alone, because of the level or because the narrow phase has spent its
+        ``time_budget`` [s] (0: no limit), are returned if they may qualify.
 
-        What is usual is done here, in one go: in the first cycle after other work, which is what a
-        robot has each time, each function in between comes from memory, too.
+        The common path is inlined: in the first cycle after other work, the usual case on a robot,
+        every call is a cache miss.
         """
         world = prepared.world
         stale, revision = world.is_stale, world.revision
@@ -176,7 +176,7 @@ class Engine:
                 revision += 1
             X_PFs = world.pending_poses
             answers = _empty((prepared.room, ANSWER_WIDTH))
-            count: int = run_cycle(prepared.hands, 0, stale, revision, X_PFs, answers)
+            count: int = run_cycle(prepared.cycle_handle, 0, stale, revision, X_PFs, answers)
             world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
             if count < 0:
                 count = self._go_on(prepared, count, stale, X_PFs, answers)
@@ -185,7 +185,7 @@ class Engine:
                 answers = answers[:count]
             else:
                 answers = self._answer_of_other_length(prepared, count, answers)
-        # What was left at its bounds is refined when somebody asks again.
+        # Pairs left at their bounds are refined when the query is repeated.
         if not (self._unrefined or prepared.is_long):
             self._last, self._answers, prepared.answered_at = prepared, answers, world.revision
         elif prepared.is_long:
@@ -193,16 +193,16 @@ class Engine:
         return answers
 
     def finds_overlap(self, prepared: Prepared) -> bool:
-        """Return whether ``answer_of`` the query would have a pair that overlaps.
+        """Return whether the answer of a query would contain a pair that overlaps.
 
-        Or one that may, where rounding hides more than UNSEEN_DEPTH.
+        A pair that may overlap counts where rounding hides more than UNSEEN_DEPTH.
         """
         return self._run(prepared) > 0
 
     def distance_of_pair(
         self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
     ) -> PairBatch:
-        """Return the signed distance of one pair (1, 2), whatever the filters say.
+        """Return the signed distance of one pair (1, 2), regardless of the filters.
 
         ``hint`` (3,) is the normal that an iteration starts from. Two half spaces have no
         distance: the batch is empty then.
@@ -211,12 +211,12 @@ class Engine:
         (row,) = rows = table_rows(*world.geometries.types[pair].T)
         slots, memory = np.zeros(1, dtype=np.int64), empty_memory(1)
         if hint is not None:
-            # As of this level: what another one left is not started from.
+            # Marked with this level, because kernels ignore the hint of another one.
             memory[0, NORMAL : NORMAL + 3], memory[0, LEVEL_GAP] = hint, GAPS_OF_LEVELS[accuracy]
         if row < 0:
             return batch_of(gathered(world, slots[:0], pair, slots, memory, math.inf))
         self._kernels = compile_rows(rows)
-        self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
+        self._report.summary[CONSIDERED] = self._report.summary[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
         level_gap, hits = GAPS_OF_LEVELS[accuracy], np.empty(1, dtype=np.int64)
         hits = self._steps.answer(world, pair, slots, memory, (level_gap, math.inf, False), hits)
@@ -238,21 +238,21 @@ class Engine:
     # Steps.
 
     def _begin(self, world: World) -> None:
-        """Bring the world up to date, without a list."""
+        """Bring the world up to date, without a neighbour list."""
         self._moments[:] = time.perf_counter()
-        told = self._report.told
-        told[FRAMES_MOVED], told[BODIES_MOVED] = world.update()
-        told[LIST_MADE] = 0
+        summary = self._report.summary
+        summary[FRAMES_MOVED], summary[BODIES_MOVED] = world.update()
+        summary[LIST_MADE] = 0
         self._kernels, self._unrefined = _NO_KERNELS, 0
         self._moments[POSED] = time.perf_counter()
         self._moments[FILTERING] = self._moments[KNOWING] = 0.0
 
     def _as_before(self, near: NeighbourList) -> Floats:
-        """Return the last answer, about the pairs of a list, which still stands."""
+        """Return the last answer, which is still valid, and report its pairs as cached."""
         self._moments[:] = time.perf_counter()
-        told = self._report.told
-        told[FRAMES_MOVED] = told[BODIES_MOVED] = told[LIST_MADE] = 0
-        told[CONSIDERED], told[LISTED_PAIRS] = near.considered, near.count
+        summary = self._report.summary
+        summary[FRAMES_MOVED] = summary[BODIES_MOVED] = summary[LIST_MADE] = 0
+        summary[CONSIDERED], summary[LISTED_PAIRS] = near.considered, near.count
         self._counts[:] = 0
         self._counts[CACHED] = near.count
         self._kernels, self._unrefined = _NO_KERNELS, 0
@@ -261,28 +261,28 @@ class Engine:
         return self._answers
 
     def _run(self, prepared: Prepared) -> int:
-        """Run a cycle without answers; return how many pairs it is about."""
+        """Run a cycle that gathers no answers; return the number of its hits."""
         world = prepared.world
         self._kernels, self._unrefined = prepared.loaded, 0
         prepared.loaded = _NO_KERNELS
         stale, X_PFs = world.is_stale, world.pending_poses
         revision = world.revision + stale
-        count: int = run_cycle(prepared.hands, 0, stale, revision, X_PFs, _NO_ANSWERS)
+        count: int = run_cycle(prepared.cycle_handle, 0, stale, revision, X_PFs, _NO_ANSWERS)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         return self._go_on(prepared, count, stale, X_PFs, _NO_ANSWERS)
 
     def _go_on(
         self, prepared: Prepared, count: int, stale: bool, X_PFs: Floats, answers: Floats
     ) -> int:
-        """Go on with a cycle until nothing is lacking any more, of which minus the count tells."""
+        """Resume a cycle until it is done, providing what its negative count says is lacking."""
         world = prepared.world
         while count < 0:
             if count == -LACKS_KERNELS:
                 self._compile_for(world, prepared.near)
             else:
                 prepared.near.make_room(-count)
-                prepared.hand_over(prepared.filters)
-            count = run_cycle(prepared.hands, -count, stale, world.revision, X_PFs, answers)
+                prepared.refresh_handles(prepared.filters)
+            count = run_cycle(prepared.cycle_handle, -count, stale, world.revision, X_PFs, answers)
         return count
 
     def _compile_for(self, world: World, near: NeighbourList) -> None:
@@ -292,7 +292,7 @@ class Engine:
         self._moments[COMPILED] = time.perf_counter()
 
     def _answer_of_other_length(self, prepared: Prepared, count: int, answers: Floats) -> Floats:
-        """Return so many answers, and expect as many from now on."""
+        """Return ``count`` answers, and prepare an array for as many in later cycles."""
         if count > len(answers):
             answers = self._gathered(prepared, count)
         if count > MANY:
@@ -303,7 +303,7 @@ class Engine:
         return answers[:count]
 
     def _gathered(self, prepared: Prepared, count: int) -> Floats:
-        """Return so many answers of a cycle that had no room for them."""
+        """Return ``count`` answers of a cycle whose array was too small for them."""
         near, world = prepared.near, prepared.world
         hits = near.arrays.hits[:count]
         answers = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
@@ -311,13 +311,13 @@ class Engine:
         return answers
 
     def _answer_unusually(self, prepared: Prepared, budget: float) -> Floats:
-        """Return the answer by steps, or by threads."""
+        """Return the answers computed in steps, or by threads."""
         if budget > 0.0 or self.detailed:
             return self._answer_in_steps(prepared, 0.0 if prepared.is_bound else budget)
         return self._answer_shared(prepared)
 
     def _answer_in_steps(self, prepared: Prepared, budget: float) -> Floats:
-        """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
+        """Return the answers, with steps measured separately or limited by a time budget [s]."""
         self._list_pairs(prepared)
         near, world = prepared.near, prepared.world
         hits = self._steps.answer_list(world, near, prepared.query, budget)
@@ -327,18 +327,18 @@ class Engine:
         return answers
 
     def _list_pairs(self, prepared: Prepared) -> None:
-        """Bring the list of a query up to date, and see that there are kernels for its pairs."""
+        """Bring the neighbour list of a query up to date, and compile the kernels of its pairs."""
         listing = *prepared.query, LIST
         self._run(self._queries.prepared(prepared.world, prepared.filters, *listing))
 
     def _answer_shared(self, prepared: Prepared) -> Floats:
-        """Return a long answer, by threads."""
+        """Return the answers of a large query, computed by threads."""
         world = prepared.world
         begun = time.perf_counter()
         moved = world.update_shared()
         spent = time.perf_counter() - begun
         self._list_pairs(prepared)
-        self._report.told[[FRAMES_MOVED, BODIES_MOVED]] = moved
+        self._report.summary[[FRAMES_MOVED, BODIES_MOVED]] = moved
         self._moments[BEGUN] -= spent
         near = prepared.near
         hits = self._steps.answer_shared(world, near, prepared.query)

@@ -1,8 +1,8 @@
-"""A query in one compiled call: world updated, list made, narrow phase run, rows gathered.
+"""One compiled call for a query: world update, neighbour list, narrow phase, rows of answers.
 
-Each compiled call and each array that it is given takes Python a tenth of a microsecond and more,
-which is most of the time of a query in a small scene. Where something is to be done that compiled
-code cannot do, the call ends early and says what; it is made again after that.
+Each compiled call, and each array passed to it, costs Python a tenth of a microsecond or more,
+which is most of the time of a query in a small scene. Where compiled code lacks something that
+only Python can provide, the call returns early with a code for it and is then resumed.
 """
 
 from __future__ import annotations
@@ -55,17 +55,17 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
 from drake_geom_ros.geometry._proximity.runtime.views import part
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 
-# What is asked for.
-LIST = 0  # no more than the list, and the kernels of its pairs
+# Modes of a query.
+LIST = 0  # only the neighbour list, and the kernels of its pairs
 CANDIDATES = 1  # its pairs whose boxes are within the cutoff
-CONTACT = 2  # one pair that the query is about
-ANSWERS = 3  # all of them, and their rows
+CONTACT = 2  # the first hit
+ANSWERS = 3  # all hits, and their rows
 
 LACKS_KERNELS = LACKS_GRIDS + 1  # of the pairs of the list; the others are those of list_arrays
 
 
-class Hands(NamedTuple):
-    """The handles of all that a cycle works on."""
+class CycleHandles(NamedTuple):
+    """The handles of all arrays that a cycle works on."""
 
     world: HandleField
     near: HandleField
@@ -74,60 +74,64 @@ class Hands(NamedTuple):
     filters: HandleField
     report: HandleField
     kernels: HandleField  # the addresses of the pair table
-    asked: Reals  # (ASKED,)
+    parameters: Reals  # (PARAMETER_COUNT,)
 
 
-# Places of ``Hands.asked``: those of ``slots.Query``, what is asked for, under which version of
-# the filters.
+# Places of ``CycleHandles.parameters``: the fields of ``slots.Query``, the mode, and the version
+# of the filters.
 LEVEL_GAP, CUTOFF, PENETRATING, MODE, VERSION = range(5)
-ASKED = 5
+PARAMETER_COUNT = 5
 
-_hands_of = taker(Hands)
+_handles_of = taker(CycleHandles)
 
 
 @compiled
 def run_cycle(
-    hands: Handle,
+    handles: Handle,
     lacking: int,
     stale: bool,
     revision: int,
     X_PFs: Floats,
     answers: Floats,
 ) -> int:
-    """Do what a query does; return how many pairs it is about, or minus what is lacking.
+    """Run a whole query; return the number of hits, or the negative code of what is lacking.
 
-    ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
-    cycle goes on there. If it is ``stale``, the world gets the poses ``X_PFs`` (n, POSE_WIDTH) of
-    the frames that it was told of, and is updated to this ``revision``. The numbers of the pairs
-    are written to the list's ``hits``, and their ``answers`` (k, ANSWER_WIDTH) if there is room
-    for all.
+    ``handles`` is the handle of ``CycleHandles``. ``lacking`` is the code of what the previous
+    call lacked (0: nothing) and Python has provided since; the cycle resumes there. A ``stale``
+    world gets the poses ``X_PFs`` (n, POSE_WIDTH) of its pending frames and is updated to this
+    ``revision``. The numbers of the pairs are written to the list's ``hits``, and their
+    ``answers`` (k, ANSWER_WIDTH) if all fit.
     """
-    hands = _hands_of(hands)
-    level_gap, cutoff, mode = hands.asked[LEVEL_GAP], hands.asked[CUTOFF], hands.asked[MODE]
-    world, near, report = world_of(hands.world), list_of(hands.near), report_of(hands.report)
+    handles = _handles_of(handles)
+    level_gap, cutoff, mode = (
+        handles.parameters[LEVEL_GAP],
+        handles.parameters[CUTOFF],
+        handles.parameters[MODE],
+    )
+    world, near, report = world_of(handles.world), list_of(handles.near), report_of(handles.report)
     moments = report.moments
     if lacking == 0:
-        pose_world(hands.world, report, stale, revision, X_PFs)
+        pose_world(handles.world, report, stale, revision, X_PFs)
         if mode == CONTACT and _is_quick_contact(
-            world, filters_of(hands.filters), report, level_gap
+            world, filters_of(handles.filters), report, level_gap
         ):
             return 1
     if lacking != LACKS_KERNELS:
         done = bring_up_to_date(
             near,
             world,
-            (hands.near, hands.world, hands.moving, hands.resting),
-            filters_of(hands.filters),
+            (handles.near, handles.world, handles.moving, handles.resting),
+            filters_of(handles.filters),
             revision,
-            int(hands.asked[VERSION]),
+            int(handles.parameters[VERSION]),
             world.placings[0],
             cutoff,
         )
         if done > MADE:
             return -done
-        report.told[LIST_MADE] = done
-        report.told[CONSIDERED] = near.numbers[list_arrays.CONSIDERED]
-        report.told[LISTED_PAIRS] = near.numbers[PAIRS]
+        report.summary[LIST_MADE] = done
+        report.summary[CONSIDERED] = near.numbers[list_arrays.CONSIDERED]
+        report.summary[LISTED_PAIRS] = near.numbers[PAIRS]
         moments[FILTERING] = near.lengths[list_arrays.FILTERING] if done == MADE else 0.0
         moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
         if mode != CANDIDATES and not math.isinf(level_gap) and near.numbers[HAS_KERNELS] == 0:
@@ -136,12 +140,12 @@ def run_cycle(
             near.numbers[HAS_KERNELS] = 1
     count = near.numbers[PAIRS]
     if mode > LIST:
-        query = level_gap, cutoff, hands.asked[PENETRATING] != 0.0
-        count = _answer(hands.kernels, hands.world, near, report, revision, query, mode)
+        query = level_gap, cutoff, handles.parameters[PENETRATING] != 0.0
+        count = _answer(handles.kernels, handles.world, near, report, revision, query, mode)
     if mode == ANSWERS and count <= answers.shape[0]:
         hits = part(near.hits, 0, count)
         rows = near.pairs, near.slots, near.memory
-        gather_answers(hits, *rows, level_gap, hands.world, answers)
+        gather_answers(hits, *rows, level_gap, handles.world, answers)
     moments[ANSWERED] = now()
     return count
 
@@ -150,13 +154,13 @@ def run_cycle(
 def _is_quick_contact(
     world: WorldArrays, filters: FilterArrays, report: ReportArrays, level_gap: float
 ) -> bool:
-    """Tell whether a contact was seen without a list, and report so."""
-    told, moments = report.told, report.moments
-    a, b = quick_contact(world, filters, level_gap, told[CONTACT_A], told[CONTACT_B])
+    """Return whether a contact is evident without a neighbour list; write it to the report."""
+    summary, moments = report.summary, report.moments
+    a, b = quick_contact(world, filters, level_gap, summary[CONTACT_A], summary[CONTACT_B])
     if a < 0:
         return False
-    told[CONTACT_A], told[CONTACT_B] = a, b
-    told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, 0, 0
+    summary[CONTACT_A], summary[CONTACT_B] = a, b
+    summary[LIST_MADE], summary[CONSIDERED], summary[LISTED_PAIRS] = 0, 0, 0
     report.counts[:] = 0
     moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
     moments[FILTERING] = 0.0
@@ -165,8 +169,8 @@ def _is_quick_contact(
 
 @inlined
 def _place_of_contact(near: ListArrays, report: ReportArrays) -> int:
-    """Return the number of the pair in which the last contact was, or of the one after it."""
-    a, b = report.told[CONTACT_A], report.told[CONTACT_B]
+    """Return the list index of the pair of the last contact, or of the pair following it."""
+    a, b = report.summary[CONTACT_A], report.summary[CONTACT_B]
     low, high = 0, near.numbers[PAIRS]
     while low < high:
         middle = (low + high) // 2
@@ -187,16 +191,16 @@ def _answer(
     query: tuple[float, float, bool],
     mode: float,
 ) -> int:
-    """Fill in the hits of the list's pairs; return how many there are."""
+    """Write the hits among the listed pairs; return how many there are."""
     count = near.numbers[PAIRS]
     pairs = near.pairs[:count]
     if mode == CANDIDATES:
         report.counts[:] = 0
         _, cutoff, _ = query
         return near_pairs(pairs, world, cutoff, near.hits)
-    # Where there was a contact there still is one, mostly.
+    # The pair of the last contact is the likeliest one.
     first = _place_of_contact(near, report) if mode == CONTACT else -1
-    found = answer_pairs(
+    hit_count = answer_pairs(
         kernels,
         pairs,
         part(near.slots, 0, count),
@@ -209,7 +213,7 @@ def _answer(
         near.hits,
         report.counts,
     )
-    if mode == CONTACT and found:
-        report.told[CONTACT_A] = near.pairs[near.hits[0], 0]
-        report.told[CONTACT_B] = near.pairs[near.hits[0], 1]
-    return found
+    if mode == CONTACT and hit_count:
+        report.summary[CONTACT_A] = near.pairs[near.hits[0], 0]
+        report.summary[CONTACT_B] = near.pairs[near.hits[0], 1]
+    return hit_count

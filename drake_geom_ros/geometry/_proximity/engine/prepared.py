@@ -1,8 +1,8 @@
-"""What each query hands to the compiled cycle, prepared once: a cycle has no time to gather it.
+"""Prepared queries: the handles that a query passes to the compiled cycle, gathered once.
 
-A query is asked again and again, of the same arrays. Looked up here, it takes one compiled call
-and hardly any Python around it: the first cycle after other work, which is what a robot has each
-time, brings all code from memory, and that of Python costs most.
+A query is repeated many times over the same arrays. A prepared query takes one compiled call and
+hardly any Python around it. This matters in the first cycle after other work, the usual case on a
+robot: all code is then fetched from memory, and Python's code costs most.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.engine.pair_query import (
-    ASKED,
     CANDIDATES,
     CUTOFF,
     LEVEL_GAP,
     MODE,
+    PARAMETER_COUNT,
     PENETRATING,
     VERSION,
-    Hands,
+    CycleHandles,
 )
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.addresses import (
@@ -38,15 +38,15 @@ from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
 
-LEAST_ROOM = 16  # rows made ready for an answer
-MANY = 512  # pairs of an answer, of which it is worth while to know how long they took
-_LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
-_MOST_MASKED = 2**22  # pairs of two kinds of which it is looked up whether all are filtered
-_MOST = 16  # queries of one scene that are kept: cutoffs may come without end
+LEAST_ROOM = 16  # rows allocated for the answers of a cycle, at least
+MANY = 512  # pairs of an answer from which on its time is measured
+_LONG = 2**20  # pairs of a list, 130 bytes each: longer lists are discarded after use
+_MOST_MASKED = 2**22  # pairs of two kinds up to which the filters are examined
+_MOST = 16  # prepared queries of one scene: there may be any number of cutoffs
 
 
-class Asked(NamedTuple):
-    """A query: the level's gap [m], what it is about, and a mode of ``pair_query``."""
+class QueryKey(NamedTuple):
+    """Parameters that identify a prepared query; ``mode`` is one of ``pair_query``."""
 
     level_gap: float
     cutoff: float  # [m]
@@ -55,17 +55,17 @@ class Asked(NamedTuple):
 
 
 class Prepared:
-    """A query of one world, and the handle of all that it works on."""
+    """A query of one world, with the handle of all arrays that it works on."""
 
     __slots__ = (
-        '_asked',
+        '_parameters',
         '_report',
         'answered_at',
         'cutoff',
+        'cycle_handle',
         'fewest',
         'filters',
         'handles',
-        'hands',
         'is_bound',
         'is_long',
         'level_gap',
@@ -81,61 +81,63 @@ class Prepared:
     )
     filters: FilterState
     version: int  # of the filters
-    scene: int  # tells its context whether it is that of now; -1: it is not kept any more
-    loaded: Sequence[str]  # the kernels that were compiled or loaded for it, until it is asked
-    seconds: float  # that the narrow phase of a long answer took last, of one thread
-    answered_at: int  # the revision of the world for which there is an answer, under these filters
+    scene: int  # version of model and filters that its context saw; -1: no longer valid
+    loaded: Sequence[str]  # kernels compiled or loaded for it and not yet reported
+    seconds: float  # of the last narrow phase of a large answer, by one thread
+    answered_at: int  # revision of the world at the last answer under these filters
 
-    def __init__(self, asked: Asked, world: World, near: NeighbourList, report: Handle) -> None:
-        self.level_gap, self.cutoff = asked.level_gap, asked.cutoff
-        self.query = asked.level_gap, asked.cutoff, asked.penetrating
-        self.is_bound = math.isinf(asked.level_gap)  # to be answered from bounds alone
-        self._asked = np.zeros(ASKED)
-        self._asked[[LEVEL_GAP, CUTOFF, PENETRATING, MODE]] = (
-            *(asked.level_gap, asked.cutoff),
-            *(asked.penetrating, asked.mode),
+    def __init__(self, key: QueryKey, world: World, near: NeighbourList, report: Handle) -> None:
+        self.level_gap, self.cutoff = key.level_gap, key.cutoff
+        self.query = key.level_gap, key.cutoff, key.penetrating
+        self.is_bound = math.isinf(key.level_gap)  # answered from bounds alone
+        self._parameters = np.zeros(PARAMETER_COUNT)
+        self._parameters[[LEVEL_GAP, CUTOFF, PENETRATING, MODE]] = (
+            *(key.level_gap, key.cutoff),
+            *(key.penetrating, key.mode),
         )
         self.world, self._report, self.near = world, report, near
         self.seconds, self.loaded = 0.0, ()
         self.make_room(0)
 
     def make_room(self, count: int) -> None:
-        """Have room for so many answers, and some more, from now on."""
+        """Allocate somewhat more than ``count`` answers in later cycles."""
         self.room = max(LEAST_ROOM, count + count // 4)
-        # As many answers as need no other room, nor a look at how long they took.
+        # Numbers of answers that need neither another allocation nor a time measurement.
         self.fewest = 0 if self.room == LEAST_ROOM else self.room // 2
         self.most = min(self.room, MANY)
 
-    def let_go(self) -> None:
-        """Hold no list any more, whoever still has this: it is prepared anew."""
+    def invalidate(self) -> None:
+        """Release the neighbour list; a holder of this query has to prepare it again."""
         self.scene = -1
-        del self.near, self.handles, self.hands
+        del self.near, self.handles, self.cycle_handle
 
-    def hand_over(self, filters: FilterState) -> None:
-        """Take the arrays that are there now."""
+    def refresh_handles(self, filters: FilterState) -> None:
+        """Make the handles of the current arrays."""
         self.near.look_at(self.world, filters)
         self.filters, self.version, self.answered_at = filters, filters.version, -1
-        self._asked[VERSION] = filters.version
-        self.handles = self.near.handles  # who has the handle of handles keeps these, too
-        hands = Hands(self.world.handle, *self.handles, self._report, ADDRESSES, self._asked)
-        self.hands = handle_of(hands)
+        self._parameters[VERSION] = filters.version
+        self.handles = self.near.handles  # kept alive as long as the handle of handles
+        handles = CycleHandles(
+            self.world.handle, *self.handles, self._report, ADDRESSES, self._parameters
+        )
+        self.cycle_handle = handle_of(handles)
         self.is_long = len(self.near.arrays.slots) > _LONG
 
 
 class PreparedQueries:
-    """The queries of one world that were asked last, and the neighbour lists that they share."""
+    """The recent queries of one world, and the neighbour lists that they share."""
 
     def __init__(self, report: ReportArrays) -> None:
         self._report, self._report_handle = report, handle_of(report)
         self._world: World | None = None
         self._lists: dict[bool, NeighbourList] = {}
-        self._known: dict[tuple[float, float, bool, int], Prepared] = {}
-        # The world and filters whose kernels are there.
+        self._queries: dict[tuple[float, float, bool, int], Prepared] = {}
+        # The world and filters whose kernels are loaded.
         self._ready: tuple[World, FilterState, int] | None = None
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
-        self._known, self._report_handle, self._ready = {}, handle_of(self._report), None
+        self._queries, self._report_handle, self._ready = {}, handle_of(self._report), None
 
     def prepared(
         self,
@@ -146,49 +148,49 @@ class PreparedQueries:
         penetrating: bool,
         mode: int,
     ) -> Prepared:
-        """Return a query of this world under these filters."""
+        """Return the prepared query with these parameters, preparing it if necessary."""
         if world is self._world:
-            known = self._known.get((level_gap, cutoff, penetrating, mode))
+            query = self._queries.get((level_gap, cutoff, penetrating, mode))
             if (
-                known is not None
-                and known.handles is known.near.handles
-                and known.filters is filters
-                and known.version == filters.version
+                query is not None
+                and query.handles is query.near.handles
+                and query.filters is filters
+                and query.version == filters.version
             ):
-                return known
-        return self._prepare(world, filters, Asked(level_gap, cutoff, penetrating, mode))
+                return query
+        return self._prepare(world, filters, QueryKey(level_gap, cutoff, penetrating, mode))
 
     def forget_list(self, cutoff: float) -> None:
-        """Give back the list that queries with such a cutoff work on."""
+        """Release the neighbour list of queries with such a cutoff, and all prepared queries."""
         self._lists.pop(math.isinf(cutoff))
-        for known in self._known.values():
-            known.let_go()
-        self._known.clear()
+        for query in self._queries.values():
+            query.invalidate()
+        self._queries.clear()
 
-    def _prepare(self, world: World, filters: FilterState, asked: Asked) -> Prepared:
-        """Prepare a query anew, or once more."""
+    def _prepare(self, world: World, filters: FilterState, key: QueryKey) -> Prepared:
+        """Prepare a query for the first time, or again after its arrays changed."""
         if world is not self._world:
-            self._world, self._lists, self._known = world, {}, {}
-            self._report.told[[CONTACT_A, CONTACT_B]] = -1
-        # A list of all pairs would be a burden to the queries of near ones.
-        unlimited = asked.cutoff == math.inf
+            self._world, self._lists, self._queries = world, {}, {}
+            self._report.summary[[CONTACT_A, CONTACT_B]] = -1
+        # A list of all pairs would slow down queries with a finite cutoff.
+        unlimited = key.cutoff == math.inf
         near = self._lists.get(unlimited)
         if near is None:
             near = self._lists[unlimited] = NeighbourList(world, unlimited)
-        known = self._known.get(asked)
-        if known is None:
-            if len(self._known) == _MOST:
-                self._known.pop(next(iter(self._known))).scene = -1
-            known = self._known[asked] = Prepared(asked, world, near, self._report_handle)
-        if asked.mode != CANDIDATES and not known.is_bound:
-            known.loaded = self._load_kernels(world, filters) or known.loaded
-        known.hand_over(filters)
-        return known
+        query = self._queries.get(key)
+        if query is None:
+            if len(self._queries) == _MOST:
+                self._queries.pop(next(iter(self._queries))).scene = -1
+            query = self._queries[key] = Prepared(key, world, near, self._report_handle)
+        if key.mode != CANDIDATES and not query.is_bound:
+            query.loaded = self._load_kernels(world, filters) or query.loaded
+        query.refresh_handles(filters)
+        return query
 
     def _load_kernels(self, world: World, filters: FilterState) -> list[str]:
         """Compile or load the kernels of all unfiltered pairs of kinds; return their names.
 
-        Not when two kinds first come near each other: that is the cycle that must not be late.
+        Loading them when two kinds first come near each other would delay that very cycle.
         """
         ready = self._ready
         if ready is not None and ready[0] is world and ready[1:] == (filters, filters.version):
@@ -208,9 +210,9 @@ class PreparedQueries:
 
 
 def _may_report(filters: FilterState, a: Indices, b: Indices) -> bool:
-    """Return whether a pair of one of some slots and one of others is unfiltered.
+    """Return whether any pair of a slot in ``a`` and one in ``b`` is unfiltered.
 
-    Of very many true without a look.
+    More than _MOST_MASKED pairs count as unfiltered without being examined.
     """
     if len(a) * len(b) > _MOST_MASKED:
         return True

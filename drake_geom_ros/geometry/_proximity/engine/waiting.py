@@ -1,4 +1,4 @@
-"""How much a query leaves out for want of poses."""
+"""Count of the pairs that queries omit because geometries lack a pose."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from drake_geom_ros.geometry._proximity.world.world import World
 
 
 def count_waiting_pairs(world: World, filters: FilterState) -> int:
-    """Return how many pairs that queries could report have a geometry without a place.
+    """Return the number of unfiltered pairs with a geometry that waits for a first pose.
 
-    At any distance, for how far apart they are nobody knows.
+    Their distances are unknown, so no cutoff applies.
     """
     if not world.waiting.any():
         return 0
     slots = filters.slots(world.geometries.ids)
     count = 0
-    # One geometry after the other: a scene that waits as a whole may have millions of pairs.
+    # One geometry at a time: a scene that waits as a whole may have millions of pairs.
     partners = np.ones(world.geometry_count, dtype=np.bool_)
     for waiting in np.flatnonzero(world.waiting).tolist():
         partners[waiting] = False

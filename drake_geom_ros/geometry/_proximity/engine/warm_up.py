@@ -1,7 +1,7 @@
-"""The warm-up: everything that cycles run but the kernels, compiled or loaded before it counts.
+"""Warm-up: compile or load everything that cycles run, except kernels, before the first query.
 
-Numba compiles a function when it is first called, and some of ours are first called in a second
-cycle, or when a body has moved far. So all of it is called once on three balls, at the level that
+Numba compiles a function on its first call, and some functions are first called in a second cycle
+or when a body has moved far. So all of them are called once on three balls, at the level that
 needs no kernel. ``compile_everything`` adds the kernels of all shapes.
 """
 
@@ -31,7 +31,7 @@ from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryT
 
 
 def compile_everything(tell: Tell | None = None) -> list[str]:
-    """Compile all that any scene may need, or load it from the cache; return the kernels."""
+    """Compile, or load from the cache, all that any scene needs; return the kernels' names."""
     warm_up(tell)
     with compilation(tell, 'points and derivatives of distances', 1, 1):
         world, engine = _warmed_scene()
@@ -45,7 +45,7 @@ def compile_everything(tell: Tell | None = None) -> list[str]:
 
 
 def warm_up(tell: Tell | None = None) -> None:
-    """Run some cycles on a small world, once a process."""
+    """Run some cycles on a small world, once per process."""
     with compilation(tell, 'what every query runs', 1, 1):
         _warmed_scene()
 
@@ -56,7 +56,7 @@ def _warmed_scene() -> tuple[World, Engine]:
     frames = FrameTable(np.arange(1, count + 1), np.zeros(count, dtype=np.int64))
     table = GeometryTable(
         ids=np.arange(1, count + 1),
-        frames=np.arange(count),  # the first is anchored
+        frames=np.arange(count),  # the first geometry is anchored
         R_FGs=np.tile(np.eye(3), (count, 1, 1)),
         p_FGs=np.zeros((count, 3)),
         roundings=np.zeros((count, 2)),
@@ -67,7 +67,7 @@ def _warmed_scene() -> tuple[World, Engine]:
     world, filters, engine = World(frames, table), FilterState(), Engine()
     for key in range(1, count + 1):
         filters.add(key, key, key == 1)
-    for number in range(2):  # with one in the history the other is taken back
+    for number in range(2):  # one is removed while the other is in the history
         filters.apply_transient([(EXCLUDE_BETWEEN, (1,), (2,))], number)
     filters.remove_declaration(0)
     filters.filtered_pairs()
@@ -80,17 +80,17 @@ def _warmed_scene() -> tuple[World, Engine]:
         X_PFs = np.empty((count - 1, POSE_WIDTH))
         FRAME_POSES.call(named.ids, named.ids, poses, X_PFs)
         world.pose(named, X_PFs)
-        world.copy()  # takes what was given without a query
+        world.copy()  # applies pending poses without a query
         world.pose(named, X_PFs)
-        asked = world, filters, 'bound'
+        query = world, filters, 'bound'
         for reach in (0.0, math.inf):
-            engine.answer_of(engine.prepared(*asked, reach, False, ANSWERS))
-        engine.finds_overlap(engine.prepared(*asked, 0.0, True, CONTACT))
-        engine.candidates_of(engine.prepared(*asked, 0.0, False, CANDIDATES))
+            engine.answer_of(engine.prepared(*query, reach, False, ANSWERS))
+        engine.finds_overlap(engine.prepared(*query, 0.0, True, CONTACT))
+        engine.candidates_of(engine.prepared(*query, 0.0, False, CANDIDATES))
     world.pose(named, X_PFs)
     world.update_shared()
     _leave_at_bounds(world, filters)
-    engine.detailed = True  # then Python calls what else only compiled code does
+    engine.detailed = True  # so Python calls functions that otherwise only compiled code calls
     engine.answer_of(engine.prepared(world, filters, 'bound', 1.0, False, ANSWERS))
     engine.detailed = False
     shift_of(0.0, 0.0, 0.0, 0.0)
@@ -98,7 +98,7 @@ def _warmed_scene() -> tuple[World, Engine]:
 
 
 def _leave_at_bounds(world: World, filters: FilterState) -> None:
-    """Do what a query does whose time budget is spent."""
+    """Compile the step of a query whose time budget is spent, by running it."""
     near = NeighbourList(world)
     near.bring_up_to_date(world, filters, math.inf)
     hits, counts = np.empty(len(near.pairs), dtype=np.int64), np.zeros(COUNTS, dtype=np.int64)

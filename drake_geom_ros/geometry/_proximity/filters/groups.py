@@ -3,12 +3,12 @@
 Bit k of an element's *membership* says that it belongs to group k, bit k of its *ignore* mask
 that it ignores group k. A pair is filtered when the membership of either meets the ignore mask
 of the other. All elements belong to the universal group, bit 0, so an element that ignores it
-is invisible to all others. Groups take bits in the order in which they are first named, be it
-as ignored: to ignore a group that is not defined (yet) is no error.
+is invisible to all others. Groups take bits in the order in which they are first named, even if
+only as ignored: ignoring a group that is not defined yet is no error.
 
 Source: Drake's page on collision filter groups. Its masks have a fixed width; here they are
-Python's unbounded integers, which costs the test for a pair nothing: the engine never makes it,
-because ``FilterState`` folds what follows from the masks into its matrix when they change.
+Python's unbounded integers. Queries never evaluate the masks, because ``FilterState`` writes their
+effect to its matrix whenever they change.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ UNIVERSAL = 'universal'
 
 
 class FilterGroups:
-    """Which elements (plain int keys) belong to which groups, and what the groups ignore."""
+    """Membership of elements (plain int keys) in groups, and the groups that each ignores."""
 
     def __init__(self) -> None:
         self._bits = {UNIVERSAL: 0}
-        self._ignored: dict[str, int] = {}  # by group, defined ones only
+        self._ignored: dict[str, int] = {}  # masks by group, defined groups only
         self._membership: dict[int, int] = {}  # without the universal bit
 
     def copy(self) -> FilterGroups:
-        """Return groups that share nothing that either could change."""
+        """Return an independent copy of the groups."""
         other = FilterGroups()
         other._bits = dict(self._bits)
         other._ignored = dict(self._ignored)
@@ -35,7 +35,7 @@ class FilterGroups:
         return other
 
     def define(self, name: str, members: Iterable[int], ignored: Iterable[str]) -> None:
-        """Add members and ignored groups to a group, which is made if it does not exist."""
+        """Add members and ignored groups to a group; it is created if it does not exist."""
         bit = self._bit(name)
         for key in members:
             self._membership[key] = self._membership.get(key, 0) | 1 << bit
@@ -62,7 +62,7 @@ class FilterGroups:
         return mask
 
     def members(self, name: str) -> tuple[int, ...]:
-        """Return the elements of a group, ascending; not of the universal group, which is all."""
+        """Return the elements of a group, ascending; not valid for the universal group."""
         bit = self._bits[name]
         return tuple(sorted(key for key, mask in self._membership.items() if mask >> bit & 1))
 
@@ -81,7 +81,7 @@ class FilterGroups:
         return [other for other, mask in self._ignored.items() if mask >> bit & 1]
 
     def relations(self, name: str) -> Iterator[tuple[str, str]]:
-        """Yield (ignoring, ignored) for all relations that a defined group takes part in."""
+        """Yield (ignoring, ignored) for all relations of a defined group."""
         for other in self.ignored(name):
             yield name, other
         for other in self.ignoring(name):

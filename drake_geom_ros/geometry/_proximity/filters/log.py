@@ -1,12 +1,12 @@
-"""What was said about pairs, in order: the source of the matrix, of replays and explanations.
+"""Filter log: all statements about pairs in order, the source of the matrix and of reasons.
 
-The persistent part holds group relations, cliques and declarations in one sequence, the
-transient part the statements of each filter id. About every pair the last word counts:
-persistent first to last, then transient first to last.
+The persistent part holds group relations, cliques and declarations in one sequence; the transient
+part holds the statements of each filter id. For every pair the last statement counts: persistent
+ones first to last, then transient ones first to last.
 
-A statement made again about the same sets takes the place of its former self, for nothing of
-that is left in force. So a program that excludes and allows the same sets for days does not
-grow the log, and the log still leads to the same matrix.
+A statement repeated about the same sets replaces the former one, which has no effect any more. So
+a program that excludes and allows the same sets for days does not grow the log, and the log still
+leads to the same matrix.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ _CLIQUE = 'clique'
 _PERSISTENT = 'persistent declaration'
 _TRANSIENT = 'transient declaration'
 
-# Elements that leave are struck from the log together, at the latest when there are this many.
+# Elements that leave are removed from the log together, at the latest when there are this many.
 _MOST_FORGOTTEN = 256
 
 
 class Origin(NamedTuple):
-    """Where an entry comes from: of a declaration the number, of a group or clique the name."""
+    """Origin of an entry: the number of a declaration, or the name of a group or clique."""
 
     kind: str
     name: int | str
@@ -48,7 +48,7 @@ class Entry(NamedTuple):
     origin: Origin
 
     def label(self) -> str:
-        """Return what ``reasons`` calls the entry."""
+        """Return the label of the entry in ``reasons``."""
         return f'{self.origin.kind} {self.origin.name}'
 
     def is_declared(self) -> bool:
@@ -56,14 +56,14 @@ class Entry(NamedTuple):
         return self.origin.kind not in (_GROUP, _CLIQUE)
 
     def place(self) -> tuple[object, ...]:
-        """Return what an entry has in common with those whose place it takes."""
+        """Return the key of the entry: an entry replaces an older one with the same key."""
         keys_a, keys_b = self.keys_a, self.keys_b
         if keys_b is None or not self.is_declared():
             return self.origin
         return (keys_a, keys_b) if keys_a <= keys_b else (keys_b, keys_a)
 
     def covers(self, key_a: int, key_b: int) -> bool:
-        """Return whether the entry speaks of this pair."""
+        """Return whether the entry is about this pair."""
         if self.keys_b is None:
             return key_a in self.keys_a or key_b in self.keys_a
         return (key_a in self.keys_a and key_b in self.keys_b) or (
@@ -96,7 +96,7 @@ class FilterLog:
         self._forgotten: set[int] = set()
 
     def copy(self) -> FilterLog:
-        """Return a log that shares nothing that either could change."""
+        """Return an independent copy of the log."""
         other = FilterLog()
         other._persistent = dict(self._persistent)
         other._transient = dict(self._transient)
@@ -113,7 +113,7 @@ class FilterLog:
         return made
 
     def relate(self, entry: Entry) -> None:
-        """Append one persistent entry, in place of its former self."""
+        """Append one persistent entry, replacing an older one with the same key."""
         place = entry.place()
         self._persistent.pop(place, None)
         self._persistent[place] = entry
@@ -156,25 +156,25 @@ class FilterLog:
             self._declared += 1
 
     def register(self, key: int) -> None:
-        """Make sure that nothing that was said before means a newcomer of this key."""
+        """Ensure that no former statement applies to a new element with this key."""
         if key in self._forgotten:
             self._settle()
 
     def forget(self, key: int) -> None:
-        """Strike an element that leaves."""
+        """Remove an element from all statements, now or later together with others."""
         self._forgotten.add(key)
         if len(self._forgotten) >= _MOST_FORGOTTEN:
             self._settle()
 
     def reasons(self, key_a: int, key_b: int) -> list[str]:
-        """Return what excluded a pair since it was last allowed, newest first."""
-        found = []
+        """Return the labels of what excludes a pair since it was last allowed, newest first."""
+        labels = []
         for entry in (*reversed(self.history()), *reversed(self._persistent.values())):
             if entry.covers(key_a, key_b):
                 if not entry.excludes:
                     break
-                found.append(entry.label())
-        return list(dict.fromkeys(found))
+                labels.append(entry.label())
+        return list(dict.fromkeys(labels))
 
     def cliques(self) -> dict[str, Keys]:
         """Return the members of each clique by its name."""
@@ -192,10 +192,10 @@ class FilterLog:
         return entry.keys_a if entry else ()
 
     def declarations(self, everything: Keys) -> list[list[Statement]]:
-        """Return declarations that lead to the same policy once groups and cliques are defined.
+        """Return declarations that restore the same filters once groups and cliques are defined.
 
-        They come out as they were made. What groups or cliques said after the first of them is
-        repeated where it was said, for the last word counts.
+        Declarations are returned as they were made. Statements of groups or cliques made after the
+        first declaration are included in their order, because the last statement counts.
         """
         self._settle()
         made: list[list[Statement]] = []
@@ -209,7 +209,7 @@ class FilterLog:
         return made
 
     def _settle(self) -> None:
-        """Strike the elements that left."""
+        """Remove the elements that left from all entries."""
         if not self._forgotten:
             return
         gone, self._forgotten = self._forgotten, set()
@@ -235,7 +235,7 @@ def group_relation(name: str, members: Keys, ignored: str, its_members: Keys | N
 
 
 def _entries(statements: Iterable[Statement], origin: Origin) -> list[Entry]:
-    """Return the entries that some statements make; one about no pairs makes none."""
+    """Return the entries of some statements; a statement about no pairs makes none."""
     made = []
     for operation, keys_a, keys_b in statements:
         if operation in (EXCLUDE_WITHIN, ALLOW_WITHIN):

@@ -1,16 +1,16 @@
-"""The excluded pairs as packed bits: written a row at a time, read a pair at a time.
+"""Filter matrix: the excluded pairs as packed bits, written by rows and read by pairs.
 
 ``bits[layer, bit_rows[i], j >> 3]`` has bit ``j & 7`` set where the pair of slots (i, j) is
-excluded, and the same for (j, i), so that everything that concerns a slot stands in its own row.
-``BASE`` is the persistent configuration, ``CURRENT`` the one that transient declarations have led
-to. A slot of which no pair was ever excluded has no row, but ``NO_ROW``: most of a scene of
-thousands have no filter, and nothing is kept or read for them. m rows for n slots take m * n / 4
-bytes: 6.3 MB where each of 5000 slots has one.
+excluded, and the same for (j, i), so each slot has all its pairs in its own row. ``BASE`` is the
+persistent configuration, ``CURRENT`` the one with all transient declarations applied. A slot of
+which no pair was ever excluded has ``NO_ROW``: most geometries of a large scene have no filter and
+need neither memory nor reads. m rows for n slots take m * n / 4 bytes: 6.3 MB if each of 5000
+slots has one.
 
-The invariant pairs are not in the bits: ``reportable`` compares bodies instead. So a statement
-about a set needs no care for them, and no order of statements can lose one. ``bodies`` has a
-number of at least 0 for each slot, equal where the pair is invariant, and its complement
-``~body`` while the slot is deactivated.
+The bits do not contain the invariant pairs: ``reportable`` compares bodies instead. So statements
+need not consider them, and no order of statements can lose one. ``bodies`` has a number of at
+least 0 for each slot, equal for the two slots of an invariant pair, and its complement ``~body``
+while the slot is deactivated.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ def empty_bits() -> Bits:
 
 
 def capacity_for(wanted: int, former: int) -> int:
-    """Return for how many slots, or rows, to make room where there was room for fewer."""
+    """Return the capacity, of slots or rows, to grow to from a ``former`` one."""
     return (max(wanted, former * _GROWTH_SIXTEENTHS // 16) // _STEP + 1) * _STEP
 
 
 def grown_bits(bits: Bits, rows: int, slots: int) -> Bits:
-    """Return a copy with room for more rows or slots, whose pairs are not excluded."""
+    """Return a copy of larger capacity; pairs of the new rows or slots are not excluded."""
     grown = np.zeros((2, rows, slots // 8), dtype=np.uint8)
     grown[:, : bits.shape[1], : bits.shape[2]] = bits
     return grown
 
 
 def clear_slot(bits: Bits, bit_rows: BitRows, slot: int) -> None:
-    """Forget everything that was said of a slot, so that it can be given to a newcomer."""
+    """Clear all bits of a slot, so that it can be reused."""
     if bit_rows[slot] != NO_ROW:
         bits[:, bit_rows[slot], :] = 0
         bits[:, :, slot >> 3] &= np.uint8(0xFF ^ (1 << (slot & 7)))
@@ -62,7 +62,7 @@ def clear_slot(bits: Bits, bit_rows: BitRows, slot: int) -> None:
 def write_pairs(
     bits: Bits, bit_rows: BitRows, first_layer: int, slots_a: Slots, slots_b: Slots, excludes: bool
 ) -> bool:
-    """Exclude or allow all pairs between two sets, from a layer on; return if any bit changed."""
+    """Exclude or allow all pairs between two sets, from a layer on; return whether any changed."""
     changed = False
     for layer in range(first_layer, 2):
         changed |= write_rows(bits, bit_rows, layer, slots_a, slots_b, excludes)
@@ -74,9 +74,9 @@ def write_pairs(
 def write_rows(
     bits: Bits, bit_rows: BitRows, layer: int, slots: Slots, columns: Slots, excludes: bool
 ) -> bool:
-    """Exclude or allow the pairs (slot, column), in the slots' rows; return if any bit changed.
+    """Exclude or allow the pairs (slot, column) in the slots' rows; return whether bits changed.
 
-    Slots without a row are left out: of them there is nothing to allow, and who excludes gives
+    Slots without a row are skipped: allowing changes nothing there, and callers that exclude give
     them rows first.
     """
     if columns.size == 0:
@@ -104,8 +104,8 @@ def write_rows(
 
 @inlined
 def may_report(bits: Bits, bodies: Slots, bit_rows: BitRows, slot_a: int, slot_b: int) -> bool:
-    """Tell whether a pair may be reported."""
-    # Unsigned indices spare the test for negative ones, a third of the whole time.
+    """Return whether a pair may be reported."""
+    # Unsigned indices need no test for negative ones, which takes a third of the whole time.
     i, j = unsigned(slot_a), unsigned(slot_b)
     excluded = np.uint8(0)
     if bit_rows[i] != NO_ROW:
@@ -119,7 +119,7 @@ def may_report(bits: Bits, bodies: Slots, bit_rows: BitRows, slot_a: int, slot_b
 def reportable(
     bits: Bits, bodies: Slots, bit_rows: BitRows, slots_a: Slots, slots_b: Slots
 ) -> Flags:
-    """Return for each pair whether it may be reported."""
+    """Return whether each pair may be reported."""
     answer = np.empty(slots_a.size, dtype=np.bool_)
     for k in range(slots_a.size):
         answer[k] = may_report(bits, bodies, bit_rows, slots_a[k], slots_b[k])
@@ -128,7 +128,7 @@ def reportable(
 
 @compiled
 def count_filtered(bits: Bits, bodies: Slots, bit_rows: BitRows, slots: Slots) -> int:
-    """Return how many pairs of ``slots`` are filtered without being invariant."""
+    """Return the number of pairs of ``slots`` that are filtered and not invariant."""
     count = 0
     for a in range(slots.size):
         i = slots[a]

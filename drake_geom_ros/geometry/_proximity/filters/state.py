@@ -1,16 +1,15 @@
-"""Which pairs may be reported, and why not.
+"""Collision filters of a scene: which pairs may be reported, and the reasons otherwise.
 
 The candidates are ``C = (G x G) - (A x A) - F - I``: pairs of geometries with the proximity
-role, without those of two anchored ones, of one frame, and of a geometry with itself. Within
-these limits groups, cliques and declarations change C, and the last word about a pair counts:
-to allow a pair is to have it reported, also when a group or a clique excluded it earlier, and a
-group that is defined later excludes it again. A deactivated geometry is in no pair, whatever
-was said of it; all that was said counts again once it is activated. A geometry that is added
-starts with the invariants only, but for groups that ignore the universal group, to which it
-belongs as all do.
+role, without those of two anchored geometries, of one frame, and of a geometry with itself.
+Within these limits groups, cliques and declarations change C, and the last statement about a pair
+counts. An allowed pair is reported even if a group or clique excluded it earlier, and a group
+defined later excludes it again. A deactivated geometry is in no pair; all statements about it
+apply again once it is activated. A new geometry starts with the invariants only, except for
+groups that ignore the universal group, to which every geometry belongs.
 
-Four files: ``matrix`` holds the outcome and answers queries, ``log`` holds what
-was said, ``groups`` the bit masks of groups, and this one keeps the three in step.
+Four files: ``matrix`` holds the outcome and answers queries, ``log`` holds the statements,
+``groups`` the bit masks of groups, and this one keeps the three consistent.
 """
 
 from __future__ import annotations
@@ -45,9 +44,9 @@ _ANCHORED = 0  # the body of all anchored geometries; a frame's is its id, and i
 class FilterState:
     """The collision filters of one scene; geometries and frames are plain int ids (keys).
 
-    ``version`` changes whenever ``mask`` may answer otherwise than before. The slot of a
-    geometry stays the same for as long as it is in here. What is asked of an unknown key raises
-    KeyError: ids are checked by those who take them from users.
+    ``version`` changes whenever ``mask`` may give other answers than before. A geometry has the
+    same slot for as long as it is in the state. Unknown keys raise KeyError: the callers that take
+    ids from users check them.
     """
 
     def __init__(self) -> None:
@@ -65,7 +64,7 @@ class FilterState:
         self.welded: dict[int, NDArray[np.float64] | None] = {}
 
     def copy(self) -> FilterState:
-        """Return a state that shares nothing that either could change."""
+        """Return an independent copy of the state."""
         other = FilterState()
         other.version = self.version
         other.groups = self.groups.copy()
@@ -81,9 +80,9 @@ class FilterState:
         return other
 
     def become(self, other: FilterState) -> None:
-        """Have what a copy of this state holds that nobody uses from now on.
+        """Take over the content of a copy of this state, which must not be used afterwards.
 
-        First poses of welded frames stay: this one may have been told of some since.
+        First poses of welded frames are retained, since this state may have received some since.
         """
         welded = {frame: self.welded.get(frame, pose) for frame, pose in other.welded.items()}
         self.__dict__.update(other.__dict__)
@@ -92,7 +91,7 @@ class FilterState:
     def narrowed(self, keys: NDArray[np.int64], considered: Flags) -> FilterState:
         """Return a copy that excludes all pairs of keys (n,) but those ``considered`` (n, n).
 
-        Of what was said since it knows nothing: it is for queries.
+        The copy is for queries only: it does not see later statements.
         """
         other = self.copy()
         slots = other.slots(keys)
@@ -109,7 +108,7 @@ class FilterState:
     # Geometries come and go.
 
     def add(self, key: int, frame: int, anchored: bool) -> None:
-        """Take in a geometry that gets the proximity role."""
+        """Add a geometry that gets the proximity role."""
         if not self._free:
             self._grow()
         slot = self._free.pop()
@@ -123,7 +122,7 @@ class FilterState:
             self._write(entry, BASE)
 
     def remove(self, key: int) -> None:
-        """Let go of a geometry that loses the proximity role; nothing said of it remains."""
+        """Remove a geometry that loses the proximity role, with all statements about it."""
         slot = self._slot_of.pop(key)
         filter_matrix.clear_slot(self._bits, self._bit_rows, slot)
         if (bit_row := int(self._bit_rows[slot])) != NO_ROW:
@@ -136,12 +135,12 @@ class FilterState:
         self.version += 1
 
     def weld(self, frame: int, keys: Iterable[int]) -> None:
-        """Count the geometries of a frame, ``keys`` and those to come, among the anchored ones."""
+        """Anchor the geometries of a frame: those of ``keys`` and those added later."""
         self.welded.setdefault(frame, None)
         self._join(keys, _ANCHORED)
 
     def unweld(self, frame: int, keys: Iterable[int]) -> None:
-        """Count the geometries of a frame among those of a body that moves."""
+        """Make the geometries of a welded frame those of a moving body again."""
         del self.welded[frame]
         self._join(keys, frame)
 
@@ -152,45 +151,45 @@ class FilterState:
         self.version += 1
 
     def all_keys(self) -> list[int]:
-        """Return the geometries in here, ascending."""
+        """Return the keys of all geometries, ascending."""
         return sorted(self._slot_of)
 
     def knows(self, keys: Iterable[int]) -> bool:
-        """Return whether all of the geometries are in here."""
+        """Return whether all keys are those of geometries in this state."""
         return all(map(self._slot_of.__contains__, keys))
 
-    # What queries ask.
+    # Reads by queries.
 
     def slots(self, keys: NDArray[np.int64]) -> Slots:
         """Return the slot of each geometry."""
         if self._table is None:
-            known = np.array(self.all_keys(), dtype=np.int64)
-            self._table = known, self._slots_of(known.tolist())
-        known, slots = self._table
-        return slots[np.searchsorted(known, keys)]
+            sorted_keys = np.array(self.all_keys(), dtype=np.int64)
+            self._table = sorted_keys, self._slots_of(sorted_keys.tolist())
+        sorted_keys, slots = self._table
+        return slots[np.searchsorted(sorted_keys, keys)]
 
     def mask(self, slots_a: Slots, slots_b: Slots) -> Flags:
-        """Return for each pair of slots whether it may be reported."""
+        """Return whether each pair of slots may be reported."""
         flags: Flags = filter_matrix.reportable(*self.matrix, slots_a, slots_b)
         return flags
 
     @property
     def matrix(self) -> tuple[filter_matrix.Bits, Slots, BitRows]:
-        """The bits, and body and row by slot, for compiled code, until the next change."""
+        """The bits, bodies and rows by slot, for compiled code; valid until the next change."""
         return self._bits, self._bodies, self._bit_rows
 
     def filtered(self, key_a: int, key_b: int) -> bool:
-        """Return whether a pair is kept from being reported, for whatever reason."""
+        """Return whether a pair is not reported, for whatever reason."""
         return not self.mask(self._slots_of((key_a,)), self._slots_of((key_b,)))[0]
 
     def explain(self, key_a: int, key_b: int) -> list[str]:
-        """Return why a pair is filtered: each of these would do alone; empty if it is not.
+        """Return all reasons why a pair is filtered, each sufficient alone; empty if it is not.
 
-        ``self``, ``anchored`` or ``same frame`` (which nothing can change), ``deactivated``,
-        then what excluded the pair since it was last allowed, newest first: ``transient
-        declaration ID``, ``persistent declaration N`` (counted from 0), ``group NAME`` (the one
-        that ignores the other's) and ``clique NAME``. Of declarations about exactly the same
-        sets the last one is named.
+        First ``self``, ``anchored`` or ``same frame`` (which nothing can change) and
+        ``deactivated``. Then the statements that exclude the pair since it was last allowed,
+        newest first: ``transient declaration ID``, ``persistent declaration N`` (counted from 0),
+        ``group NAME`` (the group that ignores the other's) and ``clique NAME``. Of declarations
+        about exactly the same sets the last one is named.
         """
         body_a, body_b = self._bodies[self._slots_of((key_a, key_b))].tolist()
         reasons = []
@@ -203,28 +202,28 @@ class FilterState:
         return reasons + self._log.reasons(key_a, key_b)
 
     def filtered_pairs(self) -> int:
-        """Return how many pairs are filtered although they are not invariant."""
+        """Return the number of pairs that are filtered and not invariant."""
         slots = self._slots_of(self._slot_of)
         return int(filter_matrix.count_filtered(*self.matrix, slots))
 
     # Declarations, groups and cliques.
 
     def apply(self, statements: Iterable[Statement]) -> None:
-        """Make a persistent declaration; later statements win."""
+        """Make a persistent declaration; later statements override earlier ones."""
         for entry in self._log.declare(statements):
             self._write(entry, BASE)
 
     def add_group(self, name: str, members: Iterable[int], ignored: Iterable[str]) -> None:
-        """Define a group, or add to it, and declare all relations that it takes part in."""
+        """Define a group, or extend it, and declare all its relations."""
         self.groups.define(name, members, ignored)
         for ignoring, other in self.groups.relations(name):
-            its_members = None if other == UNIVERSAL else self.groups.members(other)
-            mine = self.groups.members(ignoring)
-            if mine and its_members != ():
-                self._relate(group_relation(ignoring, mine, other, its_members))
+            ignored_members = None if other == UNIVERSAL else self.groups.members(other)
+            ignoring_members = self.groups.members(ignoring)
+            if ignoring_members and ignored_members != ():
+                self._relate(group_relation(ignoring, ignoring_members, other, ignored_members))
 
     def add_clique(self, name: str, members: Iterable[int]) -> None:
-        """Define a clique, or add to it: no two of its members are reported."""
+        """Define a clique, or extend it: no two of its members are reported."""
         joined = tuple(sorted({*members, *self._log.clique_members(name)}))
         if joined:
             self._relate(clique(name, joined))
@@ -252,19 +251,19 @@ class FilterState:
     # The transient history.
 
     def apply_transient(self, statements: Iterable[Statement], filter_id: int) -> None:
-        """Make a transient declaration on top of what there is, under an id not yet used."""
+        """Make a transient declaration on top of all others, under an unused id."""
         for entry in self._log.push(filter_id, statements):
             self._write(entry, CURRENT)
 
     def remove_declaration(self, filter_id: int) -> bool:
-        """Remove a transient declaration and return whether there was one of that id."""
+        """Remove a transient declaration; return whether one with that id existed."""
         return bool(self.remove_declarations((filter_id,)))
 
     def remove_declarations(self, filter_ids: Iterable[int]) -> list[int]:
-        """Remove transient declarations and return the ids of those that there were.
+        """Remove transient declarations; return the ids of those that existed.
 
-        Only rows of geometries that they mention are built anew, and of the other transient
-        declarations only what they say about these; one pass over these serves all that go.
+        Only the rows of geometries that they mention are rebuilt, from the other transient
+        declarations about these geometries, in one pass for all removed ones.
         """
         gone = list(filter(self.is_active, dict.fromkeys(filter_ids)))
         if gone:
@@ -273,7 +272,7 @@ class FilterState:
         return gone
 
     def flatten(self) -> None:
-        """Make the current configuration the persistent one; the history is gone."""
+        """Make the current configuration the persistent one, and clear the transient history."""
         touched = self._rows_of(self._mentioned(self._log.history()))
         self._bits[BASE, touched] = self._bits[CURRENT, touched]
         self._log.flatten()
@@ -284,7 +283,7 @@ class FilterState:
 
     @property
     def has_transient_history(self) -> bool:
-        """Whether there are transient declarations."""
+        """True if there are transient declarations."""
         return self._log.has_history()
 
     @property
@@ -292,10 +291,10 @@ class FilterState:
         """The ids of the transient declarations, first to last."""
         return self._log.active_ids()
 
-    # How what is said becomes bits.
+    # From statements to bits.
 
     def _relate(self, entry: Entry) -> None:
-        """Add to the persistent base, below a history if there is one."""
+        """Add an entry to the persistent base, below the transient history."""
         self._log.relate(entry)
         self._write(entry, BASE)
         if self.has_transient_history:
@@ -308,20 +307,20 @@ class FilterState:
         )
 
     def _replay(self, touched: Slots) -> None:
-        """Build rows of the current configuration anew from the base and the history."""
+        """Rebuild rows of the current configuration from the base and the history."""
         bit_rows = self._rows_of(touched)
         self._bits[CURRENT, bit_rows] = self._bits[BASE, bit_rows]
-        mine = np.zeros(len(self._bodies), dtype=np.bool_)
-        mine[touched] = True
+        is_touched = np.zeros(len(self._bodies), dtype=np.bool_)
+        is_touched[touched] = True
         for entry in self._log.history():
             a, b = self._sides(entry)
             matrix = self._bits, self._bit_rows, CURRENT
-            filter_matrix.write_rows(*matrix, a[mine[a]], b, entry.excludes)
-            filter_matrix.write_rows(*matrix, b[mine[b]], a, entry.excludes)
+            filter_matrix.write_rows(*matrix, a[is_touched[a]], b, entry.excludes)
+            filter_matrix.write_rows(*matrix, b[is_touched[b]], a, entry.excludes)
         self.version += 1
 
     def _sides(self, entry: Entry) -> tuple[Slots, Slots]:
-        """Return the slots of both sets of an entry; if it excludes, they have rows thereafter."""
+        """Return the slots of both sets of an entry; if it excludes, they are given rows."""
         slots_a = slots_b = self._slots_of(entry.keys_a)
         if entry.keys_b is not entry.keys_a:
             slots_b = self._slots_of(self._slot_of if entry.keys_b is None else entry.keys_b)
@@ -331,7 +330,7 @@ class FilterState:
         return slots_a, slots_b
 
     def _give_rows(self, slots: Slots) -> None:
-        """Give rows of the matrix to those of some slots that have none."""
+        """Give a row of the matrix to each slot that has none."""
         lacking = np.unique(slots[self._bit_rows[slots] == NO_ROW])
         if (more := len(lacking) - len(self._free_rows)) > 0:
             former = self._bits.shape[1]
@@ -342,13 +341,13 @@ class FilterState:
             self._bit_rows[slot] = self._free_rows.pop()
 
     def _rows_of(self, slots: Slots) -> BitRows:
-        """Return the rows of those of some slots that have one."""
+        """Return the rows of those slots that have one."""
         bit_rows: BitRows = self._bit_rows[slots]
-        given: BitRows = bit_rows[bit_rows != NO_ROW]
-        return given
+        existing_rows: BitRows = bit_rows[bit_rows != NO_ROW]
+        return existing_rows
 
     def _mentioned(self, said: Iterable[Entry]) -> Slots:
-        """Return the slots of all that some entries mention, each once."""
+        """Return the slots that some entries mention, each once."""
         sides = [side for entry in said for side in self._sides(entry)]
         return np.unique(np.concatenate(sides)) if sides else np.zeros(0, dtype=np.int64)
 
@@ -363,7 +362,7 @@ class FilterState:
                 self.version += 1
 
     def _grow(self) -> None:
-        """Make room; the lowest slots are given out first."""
+        """Grow the capacity; the lowest slots are used first."""
         former = len(self._bodies)
         capacity = filter_matrix.capacity_for(former + 1, former)
         self._bits = filter_matrix.grown_bits(self._bits, self._bits.shape[1], capacity)
@@ -374,5 +373,5 @@ class FilterState:
 
 
 def _body(number: int) -> int:
-    """Return the body of a slot, deactivated or not."""
+    """Return the body number of a slot, whether it is deactivated or not."""
     return max(number, ~number)

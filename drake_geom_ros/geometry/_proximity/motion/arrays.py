@@ -1,4 +1,4 @@
-"""All that a check of a motion works on, by name, and the numbers that it is told by."""
+"""Arrays of a motion check by name, and names of their columns."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
 States: TypeAlias = Annotated[NDArray[np.float64], np.float64, (None, None)]
 IndexRows: TypeAlias = Annotated[NDArray[np.int64], np.int64, (3,)]
 
-# What is true of a motion.
+# Verdicts about a motion.
 CLEAR = 1  # every pair is certified to stay farther apart than the least distance
 CONTACT = 2
 UNKNOWN = 3
-# Why there is no answer.
-NO_POSE = 4  # a frame would be where no pose may be
-NO_ROOM = 5  # the lists of the search are full: to be asked again with larger ones
+# Reasons for no verdict.
+NO_POSE = 4  # a frame would have no valid pose
+NO_ROOM = 5  # the lists of the search are full: to be repeated with larger ones
 STOPPED = 6
 
 # How frames move; joints move straight in joint space.
@@ -39,59 +39,59 @@ TURN = 0  # [rad] its angular speed
 SLIDE = 1  # [m] the speed of its origin
 BEND = 2  # [m] the acceleration of its origin
 OFFSET = 3  # [m] the distance of its origin from that of the parent
-TURN_ROUNDING = 4  # [-] how far interpolating may put it from where it exactly is (Frobenius)
-SLIDE_ROUNDING = 5  # [m]
+TURN_ROUNDING = 4  # [-] error of its interpolated rotation (Frobenius)
+SLIDE_ROUNDING = 5  # [m] error of its interpolated position
 NODE_WIDTH = 6
 
 # Columns of ``moves``, of a frame that moves by poses: see ``interpolants``.
 AXIS, ANGLE, STEP = 0, 3, 4
 MOVE_WIDTH = 7
 
-# Columns of ``asked``.
+# Places of ``parameters``.
 LEVEL_GAP, TIME_TOLERANCE, MIN_DISTANCE, MOST_PADDING = 0, 1, 2, 3
-ASKED_WIDTH = 4
+PARAMETER_COUNT = 4
 # Places of ``flags``.
 KIND, MOST, IGNORES = 0, 1, 2
 
-# Columns of ``records``: what is known of a pair at one time, the normal out of A towards B in the
-# axes of the node that both hang on, the gap that a plane with this normal leaves then, and the
-# bounds and the answer of the distance.
+# Columns of ``records``, of a pair at one time: the normal of a plane, out of A towards B in the
+# axes of the pair's common node; the gap that the plane leaves; bounds of the distance; and the
+# answered distance.
 PLANE, GAP, LOWER, UPPER, ANSWER = 0, 3, 4, 5, 6
 RECORD_WIDTH = 7
 
 # Columns of ``entries``: a pair, and its records at the begin and at the end of its span.
 OF_PAIR, AT_BEGIN, AT_END = 0, 1, 2
-# Columns of ``tops``, of a span: its first entry, the one behind its last, its first free record.
+# Columns of ``tops``, of a span: its first entry, the end of its entries, its first free record.
 FIRST, BEHIND, FREE_RECORD = 0, 1, 2
 # Columns of ``spans``.
 BEGIN, END = 0, 1
 
-# Columns of ``bounds``, of a pair: for the whole motion, and what rounding may add.
-WAY = 0  # [m] no point of A comes farther than this against B
-SAG = 1  # [m] nor farther from the chord of its path
-SLACK = 2  # [m]
-LEAST = 3  # [m] it is clear while its distance is larger
+# Columns of ``bounds``, of a pair: for the whole motion.
+WAY = 0  # [m] no point of A moves farther than this relative to B
+SAG = 1  # [m] no point of A is farther than this from the chord of its path
+SLACK = 2  # [m] rounding of the interpolation
+LEAST = 3  # [m] the pair is clear while its distance is larger
 BOUND_WIDTH = 4
 
-# Columns of ``told``: the span that holds what ended the search, the least bound of all that was
-# proved, and the least distance that was seen, when [m].
+# Places of ``outcome``: the span in which the search ended, the least of all proved lower bounds
+# [m], the least distance that was seen [m], and its time.
 T0, T1, LOWER_BOUND, SEEN, SEEN_TIME = 0, 1, 2, 3, 4
-TOLD_WIDTH = 5
-# Columns of ``counts``: the edge of a path that is looked at, where the least distance was seen,
-# and of which pair; the pair that touches at T1, or of which nothing is proved from T0 on; pairs
-# answered by kernels, pairs left out, and states that were posed.
+OUTCOME_WIDTH = 5
+# Places of ``counts``: the current edge of a path; the edge and the pair of the least distance
+# that was seen; the pair that touches at T1, or of which nothing is proved from T0 on; the numbers
+# of pairs answered by kernels, of pairs left out, and of states posed.
 EDGE, SEEN_EDGE, SEEN_PAIR, PAIR, EVALUATIONS, IGNORED, STATES = 0, 1, 2, 3, 4, 5, 6
 COUNT_WIDTH = 7
 
 
 class MotionArrays(NamedTuple):
-    """All that a check of a motion works on, for a handle."""
+    """All arrays that a motion check works on, for a handle."""
 
-    # What moves: nodes (v,), the world first, then links, then frames.
+    # The tree of nodes (v,): the world first, then links, then frames.
     parents: Integers
     nodes: Rows  # (v, NODE_WIDTH)
-    on: Integers  # (n,) the node that each geometry hangs on
-    reaches: Reals  # (n,) no point of it is farther from the origin of its node [m]; 0: half space
+    on: Integers  # (n,) the node that carries each geometry
+    reaches: Reals  # (n,) its farthest point from the origin of its node [m]; 0: half space
     # By poses: of frames (f,).
     starts: Rows  # (f, POSE_WIDTH)
     ends: Rows
@@ -105,18 +105,18 @@ class MotionArrays(NamedTuple):
     X_PJs: Rows
     chain_parents: Integers
     children: Integers
-    X_WLs: Rows  # in what carries the robot
+    X_WLs: Rows  # relative to the carrier of the robot
     links: Integers
-    values: Rows  # (3, c) at the start, at the end, and now
+    values: Rows  # (3, c) at the start, at the end, and at the current time
     # The scene.
     rows: Integers  # (f,) of the frames that are posed
-    poses: States  # (1, f, 7): room
-    Xs: Rows  # (f, POSE_WIDTH): room
+    poses: States  # (1, f, 7) scratch
+    Xs: Rows  # (f, POSE_WIDTH) scratch
     world: HandleField
     pairs: IndexPairs  # (k, 2)
     paddings: Reals  # (k,) [m] of both bodies
     skipped: Flags  # (k,) pairs that are left out
-    # Groups, and of each pair of them the node that both hang on.
+    # Groups, and the common node of each pair of groups.
     firsts: Integers
     members: Integers
     group_pairs: IndexPairs
@@ -129,21 +129,21 @@ class MotionArrays(NamedTuple):
     sides: IndexPairs  # (m, 2) the nodes of a pair of groups
     common: Integers  # (m,)
     common_of_pair: Integers  # (k,)
-    # The question.
+    # The parameters of the check.
     kernels: HandleField
-    asked: Reals  # (ASKED_WIDTH,)
+    parameters: Reals  # (PARAMETER_COUNT,)
     flags: Integers  # KIND, MOST, IGNORES
     stop: Integers  # (1,)
-    # What is found.
-    told: Reals  # (TOLD_WIDTH,)
+    # The results.
+    outcome: Reals  # (OUTCOME_WIDTH,)
     counts: Integers  # (COUNT_WIDTH,)
     bounds: Rows  # (k, BOUND_WIDTH)
-    # The search: what is left to be proved, see ``bisection``.
+    # The search: spans and pairs not proved yet, see ``bisection``.
     entries: IndexRows  # (e, 3)
     records: Rows
     spans: RealPairs  # (s, 2)
     tops: IndexRows  # (s, 3)
-    # One pair that is answered.
+    # Scratch for the answer of one pair.
     one: IndexPairs
     slot: Integers
     hits: Integers

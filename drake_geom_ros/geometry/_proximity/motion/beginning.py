@@ -1,4 +1,4 @@
-"""Where a search begins: pairs that one bound, or one plane, keeps clear for the whole motion."""
+"""Start of a search: the pairs that no single bound or plane proves clear for the motion."""
 
 from __future__ import annotations
 
@@ -60,20 +60,20 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_o
 
 @inlined
 def _is_far(motion: MotionArrays, m: int, A: Rates, B: Rates, slack: float) -> bool:
-    """Tell whether the boxes of a pair of groups keep all their pairs clear for the motion."""
+    """Return whether the boxes of two groups prove all their pairs clear for the whole motion."""
     a, b = motion.group_pairs[m, 0], motion.group_pairs[m, 1]
     r_a, r_b = motion.group_reaches[a], motion.group_reaches[b]
     way = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
-    least = motion.separations[m] - way - slack - motion.asked[MOST_PADDING]
-    if not least > motion.asked[MIN_DISTANCE]:
+    least = motion.separations[m] - way - slack - motion.parameters[MOST_PADDING]
+    if not least > motion.parameters[MIN_DISTANCE]:
         return False
-    motion.told[LOWER_BOUND] = min(motion.told[LOWER_BOUND], least)
+    motion.outcome[LOWER_BOUND] = min(motion.outcome[LOWER_BOUND], least)
     return True
 
 
 @inlined
 def _slack_of(motion: MotionArrays, m: int) -> float:
-    """Return how far [m] interpolating may have put bodies of a pair of groups from the truth."""
+    """Return the interpolation error [m] of the bodies of a pair of groups."""
     r_a = motion.group_reaches[motion.group_pairs[m, 0]]
     r_b = motion.group_reaches[motion.group_pairs[m, 1]]
     slack = rounding_of_body(motion, motion.sides[m, 0], r_a)
@@ -99,17 +99,17 @@ def _put_bounds(
             r_b += plane_reach(motion, world.p_WGs, b, a, far + world.outer[a])
             bends = B.speed_r == 0.0
     bound[WAY] = (A.speed + A.speed_r * r_a + B.speed + B.speed_r * r_b) * ROUNDED_UP
-    # A plane turns with its half space: there is no normal that stays.
+    # A plane turns with its half space: no normal stays constant.
     sag = 0.125 * (A.bend + A.bend_r * r_a + B.bend + B.bend_r * r_b) * ROUNDED_UP
     bound[SAG] = sag if bends else math.inf
     slack = rounding_of_body(motion, motion.on[a], r_a)
     bound[SLACK] = (slack + rounding_of_body(motion, motion.on[b], r_b)) * ROUNDED_UP
-    bound[LEAST] = motion.asked[MIN_DISTANCE] + motion.paddings[k]
+    bound[LEAST] = motion.parameters[MIN_DISTANCE] + motion.paddings[k]
 
 
 @inlined
 def _at_start(motion: MotionArrays, k: int, r: int) -> int:
-    """Return what is true of a pair by its record of the start; CLEAR if it is left out, too."""
+    """Return the verdict about a pair from its record of the start; CLEAR if it is left out."""
     lower, upper, least = (
         motion.records[r, LOWER],
         motion.records[r, UPPER],
@@ -124,13 +124,13 @@ def _at_start(motion: MotionArrays, k: int, r: int) -> int:
     motion.counts[PAIR] = k
     if not upper <= least:
         return UNKNOWN
-    motion.told[T1] = 0.0
+    motion.outcome[T1] = 0.0
     return CONTACT
 
 
 @inlined
-def _keep(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: int) -> int:
-    """Look at a pair at the start; return 1 if it is left, 0 if not, or minus a verdict."""
+def _examine(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: int) -> int:
+    """Examine a pair at the start; return 1 if it is open, 0 if proved, or minus a verdict."""
     motion = motions_of(handle)
     world = world_of(motion.world)
     a, b, node = motion.pairs[k, 0], motion.pairs[k, 1], motion.common_of_pair[k]
@@ -168,9 +168,9 @@ def _keep(handle: Handle, k: int, exchanged: bool, A: Rates, B: Rates, count: in
 
 @allocating
 def _near_at_start(handle: Handle) -> int:
-    """List the pairs that what is known at the start does not keep clear; return how many.
+    """List the pairs that the state at the start does not prove clear; return their number.
 
-    Entries get the pair, and its record of the start. Minus a verdict where that is known already.
+    Entries get the pair and its record of the start. Return minus a verdict if one is reached.
     """
     motion = motions_of(handle)
     count, unknown = 0, False
@@ -197,21 +197,21 @@ def _near_at_start(handle: Handle) -> int:
             if motion.skipped[k]:
                 continue
             exchanged = motion.on[motion.pairs[k, 0]] != first
-            kept = _keep(handle, k, exchanged, A, B, count)
-            if kept == -UNKNOWN:
-                unknown = True  # another pair may be known to touch
-            elif kept < 0:
-                return kept
+            change = _examine(handle, k, exchanged, A, B, count)
+            if change == -UNKNOWN:
+                unknown = True  # a later pair may still be certified to touch
+            elif change < 0:
+                return change
             else:
-                count += kept
+                count += change
     return -UNKNOWN if unknown else count
 
 
 @allocating
 def _left_at_end(handle: Handle, count: int) -> int:
-    """Look at the pairs at the end, too; return how many are left.
+    """Examine the listed pairs at the end of the motion; return how many remain open.
 
-    They get a record of it, by their kernel, behind that of the start. Minus a verdict else.
+    They get a record of it by their kernel. Return minus a verdict if one is reached.
     """
     motion = motions_of(handle)
     world, left = world_of(motion.world), 0
@@ -232,7 +232,7 @@ def _left_at_end(handle: Handle, count: int) -> int:
 
 @allocating
 def _left_between(handle: Handle, count: int) -> int:
-    """Look at the start by kernels; return how many pairs are left, or minus a verdict.
+    """Examine open pairs at the start by kernels; return how many remain, or minus a verdict.
 
     Entries get the records of the start and of the end.
     """
@@ -265,9 +265,9 @@ def _left_between(handle: Handle, count: int) -> int:
 
 @allocating
 def begin(handle: Handle) -> int:
-    """Return how many pairs are not proved to be clear by their ends; minus a verdict else."""
+    """Return the number of pairs not proved clear from both ends, or minus a verdict."""
     motion = motions_of(handle)
-    motion.told[T0], motion.told[T1] = 0.0, 1.0
+    motion.outcome[T0], motion.outcome[T1] = 0.0, 1.0
     if not put_state(handle, 0.0):
         return -NO_POSE
     count = _near_at_start(handle)

@@ -1,9 +1,9 @@
-"""What is left is cut in halves, the first before the second, until it is proved or touches.
+"""Bisection of the time spans that are not proved clear, first halves first.
 
-So all that is before the span that is looked at is proved of all pairs, and what ends the search
-is the first of its kind. In the middle of a span the plane of a pair at its begin is held against
-the first half, that at its end against the second; only where these do not do is the pair answered
-by its kernel, which gives both halves a better plane at least from one side.
+All pairs are proved clear before the current span, so the search ends at the first contact or the
+first unknown span. In the middle of a span, the separating plane of a pair at the begin is tested
+over the first half, and the plane at the end over the second. Only where these fail does the
+pair's kernel answer, which gives both halves a better plane on one side.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import LEAST_PARTED_SPAN, LEAST_SPAN
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 
-# Where a span is given up, moments after it are looked at, each this much sooner than the last.
+# Where a span is given up, times after its begin are examined, each sooner by this factor.
 _LOOKS_AFTER, _SOONER = 4, 0.0625
 
 
 @inlined
 def _deepest(motion: MotionArrays, first: int, last: int, column: int) -> int:
-    """Return the pair of some entries that is certified to touch at an end of its span; -1: none.
+    """Return the deepest pair of some entries certified to touch at an end of its span; -1: none.
 
-    Of several the one that is deepest; ``column`` is that of the end's records.
+    ``column`` is the entries' column with the records of that end.
     """
     pair, deepest = -1, math.inf
     for e in range(first, last):
@@ -71,12 +71,13 @@ def _deepest(motion: MotionArrays, first: int, last: int, column: int) -> int:
 
 @inlined
 def _given_up(motion: MotionArrays, first: int, last: int, width: float) -> int:
-    """Return the pair of some entries for which a span is too short to be halved; -1: none.
+    """Return a pair of some entries whose span is too short to be halved; -1: none.
 
-    Halving helps on as long as a plane parts the bodies at its begin: what a point goes beside its
-    chord falls with the square of the span. Else only the way that they come falls, as the span.
+    While a plane separates the bodies at the begin, halving helps quadratically: the deviation of
+    a point from its chord falls with the square of the span. Otherwise only the way falls, which
+    is linear in the span.
     """
-    coarse = min(motion.asked[TIME_TOLERANCE], LEAST_SPAN) / 16.0
+    coarse = min(motion.parameters[TIME_TOLERANCE], LEAST_SPAN) / 16.0
     for e in range(first, last):
         k, r = motion.entries[e, OF_PAIR], motion.entries[e, AT_BEGIN]
         parted = motion.records[r, GAP] > motion.bounds[k, LEAST]
@@ -87,31 +88,31 @@ def _given_up(motion: MotionArrays, first: int, last: int, width: float) -> int:
 
 @allocating
 def _touches_soon(handle: Handle, k: int, begin: float, r: int) -> bool:
-    """Tell whether pair k is certified to touch within the tolerance after a time; put it down.
+    """Return whether pair k is certified to touch soon after a time; write the time to T1.
 
-    Bodies that come together at a time that is halved to are, there, at 0 within rounding: not
-    clear before and not certified to touch. A moment later they are.
+    Soon means within the time tolerance. Bodies that meet exactly at a bisection time are at 0
+    within rounding there: not clear before, and not certified to touch. A moment later they are.
     """
     motion = motions_of(handle)
-    span = min(motion.asked[TIME_TOLERANCE], 1.0 - begin)
+    span = min(motion.parameters[TIME_TOLERANCE], 1.0 - begin)
     for _ in range(_LOOKS_AFTER):
         t = begin + span
         span *= _SOONER
-        if t <= begin or t - begin > motion.asked[TIME_TOLERANCE]:
+        if t <= begin or t - begin > motion.parameters[TIME_TOLERANCE]:
             continue
         if is_spent(motion) or not put_state(handle, t):
             return False
         put_answer(handle, k, motion.common_of_pair[k], r)
         count_seen(motion, k, t, r)
         if motion.records[r, UPPER] <= motion.bounds[k, LEAST]:
-            motion.told[T1] = t
+            motion.outcome[T1] = t
             return True
     return False
 
 
 @inlined
 def _records_of(motion: MotionArrays, count: int) -> int:
-    """Return the number behind those of all records that entries have."""
+    """Return the first free record behind those of the first ``count`` entries."""
     top = 0
     for e in range(count):
         top = max(top, motion.entries[e, AT_BEGIN] + 1, motion.entries[e, AT_END] + 1)
@@ -132,17 +133,17 @@ def _put_entry(motion: MotionArrays, e: int, k: int, start: int, end: int) -> No
 
 @inlined
 def _is_open(motion: MotionArrays, k: int, bound: float) -> bool:
-    """Tell whether a lower bound [m] does not keep a pair clear."""
+    """Return whether a lower bound [m] does not prove a pair clear."""
     return not bound > motion.bounds[k, LEAST]
 
 
 @allocating
 def _halve(handle: Handle, mid: float, half: float, first: int, last: int, top: int) -> int:
-    """Look at entries in the middle of their span; put down what is left of both halves.
+    """Examine entries in the middle of their span; write the entries open in each half.
 
-    Entries of the second half from ``last`` on, those of the first as many further on as there may
-    be. Returns how many there are, as the first times as many as there may be plus the second; -1
-    where no more pairs may be answered.
+    With ``most = last - first``, entries of the second half are written from ``last`` on, those of
+    the first half from ``last + most`` on. Return both numbers as ``lefts * (most + 1) + rights``,
+    or -1 where no more pairs may be answered.
     """
     motion = motions_of(handle)
     world, most = world_of(motion.world), last - first
@@ -174,13 +175,13 @@ def _halve(handle: Handle, mid: float, half: float, first: int, last: int, top: 
 
 @allocating
 def bisect(handle: Handle, count: int) -> int:
-    """Return what is true of a motion of which ``begin`` has left ``count`` pairs.
+    """Return the verdict about a motion for which ``begin`` left ``count`` open pairs.
 
-    ``told`` gets the span that holds the first contact, or from where on nothing is known, and
-    ``counts`` the pair.
+    ``outcome`` gets the span of the first contact, or the time from which on nothing is proved;
+    ``counts`` get the pair.
     """
     motion = motions_of(handle)
-    tolerance = motion.asked[TIME_TOLERANCE]
+    tolerance = motion.parameters[TIME_TOLERANCE]
     touching = _deepest(motion, 0, count, AT_END)
     _push(motion, 0, (0.0, 1.0), 0, count)
     motion.tops[0, FREE_RECORD] = _records_of(motion, count)
@@ -191,8 +192,8 @@ def bisect(handle: Handle, count: int) -> int:
         first, last = motion.tops[depth, FIRST], motion.tops[depth, BEHIND]
         top = motion.tops[depth, FREE_RECORD]
         most = last - first
-        motion.told[T0] = begin
-        if touching >= 0 and motion.told[T1] - begin <= tolerance:
+        motion.outcome[T0] = begin
+        if touching >= 0 and motion.outcome[T1] - begin <= tolerance:
             motion.counts[PAIR] = touching
             return CONTACT
         if motion.stop[0] != 0:
@@ -207,14 +208,14 @@ def bisect(handle: Handle, count: int) -> int:
         mid = begin + half
         if not put_state(handle, mid):
             return NO_POSE
-        found = _halve(handle, mid, half, first, last, top)
-        if found < 0:
+        open_counts = _halve(handle, mid, half, first, last, top)
+        if open_counts < 0:
             return UNKNOWN
-        lefts, rights = found // (most + 1), found % (most + 1)
+        lefts, rights = open_counts // (most + 1), open_counts % (most + 1)
         deepest = _deepest(motion, last + most, last + most + lefts, AT_END)
         if deepest >= 0:
-            touching, motion.told[T1] = deepest, mid
-            depth, rights = 0, 0  # what comes later is no first contact
+            touching, motion.outcome[T1] = deepest, mid
+            depth, rights = 0, 0  # later spans cannot hold the first contact
         if rights > 0:
             _push(motion, depth, (mid, end), last, rights)
             motion.tops[depth, FREE_RECORD] = top + most

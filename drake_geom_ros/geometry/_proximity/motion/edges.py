@@ -1,4 +1,4 @@
-"""The edges of a path, one after the other; a motion by poses is one edge."""
+"""Check of the edges of a path one after the other; a motion by poses is one edge."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     EVALUATIONS,
     IGNORED,
     IGNORES,
+    LEVEL_GAP,
     LOWER_BOUND,
     PAIR,
     SEEN,
@@ -32,15 +33,15 @@ from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 
 @allocating
 def check_edges(handle: Handle, path: Floats, first: int, last: int) -> int:
-    """Return what is true of the edges of a path (k, c), from row ``first`` to row ``last``.
+    """Return the verdict about the edges of a path (k, c), from row ``first`` to row ``last``.
 
-    It ends with the first edge that is not CLEAR; ``told`` and ``counts`` say the rest. A path
-    without joint values (k, 0) is the motion of the frames that was set. Only at row 0 pairs may
-    be left out because they are not clear at the start.
+    The check ends with the first edge that is not CLEAR; ``outcome`` and ``counts`` have the
+    details. A path without joint values (k, 0) is the motion of the frames that was set. Only at
+    row 0 may pairs be left out because they are not clear at the start.
     """
     motion = motions_of(handle)
-    motion.told[LOWER_BOUND], motion.told[SEEN] = math.inf, math.inf
-    motion.told[SEEN_TIME] = 0.0
+    motion.outcome[LOWER_BOUND], motion.outcome[SEEN] = math.inf, math.inf
+    motion.outcome[SEEN_TIME] = 0.0
     motion.counts[PAIR], motion.counts[SEEN_PAIR], motion.counts[SEEN_EDGE] = -1, -1, 0
     motion.counts[EVALUATIONS], motion.counts[IGNORED] = 0, 0
     ignores, verdict = motion.flags[IGNORES], CLEAR
@@ -77,7 +78,7 @@ def row_of_pair(
         motion.one,
         motion.slot,
         motion.memory,
-        motion.asked[0],
+        motion.parameters[LEVEL_GAP],
         motion.world,
         ids,
         rows,

@@ -1,10 +1,10 @@
-"""Where everything is at a time of a motion, 0 at its start and 1 at its end.
+"""Interpolation of the scene at a time of a motion, 0 at its start and 1 at its end.
 
-A frame that goes from X_PF to another one has its position straight and its rotation about one
-axis, by the shorter way (slerp), or it follows a screw (Murray, Li, Sastry, A Mathematical
-Introduction to Robotic Manipulation, section 2.3): both turn at a constant rate, about an axis
-that the frame carries. Of a half turn both ways are as short: it goes about the axis whose first
-component that is not 0 is positive. Joints move straight in joint space.
+A frame moves from X_PF to another pose in one of two ways. Its position moves straight and its
+rotation turns about one axis, by the shorter way (slerp); or it follows a screw (Murray, Li,
+Sastry, A Mathematical Introduction to Robotic Manipulation, section 2.3). Both turn at a constant
+rate about an axis fixed in the frame. Both ways of a half turn are equally short: it turns about
+the axis whose first nonzero component is positive. Joints move straight in joint space.
 """
 
 from __future__ import annotations
@@ -44,9 +44,9 @@ from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, upda
 
 @inlined
 def _turn_between(start: Floats, end: Floats) -> tuple[Vector, float]:
-    """Return axis and angle [rad], at most pi, of ``R_start^T R_end``, of rows of poses.
+    """Return the axis and angle [rad], at most pi, of ``R_start^T R_end``, from rows of poses.
 
-    By the row of its quaternion that loses no digits (Shepperd, J. Guidance and Control 1(3),
+    It uses the row of the quaternion that loses no digits (Shepperd, J. Guidance and Control 1(3),
     1978).
     """
     R, S = table(start, 0, 3, 3), table(end, 0, 3, 3)
@@ -79,7 +79,7 @@ def _turn_between(start: Floats, end: Floats) -> tuple[Vector, float]:
 
 @inlined
 def versed(angle: float) -> tuple[float, float]:
-    """Return (1 - cos x) / x and 1 - sin x / x, of which small angles x [rad] lose no digit."""
+    """Return (1 - cos x) / x and 1 - sin x / x, accurate for small angles x [rad], too."""
     if abs(angle) < SMALL_TURN:
         squared = angle * angle
         return 0.5 * angle * (1.0 - squared / 12.0), squared / 6.0 * (1.0 - squared / 20.0)
@@ -89,7 +89,7 @@ def versed(angle: float) -> tuple[float, float]:
 
 @inlined
 def _screw_step(axis: Vector, angle: float, p: Vector) -> Vector:
-    """Return u [m] for which the screw by an angle with the velocity u carries the origin to p.
+    """Return the velocity u [m] with which a screw by an angle carries the origin to p.
 
     ``u = p - x/2 a x p + (1 - x/2 cot(x/2)) a x (a x p)``, the inverse of ``_screwed``.
     """
@@ -104,7 +104,7 @@ def _screw_step(axis: Vector, angle: float, p: Vector) -> Vector:
 
 @inlined
 def _screwed(axis: Vector, angle: float, u: Vector) -> Vector:
-    """Return where a screw by an angle [rad] carries the origin that moves with u [m]."""
+    """Return where a screw by an angle [rad] with the velocity u [m] carries the origin."""
     turned = cross(axis, u)
     twice = cross(axis, turned)
     first, second = versed(angle)
@@ -113,10 +113,10 @@ def _screwed(axis: Vector, angle: float, u: Vector) -> Vector:
 
 @compiled
 def prepare_moves(handle: Handle) -> None:
-    """Write how each frame moves from its start to its end: ``moves`` of the arrays.
+    """Write the ``moves`` of all frames from their start to their end.
 
-    Axis [-] and angle [rad], in the axes of F at the start; then of ``SLERP`` the way of Fo in P
-    [m], and of ``SCREW`` its velocity in F at the start [m].
+    These are the axis [-] and angle [rad] in the axes of F at the start, followed by the
+    displacement of Fo in P [m] for ``SLERP``, or its velocity in F at the start [m] for ``SCREW``.
     """
     motion = motions_of(handle)
     for k in range(motion.starts.shape[0]):
@@ -153,7 +153,7 @@ def _write_pose(start: Floats, move: Floats, by_screw: bool, t: float, X: Floats
 
 @inlined
 def _put_frames(motion: MotionArrays, t: float) -> None:
-    """Write the poses of all frames that move at a time to ``Xs``; at its ends as given."""
+    """Write the poses of all moving frames at a time to ``Xs``; at both ends exactly as given."""
     by_screw = motion.flags[KIND] == SCREW
     for k in range(motion.starts.shape[0]):
         X = row(motion.Xs, k)
@@ -166,7 +166,7 @@ def _put_frames(motion: MotionArrays, t: float) -> None:
 
 @inlined
 def _put_links(motion: MotionArrays, t: float) -> None:
-    """Write the poses of the links that are frames at a time to ``poses``."""
+    """Write the poses of those links that are frames, at a time, to ``poses``."""
     values = motion.values
     for c in range(values.shape[1]):
         start, end = values[0, c], values[1, c]
@@ -188,7 +188,7 @@ def _put_links(motion: MotionArrays, t: float) -> None:
 
 @compiled
 def put_state(handle: Handle, t: float) -> bool:
-    """Pose the world as it is at a time; return whether all frames have a pose there."""
+    """Pose the world at a time of the motion; return whether all poses are valid."""
     motion = motions_of(handle)
     world: Handle = motion.world
     if motion.flags[KIND] == JOINTS:

@@ -1,4 +1,4 @@
-"""The check of motions with what it needs: a world, its pairs, what moves it, and room."""
+"""Motion checks of one world: its pairs, the moving frames or joints, and all scratch arrays."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.motion.arrays import (
-    ASKED_WIDTH,
     BOUND_WIDTH,
     COUNT_WIDTH,
     EDGE,
@@ -32,7 +31,9 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     MOVE_WIDTH,
     NO_ROOM,
     OFFSET,
+    OUTCOME_WIDTH,
     PAIR,
+    PARAMETER_COUNT,
     RECORD_WIDTH,
     SEEN,
     SEEN_EDGE,
@@ -41,7 +42,6 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     T0,
     T1,
     TIME_TOLERANCE,
-    TOLD_WIDTH,
     MotionArrays,
 )
 from drake_geom_ros.geometry._proximity.motion.edges import check_edges, row_of_pair
@@ -58,19 +58,19 @@ from drake_geom_ros.geometry._proximity.world.world import World
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_SPANS = 128  # one a halving may wait: more than there are numbers from 0 to 1 to halve
-_FIRST_ROOM = 1024  # entries, to begin with
+_SPANS = 128  # one per halving may wait: more than floats in [0, 1] can be halved
+_FIRST_ENTRIES = 1024  # initial capacity
 
 
-class Told(NamedTuple):
-    """What is told of a motion; places of pairs are -1 where there is none."""
+class MotionOutcome(NamedTuple):
+    """Verdict about a motion, and its details; indices of pairs are -1 where there is none."""
 
     verdict: int
-    edge: int  # that ended the search
+    edge: int  # at which the search ended
     t0: float
     t1: float
-    pair: int  # that touches at t1, or of which nothing is proved from t0 on
-    lower_bound: float  # [m] of all that was proved
+    pair: int  # the pair that touches at t1, or of which nothing is proved from t0 on
+    lower_bound: float  # [m] the least of all proved lower bounds
     seen: float  # [m] the least distance that was seen
     seen_edge: int
     seen_time: float
@@ -82,10 +82,9 @@ class Told(NamedTuple):
 class MotionLoops:
     """Checks of motions of a world of its own, for one thread.
 
-    ``rows`` (f,) are the frames that move, by poses or, of a chain, as its links by ``columns`` of
-    joint values; others stay.
-    ``paddings`` (n,) [m] are those of the geometries. ``stop`` (1,) set by another thread ends a
-    check.
+    ``rows`` (f,) are the frames that move: by poses or, with a chain, as its links by ``columns``
+    of joint values. Others stay. ``paddings`` (n,) [m] are those of the geometries. Another thread
+    ends a check by setting ``stop`` (1,).
     """
 
     def __init__(
@@ -103,17 +102,17 @@ class MotionLoops:
             compile_rows(table_rows(*world.geometries.types[pairs].T))
         world.update()
         groups = groups_of(moved_together(world, rows), pairs)
-        self._world = world  # whose arrays the handle shows
+        self._world = world  # kept alive, since the handle refers to its arrays
         self._arrays = _arrays(world, pairs, rows, paddings, groups, chain, columns)
         self._arrays = self._arrays._replace(stop=stop)
-        self._arrays.asked[LEVEL_GAP] = level_gap
-        self._arrays.asked[MOST_PADDING] = self._arrays.paddings.max(initial=0.0)
+        self._arrays.parameters[LEVEL_GAP] = level_gap
+        self._arrays.parameters[MOST_PADDING] = self._arrays.paddings.max(initial=0.0)
         if chain is not None:
             self._arrays.flags[KIND] = JOINTS
         self._handle = handle_of(self._arrays)
 
     def stand(self, R_PFs: Floats, p_PFs: Floats) -> None:
-        """Put the frames that stay where these rows (nf, 3, 3) and (nf, 3) are; not of a chain."""
+        """Pose the frames that stay, by R (nf, 3, 3) and p (nf, 3) of all; not with a chain."""
         still = np.setdiff1d(np.arange(1, len(p_PFs)), self._arrays.rows)
         self._world.set_poses(still, R_PFs[still], p_PFs[still])
         self._world.update()
@@ -127,50 +126,50 @@ class MotionLoops:
         *,
         ignores: bool,
     ) -> None:
-        """Set what is asked of the motions that follow."""
+        """Set the parameters of the following checks."""
         longest = max(time_tolerance, LEAST_TIME_TOLERANCE)
-        self._arrays.asked[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, longest
+        self._arrays.parameters[[MIN_DISTANCE, TIME_TOLERANCE]] = min_distance, longest
         self._arrays.flags[[MOST, IGNORES]] = max_evaluations, int(ignores)
 
     @property
     def skipped(self) -> NDArray[np.bool_]:
-        """Which pairs (k,) are left out: set before a check, and by one that ignores contacts."""
+        """Flags (k,) of pairs left out; set before a check, and by one that ignores contacts."""
         return self._arrays.skipped
 
-    def move(self, starts: Floats, ends: Floats, kind: int) -> Told:
-        """Return what is true of the motion of the frames between poses (f, POSE_WIDTH)."""
+    def move(self, starts: Floats, ends: Floats, kind: int) -> MotionOutcome:
+        """Return the outcome for the motion of the frames between poses (f, POSE_WIDTH)."""
         self._arrays.starts[:], self._arrays.ends[:] = starts, ends
         self._arrays.flags[KIND] = kind
         return self.follow(np.zeros((2, 0)), 0, 1)
 
-    def follow(self, path: Floats, first: int, last: int) -> Told:
-        """Return what is true of a path (k, c) of joint values, from row ``first`` to ``last``."""
+    def follow(self, path: Floats, first: int, last: int) -> MotionOutcome:
+        """Return the outcome for a path (k, c) of joint values, from row ``first`` to ``last``."""
         while (verdict := check_edges(self._handle, path, first, last)) == NO_ROOM:
             entries = np.zeros((2 * len(self._arrays.entries), 3), dtype=np.int64)
             records = np.zeros((2 * len(self._arrays.records), RECORD_WIDTH))
             self._arrays = self._arrays._replace(entries=entries, records=records)
             self._handle = handle_of(self._arrays)
-        told, counts = self._arrays.told.tolist(), self._arrays.counts.tolist()
-        return Told(
+        outcome, counts = self._arrays.outcome.tolist(), self._arrays.counts.tolist()
+        return MotionOutcome(
             verdict=verdict,
             edge=counts[EDGE],
-            t0=told[T0],
-            t1=told[T1],
+            t0=outcome[T0],
+            t1=outcome[T1],
             pair=counts[PAIR],
-            lower_bound=told[LOWER_BOUND],
-            seen=told[SEEN],
+            lower_bound=outcome[LOWER_BOUND],
+            seen=outcome[SEEN],
             seen_edge=counts[SEEN_EDGE],
-            seen_time=told[SEEN_TIME],
+            seen_time=outcome[SEEN_TIME],
             seen_pair=counts[SEEN_PAIR],
             evaluations=counts[EVALUATIONS],
             ignored=counts[IGNORED],
         )
 
     def row(self, path: Floats, edge: int, t: float, pair: int) -> PairBatch:
-        """Return the answer of one pair at a time of an edge, the world being posed there."""
-        found = PairBatch(np.zeros((1, 2), dtype=np.int64), np.zeros((1, BATCH_WIDTH)))
-        row_of_pair(self._handle, path, edge, t, pair, found.ids, found.rows)
-        return found
+        """Return the answer of one pair at a time of an edge, which poses the world there."""
+        batch = PairBatch(np.zeros((1, 2), dtype=np.int64), np.zeros((1, BATCH_WIDTH)))
+        row_of_pair(self._handle, path, edge, t, pair, batch.ids, batch.rows)
+        return batch
 
 
 def _arrays(
@@ -220,14 +219,14 @@ def _arrays(
         common=common,
         common_of_pair=of_pair,
         kernels=ADDRESSES,
-        asked=np.zeros(ASKED_WIDTH),
+        parameters=np.zeros(PARAMETER_COUNT),
         flags=np.zeros(3, dtype=np.int64),
         stop=np.zeros(1, dtype=np.int64),
-        told=np.zeros(TOLD_WIDTH),
+        outcome=np.zeros(OUTCOME_WIDTH),
         counts=np.zeros(COUNT_WIDTH, dtype=np.int64),
         bounds=np.zeros((len(pairs), BOUND_WIDTH)),
-        entries=np.zeros((_FIRST_ROOM, 3), dtype=np.int64),
-        records=np.zeros((2 * _FIRST_ROOM, RECORD_WIDTH)),
+        entries=np.zeros((_FIRST_ENTRIES, 3), dtype=np.int64),
+        records=np.zeros((2 * _FIRST_ENTRIES, RECORD_WIDTH)),
         spans=np.zeros((_SPANS, 2)),
         tops=np.zeros((_SPANS, 3), dtype=np.int64),
         one=np.zeros((1, 2), dtype=np.int64),
@@ -240,7 +239,7 @@ def _arrays(
     )
 
 
-_NAMES = {'parents': 'chain_parents'}  # nodes have parents, too
+_NAMES = {'parents': 'chain_parents'}  # ``parents`` are those of nodes
 
 
 def _no_joints() -> JointChain:

@@ -1,12 +1,14 @@
-"""What keeps two bodies apart from one time to another: a plane, or the way that they can come.
+"""Separation of two bodies over a time span, by a plane or by a bound of their relative motion.
 
-While a plane whose normal stays in the axes of a node has A on one side and B on the other, they
-are apart by no less than the gap that it leaves. Along the normal a point is never farther from
-the chord of its path than ``bend w^2 / 8`` after a span w (de Boor, A Practical Guide to Splines,
-chapter II, the error of linear interpolation); so the gap is never below that parabola of what it
-is at both ends. That is second order: small spans of bodies that pass each other at a small
-distance are proved at once, where the way that they can come, which is of first order (Schwarzer,
-Saha, Latombe, 2002), needs as many spans as the distance goes into the way.
+Let a plane whose normal is fixed in the axes of a node have A on one side and B on the other.
+Their distance is at least the gap that the plane leaves. Along the normal, a point deviates from
+the chord of its path by at most ``bend w^2 / 8`` in a span w (de Boor, A Practical Guide to
+Splines, chapter II, the error of linear interpolation). So the gap is at least that parabola
+through its values at both ends.
+
+This bound is of second order: short spans of bodies that pass each other closely are proved at
+once. The bound by relative motion is of first order (Schwarzer, Saha, Latombe, 2002) and needs as
+many spans as the ratio of motion and distance.
 """
 
 from __future__ import annotations
@@ -42,7 +44,7 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 @inlined
 def _turned(q: Floats, v: Vector, sign: float) -> Vector:
-    """Return v turned by the rotation of a pose (7,), or for a sign of -1 by its inverse."""
+    """Return v rotated by a pose (7,), or by its inverse for a sign of -1."""
     axis, w = (sign * q[3], sign * q[4], sign * q[5]), q[6]
     twice = scale(2.0, cross(axis, v))
     return add(add(v, scale(w, twice)), cross(axis, twice))
@@ -58,7 +60,7 @@ def _carrier_of(motion: MotionArrays, node: int) -> int:
 
 @inlined
 def in_world(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> Vector:
-    """Return a direction that is given in the axes of a node in those of the world."""
+    """Return a direction in the world's axes, given in those of a node."""
     links = motion.X_WLs.shape[0]
     if 0 < node <= links:
         n = _turned(row(motion.X_WLs, node - 1), n, 1.0)
@@ -70,7 +72,7 @@ def in_world(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> 
 
 @inlined
 def in_node(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> Vector:
-    """Return a direction that is given in the axes of the world in those of a node."""
+    """Return a direction in the axes of a node, given in those of the world."""
     links, carrier = motion.X_WLs.shape[0], _carrier_of(motion, node)
     if carrier != 0:
         n = unrotate(row(world.R_WFs, carrier - links), n)
@@ -81,17 +83,17 @@ def in_node(motion: MotionArrays, world: WorldArrays, node: int, n: Vector) -> V
 
 @inlined
 def _reach_along(world: WorldArrays, g: int, n: Vector) -> float:
-    """Return how far a body reaches along a unit vector in World, from its origin [m]."""
+    """Return the support value [m] of a body, from its origin, along a unit vector in World."""
     shape = part(world.pool, world.starts[g], world.starts[g + 1])
     return support_value(world.types[g], shape, unrotate(row(world.R_WGs, g), n))
 
 
 @inlined
 def gap_along(world: WorldArrays, a: int, b: int, n: Vector) -> float:
-    """Return no more than the gap [m] that planes with the unit normal n, from a to b, leave.
+    """Return a lower bound of the gap [m] between a and b along the unit normal n, from a to b.
 
-    Negative where there is none. Next to a half space the normal is that one's own. What rounding
-    of poses, of carrying the normal along and of this sum may add is taken off.
+    It is negative where there is no gap. For a half space its own normal replaces n. The rounding
+    of poses, of the carried normal and of this sum is subtracted.
     """
     types, p_WGs = world.types, world.p_WGs
     if types[a] == HALF_SPACE:
@@ -111,10 +113,10 @@ def gap_along(world: WorldArrays, a: int, b: int, n: Vector) -> float:
 
 @inlined
 def first_guess(world: WorldArrays, a: int, b: int) -> Vector:
-    """Return a unit vector from one body to the other, by boxes and origins, in World.
+    """Return a unit vector in World from one body to the other, guessed from boxes and origins.
 
-    That of the axis along which the boxes are farthest apart, or the line of the origins, where
-    that says more.
+    It is the axis along which the boxes are farthest apart, or the line of the origins if that
+    leaves a larger gap.
     """
     p_WGs, halves = world.p_WGs, world.half_extents
     most, best = -math.inf, 0
@@ -137,9 +139,9 @@ def first_guess(world: WorldArrays, a: int, b: int) -> Vector:
 
 @inlined
 def least_gap(first: float, last: float, sag: float) -> float:
-    """Return the least value of a gap that is so large at both ends of a span [m].
+    """Return the least value [m] of a gap within a span, from its values at both ends.
 
-    In between it is no more than ``4 sag u (1 - u)`` below the chord, for u from 0 to 1.
+    In between it is at most ``4 sag u (1 - u)`` below the chord, for u from 0 to 1.
     """
     least = min(first, last)
     rise = abs(last - first)
@@ -151,9 +153,9 @@ def least_gap(first: float, last: float, sag: float) -> float:
 
 @inlined
 def least_by_way(first: float, last: float, way: float) -> float:
-    """Return the least distance of bodies that are so far apart at both ends of a span [m].
+    """Return the least distance [m] of bodies within a span, from those at both ends.
 
-    They move against each other by no more than the ``way`` [m] meanwhile.
+    Meanwhile they move relative to each other by at most ``way`` [m].
     """
     return min(0.5 * (first + last - way), first, last)
 

@@ -1,17 +1,17 @@
-"""How fast points may move while a motion lasts: certified bounds, node by node.
+"""Certified bounds of the speeds of points during a motion, node by node.
 
-A point x of a body hangs on a node, that on its parent, and so on. In the axes of a parent P of
-N, ``p_Px = p_PN + R_PN p_Nx``. With N turning at the rate w about an axis that it carries, with
-bounds ``s`` and ``b`` of the speed and of the acceleration of its origin, and with bounds ``r``,
-``v``, ``a`` of length, speed and acceleration of p_Nx, those of p_Px are (Craig, Introduction to
-Robotics, 3rd ed., equations 5.13 and 6.9)
+A point x of a body belongs to a node, the node to its parent, and so on. In the axes of a parent P
+of N, ``p_Px = p_PN + R_PN p_Nx``. Let N turn at the rate w about an axis fixed in it, with bounds
+``s`` and ``b`` of the speed and acceleration of its origin, and bounds ``r``, ``v``, ``a`` of the
+length, speed and acceleration of p_Nx. Then those of p_Px are (Craig, Introduction to Robotics,
+3rd ed., equations 5.13 and 6.9)
 
     r + |p_PN|,   v + s + w r,   a + b + 2 w v + w^2 r.
 
-Against a node on which two bodies hang both, their common one, only what is between it and the
-bodies counts (Schwarzer, Saha, Latombe, Exact collision checking of robot paths, WAFR 2002, for
-speeds): two links that move together do not move against one another. All three are linear in the
-length r that a body's farthest point has in the node that it hangs on.
+Relative to the common node of two bodies, only the nodes between it and the bodies count
+(Schwarzer, Saha, Latombe, Exact collision checking of robot paths, WAFR 2002, for speeds): links
+that move together have no relative motion. All three bounds are linear in the length r of a body's
+farthest point in its own node.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ from drake_geom_ros.geometry._proximity.world.pose_rows import POSITION
 
 
 class Rates(NamedTuple):
-    """Bounds for points of a body that are as far as r from the node that it hangs on [m].
+    """Bounds for the points of a body at a distance of at most r [m] from the origin of its node.
 
-    They move no faster than ``speed + speed_r r`` against another node, and their speed changes
-    no faster than ``bend + bend_r r``; they are no farther from it than ``reach + r``.
+    Relative to another node, their speed is at most ``speed + speed_r r``, their acceleration at
+    most ``bend + bend_r r``, and their distance at most ``reach + r``.
     """
 
     speed: float
@@ -66,7 +66,7 @@ class Rates(NamedTuple):
 
 @inlined
 def rates_against(motion: MotionArrays, node: int, ancestor: int) -> Rates:
-    """Return the bounds of points of a node against one that it hangs on."""
+    """Return the bounds of the points of a node relative to one of its ancestors."""
     nodes, parents = motion.nodes, motion.parents
     speed, speed_r, bend, bend_r, reach = 0.0, 0.0, 0.0, 0.0, 0.0
     while node != ancestor:
@@ -82,10 +82,10 @@ def rates_against(motion: MotionArrays, node: int, ancestor: int) -> Rates:
 
 @inlined
 def rounding_of_body(motion: MotionArrays, node: int, r: float) -> float:
-    """Return how far interpolating may have put points, up to r [m] from a node, from the truth.
+    """Return the interpolation error [m] of points up to r [m] from the origin of a node.
 
-    As speeds, roundings of all nodes up to the world add up; a product of poses on the way rounds
-    by as much as its terms are long, which the whole length bounds.
+    Like speeds, the roundings of all nodes up to the world add up. Each product of poses rounds in
+    proportion to the lengths of its terms, which the total length bounds.
     """
     nodes, parents = motion.nodes, motion.parents
     shift, products = 0.0, 0.0
@@ -100,10 +100,10 @@ def rounding_of_body(motion: MotionArrays, node: int, r: float) -> float:
 
 @inlined
 def _frame_rates(motion: MotionArrays) -> None:
-    """Write the bounds of nodes that are frames which move by poses."""
+    """Write the bounds of the nodes of frames that move by poses."""
     by_screw = motion.flags[KIND] == SCREW
     for k in range(motion.rows.size):
-        # Frames are nodes by their rows, where there are no links.
+        # Without links, the node of a frame is its row.
         node, move = row(motion.nodes, motion.rows[k]), row(motion.moves, k)
         angle, step = move[ANGLE], norm(vector_at(move, STEP))
         start = norm(vector_at(row(motion.starts, k), POSITION))
@@ -111,7 +111,7 @@ def _frame_rates(motion: MotionArrays) -> None:
         moves = angle > 0.0 or step > 0.0
         node[TURN], node[SLIDE] = angle * ROUNDED_UP, step * ROUNDED_UP
         node[BEND] = angle * step * ROUNDED_UP if by_screw else 0.0
-        # From the chord a curve is no farther than an eighth of its acceleration.
+        # A curve deviates from its chord by at most an eighth of its acceleration.
         node[OFFSET] = (max(start, end) + 0.125 * node[BEND]) * ROUNDED_UP
         node[TURN_ROUNDING] = INTERPOLATED_ROTATION if moves else 0.0
         node[SLIDE_ROUNDING] = INTERPOLATED_POSITION * (start + end + step) if moves else 0.0
@@ -119,7 +119,7 @@ def _frame_rates(motion: MotionArrays) -> None:
 
 @inlined
 def _link_rates(motion: MotionArrays) -> None:
-    """Write the bounds of nodes that are links: each turns or slides by its joint's rate.
+    """Write the bounds of the nodes of links, each of which turns or slides at its joint's rate.
 
     The origin of a link is on the axis of its joint.
     """
@@ -157,9 +157,9 @@ def prepare(handle: Handle) -> None:
 
 @inlined
 def plane_reach(motion: MotionArrays, p_WGs: Floats, a: int, b: int, far: float) -> float:
-    """Return how far points of b may be from the node that the half space a hangs on [m].
+    """Return a bound of the distance [m] of points of b from the origin of the half space a.
 
-    ``far`` [m] is what b and the half space move by at most, and how far b reaches.
+    ``far`` [m] is the largest motion of b and the half space plus the outer radius of b.
     """
     squared = 0.0
     for c in range(3):

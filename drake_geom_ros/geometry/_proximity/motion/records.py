@@ -1,4 +1,4 @@
-"""What is known of a pair at one time, by its kernel or by a plane alone, and what that proves."""
+"""Records of a pair at one time, from its kernel or a plane, and the bounds that they prove."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_o
 
 @allocating
 def answer_pair(handle: Handle, k: int) -> None:
-    """Answer for pair k where the world is posed now, as if it were asked about alone."""
+    """Answer for pair k at the current poses, independent of earlier answers."""
     motion = motions_of(handle)
     motion.one[0, 0], motion.one[0, 1] = motion.pairs[k, 0], motion.pairs[k, 1]
     forget(motion.memory, 0, 1)
@@ -62,7 +62,7 @@ def answer_pair(handle: Handle, k: int) -> None:
         motion.memory,
         motion.world,
         1,
-        (motion.asked[LEVEL_GAP], math.inf, False),
+        (motion.parameters[LEVEL_GAP], math.inf, False),
         -1,
         (motion.waiting, motion.distances),
         motion.hits,
@@ -74,7 +74,7 @@ def answer_pair(handle: Handle, k: int) -> None:
 def put_plane(
     motion: MotionArrays, world: WorldArrays, k: int, node: int, n: Vector, r: int
 ) -> float:
-    """Write a record with a plane alone, n its unit normal in World; return the gap [m]."""
+    """Write a record of a plane with unit normal n in World; return its gap [m]."""
     record, n_N = row(motion.records, r), in_node(motion, world, node, n)
     gap = gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - motion.bounds[k, SLACK]
     for c in range(3):
@@ -86,7 +86,7 @@ def put_plane(
 
 @inlined
 def put_answer(handle: Handle, k: int, node: int, r: int) -> None:
-    """Answer for pair k, as the world is posed now; write its record."""
+    """Answer for pair k at the current poses, and write its record."""
     motion = motions_of(handle)
     answer_pair(handle, k)
     motion.counts[EVALUATIONS] += 1
@@ -101,26 +101,26 @@ def put_answer(handle: Handle, k: int, node: int, r: int) -> None:
 
 @inlined
 def count_seen(motion: MotionArrays, k: int, t: float, r: int) -> None:
-    """Count the record of pair k at a time among those of which the least distance is reported.
+    """Include the record of pair k at a time in the least distance that is reported.
 
-    Pairs that are left out are never counted.
+    Pairs that are left out are never included.
     """
     seen = motion.records[r, ANSWER]
-    if seen < motion.told[SEEN]:
-        motion.told[SEEN], motion.told[SEEN_TIME] = seen, t
+    if seen < motion.outcome[SEEN]:
+        motion.outcome[SEEN], motion.outcome[SEEN_TIME] = seen, t
         motion.counts[SEEN_PAIR], motion.counts[SEEN_EDGE] = k, motion.counts[EDGE]
 
 
 @inlined
 def gap_now(motion: MotionArrays, world: WorldArrays, k: int, node: int, r: int) -> float:
-    """Return the gap [m] that the plane of a record leaves as the world is posed now."""
+    """Return the gap [m] that the plane of a record leaves at the current poses."""
     n = in_world(motion, world, node, vector_in(motion.records, r, PLANE))
     return gap_along(world, motion.pairs[k, 0], motion.pairs[k, 1], n) - motion.bounds[k, SLACK]
 
 
 @inlined
 def by_plane(motion: MotionArrays, k: int, r: int, gap: float, width: float) -> float:
-    """Return a lower bound [m] for a span from the time of a record to when its gap is ``gap``."""
+    """Return a lower bound [m] for the span from a record to when its plane leaves ``gap``."""
     sag = motion.bounds[k, SAG] * width * width
     return least_gap(motion.records[r, GAP], gap, sag)
 
@@ -134,15 +134,15 @@ def by_way(motion: MotionArrays, k: int, r: int, s: int, width: float) -> float:
 
 @inlined
 def is_proved(motion: MotionArrays, k: int, bound: float) -> bool:
-    """Tell whether a lower bound [m] keeps a pair clear; if so it is one of all that is proved."""
+    """Return whether a lower bound [m] proves a pair clear; if so, include it in LOWER_BOUND."""
     if not bound > motion.bounds[k, LEAST]:
         return False
-    motion.told[LOWER_BOUND] = min(motion.told[LOWER_BOUND], bound - motion.paddings[k])
+    motion.outcome[LOWER_BOUND] = min(motion.outcome[LOWER_BOUND], bound - motion.paddings[k])
     return True
 
 
 @inlined
 def is_spent(motion: MotionArrays) -> bool:
-    """Tell whether no more pairs may be answered."""
+    """Return whether no more pairs may be answered."""
     most = motion.flags[MOST]
     return most > 0 and motion.counts[EVALUATIONS] >= most

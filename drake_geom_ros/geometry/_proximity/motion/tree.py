@@ -1,4 +1,4 @@
-"""What hangs on what: nodes of links and frames, and the node that two bodies hang on both."""
+"""Tree of nodes of links and frames, and the common node of two bodies."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ Indices = NDArray[np.int64]
 
 
 class NodeTree(NamedTuple):
-    """Nodes (v,): the world, then the links of joints, then the frames behind the world's.
+    """Nodes (v,): the world, then the links of joints, then the other frames.
 
-    A node's parent is the world, a link or a frame; that of a root link is what carries the robot.
-    Bounds of how what moves by joints or by poses moves are room.
+    A node's parent is the world, a link or a frame; that of a root link is the carrier of the
+    robot. The bounds of moving nodes are filled in later.
     """
 
     parents: Indices  # (v,)
@@ -38,7 +38,7 @@ class NodeTree(NamedTuple):
 def tree_of(world: World, rows: Indices, chain: JointChain | None) -> NodeTree:
     """Return the nodes of a world whose frames in ``rows`` (f,) are the links of a chain.
 
-    Without one they are moved by poses.
+    Without a chain they are moved by poses.
     """
     links = 0 if chain is None else len(chain.X_WLs)
     frames = np.arange(len(world.frames.ids))
@@ -52,7 +52,7 @@ def tree_of(world: World, rows: Indices, chain: JointChain | None) -> NodeTree:
         parents[of_frames[rows]] = 1 + chain.links
         nodes[of_frames[rows], OFFSET] = 0.0
         roots = 1 + np.setdiff1d(np.arange(links), chain.children)
-        # Poses of links are those in what carries the robot, on which all its frames hang.
+        # Poses of links are relative to the carrier of the robot, the parent of all its frames.
         root_of = np.arange(links)
         for parent, child in zip(chain.parents.tolist(), chain.children.tolist(), strict=True):
             root_of[child] = root_of[parent]
@@ -69,23 +69,23 @@ def tree_of(world: World, rows: Indices, chain: JointChain | None) -> NodeTree:
 
 
 def offsets_of(p_PFs: Floats) -> Floats:
-    """Return no less than how far [m] origins p_PF (f, 3) are from those of their parents."""
+    """Return upper bounds (f,) of the lengths [m] of p_PF (f, 3)."""
     return np.asarray(np.linalg.norm(p_PFs, axis=1) * ROUNDED_UP)
 
 
 def common_nodes(tree: NodeTree, groups: Groups) -> tuple[Indices, Indices]:
-    """Return the nodes (m, 2) of pairs of groups, and those (m,) that both of them hang on."""
+    """Return the nodes (m, 2) of pairs of groups, and their lowest common ancestors (m,)."""
     of_groups = tree.on[groups.members[groups.firsts[:-1]]]
     sides, count = np.ascontiguousarray(of_groups[groups.pairs]).reshape(-1, 2), len(tree.parents)
-    # As one number each: whole rows are sorted ten times as slowly.
+    # As one number each, because sorting rows is ten times slower.
     codes, which = np.unique(sides @ np.array([count, 1]), return_inverse=True)
     ways: dict[int, list[int]] = {}
     for node in np.unique(sides).tolist():
         way = ways[node] = [node]
         while way[-1] != 0:
             way.append(int(tree.parents[way[-1]]))
-    found = np.empty(len(codes), dtype=np.int64)
+    ancestors = np.empty(len(codes), dtype=np.int64)
     for k, code in enumerate(codes.tolist()):
         above = set(ways[code % count])
-        found[k] = next(node for node in ways[code // count] if node in above)
-    return sides, found[which.reshape(-1)]
+        ancestors[k] = next(node for node in ways[code // count] if node in above)
+    return sides, ancestors[which.reshape(-1)]

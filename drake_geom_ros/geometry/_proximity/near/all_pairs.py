@@ -1,4 +1,4 @@
-"""Which boxes are near, by a look at each pair: for few bodies, or where all are asked for."""
+"""Brute-force broad phase, for few bodies and for unlimited queries."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 @inlined
 def _finite(value: float) -> float:
-    """Return a coordinate, or 0 for one that is too large to measure from."""
+    """Return a coordinate, or 0 for one too large to be an origin."""
     return value if abs(value) < SINGLE_LARGEST else 0.0
 
 
 @inlined
 def _set_side(near: ListArrays, g: int, cutoff: float) -> None:
-    """Write the sides of a box, of which the lower ones are out by the cutoff [m].
+    """Write the sides of a box, with the lower ones extended by the cutoff [m].
 
-    They are measured from ORIGIN, for far from World's they keep their digits so. A plane is
-    everywhere.
+    They are measured from ORIGIN, so they retain their digits far from World's origin. A plane
+    extends everywhere.
     """
     for c in range(3):
         origin, lower, upper = near.lengths[ORIGIN + c], near.lowers[g, c], near.uppers[g, c]
@@ -45,10 +45,10 @@ def _set_side(near: ListArrays, g: int, cutoff: float) -> None:
 
 @inlined
 def _are_within(lowers: Floats, uppers: Floats, i: int, k: int, cutoff: float) -> bool:
-    """Tell whether two boxes are within a cutoff [m] along each axis.
+    """Return whether two boxes are within a cutoff [m] along each axis.
 
-    Corners are rounded, and the sums of them and the cutoff: each by half a spacing at most, of
-    numbers that where it matters are about as large.
+    Corners and their sums with the cutoff are rounded, each by at most half a spacing of numbers
+    that are about as large in the decisive cases.
     """
     far, within = cutoff, True
     for c in range(3):
@@ -61,7 +61,7 @@ def _are_within(lowers: Floats, uppers: Floats, i: int, k: int, cutoff: float) -
 
 @inlined
 def _is_pair(near: ListArrays, frames: Indices, i: int, k: int, cutoff: float) -> bool:
-    """Tell whether two bodies whose rounded boxes overlap are a pair of the list."""
+    """Return whether two bodies whose rounded boxes overlap are a candidate pair."""
     if frames[i] == 0 and frames[k] == 0:
         return False
     if near.is_plane[i] or near.is_plane[k]:
@@ -71,23 +71,25 @@ def _is_pair(near: ListArrays, frames: Indices, i: int, k: int, cutoff: float) -
 
 @inlined
 def _look_at_one(near: ListArrays, world: WorldArrays, i: int, cutoff: float, count: int) -> int:
-    """Append the codes of the pairs of i with those behind it; return how many there are."""
+    """Append the codes of pairs of i with later bodies; return the number of codes."""
     n, box = near.is_plane.size, box_at(near.sides, i)
     for first in range(i + 1, n, LANES):
         bits = overlapping(near.sides, first, box) & first_lanes(n - first)
         while bits != 0:
             k = first + lowest(bits)
             bits &= bits - 1
-            count = put_code(near.found, count, i, k, _is_pair(near, world.frames, i, k, cutoff))
+            count = put_code(
+                near.candidates, count, i, k, _is_pair(near, world.frames, i, k, cutoff)
+            )
     return count
 
 
 @compiled
 def look_at_all(near: ListArrays, world: WorldArrays, cutoff: float) -> int:
-    """Fill in the codes of near pairs, in order; return how many there are, beyond the room too.
+    """Write the codes of candidate pairs, in order; return their number, even if not all fit.
 
-    ``near`` is a ``ListArrays``. Those of two anchored bodies, or of two planes, are left out;
-    every body is paired with every plane, so that these may move freely.
+    Pairs of two anchored bodies and of two planes are omitted. Every body is paired with every
+    plane, so planes may move freely.
     """
     n, count = near.is_plane.size, 0
     if n == 0:

@@ -1,9 +1,9 @@
-"""Boxes side by side in memory, compared with one box at a time: a prefilter of broad phases.
+"""SIMD comparison of one box with many, a prefilter of the broad phases.
 
-Their sides (6, n), the lower ones first, are of single precision and rounded outwards: so twice as
-many are compared at once, and nobody who is near is missed. Who of those that are found shares a
-point, double precision tells. LLVM makes no such comparison of a loop in Python, which ends in a
-branch that is guessed wrong as often as not for each box.
+The sides (6, n) of the boxes, lower ones first, are in single precision and rounded outwards. So
+twice as many are compared at once, and no overlap is missed; double precision then decides about
+the boxes that pass. LLVM does not vectorise such a comparison in a Python loop, whose branch for
+each box is mispredicted half of the time.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 Sides: TypeAlias = tuple[float, float, float, float, float, float]  # of a box, lower ones first
 
-LANES = 8  # boxes that are compared at once; so many more have room behind the last
+LANES = 8  # boxes compared at once; arrays have as many spare places behind the last box
 
 
 def empty_sides(count: int) -> Singles:
-    """Return room for the sides of some boxes."""
+    """Return an array for the sides of ``count`` boxes."""
     return np.zeros((6, count + LANES), dtype=np.float32)
 
 
 @inlined
 def below(value: float) -> float:
-    """Return a number of single precision that is no larger."""
+    """Return a single-precision number that is no larger than ``value``."""
     value = min(value, SINGLE_LARGEST)
     lower = value - SINGLE_EPS * abs(value) - SINGLE_TINY
     return single(lower if lower > -2.0 * SINGLE_LARGEST else -math.inf)
@@ -43,7 +43,7 @@ def below(value: float) -> float:
 
 @inlined
 def above(value: float) -> float:
-    """Return a number of single precision that is no smaller."""
+    """Return a single-precision number that is no smaller than ``value``."""
     return -below(-value)
 
 
@@ -55,14 +55,14 @@ def box_at(sides: Singles, k: int) -> tuple[float, float, float, float, float, f
 
 @inlined
 def first_lanes(count: int) -> int:
-    """Return the bits of so many boxes, or of all LANES."""
+    """Return a mask of the first ``count`` lanes, at most LANES."""
     return (1 << min(count, LANES)) - 1
 
 
 if config.DISABLE_JIT:
 
     def overlapping(sides: Singles, first: int, box: Sides) -> int:
-        """Return bits: which of the LANES boxes from the first on overlap a box of six sides."""
+        """Return a bit mask of the LANES boxes from ``first`` on that overlap a box."""
         lanes = sides[:, first : first + LANES].T
         meet = (lanes[:, :3] <= box[3:]) & (np.array(box[:3]) <= lanes[:, 3:])
         return sum(1 << k for k in range(len(meet)) if meet[k].all())
@@ -80,15 +80,15 @@ else:
 
     @inlined
     def overlapping(sides: Singles, first: int, box: Sides) -> int:
-        """Return bits: which of the LANES boxes from the first on overlap a box of six sides."""
+        """Return a bit mask of the LANES boxes from ``first`` on that overlap a box."""
         return _overlapping(sides.ctypes.data + first * sides.itemsize, sides.strides[0], box)
 
     @intrinsic
     def _overlapping(typingctx: Any, address: Any, step: Any, box: Any) -> Any:
-        """Do what ``overlapping`` does; the lower sides are at an address, the next a step on."""
+        """Implement ``overlapping``: rows of sides begin at an address, ``step`` bytes apart."""
 
         def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            begin, step, given = values
+            begin, step, sides = values
 
             def load(side: Any) -> Any:
                 address = builder.add(begin, builder.mul(step, ir.Constant(step.type, side)))
@@ -97,7 +97,7 @@ else:
                 return loaded
 
             def spread(side: Any) -> Any:
-                number = builder.extract_value(given, side)
+                number = builder.extract_value(sides, side)
                 one = builder.insert_element(_UNDEFINED, number, ir.Constant(ir.IntType(32), 0))
                 return builder.shuffle_vector(one, one, _PLACES)
 

@@ -1,7 +1,7 @@
-"""The near pairs of many bodies, found by grids: a part of the making of a list.
+"""Broad phase by hashed grids, for many bodies: the candidate pairs of a neighbour list.
 
-Boxes go into hashed grids (``grids``), and those that rest are put there, and paired among
-themselves, once. All of it is called by its address.
+Boxes are put into hashed grids (``grids``). Resting bodies are put there, and paired with each
+other, only once. All of it is called by address.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from numba import types
 
 from drake_geom_ros.geometry._proximity.near.arrays import (
     ACTIVE_THEN,
-    FOUND,
+    CANDIDATE_COUNT,
     LACKS_RESTING,
     NEEDED,
     RESTING,
@@ -35,7 +35,7 @@ _boxes_of = taker(Boxes)
 _handle = types.int64[::1]
 _SIGNATURE = types.void(*[_handle] * 4, types.int64, types.float64, types.int64, types.int64)
 call_by_grids = caller(_SIGNATURE)
-BY_GRIDS = address_table(1)  # compiled once a process, when first needed
+BY_GRIDS = address_table(1)  # compiled once per process, when first needed
 
 
 def compile_by_grids() -> None:
@@ -55,9 +55,10 @@ def find_by_grids(
     active: int,
     idle: int,
 ) -> None:
-    """Write the number of near pairs to FOUND, and their codes; minus LACKS_RESTING without room.
+    """Write the codes of candidate pairs, and their number to CANDIDATE_COUNT.
 
-    The first four are handles. Codes are in order, unless there are more than there is room for.
+    The number is -LACKS_RESTING where the array of resting pairs is too small. Codes are sorted
+    unless they do not fit. The first four arguments are handles.
     """
     near, world = list_of(near_handle), world_of(world_handle)
     boxes, resting = _boxes_of(boxes_handle), _boxes_of(resting_handle)
@@ -65,34 +66,34 @@ def find_by_grids(
     changed = _many_have_changed(near.numbers, n, revision, active, idle)
     if list_cutoff > near.lengths[RESTING_CUTOFF] or changed:
         if not _settle(near, world, boxes, resting, revision, list_cutoff):
-            near.numbers[FOUND] = -LACKS_RESTING
+            near.numbers[CANDIDATE_COUNT] = -LACKS_RESTING
             return
         active = near.numbers[ACTIVE_THEN]
     rows = part(near.rows, 0, active)
     put_in(boxes, rows, world.p_WGs, world.half_extents, near.paddings)
     count = _find(near, world, boxes, resting)
-    if count < near.found.size:
-        sort(part(near.found, 0, count), near.sorting, near.tally, n)
-    near.numbers[FOUND] = count
+    if count < near.candidates.size:
+        sort(part(near.candidates, 0, count), near.sorting, near.tally, n)
+    near.numbers[CANDIDATE_COUNT] = count
 
 
 @inlined
 def _find(near: ListArrays, world: WorldArrays, boxes: Boxes, resting: Boxes) -> int:
-    """Do what ``look_at_all`` does by grids; codes come in any order, some of them twice."""
-    n, found = near.is_plane.size, near.found
-    count = pairs_within(boxes, near.nobody, found, 0)
-    # Who woke up since the resting ones were put into their cells is in both.
-    count = pairs_between(boxes, resting, near.active, found, count)
+    """Write the codes that ``look_at_all`` does, by grids: unsorted, some of them twice."""
+    n, codes = near.is_plane.size, near.candidates
+    count = pairs_within(boxes, near.no_bodies, codes, 0)
+    # Bodies that woke up since the resting ones were put into their cells are in both grids.
+    count = pairs_between(boxes, resting, near.active, codes, count)
     for k in range(near.numbers[RESTING]):
         i, j = rows_of(near.resting[k])
         if not (near.active[i] or near.active[j]):
-            count = put_code(found, count, i, j, True)
+            count = put_code(codes, count, i, j, True)
     for k in range(near.planes.size):
         plane = near.planes[k]
         for g in range(n):
             fixed = world.frames[plane] == 0 and world.frames[g] == 0
             if not (near.is_plane[g] or fixed):
-                count = put_code(found, count, plane, g, True)
+                count = put_code(codes, count, plane, g, True)
     return count
 
 
@@ -100,7 +101,7 @@ def _find(near: ListArrays, world: WorldArrays, boxes: Boxes, resting: Boxes) ->
 def _many_have_changed(
     numbers: Indices, bodies: int, revision: int, active: int, idle: int
 ) -> bool:
-    """Tell whether the division into active and resting is out of date."""
+    """Return whether the division into active and resting is out of date."""
     if 8 * (active - numbers[ACTIVE_THEN]) > bodies + 64:
         return True
     return revision - numbers[SETTLED_AT] >= PATIENCE and 2 * (active - idle) < active
@@ -115,10 +116,10 @@ def _settle(
     revision: int,
     cutoff: float,
 ) -> bool:
-    """Put those that rest into cells, and pair them, for distances up to this one.
+    """Put resting bodies into cells, and pair them, for distances up to a cutoff [m].
 
-    The rows of those that do not rest are put in order. Return False, and count the pairs, where
-    there is no room for these.
+    The rows of active bodies are then listed in order. Return False, with the number of pairs in
+    NEEDED, where the pairs do not fit.
     """
     numbers, n = near.numbers, near.is_plane.size
     padding = part(near.rest_paddings, 0, n)
@@ -136,12 +137,12 @@ def _settle(
         if not near.is_plane[g] and world.frames[g] == 0:
             near.rows[fixed] = g
             fixed += 1
-    # Two that are anchored are no pair.
+    # Two anchored bodies are no pair.
     put_in(resting, part(near.rows, 0, fixed), *posed)
-    count = pairs_within(boxes, near.nobody, near.resting, 0)
-    count = pairs_between(boxes, resting, near.nobody, near.resting, count)
+    count = pairs_within(boxes, near.no_bodies, near.resting, 0)
+    count = pairs_between(boxes, resting, near.no_bodies, near.resting, count)
     if count >= near.resting.size:
-        numbers[NEEDED], near.lengths[RESTING_CUTOFF] = count, -1.0  # to be done again
+        numbers[NEEDED], near.lengths[RESTING_CUTOFF] = count, -1.0  # to be repeated
         return False
     rest, active = 0, 0
     for g in range(n):

@@ -1,11 +1,11 @@
-"""Pairs of overlapping boxes, by a look at the cells around each: see ``grids``.
+"""Pairs of overlapping boxes, from the cells around each box; see ``grids``.
 
-The boxes in a row of cells along x are one after the other in memory, and looked at together; the
-bits of all rows around a body are one number, which is gone through in the end. (To go through
-those of each row at once, a branch was guessed wrong for every other row.)
+The boxes in a row of cells along x are contiguous in memory and compared together. The bits of all
+rows around a body are collected in one number and evaluated at the end: evaluating each row at
+once cost a mispredicted branch for every other row.
 
-Whoever looks at each body's neighbours makes no call with ``Boxes`` for each: to hand their arrays
-over takes as long as the look (127 instead of 18 ns a body).
+Loops over bodies make no call with ``Boxes`` per body: passing the arrays takes longer than the
+comparison (127 instead of 18 ns per body).
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ from drake_geom_ros.geometry._proximity.near.grids import (
 from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
-# Rows of cells along x, by their steps in y and z: one of each two that are opposite each other.
+# Rows of cells along x, by their steps in y and z: one of each two opposite ones.
 FORWARD = np.array([(1, 0), (-1, 1), (0, 1), (1, 1)], dtype=np.int64)
 
 
 @inlined
 def _overlap(bounds_a: Floats, a: int, bounds_b: Floats, b: int) -> bool:
-    """Tell whether two boxes share a point."""
-    # Unsigned numbers: the test for negative ones takes as long as the comparison.
+    """Return whether two boxes share a point."""
+    # Unsigned indices: the test for negative ones takes as long as the comparison.
     a, b = unsigned(a), unsigned(b)
-    # Without branches, of which each but the last would be guessed wrong as often as not.
+    # Without branches, which would be mispredicted half of the time.
     return (
         (bounds_a[a, LOWER] <= bounds_b[b, UPPER])
         & (bounds_b[b, LOWER] <= bounds_a[a, UPPER])
@@ -62,22 +62,22 @@ def _overlap(bounds_a: Floats, a: int, bounds_b: Floats, b: int) -> bool:
 def _put_pair(
     A: Boxes, a: int, B: Boxes, b: int, skipped: Booleans, codes: Indices, count: int
 ) -> int:
-    """Append the pair of two boxes if they overlap, are not of one body, and b is not skipped."""
+    """Append the pair of two boxes if they overlap, differ in body, and b is not skipped."""
     i, j = A.rows[unsigned(a)], B.rows[unsigned(b)]
-    kept = _overlap(A.bounds, a, B.bounds, b) & (i != j)
+    is_pair = _overlap(A.bounds, a, B.bounds, b) & (i != j)
     if skipped.size > 0:
-        kept = kept & (not skipped[j])
-    return put_code(codes, count, i, j, kept)
+        is_pair = is_pair & (not skipped[j])
+    return put_code(codes, count, i, j, is_pair)
 
 
 @inlined
-def _put_found(
+def _put_overlapping(
     A: Boxes, a: int, B: Boxes, bits: int, skipped: Booleans, codes: Indices, count: int
 ) -> int:
-    """Pair box a of A with the boxes of B that were found, LANES bits for each of its places."""
+    """Pair box a of A with the boxes of B whose bits are set, LANES bits per place of B."""
     while bits != 0:
-        found = lowest(bits)
-        b = B.places[unsigned(found // LANES)] + found % LANES
+        bit = lowest(bits)
+        b = B.places[unsigned(bit // LANES)] + bit % LANES
         count = _put_pair(A, a, B, b, skipped, codes, count)
         bits &= bits - 1
     return count
@@ -95,7 +95,7 @@ def _among(
     codes: Indices,
     count: int,
 ) -> int:
-    """Pair box a of A with those of B from the first up to the last, without it."""
+    """Pair box a of A with the boxes of B from ``first`` up to ``last``, exclusive."""
     while first < last:
         bits = overlapping(B.sides, first, box) & first_lanes(last - first)
         while bits != 0:
@@ -118,10 +118,10 @@ def _look(
     codes: Indices,
     count: int,
 ) -> tuple[int, int]:
-    """Look at the boxes of B from the first one up to where the bucket ``end`` begins.
+    """Compare a box with those of B from ``first`` up to the start of the bucket ``end``.
 
-    Return the bits of LANES of them, for the place number ``used``, and how many pairs there are
-    with what is beyond these.
+    Return the bits of the first LANES boxes, shifted to the place number ``used``, and the number
+    of codes after the pairs with the remaining boxes were appended.
     """
     buckets = B.counts[MASK] + 1
     last = B.starts[unsigned(min(end, buckets))]
@@ -129,7 +129,7 @@ def _look(
     bits = overlapping(B.sides, first, box) & first_lanes(max(last - first, 0))
     if last - first > LANES:
         count = _among(A, a, box, B, first + LANES, last, skipped, codes, count)
-    if end > buckets:  # the row goes on at the first bucket
+    if end > buckets:  # the row continues at the first bucket
         last = B.starts[unsigned(end - buckets)]
         count = _among(A, a, box, B, 0, last, skipped, codes, count)
     return bits << (LANES * used), count
@@ -156,7 +156,7 @@ def _in_grid(
     codes: Indices,
     count: int,
 ) -> int:
-    """Pair box a of A with those of B in a grid."""
+    """Pair box a of A with the boxes of B in one grid."""
     width = width_of(B, grid)
     x_0, x_1 = _cells_along(A, a, 0, width)
     y_0, y_1 = _cells_along(A, a, 1, width)
@@ -175,33 +175,33 @@ def _in_grid(
             seen, count = _look(A, a, box, B, first, end, used, skipped, codes, count)
             bits, used = bits | seen, used + 1
             if used == PLACES:
-                count = _put_found(A, a, B, bits, skipped, codes, count)
+                count = _put_overlapping(A, a, B, bits, skipped, codes, count)
                 bits, used = 0, 0
-    return _put_found(A, a, B, bits, skipped, codes, count)
+    return _put_overlapping(A, a, B, bits, skipped, codes, count)
 
 
 @compiled
-def pairs_within(boxes: Boxes, nobody: Booleans, codes: Indices, count: int) -> int:
-    """Append the pairs of boxes that overlap to the codes; return how many there are then.
+def pairs_within(boxes: Boxes, no_bodies: Booleans, codes: Indices, count: int) -> int:
+    """Append the pairs of overlapping boxes to the codes; return the new number of codes.
 
-    ``nobody`` is empty, and handed over: as a constant it would be of another type than
-    ``skipped`` elsewhere, and everything below would be compiled twice.
+    ``no_bodies`` is an empty array for ``skipped``. It is an argument because a constant would
+    have another type, for which everything below would be compiled again.
     """
     cells, counts, starts = boxes.cells, boxes.counts, boxes.starts
     for a in range(counts[BODIES]):
         bucket, grid, box = cells[a, BUCKET], cells[a, GRID], box_at(boxes.sides, a)
-        # Those behind it in its own cell, and the next cell, which begins where that one ends.
-        bits, count = _look(boxes, a, box, boxes, a + 1, bucket + 2, 0, nobody, codes, count)
+        # Later boxes in its own cell, and the next cell, which begins where that one ends.
+        bits, count = _look(boxes, a, box, boxes, a + 1, bucket + 2, 0, no_bodies, codes, count)
         for k in range(FORWARD.shape[0]):
             aside = FORWARD[k, 0] * counts[STEP_Y] + FORWARD[k, 1] * counts[STEP_Z]
             row = (bucket - 1 + aside) & counts[MASK]
             first, end = starts[unsigned(row)], row + 3
-            seen, count = _look(boxes, a, box, boxes, first, end, k + 1, nobody, codes, count)
+            seen, count = _look(boxes, a, box, boxes, first, end, k + 1, no_bodies, codes, count)
             bits |= seen
-        count = _put_found(boxes, a, boxes, bits, nobody, codes, count)
+        count = _put_overlapping(boxes, a, boxes, bits, no_bodies, codes, count)
         for k in range(counts[GRIDS]):
             if boxes.grids[k] > grid:
-                count = _in_grid(boxes, a, box, boxes, boxes.grids[k], nobody, codes, count)
+                count = _in_grid(boxes, a, box, boxes, boxes.grids[k], no_bodies, codes, count)
     return count
 
 
@@ -209,9 +209,9 @@ def pairs_within(boxes: Boxes, nobody: Booleans, codes: Indices, count: int) -> 
 def pairs_between(
     some: Boxes, others: Boxes, skipped: Booleans, codes: Indices, count: int
 ) -> int:
-    """Append the pairs of one of some boxes and one of others; return how many there are then.
+    """Append the pairs of a box in ``some`` and one in ``others``; return the number of codes.
 
-    Those of ``others`` for which ``skipped`` (n,) holds are left out; none if it is empty.
+    Boxes of ``others`` for which ``skipped`` (n,) holds are omitted; none if it is empty.
     """
     for a in range(some.counts[BODIES]):
         box = box_at(some.sides, a)

@@ -1,19 +1,18 @@
-"""Broad phase: from boxes to the pairs that overlap, by a hierarchy of hashed grids.
+"""Hierarchy of hashed grids of boxes, for the broad phase of many bodies.
 
 Each body is put into the cell that holds its centre, of a grid whose cells are one to four times
 as wide as its box (Ericson, *Real-Time Collision Detection*, 2005, section 7.2). Overlapping boxes
 of one grid lie in neighbouring cells, and one of a coarser grid in a cell that the finer box
-reaches when it is made wider by half a cell. So bodies of any sizes cost as much as bodies of one
-size, wherever they are.
+reaches when extended by half a cell. So bodies of mixed sizes cost as much as bodies of one size,
+wherever they are.
 
-Boxes are stored in the order of their buckets, and cells beside each other along x have buckets
-beside each other: what is near is near in memory, and three cells are one look. Cells that share
-a bucket are not told apart, for to see that a box is elsewhere costs no more. So a pair may be
-found twice.
+Boxes are stored in the order of their buckets, and neighbouring cells along x have neighbouring
+buckets: near bodies are near in memory, and three cells are one comparison. Cells that share a
+bucket are not distinguished, since comparing the boxes costs no more. So a pair may be found
+twice.
 
-``grid_pairs`` finds which boxes overlap.
-
-A pair is told by its code, ``i 2^32 + j`` for rows i < j of the world.
+``grid_pairs`` finds the boxes that overlap. A pair is identified by its code, ``i 2^32 + j`` for
+rows i < j of the world.
 """
 
 from __future__ import annotations
@@ -40,44 +39,44 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
-# A cell is wider than the boxes in it by more than rounding moves a centre: by a sixteenth, and by
-# this share [-] of the farthest coordinate, of which a centre's cell is known to 2^-14 of a cell.
+# A cell is wider than its boxes by more than rounding moves a centre: by a sixteenth, and by this
+# fraction [-] of the farthest coordinate, with which the position in a cell is known to 2^-14.
 LOOSE = 1.0625
 FARTHEST_CELL = 2.0**-38
-WIDEST = 1e300  # [m] cells wider than this hold every coordinate that there is, and may overflow
-STEP = 4.0  # from grid to grid
-ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
+WIDEST = 1e300  # [m] a wider cell holds every coordinate, and may overflow
+STEP = 4.0  # ratio of cell widths from grid to grid
+ORDINARY = 4.0  # times the mean width: boxes up to this set the cell width of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
 MOST_BUCKETS = 2**21
 ROW_BITS, SECOND_ROW = 32, 2**32 - 1  # of a code
-# Columns of ``cells``. A grid's number tells how wide its cells are: STEP^number those of grid 0.
+# Columns of ``cells``. Cells of a grid are STEP^number times as wide as those of grid 0.
 BUCKET, GRID = 0, 1
 BODIES, GRIDS, MASK, STEP_Y, STEP_Z = 0, 1, 2, 3, 4  # of ``counts``
-PLACES = 63 // LANES  # whose boxes' bits are one number
+PLACES = 63 // LANES  # rows of cells whose bits fit into one number
 LOWER, UPPER = 0, 3  # columns of ``bounds``, 3 each
 
 
 class Boxes(NamedTuple):
-    """Room for the boxes around n bodies, in hashed cells, by their buckets."""
+    """Arrays for the boxes around n bodies, in hashed cells, sorted by bucket."""
 
     rows: Integers  # (n,) of the world
-    bounds: Bounds  # (n, 6) LOWER and UPPER ends [m], in one place of memory
-    sides: SingleRows  # (6, n + LANES) the same, see ``box_lanes``
+    bounds: Bounds  # (n, 6) LOWER and UPPER ends [m], contiguous per box
+    sides: SingleRows  # (6, n + LANES) the same in single precision, see ``box_lanes``
     cells: IndexPairs  # (n, 2) BUCKET and GRID of each cell
     starts: Integers  # (buckets + 1,) where the boxes of each bucket begin
-    grids: Integers  # (MOST_GRIDS,) those that are in use
-    # (5,) of bodies and of grids; one less than the number of buckets; buckets from one cell to
-    # the next along y and z
+    grids: Integers  # (MOST_GRIDS,) numbers of the grids in use
+    # (5,) numbers of bodies and of grids; number of buckets minus 1; buckets from one cell to the
+    # next along y and z
     counts: Integers
-    places: Integers  # (PLACES,) where rows of cells begin whose boxes are looked at together
+    places: Integers  # (PLACES,) starts of the rows of cells that are compared together
     width: Reals  # (1,) of the cells of grid 0 [m]
-    # While boxes are put in, in the order of the rows that are given.
+    # Scratch of ``put_in``, in the order of its rows.
     widths: Reals  # (n,) the largest of each [m]
-    found: IndexPairs  # (n, 2) the cells
+    unsorted_cells: IndexPairs  # (n, 2) BUCKET and GRID
 
 
 def room_for(count: int) -> Boxes:
-    """Return empty ``Boxes`` with room for some bodies."""
+    """Return empty ``Boxes`` with capacity for ``count`` bodies."""
     buckets = 2 << max(2 * count - 1, 1).bit_length()  # twice what ``put_in`` begins with
     return Boxes(
         rows=np.zeros(count, dtype=np.int64),
@@ -90,13 +89,13 @@ def room_for(count: int) -> Boxes:
         places=np.zeros(PLACES, dtype=np.int64),
         width=np.zeros(1),
         widths=np.zeros(count),
-        found=np.zeros((count, 2), dtype=np.int64),
+        unsorted_cells=np.zeros((count, 2), dtype=np.int64),
     )
 
 
 @inlined
 def bucket_of(counts: Indices, x: int, y: int, z: int, grid: int) -> int:
-    """Return the bucket of a cell: in a row along x one follows the other."""
+    """Return the bucket of a cell; buckets are consecutive along x."""
     low = MOST_BUCKETS - 1  # products of more digits would overflow
     row = (y & low) * counts[STEP_Y] + (z & low) * counts[STEP_Z] + grid * 6151
     return (row + x) & counts[MASK]
@@ -115,20 +114,19 @@ def rows_of(code: int) -> tuple[int, int]:
 
 
 @inlined
-def put_code(codes: Indices, count: int, i: int, j: int, kept: bool) -> int:
-    """Append the code of a pair if it is ``kept``; return how many there are then.
+def put_code(codes: Indices, count: int, i: int, j: int, is_pair: bool) -> int:
+    """Append the code of a pair if ``is_pair``; return the new number of codes.
 
-    There is no branch, which for a pair of neighbours would be guessed wrong too often. So the
-    last place of the codes, of which there is one at least, is for those that are not kept, and
-    for those that there is no room for.
+    There is no branch, which would often be mispredicted for neighbours. So the last place of the
+    codes, which must exist, takes codes of rejected pairs and of pairs that do not fit.
     """
     codes[unsigned(min(count, codes.size - 1))] = code_of(i, j)
-    return count + kept
+    return count + is_pair
 
 
 @inlined
 def _grid_of(grids: Indices, used: int, grid: int) -> int:
-    """Return the number of grids in use once this one is."""
+    """Return the number of grids in use after adding this one."""
     for k in range(used):
         if grids[k] == grid:
             return used
@@ -138,7 +136,7 @@ def _grid_of(grids: Indices, used: int, grid: int) -> int:
 
 @inlined
 def width_of(boxes: Boxes, grid: int) -> float:
-    """Return how wide the cells of a grid are [m]."""
+    """Return the width of the cells of a grid [m]."""
     return boxes.width[0] * STEP**grid
 
 
@@ -146,7 +144,7 @@ def width_of(boxes: Boxes, grid: int) -> float:
 def _half(p_WGs: Floats, half_extents: Floats, paddings: Floats, g: int, c: int) -> float:
     """Return half the extent [m] of a padded box along an axis."""
     half = half_extents[g, c] + paddings[g]
-    # What rounding may have taken off: a few spacings at the corners.
+    # Rounding may have reduced it by a few spacings at the corners.
     return half + 4.0 * EPS * (abs(p_WGs[g, c]) + half)
 
 
@@ -154,7 +152,7 @@ def _half(p_WGs: Floats, half_extents: Floats, paddings: Floats, g: int, c: int)
 def _choose_width(
     boxes: Boxes, rows: Indices, p_WGs: Floats, half_extents: Floats, paddings: Floats
 ) -> tuple[Vector, Vector, float]:
-    """Set the width of cells, and of each box; return the least and largest coordinates [m]."""
+    """Set the widths of cells and boxes; return least, largest and farthest coordinates [m]."""
     total, farthest, base = 0.0, 0.0, 0.0
     least, largest = (math.inf, math.inf, math.inf), (-math.inf, -math.inf, -math.inf)
     for k in range(rows.size):
@@ -178,10 +176,10 @@ def _choose_width(
 
 @inlined
 def _choose_buckets(boxes: Boxes, count: int, least: Vector, largest: Vector) -> None:
-    """Choose how many buckets there are, and how far apart in them rows of cells are.
+    """Choose the number of buckets, and the steps between rows of cells in them.
 
-    Where there can be a bucket for each cell of the room that the bodies are in, rows stand in
-    order, with an empty cell between two: what is near is near in memory. Else they are mixed.
+    Where every cell of the bodies' bounding box can have its own bucket, rows are in order, with
+    an empty cell between two: near bodies are near in memory. Otherwise rows are hashed.
     """
     width, size = boxes.width[0], 1
     while size < min(2 * count, MOST_BUCKETS):
@@ -190,7 +188,7 @@ def _choose_buckets(boxes: Boxes, count: int, least: Vector, largest: Vector) ->
     ny = np.floor(largest[1] / width) - np.floor(least[1] / width) + 2.0
     nz = np.floor(largest[2] / width) - np.floor(least[2] / width) + 2.0
     cells, step_y, step_z = nx * ny * nz, 19349663, 83492791
-    if 0.0 < cells <= min(2.0 * size, MOST_BUCKETS):  # of nobody it is infinite
+    if 0.0 < cells <= min(2.0 * size, MOST_BUCKETS):  # infinite without bodies
         step_y, step_z = int(nx), int(nx * ny)
         if cells > size:
             size *= 2
@@ -199,9 +197,9 @@ def _choose_buckets(boxes: Boxes, count: int, least: Vector, largest: Vector) ->
 
 @inlined
 def _finest(boxes: Boxes, box: float, farthest: float) -> tuple[int, float]:
-    """Return the finest grid whose cells are wide enough for a box, and for where bodies are.
+    """Return the finest grid whose cells are wide enough for a box, and their width [m].
 
-    And how wide they are [m].
+    They also have to be wide enough for the farthest coordinate [m].
     """
     grid, width = 0, boxes.width[0]
     wanted = max(LOOSE * box, FARTHEST_CELL * farthest)
@@ -214,7 +212,7 @@ def _finest(boxes: Boxes, box: float, farthest: float) -> tuple[int, float]:
 
 @compiled
 def _find_cells(boxes: Boxes, rows: Indices, p_WGs: Floats, farthest: float) -> None:
-    """Find the cell and the bucket of each, and count those in each bucket at its place."""
+    """Find the cell and bucket of each body, and count the bodies in each bucket."""
     used = 0
     boxes.starts[: boxes.counts[MASK] + 2] = 0
     for k in range(rows.size):
@@ -223,7 +221,7 @@ def _find_cells(boxes: Boxes, rows: Indices, p_WGs: Floats, farthest: float) -> 
         g = rows[k]
         x, y = math.floor(p_WGs[g, 0] / width), math.floor(p_WGs[g, 1] / width)
         bucket = bucket_of(boxes.counts, x, y, math.floor(p_WGs[g, 2] / width), grid)
-        boxes.found[k, BUCKET], boxes.found[k, GRID] = bucket, grid
+        boxes.unsorted_cells[k, BUCKET], boxes.unsorted_cells[k, GRID] = bucket, grid
         boxes.starts[bucket] += 1
     boxes.counts[BODIES], boxes.counts[GRIDS] = rows.size, used
 
@@ -232,9 +230,9 @@ def _find_cells(boxes: Boxes, rows: Indices, p_WGs: Floats, farthest: float) -> 
 def put_in(
     boxes: Boxes, rows: Indices, p_WGs: Floats, half_extents: Floats, paddings: Floats
 ) -> None:
-    """Put the boxes of rows (k,) of the world in, and nobody else, each wider by its padding.
+    """Fill ``boxes`` with those of rows (k,) of the world, each extended by its padding.
 
-    Paddings (n,) [m] are for every side, one for each row of the world.
+    Paddings (n,) [m], one per row of the world, extend every side.
     """
     least, largest, farthest = _choose_width(boxes, rows, p_WGs, half_extents, paddings)
     _choose_buckets(boxes, rows.size, least, largest)
@@ -243,17 +241,17 @@ def put_in(
     for bucket in range(boxes.counts[MASK] + 2):
         total += boxes.starts[bucket]
         boxes.starts[bucket] = total
-    # From the ends of the buckets back: then their starts are what is left.
+    # Filled backwards from the ends of the buckets, which turns the ends into starts.
     for k in range(rows.size - 1, -1, -1):
-        bucket = boxes.found[k, BUCKET]
+        bucket = boxes.unsorted_cells[k, BUCKET]
         boxes.starts[bucket] -= 1
         at, g = boxes.starts[bucket], rows[k]
         boxes.rows[at] = g
         for c in range(3):
             p, half = p_WGs[g, c], _half(p_WGs, half_extents, paddings, g, c)
             boxes.bounds[at, LOWER + c], boxes.bounds[at, UPPER + c] = p - half, p + half
-        boxes.cells[at, BUCKET], boxes.cells[at, GRID] = bucket, boxes.found[k, GRID]
-    # In order, side by side: six places far apart for each in the order of the rows take longer.
+        boxes.cells[at, BUCKET], boxes.cells[at, GRID] = bucket, boxes.unsorted_cells[k, GRID]
+    # In the order of memory: writing six distant places per body takes longer.
     for c in range(3):
         for at in range(rows.size):
             boxes.sides[LOWER + c, at] = below(boxes.bounds[at, LOWER + c])

@@ -1,4 +1,4 @@
-"""From the codes of near pairs to a list: in order, less the filtered, each with its slot."""
+"""From the codes of candidate pairs to a neighbour list: sorted, unfiltered, with slots."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 
 @compiled
-def sort(codes: Indices, room: Indices, tally: Indices, n: int) -> None:
-    """Put codes of pairs of n bodies in order: by the second row, and then by the first.
+def sort(codes: Indices, scratch: Indices, tally: Indices, n: int) -> None:
+    """Sort codes of pairs of n bodies: a radix sort by the second row, then by the first.
 
-    Only rows between the least and the largest are counted: where few bodies move, half of them.
+    Only rows between the least and the largest are counted: half of them where few bodies move.
     """
     for turn in range(2):
-        unsorted, ordered = (codes, room) if turn == 0 else (room, codes)
+        unsorted, ordered = (codes, scratch) if turn == 0 else (scratch, codes)
         low, high = n, -1
         for k in range(codes.size):
             digit = _digit(unsorted[k], turn)
@@ -40,18 +40,18 @@ def sort(codes: Indices, room: Indices, tally: Indices, n: int) -> None:
 
 @inlined
 def _digit(code: int, turn: int) -> int:
-    """Return the row that a turn of ``sort`` goes by."""
+    """Return the row by which a turn of ``sort`` orders a code."""
     first, second = rows_of(code)
     return second if turn == 0 else first
 
 
 @inlined
 def keep(
-    world: WorldArrays, filters: FilterArrays, codes: Indices, kept: Indices
+    world: WorldArrays, filters: FilterArrays, codes: Indices, unfiltered: Indices
 ) -> tuple[int, int]:
-    """Write down the sorted codes of pairs that may be reported; return how many were and are.
+    """Write the codes of unfiltered pairs; return the numbers of pairs before and after filtering.
 
-    Those that stand there twice, or wait for a pose, are not counted.
+    Duplicates and pairs that wait for a first pose are not counted. ``codes`` are sorted.
     """
     considered, count, last = 0, 0, -1
     for k in range(codes.size):
@@ -64,14 +64,14 @@ def keep(
         considered += 1
         a, b = filters.slots[i], filters.slots[j]
         if may_report(filters.bits, filters.bodies, filters.bit_rows, a, b):
-            kept[count] = last
+            unfiltered[count] = last
             count += 1
     return considered, count
 
 
 @inlined
 def carry(near: ListArrays, codes: Indices) -> None:
-    """Make these codes the list; each pair keeps its former slot or gets a free one."""
+    """Make these codes the list; each pair retains its former slot or gets a free one."""
     numbers, slots = near.numbers, near.new_slots
     before, old, free = numbers[PAIRS], 0, numbers[FREE]
     for k in range(codes.size):
@@ -91,7 +91,7 @@ def carry(near: ListArrays, codes: Indices) -> None:
             free -= 1
             slot = near.free[free]
             slots[k] = slot
-            # The first number of what kernels remember tells whether there is anything.
+            # The first number of a kernel's memory says whether it has any content.
             for c in range(min(near.memory.shape[1], SLOT_WIDTH + 1)):
                 near.memory[slot, c] = 0.0
             near.memory[slot, SLACK], near.memory[slot, SEEN] = -math.inf, -1.0

@@ -1,8 +1,8 @@
-"""The making of a neighbour list, compiled: who may be near whom, less the filtered, with slots.
+"""Compiled construction of a neighbour list: the unfiltered candidate pairs, with slots.
 
-Of few bodies every pair of boxes is looked at (``all_pairs``); else boxes go into hashed grids
-(``by_grids``), whose code is called by its address and compiled when first needed: two boxes need
-none of it. The pairs come in the order of their codes whichever way they were found.
+With few bodies every pair of boxes is tested (``all_pairs``). Otherwise boxes go into hashed grids
+(``by_grids``), whose code is called by address and compiled when first needed, because small
+scenes need none of it. Both ways give the pairs in the order of their codes.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ import math
 from drake_geom_ros.geometry._proximity.near.all_pairs import look_at_all
 from drake_geom_ros.geometry._proximity.near.arrays import (
     ASKED_CUTOFF,
+    CANDIDATE_COUNT,
     CONSIDERED,
     FILTERING,
-    FOUND,
     HAS_KERNELS,
     LACKS_CODES,
     LACKS_GRIDS,
@@ -37,7 +37,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
-FEW = 256  # bodies; of these every pair of boxes is looked at
+FEW = 256  # bodies up to which every pair of boxes is tested
 
 
 @compiled
@@ -51,11 +51,11 @@ def bring_up_to_date(
     placings: int,
     cutoff: float,
 ) -> int:
-    """Make the list unless it stands; return which, or what it lacks.
+    """Make the list unless it is still valid; return STANDS, MADE, or the code of what it lacks.
 
-    ``handles`` are those of the list, the world and the boxes that move and that rest; the others
-    are records. With a ``cutoff`` [m] that is infinite, all pairs are listed. Who gives it what
-    it lacks calls it again.
+    ``handles`` are those of the list, the world, and the boxes of moving and of resting bodies;
+    the other arguments are records. An infinite ``cutoff`` [m] lists all pairs. A caller that gets
+    the code of what is lacking provides it and calls again.
     """
     numbers, lengths = near.numbers, near.lengths
     cutoff = max(cutoff, 0.0)
@@ -67,22 +67,22 @@ def bring_up_to_date(
             return STANDS
     lengths[LIST_CUTOFF], before = -1.0, lengths[LIST_CUTOFF]  # until it is made
     if holds and list_cutoff == before:
-        count = numbers[FOUND]  # of which others may be reported now
+        count = numbers[CANDIDATE_COUNT]  # the same candidates, under other filters
     else:
         count = _find_all(near, world, handles, revision, list_cutoff)
         if count < 0:
             return -count
-    if count >= near.found.size:
+    if count >= near.candidates.size:
         numbers[NEEDED] = count
         return LACKS_CODES
-    numbers[FOUND] = count
+    numbers[CANDIDATE_COUNT] = count
     start = now()
-    considered, kept = keep(world, filters, part(near.found, 0, count), near.sorting)
+    considered, unfiltered = keep(world, filters, part(near.candidates, 0, count), near.sorting)
     lengths[FILTERING] = now() - start
-    if kept > near.slots.size:
-        numbers[NEEDED] = kept
+    if unfiltered > near.slots.size:
+        numbers[NEEDED] = unfiltered
         return LACKS_SLOTS
-    carry(near, part(near.sorting, 0, kept))
+    carry(near, part(near.sorting, 0, unfiltered))
     numbers[CONSIDERED], numbers[HAS_KERNELS] = considered, 0
     numbers[VERSION], numbers[PLACINGS] = version, placings
     lengths[LIST_CUTOFF], lengths[ASKED_CUTOFF] = list_cutoff, cutoff
@@ -97,9 +97,9 @@ def _find_all(
     revision: int,
     list_cutoff: float,
 ) -> int:
-    """Find the codes of all near pairs; return how many, or minus what is lacking.
+    """Find the codes of all candidate pairs; return their number, or minus what is lacking.
 
-    They are in order, unless there are more than there is room for.
+    They are sorted unless they do not fit.
     """
     n = near.is_plane.size
     at_once = math.isinf(list_cutoff) or n <= FEW
@@ -109,4 +109,4 @@ def _find_all(
     if at_once:
         return look_at_all(near, world, list_cutoff)
     call_by_grids(near.by_grids[0], *handles, revision, list_cutoff, active, idle)
-    return near.numbers[FOUND]
+    return near.numbers[CANDIDATE_COUNT]

@@ -1,18 +1,17 @@
-"""Which pairs are near enough to be looked at, and what is known of each, from cycle to cycle.
+"""Neighbour list: the candidate pairs of a world, and the last answer of each, across cycles.
 
-A list is made for a little more than the cutoff that is asked for: the box of each body gets a
-skin of as far as the body is expected to come in some updates, and the list stands until a body
-leaves its box (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with skins of each
-body's own). Only then the broad phase runs again, and only for the bodies that move. Where a body
-is so fast that no skin lasts, nobody gets one: the list is made for each update, and has no pair
-too many.
+A list is made for a little more than the requested cutoff: the box of each body gets a skin as
+wide as the body is expected to move in some updates, and the list is valid until a body leaves its
+box (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with a skin for each body). Only
+then does the broad phase run again, and only for moving bodies. If a body is too fast for a skin
+to last, no body gets one: the list is made for each update, and has no superfluous pair.
 
-What was answered for a pair stays in its *slot* for as long as the pair is near: the row of its
-last answer, in which revision of the world that was, how sharp, and its *slack*: the certified
-least distance then plus the travels of both bodies then. As long as slack minus travels now
-exceeds a cutoff, the pair is farther apart than that, without any look at it.
+The last answer of a pair stays in its *slot* for as long as the pair is listed: the row of the
+answer, the revision of the world, the level gap, and the *slack*, which is the certified least
+distance plus the travels of both bodies at that time. While slack minus current travels exceeds a
+cutoff, the pair is certified to be beyond it.
 
-The work is done by ``making``; here are the arrays that it works on, which grow.
+``making`` does the work; this file owns the arrays, which grow.
 """
 
 from __future__ import annotations
@@ -53,17 +52,17 @@ from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
 
-MOST_REMEMBERED = 128  # geometries, all pairs of which have room to remember a polytope
+MOST_REMEMBERED = 128  # geometries up to which all pairs get memory for a polytope
 
 
 class NeighbourList:
-    """The unfiltered pairs of a world within the cutoff, sorted, with a slot each."""
+    """The unfiltered pairs of a world within the cutoff, sorted, each with a slot."""
 
     def __init__(self, world: World, unlimited: bool = False) -> None:
         n = world.geometry_count
         is_plane = world.geometries.types == HALF_SPACE
         hulls = np.count_nonzero(world.geometries.types == CONVEX)
-        # Of all pairs that there are, in a large scene, few overlap, and most are no hulls.
+        # Of all pairs of a large scene few overlap, and most are not of hulls.
         remembers = hulls > 1 and (n <= MOST_REMEMBERED or not unlimited)
         codes = np.zeros(64 + 8 * n, dtype=np.int64)
         rows, none = np.zeros(n, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -80,8 +79,8 @@ class NeighbourList:
             tally=np.zeros(n + 1, dtype=np.int64),
             sides=empty_sides(n),
             planes=np.flatnonzero(is_plane),
-            nobody=np.zeros(0, dtype=np.bool_),
-            found=codes,
+            no_bodies=np.zeros(0, dtype=np.bool_),
+            candidates=codes,
             sorting=codes.copy(),
             resting=np.zeros(1, dtype=np.int64),
             codes=none,
@@ -94,24 +93,24 @@ class NeighbourList:
             memory=np.zeros((0, SLOT_WIDTH + (MEMORY_WIDTH if remembers else 0))),
         )
         self.arrays.lengths[[LIST_CUTOFF, RESTING_CUTOFF]] = -1.0
-        self._boxes = room_for(n), room_for(n)  # of those that move, and of those that rest
-        self._told: tuple[FilterState | None, int] = None, -1
+        self._boxes = room_for(n), room_for(n)  # of moving and of resting bodies
+        self._seen_filters: tuple[FilterState | None, int] = None, -1  # with their version
         self._filters = FilterArrays(rows, *FilterState().matrix)
-        self._hand_over()
+        self._make_handles()
 
-    def _hand_over(self) -> None:
-        """Make the handles of the arrays that are there now."""
+    def _make_handles(self) -> None:
+        """Make the handles of the current arrays."""
         moving, resting = (handle_of(boxes) for boxes in self._boxes)
         self.handles = handle_of(self.arrays), moving, resting, handle_of(self._filters)
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
         self.arrays = self.arrays._replace(by_grids=BY_GRIDS)  # of this process
-        self._hand_over()  # the arrays of a copy are elsewhere
+        self._make_handles()  # the arrays of a copy are elsewhere
 
     @property
     def list_cutoff(self) -> float:
-        """The list holds every pair this near [m]; below 0 it was never made."""
+        """The list has every pair within this distance [m]; below 0 it was never made."""
         return float(self.arrays.lengths[LIST_CUTOFF])
 
     @property
@@ -126,7 +125,7 @@ class NeighbourList:
 
     @property
     def pairs(self) -> Indices:
-        """Rows (k, 2) of the world, i < j, ascending, until the list is made anew."""
+        """Rows (k, 2) of the world, i < j, ascending; valid until the list is made again."""
         return self.arrays.pairs[: self.count]
 
     @property
@@ -136,52 +135,52 @@ class NeighbourList:
 
     @property
     def memory(self) -> NDArray[np.float64]:
-        """What is known of the pairs, by slot; see ``pairs.slots.empty_memory``."""
+        """Last answers of the pairs, by slot; see ``pairs.slots.empty_memory``."""
         return self.arrays.memory
 
     def know_kernels(self) -> None:
-        """Note that the kernels of all pairs are compiled."""
+        """Mark the kernels of all pairs as compiled."""
         self.arrays.numbers[HAS_KERNELS] = 1
 
     def bring_up_to_date(self, world: World, filters: FilterState, cutoff: float) -> bool:
-        """Make the list hold every unfiltered pair within ``cutoff`` [m]; tell if it was made.
+        """Ensure that the list has every unfiltered pair within ``cutoff`` [m].
 
-        The world is up to date.
+        Return whether the list was made again. The world has to be up to date.
         """
         self.look_at(world, filters)
         state = world.revision, filters.version, world.placings
-        while (told := _bring_up_to_date(world.handle, *self.handles, state, cutoff)) > MADE:
-            self.make_room(told)
-        return bool(told == MADE)
+        while (code := _bring_up_to_date(world.handle, *self.handles, state, cutoff)) > MADE:
+            self.make_room(code)
+        return bool(code == MADE)
 
     def look_at(self, world: World, filters: FilterState) -> None:
-        """Have the filters handed over as they are now."""
-        known, version = self._told
-        if known is filters and version == filters.version:
+        """Make the handle of the filters again if they changed."""
+        seen, version = self._seen_filters
+        if seen is filters and version == filters.version:
             return
         slots = np.ascontiguousarray(filters.slots(world.geometries.ids), dtype=np.int64)
         self._filters = FilterArrays(slots, *filters.matrix)
-        self._told = filters, filters.version
+        self._seen_filters = filters, filters.version
         self.handles = *self.handles[:3], handle_of(self._filters)
 
     def make_room(self, lacking: int) -> None:
-        """Give what ``making`` tells that it lacks; nothing that is held is lost."""
+        """Provide what ``making`` lacks, by its code; the content of arrays is preserved."""
         if lacking == LACKS_GRIDS:
             compile_by_grids()
             return
         needed = int(self.arrays.numbers[NEEDED])
         capacity = needed + needed // 4
         if lacking == LACKS_CODES:
-            room, sorting = (np.zeros(capacity + 1, dtype=np.int64) for _ in range(2))
-            self.arrays = self.arrays._replace(found=room, sorting=sorting)
+            candidates, sorting = (np.zeros(capacity + 1, dtype=np.int64) for _ in range(2))
+            self.arrays = self.arrays._replace(candidates=candidates, sorting=sorting)
         elif lacking == LACKS_RESTING:
             self.arrays = self.arrays._replace(resting=np.zeros(capacity + 1, dtype=np.int64))
         else:
             self._grow_slots(capacity + 64)
-        self._hand_over()
+        self._make_handles()
 
     def _grow_slots(self, capacity: int) -> None:
-        """Make room for more pairs; the slots in use keep what they hold."""
+        """Grow the capacity for pairs; slots in use retain their content."""
         arrays = self.arrays
         more = capacity - len(arrays.slots)
         grown = {}
@@ -205,9 +204,9 @@ def _bring_up_to_date(
     moment: tuple[int, int, int],
     cutoff: float,
 ) -> int:
-    """Do what ``making.bring_up_to_date`` does, by handles.
+    """Call ``making.bring_up_to_date`` with handles.
 
-    The ``moment`` is told by the world's revision, the filters' version, and its placings.
+    The ``moment`` is the world's revision, the filters' version, and the world's placings.
     """
     return bring_up_to_date(
         list_of(near),

@@ -1,4 +1,4 @@
-"""The boxes for which a neighbour list stands: of each body, with a skin for next updates."""
+"""Boxes for which a neighbour list is valid: each body's box with a skin for later updates."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 from drake_geom_ros.geometry._proximity.world.pose_update import PACE
 
-UPDATES_AHEAD = 16.0  # that a skin is made for; fewer lists, more pairs to look at
+UPDATES_AHEAD = 16.0  # updates that a skin is made for; more of them: fewer lists, more pairs
 WIDEST_SKIN = 0.5  # of a body's radius
-LEAST_AHEAD = 4.0  # updates that a skin has to last: it costs as much as a list or two
+LEAST_AHEAD = 4.0  # updates that a skin has to last: a skin costs as much as a list or two
 PATIENCE = 64  # updates without a move after which a body counts as resting
 
 
 @inlined
 def somebody_left(near: ListArrays, world: WorldArrays, revision: int) -> bool:
-    """Tell whether a body is no longer in its box."""
+    """Return whether any body has left its box."""
     since = near.numbers[CHECKED_AT]
     near.numbers[CHECKED_AT] = revision
     if since == revision:
@@ -33,16 +33,16 @@ def somebody_left(near: ListArrays, world: WorldArrays, revision: int) -> bool:
 
 @inlined
 def _lasts(world: WorldArrays, g: int) -> bool:
-    """Tell whether the skin of a body lasts for a while, as it moved lately."""
-    return world.kept[g, PACE] * LEAST_AHEAD <= WIDEST_SKIN * world.outer[g]
+    """Return whether the skin of a body will last long enough at its recent pace."""
+    return world.body_data[g, PACE] * LEAST_AHEAD <= WIDEST_SKIN * world.outer[g]
 
 
 @inlined
 def _set_box(near: ListArrays, world: WorldArrays, g: int, with_skin: bool, cutoff: float) -> None:
-    """Set the skin and the padding of a body, and the box that it is to stay in."""
+    """Set the padding of a body, and its box with a skin."""
     skin = 0.0
     if with_skin and near.active[g] and _lasts(world, g):
-        skin = min(UPDATES_AHEAD * world.kept[g, PACE], WIDEST_SKIN * world.outer[g])
+        skin = min(UPDATES_AHEAD * world.body_data[g, PACE], WIDEST_SKIN * world.outer[g])
     near.paddings[g] = skin + 0.5 * cutoff
     for c in range(3):
         p, side = world.p_WGs[g, c], world.half_extents[g, c] + skin
@@ -53,14 +53,13 @@ def _set_box(near: ListArrays, world: WorldArrays, g: int, with_skin: bool, cuto
 def set_boxes(
     near: ListArrays, world: WorldArrays, revision: int, cutoff: float, every: bool
 ) -> tuple[int, int]:
-    """Wake up who has moved since the list was made, and set skins.
+    """Activate bodies that moved since the list was made, and set boxes with skins.
 
-    Where one is too fast for a skin to last, nobody gets one.
+    If a body is too fast for a skin to last, no body gets one.
 
-    Return how many are active, and how many of them have rested for some time. ``lowers`` and
-    ``uppers`` get the boxes for which the next list stands, ``paddings`` skins and half the
-    cutoff [m], of those that are not anchored or of ``every`` body. ``rows`` begins with the
-    active ones.
+    Return the number of active bodies, and how many of them have rested for some time. ``lowers``
+    and ``uppers`` get the boxes for which the next list is valid, ``paddings`` the skins plus half
+    the cutoff [m]: of movable bodies, or of ``every`` body. ``rows`` begins with the active ones.
     """
     count, idle, fast, made = 0, 0, 0, near.numbers[MADE_AT]
     stamps, movable = world.stamps, world.movable
@@ -74,7 +73,7 @@ def set_boxes(
             idle += stamps[g] <= revision - PATIENCE
             fast += not _lasts(world, g)
     if every or 2 * movable.size > near.active.size:
-        for g in range(near.active.size):  # in order, which takes half as long
+        for g in range(near.active.size):  # in memory order, which takes half as long
             _set_box(near, world, g, fast == 0, cutoff)
     else:
         for k in range(movable.size):

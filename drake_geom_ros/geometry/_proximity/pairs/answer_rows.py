@@ -1,4 +1,4 @@
-"""What a query hands out: arrays of its own, which no later change of the world reaches."""
+"""Rows of answers that queries return: arrays of their own, unaffected by later changes."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ P_FACA = P_BCB + 3  # 3: from the origin of A's frame, in World axes [m]
 P_FBCB = P_FACA + 3  # 3: from the origin of B's frame, in World axes [m]
 OVERLAPS = P_FBCB + 3  # 1 where the pair overlaps, or by its bounds may, by more than touching
 PROMISED = OVERLAPS + 1  # the largest error bound that keeps the level's promise [m]
-DEPTH = PROMISED + 1  # minus the distance [m]: to negate it costs as much as to read three columns
+DEPTH = PROMISED + 1  # minus the distance [m]: negating it later costs as much as three columns
 BATCH_WIDTH = DEPTH + 1
-# An answer as a query hands it out is one array, whose rows end with the ids of A and B: numbers
-# of 64 bits, too, to be looked at as integers.
+# An answer as a query returns it is one array, whose rows end with the ids of A and B: 64-bit
+# numbers that are viewed as integers.
 IDS = BATCH_WIDTH  # 2
 ANSWER_WIDTH = IDS + 2
 
@@ -64,11 +64,11 @@ class PairBatch(NamedTuple):
     rows: Floats
 
     def penetrating(self) -> PairBatch:
-        """Return those that overlap by more than touching, that is by more than rounding.
+        """Return the answers whose pairs overlap by more than touching, that is than rounding.
 
-        Of bounds alone those that may. A depth is positive, and the middle of an interval that
-        reaches beyond 0 need not be: half of the largest depth is the answer then, and the error
-        bound grows until it holds the whole interval.
+        Answers from bounds alone are included if the pair may overlap. A depth is positive, but
+        the middle of an interval that reaches beyond 0 need not be. Such an answer becomes half of
+        the largest depth, with an error bound that covers the whole interval.
         """
         keep = self.rows[:, OVERLAPS] > 0.0
         ids, rows = self.ids[keep], self.rows[keep]
@@ -77,7 +77,7 @@ class PairBatch(NamedTuple):
         if unsure.any():
             some = rows[unsure]
             some[:, DISTANCE] = 0.5 * (some[:, DISTANCE] - some[:, ERROR_BOUND])
-            # As far as to the other end. Four sums, each rounded by EPS of this at most.
+            # The distance to the other end. Four sums, each rounded by EPS of it at most.
             some[:, ERROR_BOUND] = (most[unsure] - some[:, DISTANCE]) * (1.0 + 4.0 * EPS)
             spans = some[:, DISTANCE : DISTANCE + 1] * some[:, NORMAL : NORMAL + 3]
             some[:, WITNESS_B : WITNESS_B + 3] = some[:, WITNESS_A : WITNESS_A + 3] - spans
@@ -86,17 +86,19 @@ class PairBatch(NamedTuple):
         return PairBatch(ids, rows)
 
     def broken(self) -> NDArray[np.bool_]:
-        """Return which answers (k,) break a promise: not finite, or bounds wider than promised."""
+        """Return which answers (k,) are not finite or have wider bounds than promised."""
         finite = np.isfinite(self.rows[:, :PROMISED]).all(axis=1)
-        kept: NDArray[np.bool_] = finite & (self.rows[:, ERROR_BOUND] <= self.rows[:, PROMISED])
-        return ~kept
+        fulfilled: NDArray[np.bool_] = finite & (
+            self.rows[:, ERROR_BOUND] <= self.rows[:, PROMISED]
+        )
+        return ~fulfilled
 
 
 class PointBatch(NamedTuple):
     """The answers of a point query: k rows, each of a point and a geometry."""
 
     ids: Indices  # (k,) of the geometries
-    points: NDArray[np.uint32]  # (k,) which point
+    points: NDArray[np.uint32]  # (k,) indices of the points
     rows: Floats  # (k, POINT_WIDTH), columns of ``kernels.calling.points``
 
 
@@ -105,8 +107,8 @@ def gathered(
 ) -> Floats:
     """Return the answers (k, ANSWER_WIDTH) of hits (k,) among pairs (n, 2) with slots (n,).
 
-    ``level_gap`` [m] is that of the level that was asked for. Nobody can change them: whoever asks
-    again gets the same array.
+    ``level_gap`` [m] is that of the requested level. The array is read-only, because it is shared
+    between identical queries.
     """
     answers = np.empty((len(hits), ANSWER_WIDTH))
     gather_answers(hits, pairs, slots, memory, level_gap, world.handle, answers)
@@ -115,13 +117,13 @@ def gathered(
 
 
 def batch_of(answers: Floats) -> PairBatch:
-    """Return answers (k, ANSWER_WIDTH), which nobody changes, as a batch."""
+    """Return read-only answers (k, ANSWER_WIDTH) as a batch."""
     return PairBatch(answers.view(_INT64)[:, IDS:], answers)
 
 
 @inlined
 def _put(row: Floats, column: int, vector: Vector) -> None:
-    """Write three numbers of a row from a column on; a zero is written without a sign."""
+    """Write a vector to a row from a column on; a negative zero is written as 0."""
     for c in range(3):
         row[column + c] = 0.0 + vector[c]
 
@@ -160,8 +162,8 @@ def gather_answers(
     ids = world_of(world).ids
     for k in range(hits.size):
         hit = unsigned(hits[k])
-        told = wide_integers(row(answers, k), IDS)
-        told[0], told[1] = ids[pairs[hit, 0]], ids[pairs[hit, 1]]
+        pair_ids = wide_integers(row(answers, k), IDS)
+        pair_ids[0], pair_ids[1] = ids[pairs[hit, 0]], ids[pairs[hit, 1]]
 
 
 @inlined
@@ -176,7 +178,7 @@ def _gather(
 ) -> None:
     """Fill the first BATCH_WIDTH columns of rows.
 
-    Witness points come measured from Ao, in World axes.
+    Kernels measure witness points from Ao, in World axes.
     """
     world = world_of(world)
     types, frames, outer = world.types, world.frames, world.outer
@@ -184,27 +186,27 @@ def _gather(
     for k in range(hits.size):
         hit = unsigned(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
-        out, told = row(memory, slots[hit]), row(rows, k)
+        out, answer = row(memory, slots[hit]), row(rows, k)
         for c in range(PAIR_WIDTH):
-            told[c] = out[c]
+            answer[c] = out[c]
         least = out[DISTANCE]
-        told[DEPTH] = -least
+        answer[DEPTH] = -least
         promised = promised_error_bound(level_gap, a, b, types, outer, p_WGs, roundings)
         if out[METHOD] == BOUND_ONLY:
             least, promised = least - out[ERROR_BOUND], math.inf
         elif (out[METHOD] == MESH or out[METHOD] == OPEN) and least < 0.0:
-            promised = math.inf  # of overlapping solids and maps: see ``kernels.solids.overlap``
+            promised = math.inf  # overlapping solids and maps: see ``kernels.solids.overlap``
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
-        told[OVERLAPS] = 1.0 if least < touching else 0.0
-        told[PROMISED] = promised
+        answer[OVERLAPS] = 1.0 if least < touching else 0.0
+        answer[PROMISED] = promised
         p_WA, p_WB = vector_in(p_WGs, a), vector_in(p_WGs, b)
         p_WFa, p_WFb = vector_in(p_WFs, frames[a]), vector_in(p_WFs, frames[b])
-        # Far from the origin only what is measured from a body keeps its digits.
+        # Far from the origin, only points measured from a body keep their digits.
         p_ACa, p_ACb = vector_at(out, WITNESS_A), vector_at(out, WITNESS_B)
         p_BCb = sub(p_ACb, sub(p_WB, p_WA))
-        _put(told, WITNESS_A, add(p_WA, p_ACa))
-        _put(told, WITNESS_B, add(p_WA, p_ACb))
-        _put(told, P_FACA, add(sub(p_WA, p_WFa), p_ACa))
-        _put(told, P_FBCB, add(sub(p_WB, p_WFb), p_BCb))
-        _put(told, P_ACA, unrotate(row(R_WGs, a), p_ACa))
-        _put(told, P_BCB, unrotate(row(R_WGs, b), p_BCb))
+        _put(answer, WITNESS_A, add(p_WA, p_ACa))
+        _put(answer, WITNESS_B, add(p_WA, p_ACb))
+        _put(answer, P_FACA, add(sub(p_WA, p_WFa), p_ACa))
+        _put(answer, P_FBCB, add(sub(p_WB, p_WFb), p_BCb))
+        _put(answer, P_ACA, unrotate(row(R_WGs, a), p_ACa))
+        _put(answer, P_BCB, unrotate(row(R_WGs, b), p_BCb))

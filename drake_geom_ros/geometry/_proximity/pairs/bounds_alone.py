@@ -1,4 +1,4 @@
-"""A pair's distance from bounding volumes alone: the level `bound`."""
+"""Distance of a pair from bounding volumes alone: the level `bound`."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def bound_pair(
     p_AB_W: Floats,
     out: Floats,
 ) -> None:
-    """Write a pair's answer from the widths along the line of the centres."""
+    """Write a pair's answer from the support values along the line of the centres."""
     types, starts, pool = shapes
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
@@ -62,12 +62,12 @@ def bound_pair(
 
 @compiled
 def raise_lower_end(a: int, b: int, bodies: BoundedBodies, out: Floats) -> None:
-    """Raise the lower end of a pair's interval to what boxes and balls around the bodies certify.
+    """Raise the lower end of a pair's interval to the bound from boxes and balls, if higher.
 
-    So none of these knows more of a pair than its answer. The witness point on B moves with it.
+    So no bounding volume is sharper than the answer. The witness point on B moves with it.
     """
     if bodies.types[a] == SPHERE and bodies.types[b] == SPHERE:
-        return  # whose interval is as wide as rounding
+        return  # their interval is only as wide as rounding
     least = least_possible(a, b, bodies)
     lower, upper = out[DISTANCE] - out[ERROR_BOUND], out[DISTANCE] + out[ERROR_BOUND]
     if not least > lower:
@@ -82,9 +82,9 @@ def raise_lower_end(a: int, b: int, bodies: BoundedBodies, out: Floats) -> None:
 
 @inlined
 def _reach(kind: int, shape: Floats, h: float) -> float:
-    """Return the size [m] of what a support value h is a sum of.
+    """Return the size [m] of the terms that a support value h is the sum of.
 
-    The vertices of a hull may be anywhere: along n they are near Go, and aside of it far away.
+    The vertices of a hull can be near Go along n and yet far from it sideways.
     """
     return hull_radius(shape) if has_hull(kind) else h
 
@@ -93,11 +93,12 @@ def _reach(kind: int, shape: Floats, h: float) -> float:
 def bounding_interval(A: PosedShape, B: PosedShape, p_AB_W: Floats, out: Floats) -> None:
     """Write the middle and the half width of a certified interval of phi from bounds alone.
 
-    For every unit n, ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or
-    along the normal of a half space, for which this is the exact value, save of a map: its support
-    value is that of the box around it. Above, phi is at most the distance of the balls inside,
-    that of a hull being its vertex towards the other; over a half space it is the height of one.
-    The witness points lie on the two supporting planes, above Ao.
+    Lower end: for every unit n, ``phi >= -h_A(n) - h_B(-n)``. Here n is along the line of the
+    centres, or along the normal of a half space, where the bound is the exact value. A map is the
+    exception: its support value is that of the box around it. Upper end: phi is at most the
+    distance of the inner balls; that of a hull is its vertex towards the other body. Over a half
+    space it is the height of the inner ball. The witness points lie on the two supporting planes,
+    above Ao.
     """
     p = vector_at(p_AB_W, 0)
     flat = A.kind == HALF_SPACE or B.kind == HALF_SPACE
@@ -128,7 +129,7 @@ def bounding_interval(A: PosedShape, B: PosedShape, p_AB_W: Floats, out: Floats)
     reaches = _reach(A.kind, A.shape, h_A) + _reach(B.kind, B.shape, h_B)
     rounding = 8.0 * EPS * (norm(p) + reaches)
     for kind, shape in ((A.kind, A.shape), (B.kind, B.shape)):
-        if has_hull(kind):  # its support value is rounded up by as much
+        if has_hull(kind):  # its support value is rounded up by that much
             rounding += hull_defect(shape)
     bound = 0.5 * (upper - lower) + rounding
     write(out, distance, scale(-1.0, n_AB_W), p_ACa_W, p_ACb_W, bound, False, BOUND_ONLY)

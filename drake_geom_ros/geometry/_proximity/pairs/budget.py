@@ -1,9 +1,9 @@
-"""How a time budget is spent: kernels for the nearest pairs first, in blocks, while time lasts.
+"""Spending of a time budget: kernels run for the nearest pairs first, in blocks, until it ends.
 
-A look at the clock and a compiled call cost some microseconds, as much as a hundred closed forms,
-and one pair of hulls may cost that too. So a block is made for half of the time that is left, by
-what pairs cost lately, within limits. Where all pairs fit into the budget by that cost, they need
-neither an order nor blocks.
+Reading the clock and making a compiled call cost some microseconds, as much as a hundred closed
+forms or one pair of hulls. So a block is sized, within limits, for half of the remaining time at
+the recent cost of a pair. Where all pairs fit into the budget at that cost, they are neither
+sorted nor split into blocks.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Pairs. The first block is computed whatever the budget is: the nearest pairs are always sharp,
-# and a scene that rests becomes so. The longest is as far as a budget is overrun by pairs that
-# turn out to cost more than those before.
+# Pairs in a block. The first block is computed whatever the budget is, so the nearest pairs are
+# always sharp and a resting scene becomes so. The longest block limits how far pairs that turn out
+# costlier than the previous ones overrun a budget.
 SHORTEST_BLOCK = 8
 LONGEST_BLOCK = 256
-# The cost of a pair is that of the dearest block lately: it fades by this factor [-] a block.
+# The cost of a pair is that of the costliest recent block, fading by this factor [-] per block.
 FADING = 0.75
 
 
 class Pace:
-    """What pairs cost lately, kept from query to query."""
+    """Recent cost of a pair, carried from query to query."""
 
     def __init__(self) -> None:
         self.seconds_a_pair = 0.0
@@ -39,10 +39,13 @@ class Pace:
         end: float,
         reserve: float = 0.0,
     ) -> Indices:
-        """Call ``compute`` with blocks of pair numbers, nearest first; return those left.
+        """Call ``compute`` with blocks of pair numbers, nearest first; return the rest.
 
-        ``distances`` (k,) [m] are certified least distances of the pairs, ``end`` [s] is a moment
-        of ``time.perf_counter``, and ``reserve`` [s] what a pair that is left costs later.
+        Args:
+            distances: (k,) certified lower bounds of the distances of the pairs [m].
+            compute: computes the pairs of a block.
+            end: moment of ``time.perf_counter`` at which the budget ends [s].
+            reserve: time that each pair left over costs afterwards [s].
         """
         order = np.argsort(distances, kind='stable')
         done, now = 0, time.perf_counter()
@@ -58,16 +61,16 @@ class Pace:
         return order[done:]
 
     def learn(self, pairs: int, seconds: float) -> None:
-        """Take to heart what so many pairs cost; a few tell little."""
+        """Update the cost of a pair, unless there were too few pairs to measure it."""
         if pairs >= SHORTEST_BLOCK or self.seconds_a_pair <= 0.0 < pairs:
             self.seconds_a_pair = max(seconds / pairs, FADING * self.seconds_a_pair)
 
     def fits(self, pairs: int, seconds: float) -> bool:
-        """Tell whether so many pairs should cost no more than ``seconds``."""
+        """Return whether ``pairs`` pairs are expected to cost no more than ``seconds``."""
         return 0.0 < self.seconds_a_pair * pairs <= seconds
 
     def _block(self, left: float) -> int:
-        """Return how many pairs to compute in half of the time [s] that is left."""
+        """Return the number of pairs to compute in half of the remaining time ``left`` [s]."""
         if self.seconds_a_pair <= 0.0:
             return SHORTEST_BLOCK
         fitting = int(min(0.5 * left / self.seconds_a_pair, LONGEST_BLOCK))

@@ -1,4 +1,4 @@
-"""Answers in steps: what is known first, and what kernels compute apart, or as time allows."""
+"""Narrow phase in steps: cached answers first, then kernels, possibly within a time budget."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Indices = NDArray[np.int64]
 
 
 class BudgetedAnswers:
-    """Runs the narrow phase over lists that are up to date, and reports what it did."""
+    """Runs the narrow phase over up-to-date neighbour lists, and reports its work."""
 
     def __init__(self, report: ReportArrays) -> None:
         self.pace = Pace()
@@ -38,18 +38,18 @@ class BudgetedAnswers:
     def answer_list(
         self, world: World, near: NeighbourList, query: tuple[float, float, bool], budget: float
     ) -> Indices:
-        """Return the numbers of the pairs that ``query`` is about.
+        """Return the numbers of the listed pairs that are hits of ``query``.
 
-        Kernels run for all that need one where the ``budget`` [s] is 0, and the seconds of what
-        was known are told apart; else for the nearest pairs, while it lasts.
+        With a ``budget`` of 0 [s], kernels run for all pairs that need one, and the cache lookup
+        is timed separately. Otherwise they run for the nearest pairs until the budget is spent.
         """
         self.unrefined = 0
         if budget <= 0.0:
             return self.answer_apart(world, near, query)
         if not self.pace.fits(near.count, budget):
             return self.answer_within(world, near, query, budget)
-        asked = near.pairs, near.slots, near.memory, query
-        hits = self.answer(world, *asked, near.arrays.hits)
+        arguments = near.pairs, near.slots, near.memory, query
+        hits = self.answer(world, *arguments, near.arrays.hits)
         computed = int(self._counts[BY_METHOD:].sum())
         self.pace.learn(computed, time.perf_counter() - self._moments[COMPILED])
         return hits
@@ -64,11 +64,11 @@ class BudgetedAnswers:
         hits: Indices,
         queue: tuple[Indices, Floats] = NO_QUEUE,
     ) -> Indices:
-        """Return the numbers of the pairs that ``query`` is about, their slots up to date.
+        """Return the numbers of the pairs that are hits of ``query``, and update their slots.
 
-        With a ``queue`` for all pairs, those that need a kernel are put there instead.
+        With a ``queue`` that fits all pairs, pairs that need a kernel go there instead.
         """
-        found = answer_pairs(
+        hit_count = answer_pairs(
             ADDRESSES,
             pairs,
             slots,
@@ -81,17 +81,17 @@ class BudgetedAnswers:
             hits,
             self._counts,
         )
-        return hits[:found]
+        return hits[:hit_count]
 
     def answer_shared(
         self, world: World, near: NeighbourList, query: tuple[float, float, bool]
     ) -> Indices:
-        """Return what ``answer`` does of a list, by threads."""
-        room = near.arrays.hits
+        """Return the hits of ``answer`` for a neighbour list, computed by threads."""
+        hits = near.arrays.hits
 
         def answer(first: int, last: int) -> tuple[int, int, Indices]:
             counts = np.zeros_like(self._counts)
-            found = answer_pairs(
+            hit_count = answer_pairs(
                 ADDRESSES,
                 near.pairs[first:last],
                 near.slots[first:last],
@@ -101,66 +101,72 @@ class BudgetedAnswers:
                 query,
                 -1,
                 NO_QUEUE,
-                room[first:last],
+                hits[first:last],
                 counts,
             )
-            return first, found, counts
+            return first, hit_count, counts
 
         parts = share(near.count, answer)
         self._counts[:] = sum(counts for _, _, counts in parts)
-        return np.concatenate([room[first : first + found] + first for first, found, _ in parts])
+        return np.concatenate(
+            [hits[first : first + hit_count] + first for first, hit_count, _ in parts]
+        )
 
     def answer_apart(
         self, world: World, near: NeighbourList, query: tuple[float, float, bool]
     ) -> Indices:
-        """Return what ``_answer`` does: first what is known, then what kernels have to compute."""
+        """Return the hits of ``answer``, with cached pairs and kernels timed separately."""
         waiting, _ = queue = np.empty(len(near.pairs), dtype=np.int64), np.zeros(0)
-        asked, room = (near.pairs, near.slots, near.memory, query), near.arrays.hits
-        known = self.answer(world, *asked, room, queue=queue).copy()
+        arguments, hit_buffer = (near.pairs, near.slots, near.memory, query), near.arrays.hits
+        cached_hits = self.answer(world, *arguments, hit_buffer, queue=queue).copy()
         total = self._counts.copy()
         if total[CACHED]:
             self._moments[KNOWING] = time.perf_counter() - self._moments[COMPILED]
-        some = waiting[: total[POSTPONED]]
+        queued = waiting[: total[POSTPONED]]
         total[POSTPONED] = 0
-        hits = some[self.answer(world, near.pairs[some], near.slots[some], *asked[2:], room)]
+        hits = queued[
+            self.answer(world, near.pairs[queued], near.slots[queued], *arguments[2:], hit_buffer)
+        ]
         self._counts[:] += total
-        return np.sort(np.concatenate((known, hits)))
+        return np.sort(np.concatenate((cached_hits, hits)))
 
     def answer_within(
         self, world: World, near: NeighbourList, query: tuple[float, float, bool], seconds: float
     ) -> Indices:
-        """Return what ``_answer`` does, kernels for the nearest pairs only as time lasts."""
-        most, room = near.count, near.arrays.hits
+        """Return the hits of ``answer``, with kernels for the nearest pairs in ``seconds`` [s]."""
+        most, hit_buffer = near.count, near.arrays.hits
         waiting, distances = queue = np.empty(most, dtype=np.int64), np.empty(most)
         start = float(self._moments[COMPILED])
-        known = self.answer(world, near.pairs, near.slots, near.memory, query, room, queue=queue)
-        hits, total = [known.copy()], self._counts.copy()
+        cached_hits = self.answer(
+            world, near.pairs, near.slots, near.memory, query, hit_buffer, queue=queue
+        )
+        hits, total = [cached_hits.copy()], self._counts.copy()
         count = int(total[POSTPONED])
         total[POSTPONED] = 0
 
         def compute(block: Indices) -> None:
-            some = waiting[block]
-            asked = near.pairs[some], near.slots[some], near.memory, query
-            hits.append(some[self.answer(world, *asked, room)])
+            queued = waiting[block]
+            arguments = near.pairs[queued], near.slots[queued], near.memory, query
+            hits.append(queued[self.answer(world, *arguments, hit_buffer)])
             total[:] += self._counts
 
-        # What is left is bounded once more, as all that wait were just now.
+        # Bounding the rest again costs about as much as bounding all queued pairs just did.
         reserve = (time.perf_counter() - start) / max(1, count)
         left = self.pace.spend(distances[:count], compute, start + seconds, reserve)
         if len(left):
-            some = waiting[left]
-            found = bound_pairs(
-                near.pairs[some],
-                near.slots[some],
+            queued = waiting[left]
+            hit_count = bound_pairs(
+                near.pairs[queued],
+                near.slots[queued],
                 near.memory,
                 world.handle,
                 world.revision,
                 query,
-                room,
+                hit_buffer,
                 self._counts,
             )
-            hits.append(some[room[:found]])
+            hits.append(queued[hit_buffer[:hit_count]])
             total += self._counts
-            self.unrefined = found
+            self.unrefined = hit_count
         self._counts[:] = total
         return np.sort(np.concatenate(hits))

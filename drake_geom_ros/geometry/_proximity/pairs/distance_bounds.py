@@ -15,9 +15,9 @@ from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 
 
 class BoundedBodies(NamedTuple):
-    """What is known of n bodies beside their shapes, fields of ``WorldArrays``.
+    """Poses and bounds of n bodies without their shapes; fields of ``WorldArrays``.
 
-    Made where it is handed over, which costs nothing: see ``narrow_phase.answer_pairs``.
+    Constructed in the call that takes it, which costs nothing: see ``narrow_phase.answer_pairs``.
     """
 
     types: Indices
@@ -30,7 +30,7 @@ class BoundedBodies(NamedTuple):
 
 @inlined
 def separation_of_aabbs(p_WGs: Floats, half_extents: Floats, i: int, j: int) -> float:
-    """Return a lower bound of the distance [m] of the boxes around i and j, 0 where they meet."""
+    """Return a lower bound of the distance [m] of the AABBs of i and j, 0 where they overlap."""
     squared, farthest, widest = 0.0, 0.0, 0.0
     for k in range(3):
         p, q = p_WGs[i, k], p_WGs[j, k]
@@ -50,7 +50,7 @@ def separation_of_aabbs(p_WGs: Floats, half_extents: Floats, i: int, j: int) -> 
 def separation_from_plane(h: int, g: int, bodies: BoundedBodies) -> float:
     """Return a lower bound of the distance [m] of the box around g above the half space h.
 
-    Boxes have room for the rounding of their poses; that of h is taken off, see ``pose_rounding``.
+    Boxes include the rounding of their poses; that of h is subtracted, see ``pose_rounding``.
     """
     _, R_WGs, p_WGs, roundings, half_extents, _ = bodies
     height, extent, size = 0.0, 0.0, 0.0
@@ -63,7 +63,7 @@ def separation_from_plane(h: int, g: int, bodies: BoundedBodies) -> float:
 
 @inlined
 def separation_of_boxes(i: int, j: int, bodies: BoundedBodies) -> float:
-    """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
+    """Return a lower bound of the distance [m] of two boxes; a half space counts as a box."""
     if bodies.types[i] == HALF_SPACE:
         return separation_from_plane(i, j, bodies)
     if bodies.types[j] == HALF_SPACE:
@@ -73,13 +73,13 @@ def separation_of_boxes(i: int, j: int, bodies: BoundedBodies) -> float:
 
 @inlined
 def separation_of_balls(i: int, j: int, p_WGs: Floats, roundings: Floats, outer: Floats) -> float:
-    """Return a lower bound of the distance [m] of the balls around i and j."""
+    """Return a lower bound of the distance [m] of the bounding balls of i and j."""
     squared = 0.0
     for k in range(3):
         apart = p_WGs[j, k] - p_WGs[i, k]
         squared += apart * apart
     if not squared < LARGE_SQUARE:
-        return -math.inf  # so large that boxes have to tell
+        return -math.inf  # the square may overflow: boxes have to decide
     centres, balls = math.sqrt(squared), outer[i] + outer[j]
     rounding = roundings[i, RADIUS] + roundings[j, RADIUS]
     return centres - balls - rounding - 8.0 * EPS * (centres + balls)
@@ -87,14 +87,14 @@ def separation_of_balls(i: int, j: int, p_WGs: Floats, roundings: Floats, outer:
 
 @inlined
 def separation_of_bounds(i: int, j: int, bodies: BoundedBodies, cutoff: float) -> float:
-    """Return a lower bound of the distance [m], of boxes too where balls are within the cutoff.
+    """Return a lower bound of the distance [m], by balls, then boxes if within the cutoff.
 
-    Without a cutoff nobody needs one, and it is minus infinity.
+    Without a cutoff no bound is needed, and the result is minus infinity.
     """
     if cutoff == math.inf:
         return -math.inf
     types = bodies.types
-    # The ball of a half space has no bound, and its separation is minus infinity.
+    # The ball of a half space is infinite, so its separation is minus infinity.
     balls = separation_of_balls(i, j, bodies.p_WGs, bodies.roundings, bodies.outer)
     round_ones = types[i] == SPHERE and types[j] == SPHERE and balls > -math.inf
     if round_ones or balls > cutoff:
@@ -104,10 +104,10 @@ def separation_of_bounds(i: int, j: int, bodies: BoundedBodies, cutoff: float) -
 
 @inlined
 def least_possible(i: int, j: int, bodies: BoundedBodies) -> float:
-    """Return a lower bound [m] of a signed distance, of bodies that overlap too.
+    """Return a lower bound [m] of a signed distance, including that of overlapping bodies.
 
-    The depth of convex bodies is no more than the overlap of their shadows on any line, so no
-    more than that of their boxes along an axis or of their balls along the line of the centres.
+    The depth of convex bodies is at most the overlap of their projections on any line. So it is at
+    most that of their boxes along an axis, or of their balls along the line of the centres.
     """
     types, _, p_WGs, roundings, half_extents, outer = bodies
     separation = separation_of_boxes(i, j, bodies)
@@ -115,7 +115,7 @@ def least_possible(i: int, j: int, bodies: BoundedBodies) -> float:
         return separation
     if separation == 0.0:
         if max(types[i], types[j]) >= SOLID:
-            return -math.inf  # how deep a solid or a map is, its hull does not tell
+            return -math.inf  # the hull of a solid or a map does not bound its depth
         separation, farthest = -math.inf, 0.0
         for k in range(3):
             p, q = p_WGs[i, k], p_WGs[j, k]
@@ -130,7 +130,7 @@ def least_possible(i: int, j: int, bodies: BoundedBodies) -> float:
 
 @inlined
 def apart(p_WGs: Floats, a: int, b: int) -> float:
-    """Return no less than the distance [m] of two origins, what no square overflows."""
+    """Return an upper bound of the distance [m] of two origins, computed without squares."""
     x, y, z = (p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2])
     return abs(x) + abs(y) + abs(z)
 
@@ -138,7 +138,7 @@ def apart(p_WGs: Floats, a: int, b: int) -> float:
 @compiled
 def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> int:
     """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
-    world, found = world_of(world), 0
+    world, hit_count = world_of(world), 0
     bodies = BoundedBodies(
         world.types,
         world.R_WGs,
@@ -150,6 +150,6 @@ def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> i
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
         if separation_of_boxes(i, j, bodies) <= cutoff:
-            hits[found] = k
-            found += 1
-    return found
+            hits[hit_count] = k
+            hit_count += 1
+    return hit_count

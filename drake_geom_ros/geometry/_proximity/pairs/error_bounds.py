@@ -1,9 +1,9 @@
-"""What an answer promises: how wide its certified bounds may be at an accuracy level.
+"""Promised width of the certified bounds of an answer, at each accuracy level.
 
-THE rule, for kernels and for those who check them: the gap of the level
-(``tolerances.LEVEL_GAPS``) times the radius of the smaller body, or 1 m where both are larger, and
-what rounding adds. Bounds alone (BOUND_ONLY) and overlapping solids promise nothing but that they
-hold.
+This is the one rule, for kernels and for their checks: the gap of the level
+(``tolerances.LEVEL_GAPS``) times the radius of the smaller body, or times 1 m where both are
+larger, plus rounding. Answers from bounds alone (BOUND_ONLY) and of overlapping solids promise no
+width, only that their bounds hold.
 """
 
 import math
@@ -23,26 +23,26 @@ from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 
 @inlined
 def size_of_pair(a: int, b: int, types: Indices, outer: Floats) -> float:
-    """Return the size of a pair [m]; a half space has none of its own."""
+    """Return the size of a pair [m], the sum of its outer radii; a half space counts as 0."""
     size = 0.0 if types[a] == HALF_SPACE else outer[a]
     return size if types[b] == HALF_SPACE else size + outer[b]
 
 
 @inlined
 def tolerance_of_pair(level_gap: float, a: int, b: int, outer: Floats) -> float:
-    """Return the gap [m] that a pair's bounds may have, by the gap of the level.
+    """Return the gap [m] that a level allows between the bounds of a pair.
 
-    It is absolute for bodies of a metre and more, relative to the smaller one below.
+    It is absolute for bodies of one metre or more, and relative to the smaller body below.
     """
     return level_gap * min(1.0, outer[a], outer[b])
 
 
 @inlined
 def rounding_of_pair(a: int, b: int, extent: float, roundings: Floats) -> float:
-    """Return what composing world poses may have cost the pair [m], see ``pose_rounding``.
+    """Return the rounding error of the pair's world poses [m]; see ``pose_rounding``.
 
-    ``extent`` [m] is the size of the pair and the distance of the origins: no point of a body is
-    farther than this from the origin of a half space.
+    ``extent`` [m] is the size of the pair plus the distance of the origins. No point of a body is
+    farther than that from the origin of a half space.
     """
     rounding = roundings[a, RADIUS] + roundings[b, RADIUS]
     tilt = roundings[a, TILT] + roundings[b, TILT]
@@ -51,7 +51,7 @@ def rounding_of_pair(a: int, b: int, extent: float, roundings: Floats) -> float:
 
 @inlined
 def hides_contact(out: Floats, a: int, b: int, extent: float, roundings: Floats) -> bool:
-    """Tell whether a pair may overlap, and rounding hides a depth that anybody would see."""
+    """Return whether a pair may overlap while rounding hides more than UNSEEN_DEPTH."""
     hidden = max(TOUCHING_DEPTH * extent, rounding_of_pair(a, b, extent, roundings))
     return hidden > UNSEEN_DEPTH and out[DISTANCE] < out[ERROR_BOUND]
 

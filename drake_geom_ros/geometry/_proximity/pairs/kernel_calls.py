@@ -1,4 +1,4 @@
-"""Calls of the kernels of pairs, by address: the lower type first."""
+"""Calls of pair kernels by address, with the lower shape type first."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ from drake_geom_ros.geometry._proximity.runtime.views import part, row
 
 @inlined
 def _code(type_a: int, type_b: int) -> int:
-    """Return where a pair of types stands in ROW_OF_TYPES."""
+    """Return the index of a pair of types in ``ROWS``."""
     return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
 
 
 @inlined
 def oriented(k: int, shapes: Shapes, R_WGs: Floats) -> OrientedShape:
-    """Return shape k as kernels take it."""
+    """Return shape k as the ``OrientedShape`` that kernels take."""
     types, starts, pool = shapes
     return OrientedShape(types[k], part(pool, starts[k], starts[k + 1]), row(R_WGs, k))
 
@@ -59,7 +59,7 @@ def call_in_order(
     aim: Aim,
     out: Floats,
 ) -> None:
-    """Call a pair's kernel, the lower type first; only here an answer is turned around."""
+    """Call a pair's kernel with the lower type first, and swap the answer back if needed."""
     types, (R_WGs, p_WGs) = shapes.types, poses
     swapped = types[a] > types[b]
     if swapped:
@@ -70,7 +70,7 @@ def call_in_order(
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     address = kernels[ROWS[_code(types[a], types[b])]]
     A, B = oriented(a, shapes, R_WGs), oriented(b, shapes, R_WGs)
-    # Solids and maps, the highest types, hold areas and counts too: kernels take them as they are.
+    # Solids and maps, the highest types, also have areas and counts as parameters: no rescaling.
     extreme = is_extreme(aim.size, p_AB_W)
     extreme = extreme or vanishes(A.kind, A.shape) or vanishes(B.kind, B.shape)
     if extreme and B.kind <= CONVEX:
@@ -81,7 +81,7 @@ def call_in_order(
         call_kernel(address, A, B, p_AB_W, aim, out)
     if swapped:
         for c in range(3):
-            # Measured from the other body's origin from now on.
+            # Measured from the origin of the other body, which is now A.
             p_a = out[WITNESS_A + c] - p_AB_W[c]
             p_b = out[WITNESS_B + c] - p_AB_W[c]
             out[WITNESS_A + c], out[WITNESS_B + c] = p_b, p_a
@@ -90,10 +90,10 @@ def call_in_order(
 
 @inlined
 def recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
-    """Forget the normal from which a kernel would start, where it is not this level's.
+    """Clear a kernel's hint unless it comes from the same level.
 
-    So what one level was asked changes no digit of what another answers. With solids and maps a
-    kernel starts from nothing: which leaves are looked at would depend on it.
+    So a query at one level changes no digit of the answers at another. Kernels of solids and maps
+    get no hint at all, because the leaves that they visit would depend on it.
     """
     if max(type_a, type_b) >= SOLID or (
         out[LEVEL_GAP] != level_gap and out[LEVEL_GAP] > -math.inf
@@ -112,7 +112,7 @@ def _has_plain_overlap(
     p_AB_W: Floats,
     out: Floats,
 ) -> bool:
-    """Tell whether a bounded body a and a solid b are seen to overlap."""
+    """Return whether a bounded body a and a solid b plainly overlap."""
     R_WGs, p_WGs = poses
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
@@ -131,10 +131,10 @@ def is_plain_overlap(
     p_AB_W: Floats,
     out: Floats,
 ) -> bool:
-    """Tell whether a pair with a solid is seen to overlap.
+    """Return whether a pair with a solid plainly overlaps.
 
-    Its kernel says so, too, and how deep it is. Nothing of this is kept: what is asked next finds
-    what it would have found.
+    The pair's kernel would also compute the depth. Nothing of this test is stored, so later
+    queries return the same answers as without it.
     """
     type_a, type_b = shapes.types[a], shapes.types[b]
     if max(type_a, type_b) != SOLID or type_a == HALF_SPACE or type_b == HALF_SPACE:

@@ -1,4 +1,4 @@
-"""What the pairs of now cost at each accuracy level: measured on a sample of them."""
+"""Cost of the current pairs at each accuracy level, measured on a sample."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
 
-LOOKED_AT = 4096  # pairs, of which the sample is then taken: a list of all pairs may have millions
-LAPS = 2  # times a sample is computed in one call: for closed forms the call itself counts
-TRIALS = 2  # the fastest counts: what else the machine does only ever adds
+LOOKED_AT = 4096  # pairs from which the sample is drawn: a list of all pairs may have millions
+LAPS = 2  # repetitions of a sample in one call, since the call costs as much as closed forms
+TRIALS = 2  # the fastest counts: other load only adds time
 
 
 def seconds_a_pair(
     world: World, filters: FilterState, cutoff: float, most: int, seed: int
 ) -> tuple[dict[str, float], int]:
-    """Return the seconds a pair by level, and how many pairs were sampled.
+    """Return the seconds per pair at each level, and the number of pairs sampled.
 
-    Sampled are at most ``most`` of the unfiltered pairs whose boxes are within ``cutoff`` [m], by
-    ``seed``; without any the dictionary is empty. Each is computed as if never seen before.
+    At most ``most`` of the unfiltered pairs whose boxes are within ``cutoff`` [m] are sampled, by
+    ``seed``. The dictionary is empty if there are none. Each pair is computed without a cache.
     """
     world.update()
     near = NeighbourList(world)
@@ -56,7 +56,7 @@ def seconds_a_pair(
 
 
 def _some(rng: np.random.Generator, pairs: Indices, most: int) -> Indices:
-    """Return at most so many of the pairs (k, 2), in their order."""
+    """Return at most ``most`` random pairs of (k, 2), in their order."""
     if len(pairs) <= most:
         return pairs
     return pairs[np.sort(rng.choice(len(pairs), most, replace=False))]
@@ -69,7 +69,7 @@ def _answer(
     cutoff: float,
     queue: tuple[Indices, NDArray[np.float64]],
 ) -> tuple[float, Indices]:
-    """Answer pairs (n, 2) of which nothing is known; return the seconds and what was counted."""
+    """Answer pairs (n, 2) without cached answers; return the seconds and the counts."""
     n = len(pairs)
     slots, hits = np.arange(n), np.empty(n, dtype=np.int64)
     memory = empty_memory(n)

@@ -1,9 +1,11 @@
-"""Narrow phase: one compiled loop a query over the near pairs, which does no more than it must.
+"""Narrow phase: one compiled loop per query over the candidate pairs, cheapest test first.
 
-For each pair, in this order: what it was last time minus what both bodies can have moved since
-may prove that it is too far apart; the last answer may still stand because both rest; the bounds
-may keep it apart; only then the kernel of its row in the pair table is called, by its address, and
-starts from the pair's last normal.
+The tests of each pair, in this order:
+
+1. The last distance minus the motion of both bodies since may prove that it is beyond the cutoff.
+2. The last answer may still be valid because both bodies rest.
+3. Bounding volumes may separate the pair.
+4. The kernel of its row in the pair table is called by address, with the last normal as hint.
 """
 
 from __future__ import annotations
@@ -67,22 +69,23 @@ Indices = NDArray[np.int64]
 
 @inlined
 def _may_leap(out: Floats, moved: float, type_a: int, type_b: int) -> bool:
-    """Tell whether the distance can have changed by more than both bodies have moved [m].
+    """Return whether the distance can have changed by more than both bodies have ``moved`` [m].
 
-    A peg that is turned in its hole by a hair, into the walls, has to leave the hole. Only bodies
-    that are apart, and stay so, keep it: then it is the least distance of any two points.
+    A peg that turns slightly into the walls of its hole suddenly has to leave the whole hole.
+    Motion bounds the change only while bodies stay apart: then the distance is the least distance
+    of any two points.
     """
-    hollow = max(type_a, type_b) >= SOLID  # a solid or a map
-    return hollow and out[DISTANCE] - out[ERROR_BOUND] <= moved
+    may_be_hollow = max(type_a, type_b) >= SOLID  # a solid or a map
+    return may_be_hollow and out[DISTANCE] - out[ERROR_BOUND] <= moved
 
 
 @inlined
 def _take_narrower(out: Floats, bounds: Floats, moved: float) -> None:
-    """Write bounds as the answer, or widen the last one by what both bodies can have moved [m].
+    """Write the bounds as the answer, or widen the last one by the motion of both bodies [m].
 
-    A support value changes by no more than the points do, so the distance of convex bodies by no
-    more than both have moved; that of any bodies too, for as long as they stay apart. The normal
-    and the witness points are those of the last answer then.
+    A support value changes by no more than the points move, so the distance of convex bodies
+    changes by no more than both have moved. So does that of any bodies that stay apart. A widened
+    answer retains its normal and witness points.
     """
     if out[ERROR_BOUND] + moved <= bounds[ERROR_BOUND]:
         out[ERROR_BOUND] += moved
@@ -94,9 +97,9 @@ def _take_narrower(out: Floats, bounds: Floats, moved: float) -> None:
 
 @inlined
 def _slack(least: float, travelled: float, type_a: int, type_b: int) -> float:
-    """Return a least distance plus the travels of the same time [m], rounded down.
+    """Return a lower bound of a distance plus the travels at the same time [m], rounded down.
 
-    What the turn of a half space moves has no bound.
+    A turning half space moves by no bounded amount.
     """
     if type_a == HALF_SPACE or type_b == HALF_SPACE:
         return -math.inf
@@ -105,9 +108,9 @@ def _slack(least: float, travelled: float, type_a: int, type_b: int) -> float:
 
 @inlined
 def _least(out: Floats, level_gap: float, size: float, rounding: float) -> float:
-    """Return what the distance is at least [m], by an answer that was computed for ``level_gap``.
+    """Return a lower bound of the distance [m] from an answer computed for ``level_gap``.
 
-    ``rounding`` [m] is that of the pair's poses, which an error bound has in it.
+    ``rounding`` [m] is that of the pair's poses, which the error bound includes.
     """
     if out[METHOD] == BOUND_ONLY and not math.isinf(level_gap):
         # A kernel that stopped at the cutoff reports its lower bound.
@@ -117,7 +120,7 @@ def _least(out: Floats, level_gap: float, size: float, rounding: float) -> float
 
 @inlined
 def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts: Indices) -> None:
-    """Put pair k into the queue, with its least distance if that has room for it."""
+    """Put pair k into the queue, with the lower bound of its distance if the queue stores it."""
     waiting[counts[POSTPONED]] = k
     if distances.size > 0:
         distances[counts[POSTPONED]] = least
@@ -126,23 +129,23 @@ def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts:
 
 @inlined
 def _is_hit(out: Floats, size: float, cutoff: float, penetrating: bool) -> bool:
-    """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
+    """Return whether a pair may be within the cutoff or, if ``penetrating``, overlaps.
 
-    What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
-    certified that the pair is beyond the cutoff.
+    From bounds alone, a pair that may overlap is a hit. A kernel that stopped early has certified
+    that the pair is beyond the cutoff.
     """
-    alone = math.isinf(out[LEVEL_GAP])
+    from_bounds = math.isinf(out[LEVEL_GAP])
     least = out[DISTANCE] - out[ERROR_BOUND]
     if penetrating:
-        return (least if alone else out[DISTANCE]) < -TOUCHING_DEPTH * size
-    return least <= cutoff and (alone or out[METHOD] != BOUND_ONLY)
+        return (least if from_bounds else out[DISTANCE]) < -TOUCHING_DEPTH * size
+    return least <= cutoff and (from_bounds or out[METHOD] != BOUND_ONLY)
 
 
 @inlined
 def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> bool:
-    """Tell whether the last answer about bodies that rest is that of this level and this cutoff.
+    """Return whether the last answer of resting bodies is valid at this level and cutoff.
 
-    A kernel that stopped at a cutoff says enough about smaller ones only.
+    An answer of a kernel that stopped at its cutoff is valid for smaller cutoffs only.
     """
     stopped = out[METHOD] == BOUND_ONLY and out[SLACK] - travelled <= cutoff
     return out[LEVEL_GAP] == level_gap < math.inf and not stopped
@@ -150,25 +153,26 @@ def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> b
 
 @inlined
 def _widen(out: Floats, tolerance: float, extent: float, rounding: float, counts: Indices) -> None:
-    """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
+    """Add the rounding of a pair's poses [m] to its error bound, and count the pair.
 
-    Bounds alone and solids promise nothing.
+    It is counted by its method, and as wide if the bound exceeds the promise. Answers from bounds
+    alone and of solids promise no width.
     """
-    kept = tolerance + PROMISED_ROUNDING * EPS * extent
-    counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
+    promised = tolerance + PROMISED_ROUNDING * EPS * extent
+    counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > promised
     counts[BY_METHOD + int(out[METHOD])] += 1
     out[ERROR_BOUND] += rounding
 
 
 @inlined
 def _beyond(cutoff: float, size: float, rounding: float) -> float:
-    """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
+    """Return the kernel's cutoff [m]: beyond it, a pair exceeds ``cutoff`` despite rounding."""
     return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
 
 
 @inlined
 def _as_only_hit(k: int, hits: Indices, counts: Indices) -> int:
-    """Write and count pair k, of which no more is known than that it is a hit; return 1."""
+    """Write pair k as the only hit, counted as answered from bounds; return 1."""
     hits[0] = k
     counts[BY_METHOD + BOUND_ONLY] += 1
     return 1
@@ -188,21 +192,24 @@ def answer_pairs(
     hits: Indices,
     counts: Indices,
 ) -> int:
-    """Bring the slots of the pairs up to date that may be within the cutoff; return how many are.
+    """Update the slots of the pairs that may be within the cutoff; return the number of hits.
 
-    ``kernels`` are addresses, ``world`` is a handle; ``query`` and ``queue`` are plain tuples of
-    ``slots``, ``memory`` is as its ``empty_memory``. ``hits`` gets the numbers of the pairs. A
-    level gap that is infinite asks for the bounds of now, for to use what is known from before
-    would make the answer depend on what was asked. A ``first`` that is not negative is where to
-    begin, and then one hit is enough: a solid that plainly overlaps is one, and its slot stays as
-    it was. A queue with room for all pairs gets those for which a kernel would run, with their
-    certified least distance if there is room for these too; without any room, kernels run. No
-    cutoff below 0 leaves out by depth: boxes that overlap are 0 apart, and a solid may leap (see
-    ``_may_leap``).
+    ``kernels`` are addresses, ``world`` is a handle, ``memory`` is as made by
+    ``slots.empty_memory``; ``query`` and ``queue`` are plain tuples of the records in ``slots``.
+    ``hits`` gets the numbers of the pairs.
 
-    (The records are taken apart first: to hand that of the world on made a pair of spheres take 6
-    ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
-    long again, for references are counted. One that is made in a call costs nothing.)
+    - An infinite level gap uses the current bounds alone: reusing earlier answers would make the
+      answer depend on earlier queries.
+    - A ``first`` that is not negative is the pair to begin with, and the first hit ends the loop.
+      A solid that plainly overlaps is a hit, and its slot stays unchanged.
+    - A queue that fits all pairs gets those that need a kernel, with lower bounds of their
+      distances if it fits these, too. With an empty queue, kernels run.
+    - A cutoff below 0 excludes no pair by its depth: boxes that overlap are 0 apart, and the
+      distance of a solid may leap (see ``_may_leap``).
+
+    Records are unpacked before the loop: passing on that of the world made a pair of spheres take
+    6 ns longer (5 % of the loop). A tuple of arrays made before the loop cost half as much again,
+    because references are counted; one made in a call costs nothing.
     """
     world, query, queue = world_of(world), Query(*query), Queue(*queue)
     types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
@@ -212,7 +219,7 @@ def answer_pairs(
     p_AB_W, now = np.empty(3), np.empty(PAIR_WIDTH)
     limit = max(cutoff, 0.0)
     far_cutoff = math.inf if math.isinf(level_gap) else limit
-    counts[:], found, any_will_do = 0, 0, first >= 0 and cutoff >= 0.0
+    counts[:], hit_count, any_will_do = 0, 0, first >= 0 and cutoff >= 0.0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -252,16 +259,16 @@ def answer_pairs(
                 out[SEEN], out[LEVEL_GAP] = revision, level_gap
                 least = _least(out, level_gap, size, rounding)
             else:
-                counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own
+                counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is not its answer's
             out[SLACK] = _slack(least, travelled, types[a], types[b])
             if not near:
                 continue
         hit = _is_hit(out, size, cutoff, penetrating)
         if hit or (first >= 0 and hides_contact(out, a, b, size + apart(p_WGs, a, b), roundings)):
-            hits[found], found = k, found + 1
+            hits[hit_count], hit_count = k, hit_count + 1
             if first >= 0:
                 break
-    return found
+    return hit_count
 
 
 @allocating
@@ -275,11 +282,11 @@ def bound_pairs(
     hits: Indices,
     counts: Indices,
 ) -> int:
-    """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
+    """Update the slots of queued pairs from bounds alone; return the number of hits.
 
-    No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
-    widened by what both bodies can have moved since, and its level gap that of no question. (Not
-    in ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
+    No kernel runs. The answer is the narrower of the bounding interval and the last answer widened
+    by the motion of both bodies since; its level gap, minus infinity, matches no query. This loop
+    is separate from ``answer_pairs`` because merging them made sphere kernels 10 % slower.
     """
     world, query = world_of(world), Query(*query)
     types, starts, pool = world.types, world.starts, world.pool
@@ -288,7 +295,7 @@ def bound_pairs(
     cutoff, penetrating = query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     counts[:] = 0
-    found = 0
+    hit_count = 0
     for k in range(slots.size):
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, size = row(memory, s), size_of_pair(a, b, types, outer)
@@ -311,6 +318,6 @@ def bound_pairs(
             least = _least(out, out[LEVEL_GAP], size, rounding)
             out[SLACK] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, size, cutoff, penetrating):
-            hits[found] = k
-            found += 1
-    return found
+            hits[hit_count] = k
+            hit_count += 1
+    return hit_count

@@ -1,8 +1,7 @@
-"""Contacts that need no list and no kernel: of bodies whose inner balls overlap.
+"""Contacts of bodies whose inner balls overlap, detected without a neighbour list or a kernel.
 
-Whoever only wants to know whether anything touches is answered by the first such pair. The one of
-last time mostly still touches; else some pairs are looked at in turn, far fewer than a list would
-take the time of.
+The first such pair answers the query whether anything touches. The pair of the last contact
+usually still touches. Otherwise some pairs are tested, which takes far less time than a list.
 """
 
 from __future__ import annotations
@@ -19,14 +18,14 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS
 
-# Pairs of each body that may move, looked at before the list is asked for. Of few bodies the list
+# Pairs of each movable body that are tested before the list is used. With few bodies the list
 # takes hardly longer.
 LOOKS_A_BODY, LOOKS_OF_FEW = 8, 3
 
 
 @inlined
 def _along(world: WorldArrays, a: int, b: int, c: int) -> float:
-    """Return how far [m] the balls in two bodies are apart along an axis of World."""
+    """Return the offset [m] between the inner balls of two bodies along an axis of World."""
     p_WGs, R_WGs, centres = world.p_WGs, world.R_WGs, world.ball_centres
     apart = p_WGs[b, c] - p_WGs[a, c]
     if world.types[a] == CONVEX:
@@ -40,11 +39,11 @@ def _along(world: WorldArrays, a: int, b: int, c: int) -> float:
 
 @inlined
 def _is_plain(world: WorldArrays, a: int, b: int, level_gap: float) -> bool:
-    """Tell whether two convex bodies overlap by so much that every level reports the pair.
+    """Return whether two convex bodies overlap so deeply that every level reports the pair.
 
-    What separates the bodies separates the balls in them, so these overlap by no more than the
-    bodies do. Certified answers are off by what their level promises, and those of the few pairs
-    that break the promise by far less than this share of a body.
+    A translation that separates the bodies separates their inner balls, so these overlap by no
+    more than the bodies. Certified answers are off by the promise of their level; the few pairs
+    that exceed the promise do so by far less than this fraction of a body.
     """
     radii, outer = world.ball_radii, world.outer
     x, y, z = _along(world, a, b, 0), _along(world, a, b, 1), _along(world, a, b, 2)
@@ -63,7 +62,7 @@ def _is_plain(world: WorldArrays, a: int, b: int, level_gap: float) -> bool:
 
 @inlined
 def _may_touch(world: WorldArrays, filters: FilterArrays, a: int, b: int) -> bool:
-    """Tell whether a pair may be reported."""
+    """Return whether a pair may be reported: movable, posed and unfiltered."""
     if (world.frames[a] == 0 and world.frames[b] == 0) or world.waiting[a] or world.waiting[b]:
         return False
     i, j = filters.slots[a], filters.slots[b]
@@ -74,19 +73,19 @@ def _may_touch(world: WorldArrays, filters: FilterArrays, a: int, b: int) -> boo
 def quick_contact(
     world: WorldArrays, filters: FilterArrays, level_gap: float, last_a: int, last_b: int
 ) -> tuple[int, int]:
-    """Return the rows of a pair that plainly overlaps, or -1, -1 where none was seen.
+    """Return the rows of a pair that plainly overlaps, or (-1, -1) if none was found.
 
-    ``last_a`` and ``last_b`` are those of last time, or -1.
+    ``last_a`` and ``last_b`` are the rows of the last contact, or -1.
     """
-    known = last_a >= 0 and _is_plain(world, last_a, last_b, level_gap)
-    if known and _may_touch(world, filters, last_a, last_b):
+    still_overlaps = last_a >= 0 and _is_plain(world, last_a, last_b, level_gap)
+    if still_overlaps and _may_touch(world, filters, last_a, last_b):
         return last_a, last_b
     n = world.types.size
     looks = LOOKS_A_BODY if n > FEW else LOOKS_OF_FEW
     for step in range(1, min(looks, n // 2) + 1):
         for k in range(world.movable.size):
             a = world.movable[k]
-            b = (a + step * step) % n  # not only neighbours in the order of registration
+            b = (a + step * step) % n  # also pairs far apart in the order of registration
             if a != b and _is_plain(world, a, b, level_gap) and _may_touch(world, filters, a, b):
                 return min(a, b), max(a, b)
     return -1, -1

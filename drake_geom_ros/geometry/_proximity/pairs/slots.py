@@ -1,10 +1,10 @@
-"""What compiled code is handed a query, by name.
+"""Records that a query passes to compiled code.
 
-The arrays of a world go over as one handle (``runtime.handles``), of which compiled code makes the
-record in its first lines: ``world = world_of(world)``. The small records below go over as plain
-tuples, which Numba recognises sooner than named ones, and are named again likewise:
-``Memory(*memory)``. Neither costs anything there; to hand a record on inside a loop over pairs
-does, see ``narrow_phase``.
+The arrays of a world are passed as one handle (``runtime.handles``), from which compiled code
+makes the record in its first lines: ``world = world_of(world)``. The small records below are
+passed as plain tuples, whose types Numba recognises faster than those of named tuples, and become
+records again in the same way: ``Query(*query)``. Neither costs anything there. Passing a record on
+inside a loop over pairs does cost time, see ``narrow_phase``.
 """
 
 from __future__ import annotations
@@ -22,32 +22,32 @@ Indices = NDArray[np.int64]
 
 
 class Query(NamedTuple):
-    """What is asked of pairs."""
+    """Parameters of a query of pairs."""
 
-    level_gap: float  # [m] of the level; infinite: bounds alone will do
+    level_gap: float  # [m] of the level; infinite: bounds alone suffice
     cutoff: float  # [m]
-    penetrating: bool  # only pairs count that overlap by more than touching
+    penetrating: bool  # only pairs that overlap by more than touching are hits
 
 
 class Queue(NamedTuple):
-    """Pairs that wait for a kernel: their numbers, and their certified least distances [m]."""
+    """Pairs that wait for a kernel: their numbers, and lower bounds of their distances [m]."""
 
     waiting: Indices
     distances: Floats
 
 
-# A queue in which no pair waits, so that kernels run at once.
+# An empty queue, with which kernels run at once.
 NO_QUEUE = Queue(np.zeros(0, dtype=np.int64), np.zeros(0))[:]
 
 
 @allocating
 def no_queue() -> tuple[Indices, Floats]:
-    """Return the same for compiled code, to which arrays of a module are read-only."""
+    """Return an empty queue for compiled code, which sees arrays of a module as read-only."""
     return np.zeros(0, dtype=np.int64), np.zeros(0)
 
 
 class Shapes(NamedTuple):
-    """Type numbers, and where in the pool the parameters are."""
+    """Type numbers, and the start of each shape's parameters in the pool."""
 
     types: Indices
     starts: Indices
@@ -55,12 +55,12 @@ class Shapes(NamedTuple):
 
 
 def empty_memory(pairs: int) -> Floats:
-    """Return a memory (m, SLOT_WIDTH) of pairs of which nothing is known.
+    """Return an empty memory (m, SLOT_WIDTH) of the last answers of m pairs.
 
-    The slot of a pair, a row, has its last answer, of which A is the first of the pair; its SLACK
-    [m], a certified distance plus travels, both of the same time; in which revision it was SEEN,
-    -1 for never; and for which GAP [m] the answer was computed. All in one place: of 30 000 balls,
-    slots come from memory again and again.
+    The slot of a pair, a row, has its last answer, with the first body of the pair as A; its SLACK
+    [m], a certified distance plus the travels at the same time; the revision in which it was SEEN,
+    -1 for never; and the LEVEL_GAP [m] of the answer. A slot is contiguous, because with 30 000
+    balls the slots exceed the caches.
     """
     memory = np.zeros((pairs, SLOT_WIDTH))
     memory[:, SLACK], memory[:, SEEN] = -np.inf, -1.0

@@ -1,4 +1,4 @@
-"""Kernels by address: a table of them, and calls through it."""
+"""Tables of kernel addresses, and calls by address."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def address_table(rows: int) -> Addresses:
 def caller(signature: Any) -> Any:
     """Return ``call(address, *arguments)`` for compiled functions of this signature.
 
-    The call goes through the C wrapper. It is opaque to Numba, which sees no error that it might
-    return, and so counts no references to the arrays (a third of the narrow phase of 1000 balls).
+    The call goes through the C wrapper. Numba sees no error that it could return, so it counts no
+    references to the arrays, which took a third of the narrow phase of 1000 balls.
     """
     if config.DISABLE_JIT:
-        # Uncompiled, the address is the function.
+        # Uncompiled, the address is the function itself.
         return lambda address, *arguments: address(*arguments)
 
     @intrinsic

@@ -1,4 +1,4 @@
-"""Arrays of compiled code by the numbers that they hold, and how it writes these numbers."""
+"""Types of arrays in compiled code, and conversions of numbers."""
 
 from collections.abc import Callable
 from typing import Any, TypeAlias, cast
@@ -16,9 +16,9 @@ Bytes: TypeAlias = NDArray[np.uint8]
 Booleans: TypeAlias = NDArray[np.bool_]
 Vector: TypeAlias = tuple[float, float, float]
 
-# NumPy's numbers, which Numba computes with as C does; to a type checker they are Python's. A
-# place in an array that is unsigned needs no test for negative ones, which takes as long as the
-# rest; a sum of a signed and an unsigned number is a real one, so both sides have to be alike.
+# NumPy's number types, with which Numba computes as C does; a type checker sees Python's. An
+# unsigned index needs no test for negative ones, which takes as long as the rest. The sum of a
+# signed and an unsigned number is a float, so both operands have to be of one type.
 unsigned = cast(Callable[[Any], int], np.uint64)
 signed = cast(Callable[[Any], int], np.int64)
 unsigned32 = cast(Callable[[Any], int], np.uint32)

@@ -1,4 +1,4 @@
-"""The steady clock in compiled code: the seconds of ``time.perf_counter``."""
+"""Steady clock for compiled code, equal to ``time.perf_counter``."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from numba.extending import intrinsic
 if config.DISABLE_JIT:
 
     def now() -> float:
-        """Return the time [s]."""
+        """Return the steady time [s]."""
         return time.perf_counter()
 
 else:
-    _CLOCK = time.CLOCK_MONOTONIC  # which is what perf_counter reads where POSIX holds
+    _CLOCK = time.CLOCK_MONOTONIC  # the clock of perf_counter on POSIX systems
 
     @intrinsic
     def now(typingctx: Any) -> Any:
-        """Return the time [s]."""
+        """Return the steady time [s]."""
 
         def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             long, int32 = ir.IntType(64), ir.IntType(32)
@@ -29,10 +29,10 @@ else:
             function = builder.module.globals.get('clock_gettime')
             if function is None:
                 function = ir.Function(builder.module, kind, 'clock_gettime')
-            with builder.goto_entry_block():  # where a loop makes no more of it each time
-                told = builder.alloca(timespec)
-            builder.call(function, [ir.Constant(int32, _CLOCK), told])
-            read, double = builder.load(told), ir.DoubleType()
+            with builder.goto_entry_block():  # so a loop does not allocate it each time
+                now_spec = builder.alloca(timespec)
+            builder.call(function, [ir.Constant(int32, _CLOCK), now_spec])
+            read, double = builder.load(now_spec), ir.DoubleType()
             seconds = builder.sitofp(builder.extract_value(read, 0), double)
             nanoseconds = builder.sitofp(builder.extract_value(read, 1), double)
             return builder.fadd(seconds, builder.fdiv(nanoseconds, ir.Constant(double, 1e9)))

@@ -1,11 +1,11 @@
-"""How a record of many arrays is handed to compiled code: as one array of addresses.
+"""Handles: records of many arrays, passed to compiled code as one array of addresses.
 
-Numba takes 65 to 95 ns to recognise each array that it is given, and a query is about eighty:
-longer than its work, in a small scene. So what stays from cycle to cycle is a *handle*: the
-address and the length of each array, of which compiled code makes the record again. That costs
-nothing there, and no reference is counted: who makes a handle owns the arrays of its record, keeps
-them as long as the handle, and makes it anew when one of them is another. Handles mean nothing to
-another process or to a copy.
+Numba takes 65 to 95 ns to recognise the type of each array argument, and a query has about eighty:
+in a small scene that is longer than its work. So a record that persists from cycle to cycle has a
+*handle*, the address and length of each array, from which compiled code makes the record again.
+That costs nothing there and counts no references. The maker of a handle owns the arrays, keeps
+them alive as long as the handle, and makes a new handle when one of them is replaced. Handles are
+invalid in another process and in a copy.
 
 Under ``NUMBA_DISABLE_JIT=1`` a handle is the record itself.
 """
@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.runtime.compiled import made, numba_inside
 
-# The fields of records that are handed over: the type of their numbers, and the extents that
-# follow the first one, None for those that differ from array to array.
+# Types of the fields of records: the type of their numbers, and the extents after the first one,
+# None for extents that differ from array to array.
 Flags: TypeAlias = Annotated[NDArray[np.bool_], np.bool_, ()]
 Integers: TypeAlias = Annotated[NDArray[np.int64], np.int64, ()]
 BitRows: TypeAlias = Annotated[NDArray[np.int32], np.int32, ()]
@@ -39,7 +39,7 @@ Bits: TypeAlias = Annotated[NDArray[np.uint8], np.uint8, (None, None)]
 Matrices: TypeAlias = Annotated[NDArray[np.float64], np.float64, (3, 3)]
 
 HandleField: TypeAlias = Integers  # of a record of handles
-Handle: TypeAlias = Any  # an array of integers, or uncompiled the record
+Handle: TypeAlias = Any  # an array of integers; uncompiled, the record
 
 
 Extents: TypeAlias = tuple[int | None, ...]
@@ -47,25 +47,25 @@ Extents: TypeAlias = tuple[int | None, ...]
 
 @cache  # reading the types of a record takes longer than a query
 def _fields(record: type[tuple[Any, ...]]) -> list[tuple[str, type[Any], Extents]]:
-    """Return name, type of number and following extents of each field."""
+    """Return the name, type of number and extents after the first of each field."""
     hints = get_type_hints(record, include_extras=True)
     return [(name, *get_args(hint)[1:]) for name, hint in hints.items()]
 
 
 def handle_of(record: tuple[Any, ...]) -> Handle:
-    """Return the handle of a record of arrays; TypeError for one that is not as its field says."""
+    """Return the handle of a record of arrays; raise TypeError for an array unlike its field."""
     if config.DISABLE_JIT:
         return record
     numbers: list[int] = []
     for (name, dtype, extents), array in zip(_fields(type(record)), record, strict=True):
         fits = array.dtype == dtype and array.flags.c_contiguous and array.ndim == 1 + len(extents)
-        given = list(zip(extents, array.shape[1:], strict=False))
-        if not fits or any(extent not in (None, size) for extent, size in given):
+        extent_pairs = list(zip(extents, array.shape[1:], strict=False))
+        if not fits or any(extent not in (None, size) for extent, size in extent_pairs):
             raise TypeError(
                 f'{type(record).__name__}.{name} is {array.dtype} {array.shape}, or not in one '
                 f'piece; it must be {np.dtype(dtype)} {("n", *extents)}'
             )
-        varying = [size for extent, size in given if extent is None]
+        varying = [size for extent, size in extent_pairs if extent is None]
         numbers += [array.__array_interface__['data'][0], len(array), *varying]
     return np.array(numbers, dtype=np.int64)
 
@@ -81,7 +81,7 @@ def _pointer(typingctx: Any, address: Any, number: Any) -> Any:
 
 
 def taker(record: type[tuple[Any, ...]]) -> Any:
-    """Return the compiled function that makes a record of its handle."""
+    """Return the compiled function that makes a record from its handle."""
     if config.DISABLE_JIT:
         return lambda handle: handle
     if numba_inside is not None:
@@ -96,6 +96,6 @@ def taker(record: type[tuple[Any, ...]]) -> Any:
             for extent in (None, *extents)
         ]
         arrays.append(f'carray({at}, ({", ".join(shape)},))')
-    # Written as text, for Numba takes no record apart that it does not see made.
+    # As generated source, because Numba unpacks only records whose construction it sees.
     exec(f'def take(handle):\n    return record({", ".join(arrays)})', names)
     return made(names['take'])

@@ -1,9 +1,9 @@
-"""The larger of two numbers, in a form that LLVM turns into one operation on many at a time.
+"""Maximum of two numbers in a form that LLVM vectorises.
 
-The largest of many numbers in a loop, by ``max`` or an ``if``, is looked for one by one: if one of
-them were NaN, or zeros had both signs, the order would matter. ``larger`` says that it does not,
-which Numba's ``fastmath`` cannot say of a choice (LLVM Language Reference, *Fast-Math Flags*:
-``nnan``, ``nsz``): four to eight numbers are compared at once.
+A maximum over a loop by ``max`` or ``if`` is evaluated one by one, because with NaN or zeros of
+both signs the order would matter. ``larger`` declares that it does not matter (LLVM Language
+Reference, *Fast-Math Flags*: ``nnan``, ``nsz``), which Numba's ``fastmath`` does not do for a
+selection. Then four to eight numbers are compared at once.
 """
 
 from typing import Any
@@ -21,7 +21,7 @@ def _larger(a: float, b: float) -> float:
 
 @intrinsic
 def _compiled_larger(typing: Any, a: Any, b: Any) -> Any:
-    """Return the signature of ``larger`` in compiled code, and what writes it."""
+    """Return the signature of ``larger`` in compiled code, and its code generator."""
 
     def write(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         is_first = builder.fcmp_ordered('>', *arguments, flags=_FLAGS)

@@ -1,9 +1,9 @@
-"""Reports of what is compiled: a line on standard error, and a file of all of it on demand.
+"""Reports of compilation: a progress line on standard error, and a journal file on demand.
 
-A first question takes seconds, and the first of a URDF may take a minute: silence looks like a
-program that hangs. Who is told otherwise, by a ``tell`` (a log, the command ``compile``), is not
-told here. On a terminal the line is written over and goes when it is done; elsewhere a line comes
-every ten seconds.
+A first query takes seconds, and the first query of a URDF may take a minute: silence looks like a
+program that hangs. Callers that report by a ``tell`` callback of their own (a log, the command
+``compile``) silence the line. On a terminal the line is overwritten and erased at the end;
+elsewhere a line is printed every ten seconds.
 
 The environment variable ``DRAKE_GEOM_ROS_COMPILE_LOG`` names a file to which each process appends
 a line for each function that it compiles, not for those that it loads: process, cache folder,
@@ -22,23 +22,23 @@ from contextlib import contextmanager
 from numba.core import event
 
 _PACKAGE = 'drake_geom_ros.'
-_SOON = 1.0  # [s] of compiling that nobody need be told of
-_PERIOD = 10.0  # [s] between two lines where they stay
-_WIDTH = 100  # letters of a line that is written over
+_SOON = 1.0  # [s] of compiling that is not reported
+_PERIOD = 10.0  # [s] between two lines that are not overwritten
+_WIDTH = 100  # characters of a line that is overwritten
 
 
 class Progress(event.Listener):  # type: ignore[misc]
-    """Counts our functions as they are compiled, and tells how far it is."""
+    """Counter of compiled functions of this package that reports the progress."""
 
     def __init__(self, folder: str) -> None:
-        """``folder`` keeps what is compiled; empty: nothing is kept."""
+        """Take the folder of the cache; empty: there is no cache."""
         self._kept = f'kept in {folder}' if folder else 'for this process only: no cache is kept'
         self._depth, self._count, self._spent = 0, 0, 0.0
         self._begun, self._next, self._quiet, self._what = 0.0, _SOON, 0, ''
 
     @contextmanager
     def silent(self) -> Iterator[None]:
-        """Say nothing meanwhile: somebody else tells."""
+        """Return a context without progress lines, for callers that report themselves."""
         self._quiet += 1
         try:
             yield
@@ -46,7 +46,7 @@ class Progress(event.Listener):  # type: ignore[misc]
             self._quiet -= 1
 
     def on_start(self, event: event.Event) -> None:
-        """Take note of a function that begins to be compiled."""
+        """Count a function whose compilation begins, and report if it is time to."""
         function = event.data['dispatcher'].py_func
         if self._depth == 0:
             self._begun, self._what = time.monotonic(), function.__name__.strip('_')
@@ -58,7 +58,7 @@ class Progress(event.Listener):  # type: ignore[misc]
             self._say(seconds)
 
     def on_end(self, event: event.Event) -> None:
-        """Take note of its end."""
+        """Add the time of a compilation that ended."""
         self._depth -= 1
         if self._depth == 0:
             self._spent += time.monotonic() - self._begun
@@ -79,14 +79,14 @@ class Progress(event.Listener):  # type: ignore[misc]
 
 
 class Journal(event.Listener):  # type: ignore[misc]
-    """Appends a line to a file for each of our functions that is compiled."""
+    """Journal of the functions of this package that are compiled."""
 
     def __init__(self, folder: str) -> None:
-        """``folder`` keeps what is compiled."""
+        """Take the folder of the cache; empty: there is no cache."""
         self._folder = folder
 
     def on_start(self, event: event.Event) -> None:
-        """Append the line, in one write: several processes may share the file."""
+        """Append a line in one write, because several processes may share the file."""
         file = os.environ.get('DRAKE_GEOM_ROS_COMPILE_LOG')
         dispatcher = event.data['dispatcher']
         function = dispatcher.py_func
@@ -98,4 +98,4 @@ class Journal(event.Listener):  # type: ignore[misc]
                 journal.write('\t'.join(row) + '\n')
 
     def on_end(self, event: event.Event) -> None:
-        """Nothing is left to do."""
+        """Do nothing."""

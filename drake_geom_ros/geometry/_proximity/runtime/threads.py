@@ -1,9 +1,9 @@
-"""The work on very many pairs, shared out to threads, which take neighbouring pairs each.
+"""Threads for very many pairs: each takes a range of neighbouring pairs.
 
-A pair is answered for itself, so it does not matter which thread does it, nor how many there are.
-To hand work to a thread takes some 50 us, and afterwards what each has written is in its own
-caches: what is soon done is not shared out (10 000 balls took 5 % longer, 30 000 15 to 25 % less).
-``NUMBA_NUM_THREADS`` says how many threads there are; without it, there is one for each core.
+Pairs are answered independently, so results do not depend on the number of threads. Starting work
+on a thread takes some 50 us, and its results are then in the caches of another core. So short work
+is not shared out: 10 000 balls took 5 % longer with threads, 30 000 balls 15 to 25 % less.
+``NUMBA_NUM_THREADS`` sets the number of threads; by default there is one for each core.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from numba import config
 Result = TypeVar('Result')
 
 THREADS = config.NUMBA_NUM_THREADS
-LONG = 0.002  # [s] work of one thread that is worth it
+LONG = 0.002  # [s] work of one thread from which on threads help
 
 
 @functools.cache
 def _pool(niceness: int) -> ThreadPoolExecutor:
-    """Return the threads for callers of a niceness: on Linux a thread has that of its starter."""
+    """Return the threads for callers of a niceness, which threads on Linux inherit."""
     return ThreadPoolExecutor(THREADS, thread_name_prefix=f'pairs, nice {niceness}')
 
 
-# The threads of a process are not there in one that is forked from it.
+# A forked process does not have the threads of its parent.
 os.register_at_fork(after_in_child=_pool.cache_clear)
 
 
 def share(count: int, work: Callable[[int, int], Result]) -> list[Result]:
-    """Return what ``work(first, last)`` returns of the parts of so many, in their order.
+    """Return the results of ``work(first, last)`` for all parts of ``count`` items, in order.
 
-    All of it is done when this returns, or raises what ``work`` raised.
+    All threads have finished when this returns, or raises an exception of ``work``.
     """
     ends = [count * k // THREADS for k in range(THREADS + 1)]
     pool = _pool(os.getpriority(os.PRIO_PROCESS, 0))  # of this thread, on Linux

@@ -1,11 +1,11 @@
-"""The nearest pairs of many states, and whether any is near: told by certified lower bounds.
+"""Nearest pairs of many states, and tests for near pairs, by certified lower bounds.
 
-A pair counts by the lower end of its interval, distance minus error bound. The pair whose lower
-end is the least of all has an interval that holds the least distance of all pairs: no pair is
-nearer than that end, and the pair itself is no farther than the other one. What is left out is
-certified to be farther than what was asked for, or than what is told.
+Pairs are ordered by the lower end of their interval, distance minus error bound. The interval of
+the pair with the least lower end contains the least distance of all pairs: every pair is certified
+to be at least as far apart as that end, and this pair is no farther than its upper end. Omitted
+pairs are certified to be beyond the cutoff, or farther than the pairs returned.
 
-As in ``loops`` no answer of one state enters the next.
+As in ``loops``, no answer of one state affects the next.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 
 @inlined
 def most_below(level_gap: float, world: WorldArrays) -> float:
-    """Return how far [m] the lower end of an answer may be below any certified bound.
+    """Return how far [m] the lower end of an answer may be below another certified bound.
 
-    That is twice what ``error_bounds.promised_error_bound`` is of any pair. Of bounds alone it is
-    rounding: no box or ball knows more of a pair than they tell.
+    This is twice the largest ``error_bounds.promised_error_bound`` of all pairs. From bounds alone
+    it is rounding, because no box or ball is sharper than such an answer.
     """
     types, p_WGs, roundings, outer = world.types, world.p_WGs, world.roundings, world.outer
     extent, radius, tilt = 0.0, 0.0, 0.0
@@ -58,9 +58,9 @@ def most_below(level_gap: float, world: WorldArrays) -> float:
 
 @inlined
 def lower_end(out: Floats) -> float:
-    """Return the lower end of an answer [m]; infinity for a pair kept apart from what was asked.
+    """Return the lower end of an answer [m]; infinity for a pair beyond the cutoff.
 
-    Boxes or balls did that, or a kernel that stopped at the cutoff.
+    Boxes or balls certified that, or a kernel that stopped at the cutoff.
     """
     stopped = out[METHOD] == BOUND_ONLY and not math.isinf(out[LEVEL_GAP])
     if out[SEEN] < 0.0 or stopped:
@@ -69,36 +69,36 @@ def lower_end(out: Floats) -> float:
 
 
 @inlined
-def may_be_within(found: int, out: Floats, margin: float) -> bool:
-    """Tell whether a pair may be within a margin [m], by its slot, which was forgotten before.
+def may_be_within(hit_count: int, out: Floats, margin: float) -> bool:
+    """Return whether a pair may be within a margin [m], from its slot, cleared before the query.
 
-    A solid that was found, and has no answer, was seen to overlap without one.
+    A hit without an answer is a solid that plainly overlaps.
     """
-    return (found > 0 and out[SEEN] < 0.0) or lower_end(out) <= margin
+    return (hit_count > 0 and out[SEEN] < 0.0) or lower_end(out) <= margin
 
 
 @inlined
 def _take_nearest(order: Indices, left: int, bounds: Floats, most: float) -> int:
-    """Put the pair of least bound behind those that are left; return how many are, with it.
+    """Move the pair of the least bound to the end of those left; return their number, with it.
 
-    Pairs whose bound is above ``most`` [m] are dropped on the way.
+    Pairs whose bound is above ``most`` [m] are dropped.
     """
-    kept, least = 0, math.inf
+    remaining, least = 0, math.inf
     for r in range(left):
         k = order[r]
         if bounds[k] <= most:
-            order[kept] = k
-            if kept == 0 or bounds[k] < least:
-                order[kept], order[0], least = order[0], k, bounds[k]
-            kept += 1
-    if kept:
-        order[0], order[kept - 1] = order[kept - 1], order[0]
-    return kept
+            order[remaining] = k
+            if remaining == 0 or bounds[k] < least:
+                order[remaining], order[0], least = order[0], k, bounds[k]
+            remaining += 1
+    if remaining:
+        order[0], order[remaining - 1] = order[remaining - 1], order[0]
+    return remaining
 
 
 @inlined
 def _insert(
-    found: int,
+    count: int,
     number: int,
     end: float,
     answer: Floats,
@@ -106,11 +106,11 @@ def _insert(
     ends: Floats,
     answers: Floats,
 ) -> int:
-    """Put an answer among those (most,) of the least lower ends, in order; return how many.
+    """Insert an answer among those (most,) of the least lower ends, in order; return their number.
 
-    Of equal ends the pair with the lower number is the first.
+    Of equal ends, the pair with the lower number comes first.
     """
-    most, at = numbers.size, found
+    most, at = numbers.size, count
     while at > 0:
         if ends[at - 1] < end or (ends[at - 1] == end and numbers[at - 1] < number):
             break
@@ -124,7 +124,7 @@ def _insert(
     numbers[at], ends[at] = number, end
     for c in range(PAIR_WIDTH):
         answers[at, c] = answer[c]
-    return min(found + 1, most)
+    return min(count + 1, most)
 
 
 @allocating
@@ -135,27 +135,32 @@ def nearest_pairs(
     stop: Indices,
     answers: tuple[Indices, Indices, Floats],
 ) -> int:
-    """Answer for the nearest pairs of each state (N, n, 7); return how many states are done.
+    """Answer for the nearest pairs of each state (N, n, 7); return the number of states done.
 
-    ``answers`` are filled: found (N,), how many pairs may be within the cutoff, at most as many as
-    ids (N, most, 2) and out (N, most, BATCH_WIDTH) have room for: their ids and rows, those of the
-    least lower ends, in their order. States are done until ``stop`` (1,) is set, or one has a pose
-    that is none.
+    ``answers`` are filled: counts (N,) of the pairs that may be within the cutoff, at most
+    ``most``; and ids (N, most, 2) and rows (N, most, BATCH_WIDTH) of those of the least lower
+    ends, in their order. The loop ends when ``stop`` (1,) is set, or at a state with an invalid
+    pose.
 
-    Pairs are answered in the order of what boxes and balls know of them, and only those that may
-    have as low an end as what was found. What a kernel is told as a cutoff is that end: it stops
-    when it has certified that a pair is farther away, and changes no digit of a pair that is not.
+    Pairs are answered in the order of their bounds from boxes and balls, and only while their
+    bounds may be as low as the ends found so far. This limit is the cutoff of kernels, which stop
+    once they certify that a pair is farther; the answers of nearer pairs do not depend on
+    it.
     """
     kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
-    (level_gap, cutoff, _), (found, ids, out) = query, answers
+    (level_gap, cutoff, _), (found_counts, ids, out) = query, answers
     total, most = pairs.shape[0], ids.shape[1]
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(total), np.empty(total, dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
     counts = np.zeros(COUNTS, dtype=np.int64)
     memory, queue = np.zeros((1, SLOT_WIDTH)), no_queue()
-    best, ends, kept = np.empty(most, np.int64), np.empty(most), np.empty((most, PAIR_WIDTH))
+    best, ends, best_answers = (
+        np.empty(most, np.int64),
+        np.empty(most),
+        np.empty((most, PAIR_WIDTH)),
+    )
     slots, both = np.arange(most), np.empty((most, 2), dtype=np.int64)
     some_ids, full = np.empty((most, 2), dtype=np.int64), np.empty((most, BATCH_WIDTH))
     for s in range(poses.shape[0]):
@@ -165,7 +170,7 @@ def nearest_pairs(
         below = most_below(level_gap, posed)
         limit, count = cutoff, 0
         for turn in range(min(2, groups.separations.size)):
-            # The two groups that are nearest come first: what they hold leaves out most others.
+            # The nearest two groups come first, because their pairs exclude most others.
             nearest = int(np.argmin(groups.separations))
             first, last, skipped = nearest, nearest + 1, -1
             if turn == 1:
@@ -179,17 +184,19 @@ def nearest_pairs(
                 k = order[left]
                 one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
                 forget(memory, 0, 1)
-                asked = (level_gap, limit + below, False)
-                answer_pairs(kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts)
+                pair_query = (level_gap, limit + below, False)
+                answer_pairs(
+                    kernels, one, slot, memory, world, 1, pair_query, -1, queue, hits, counts
+                )
                 end = lower_end(memory[0])
                 if end <= limit and end < math.inf:
-                    count = _insert(count, k, end, memory[0], best, ends, kept)
+                    count = _insert(count, k, end, memory[0], best, ends, best_answers)
                     if count == most:
                         limit = ends[most - 1]
-        found[s] = count
+        found_counts[s] = count
         for r in range(count):
             both[r, 0], both[r, 1] = pairs[best[r], 0], pairs[best[r], 1]
-        gather_rows(slots[:count], both, slots, kept, level_gap, world, some_ids, full)
+        gather_rows(slots[:count], both, slots, best_answers, level_gap, world, some_ids, full)
         for r in range(count):
             ids[s, r, 0], ids[s, r, 1] = some_ids[r, 0], some_ids[r, 1]
             for c in range(BATCH_WIDTH):
@@ -205,10 +212,10 @@ def any_near(
     stop: Indices,
     out: Booleans,
 ) -> int:
-    """Tell of each state (N, n, 7) whether a pair may be within the cutoff; return how many.
+    """Decide for each state (N, n, 7) whether a pair may be within the cutoff.
 
-    ``out`` (N,) is False where every pair is certified to be farther. Each state ends at the first
-    pair that is not. How many states are done is as in ``nearest_pairs``.
+    ``out`` (N,) is False where every pair is certified to be farther. A state ends at the first
+    pair that is not. The loop ends as in ``nearest_pairs``; return the number of states done.
     """
     kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
@@ -224,21 +231,21 @@ def any_near(
             return s
         put_boxes(groups, posed)
         below = most_below(level_gap, posed)
-        asked = (level_gap, cutoff + below, False)
+        pair_query = (level_gap, cutoff + below, False)
         everything = (0, groups.separations.size, -1)
         count = collect(groups, everything, cutoff + below, pairs, posed, order, bounds)
         for r in range(count):
-            if order[r] == last:  # what was near still is, mostly
+            if order[r] == last:  # a pair that was near usually still is
                 order[0], order[r] = last, order[0]
         out[s] = False
         for r in range(count):
             k = order[r]
             one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
             forget(memory, 0, 1)
-            found = answer_pairs(
-                kernels, one, slot, memory, world, 1, asked, 0, queue, hits, counts
+            hit_count = answer_pairs(
+                kernels, one, slot, memory, world, 1, pair_query, 0, queue, hits, counts
             )
-            if may_be_within(found, memory[0], cutoff):
+            if may_be_within(hit_count, memory[0], cutoff):
                 out[s], last = True, k
                 break
     return poses.shape[0]

@@ -1,4 +1,4 @@
-"""Which pairs may be near in a world whose geometries move in groups, those of a link together."""
+"""Broad phase of states: boxes around groups of geometries that move together, as on a link."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ Indices = NDArray[np.int64]
 
 
 class Groups(NamedTuple):
-    """Geometries that move together, and the pairs of groups that pairs of them belong to.
+    """Groups of geometries that move together, and the pairs of geometries by pairs of groups.
 
-    A box around each tells at once that no pair of two groups is near.
+    Separated boxes of two groups exclude all their pairs at once.
     """
 
-    firsts: Indices  # (g + 1,) where the members of each group begin
+    firsts: Indices  # (g + 1,) start of the members of each group
     members: Indices  # (n,) rows of the world
     pairs: Indices  # (m, 2) of groups
-    starts: Indices  # (m + 1,) where the pairs of geometries of each of these begin
+    starts: Indices  # (m + 1,) start of the pairs of geometries of each pair of groups
     numbers: Indices  # (k,) of pairs of geometries
-    centres: Floats  # (g, 3) of the boxes [m]; room, as all that follows
+    centres: Floats  # (g, 3) of the boxes [m]; scratch, like the following fields
     halves: Floats  # (g, 3) half the sizes [m]
     separations: Floats  # (m,) of the boxes [m]
 
 
-# As compiled code is handed them: see ``pairs.slots``.
+# As passed to compiled code: see ``pairs.slots``.
 GroupArrays: TypeAlias = tuple[Indices, Indices, Indices, Indices, Indices, Floats, Floats, Floats]
 
 
@@ -50,23 +50,23 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
     members = np.argsort(groups, kind='stable')
     codes = np.sort(groups[pairs], axis=1) @ np.array([count, 1], dtype=np.int64)
     numbers = np.argsort(codes, kind='stable')
-    known, starts = np.unique(codes[numbers], return_index=True)
+    codes_present, starts = np.unique(codes[numbers], return_index=True)
     return Groups(
         firsts=np.searchsorted(groups[members], np.arange(count + 1)).astype(np.int64),
         members=members,
-        pairs=np.column_stack((known // max(count, 1), known % max(count, 1))),
+        pairs=np.column_stack((codes_present // max(count, 1), codes_present % max(count, 1))),
         starts=np.append(starts, len(pairs)).astype(np.int64),
         numbers=numbers,
         centres=np.zeros((count, 3)),
         halves=np.zeros((count, 3)),
-        separations=np.zeros(len(known)),
+        separations=np.zeros(len(codes_present)),
     )
 
 
 def moved_together(world: World, rows: Indices) -> Indices:
-    """Return the group (n,) of each geometry where the frames in some rows move.
+    """Return the group (n,) of each geometry, given the rows of the frames that move.
 
-    What hangs on one of these stays together; all else is far apart, mostly, and each alone.
+    Geometries on one moving frame are a group. All others are usually far apart, so each is alone.
     """
     on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
     apart = len(world.frames.ids) + alone
@@ -76,7 +76,7 @@ def moved_together(world: World, rows: Indices) -> Indices:
 
 @inlined
 def put_box(groups: Groups, world: WorldArrays, g: int) -> None:
-    """Put a box around a group; a half space has none."""
+    """Write the box around a group; it is infinite with a half space."""
     types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
     for c in range(3):
         lower, upper = math.inf, -math.inf
@@ -98,7 +98,7 @@ def put_box(groups: Groups, world: WorldArrays, g: int) -> None:
 
 @inlined
 def put_boxes(groups: Groups, world: WorldArrays) -> None:
-    """Put a box around each group, and find how far they are apart."""
+    """Write the boxes around all groups, and the separations of all pairs of groups."""
     for g in range(groups.firsts.size - 1):
         put_box(groups, world, g)
     for m in range(groups.separations.size):
@@ -108,15 +108,15 @@ def put_boxes(groups: Groups, world: WorldArrays) -> None:
 
 @compiled
 def put_boxes_of(groups: tuple[Any, ...], world: Handle) -> None:
-    """Do what ``put_boxes`` does for groups as a plain tuple, in a world given by its handle."""
+    """Call ``put_boxes`` for groups as a plain tuple, in a world given by its handle."""
     put_boxes(Groups(*groups), world_of(world))
 
 
 @inlined
 def plainly_apart(groups: Groups, m: int, cutoff: float) -> bool:
-    """Tell whether the boxes of a pair of groups are farther apart than a cutoff [m], on an axis.
+    """Return whether the boxes of two groups are farther apart than a cutoff [m] along an axis.
 
-    Plainly: by more than ``separation_of_aabbs`` takes off for rounding: it then tells the same.
+    They exceed it by more than the rounding that ``separation_of_aabbs`` subtracts, so both agree.
     """
     centres, halves, reach = groups.centres, groups.halves, max(cutoff, 0.0)
     a, b = groups.pairs[m, 0], groups.pairs[m, 1]
@@ -137,10 +137,10 @@ def collect(
     order: Indices,
     bounds: Floats,
 ) -> int:
-    """Collect the numbers of pairs that may be nearer than ``cutoff`` [m]; return how many.
+    """Collect the numbers of pairs that may be within ``cutoff`` [m]; return how many.
 
-    Of pairs of groups from the first up to the last, without it, and without the one skipped:
-    ``which`` these are. ``bounds`` (k,) [m] get what is known of those that are collected.
+    ``which`` are the pairs of groups to search: the first, the end, and one to skip. ``bounds``
+    (k,) [m] get the lower bounds of the distances of collected pairs.
     """
     types, R_WGs, p_WGs, outer = world.types, world.R_WGs, world.p_WGs, world.outer
     roundings, half_extents = world.roundings, world.half_extents

@@ -1,11 +1,11 @@
-"""One state at a time, by its joint values: one compiled call from them to what is asked.
+"""Checks of single states by their joint values, each in one compiled call.
 
-As in ``loops`` no answer of one state enters the next. What a state leaves behind costs no bit:
-frames that stand still are not posed again, boxes around what stands still stay, and where a pair
-was near is looked at first in the next state.
+As in ``loops``, no answer of one state affects the next. Some work is reused without changing a
+bit: frames that stand still are not posed again, boxes around resting groups stay, and the next
+state begins with the pair of groups that was near.
 
-All that a call works on goes over as one handle, see ``handles``: to name its thirty arrays takes
-longer than to pose two arms.
+All arrays are passed as one handle, see ``handles``: passing thirty arrays takes longer than
+posing two arms.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ from drake_geom_ros.geometry._proximity.states.loops import forget, pose_state
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 from drake_geom_ros.geometry._proximity.world.joint_poses import pose_links
 
-# What is true of a state.
+# Verdicts about a state.
 FREE = 0  # every pair is certified to be farther apart than the margin
 NEAR = 1
 OUTSIDE = 2  # a joint is beyond its limits
 NO_STATE = 3  # a value is not finite
-NO_POSE = 4  # a link would be where no pose may be
+NO_POSE = 4  # a link would have no valid pose
 
-GAP, MARGIN = 0, 1  # places of ``asked``
+GAP, MARGIN = 0, 1  # places of ``parameters``
 
 Floats: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.int64]
@@ -62,7 +62,7 @@ StateIds: TypeAlias = Annotated[NDArray[np.int64], np.int64, (None, 2)]
 
 
 class CheckArrays(NamedTuple):
-    """All that a check of a state works on, for a handle."""
+    """All arrays that a check of a state works on, for a handle."""
 
     # Joints (m,), parents first, and the limits of the columns of a state; see ``pose_links``.
     lower: Reals
@@ -78,9 +78,9 @@ class CheckArrays(NamedTuple):
     X_WLs: Rows  # (links, 7), those of roots posed
     links: Integers  # (n,) that are frames
     # The scene.
-    poses: States  # (1, n, 7): room
+    poses: States  # (1, n, 7) scratch
     rows: Integers  # (n,) of the frames
-    Xs: Rows  # (n, POSE_WIDTH): room
+    Xs: Rows  # (n, POSE_WIDTH) scratch
     world: HandleField
     pairs: IndexPairs  # (k, 2)
     movers: Integers  # the groups that move
@@ -93,9 +93,9 @@ class CheckArrays(NamedTuple):
     centres: Vectors
     halves: Vectors
     separations: Reals
-    # The question, and room.
+    # The parameters of the check, and scratch.
     kernels: HandleField
-    asked: Reals  # (2,) GAP, MARGIN
+    parameters: Reals  # (2,) GAP, MARGIN
     bounds: Reals  # (k,)
     order: Integers  # (k,)
     last: Integers  # (1,) the pair of groups that was near, -1: none
@@ -106,8 +106,8 @@ class CheckArrays(NamedTuple):
     counts: Integers
     waiting: Integers  # (0,)
     distances: Reals  # (0,)
-    never: Integers  # (1,) nobody stops one state
-    found: Integers  # (1,)
+    never: Integers  # (1,) a stop flag that is never set
+    found_counts: Integers  # (1,)
     ids: StateIds  # (1, 1, 2)
     out: States  # (1, 1, BATCH_WIDTH)
 
@@ -117,7 +117,7 @@ _checks_of = taker(CheckArrays)
 
 @inlined
 def _put_links(checks: CheckArrays, q: Floats) -> None:
-    """Write the poses of the links that are frames, by joint values (c,), to ``poses``."""
+    """Write the poses of those links that are frames, by joint values (c,), to ``poses``."""
     chain = (
         checks.leaders,
         checks.multipliers,
@@ -164,11 +164,11 @@ def _any_near_of(
     groups: Groups,
     world: WorldArrays,
     m: int,
-    asked: tuple[float, float, bool],
+    query: tuple[float, float, bool],
     margin: float,
 ) -> bool:
-    """Tell whether a pair of a pair of groups may be within the margin [m]."""
-    _, most, _ = asked
+    """Return whether any pair between two groups may be within the margin [m]."""
+    _, most, _ = query
     pairs, order, memory = checks.pairs, checks.order, checks.memory
     groups.separations[m] = separation_of_aabbs(
         groups.centres, groups.halves, groups.pairs[m, 0], groups.pairs[m, 1]
@@ -178,27 +178,27 @@ def _any_near_of(
         k = order[r]
         checks.one[0, 0], checks.one[0, 1] = pairs[k, 0], pairs[k, 1]
         forget(memory, 0, 1)
-        found = answer_pairs(
+        hit_count = answer_pairs(
             checks.kernels,
             checks.one,
             checks.slot,
             memory,
             checks.world,
             1,
-            asked,
+            query,
             0,
             (checks.waiting, checks.distances),  # no pair waits
             checks.hits,
             checks.counts,
         )
-        if may_be_within(found, memory[0], margin):
+        if may_be_within(hit_count, memory[0], margin):
             return True
     return False
 
 
 @inlined
 def _verdict(checks: CheckArrays, q: Floats) -> int:
-    """Return what is true of joint values (c,): FREE, or the first other verdict."""
+    """Return the verdict about joint values (c,): FREE, or the first other one."""
     verdict = limits_verdict(q, checks.lower, checks.upper)
     if verdict != FREE:
         return verdict
@@ -207,18 +207,18 @@ def _verdict(checks: CheckArrays, q: Floats) -> int:
     if not pose_state(row(checks.poses, 0), checks.rows, checks.Xs, posed):
         return NO_POSE
     world, groups = world_of(checks.world), _groups_of(checks)
-    gap, margin = checks.asked[GAP], checks.asked[MARGIN]
+    gap, margin = checks.parameters[GAP], checks.parameters[MARGIN]
     for m in range(checks.movers.size):
         put_box(groups, world, checks.movers[m])
     most = margin + most_below(gap, world)
-    asked, last = (gap, most, False), checks.last[0]
-    # Groups that were near still are, mostly.
-    if last >= 0 and _any_near_of(checks, groups, world, last, asked, margin):
+    query, last = (gap, most, False), checks.last[0]
+    # Groups that were near usually still are.
+    if last >= 0 and _any_near_of(checks, groups, world, last, query, margin):
         return NEAR
     for m in range(groups.separations.size):
         if m == last or plainly_apart(groups, m, most):
             continue
-        if _any_near_of(checks, groups, world, m, asked, margin):
+        if _any_near_of(checks, groups, world, m, query, margin):
             checks.last[0] = m
             return NEAR
     return FREE
@@ -226,9 +226,9 @@ def _verdict(checks: CheckArrays, q: Floats) -> int:
 
 @allocating
 def check_states(handle: Handle, states: Floats, verdicts: Indices) -> int:
-    """Write what is true of each state (N, c) to ``verdicts`` (N,), and return the last.
+    """Write the verdict about each state (N, c) to ``verdicts`` (N,), and return the last.
 
-    NEAR unless every pair is certified to be farther apart than the margin, as ``any_near`` tells.
+    NEAR unless every pair is certified to be farther apart than the margin, as in ``any_near``.
     """
     checks, verdict = _checks_of(handle), FREE
     for s in range(states.shape[0]):
@@ -239,10 +239,10 @@ def check_states(handle: Handle, states: Floats, verdicts: Indices) -> int:
 
 @allocating
 def least_of_state(handle: Handle, states: Floats) -> tuple[int, float, float, int, int]:
-    """Return the pair of the least lower bound in the state (1, c), whatever its joints' limits.
+    """Return the pair of the least lower bound in the state (1, c), ignoring joint limits.
 
-    As a verdict, NEAR where there is a pair and FREE where there is none, its distance [m] and
-    error bound [m], and its two ids: what ``nearest_pairs`` tells.
+    The result is a verdict, NEAR if there is a pair and FREE if there is none, its distance [m]
+    and error bound [m], and its two ids, as of ``nearest_pairs``.
     """
     checks, q = _checks_of(handle), states[0]
     if limits_verdict(q, checks.lower, checks.upper) == NO_STATE:
@@ -259,11 +259,14 @@ def least_of_state(handle: Handle, states: Floats) -> tuple[int, float, float, i
         checks.separations,
     )
     scene = (checks.kernels, checks.rows, checks.world, checks.pairs, groups)
-    query, answers = (checks.asked[GAP], math.inf, False), (checks.found, checks.ids, checks.out)
+    query, answers = (
+        (checks.parameters[GAP], math.inf, False),
+        (checks.found_counts, checks.ids, checks.out),
+    )
     done = nearest_pairs(scene, checks.poses, query, checks.never, answers)
     if done == 0:
         return NO_POSE, 0.0, 0.0, 0, 0
-    if checks.found[0] == 0:
+    if checks.found_counts[0] == 0:
         return FREE, math.inf, 0.0, 0, 0
     least, ids = checks.out[0, 0], checks.ids[0, 0]
     return NEAR, least[DISTANCE], least[ERROR_BOUND], ids[0], ids[1]

@@ -1,4 +1,4 @@
-"""The checks of single states with what they need: a world, its pairs, joints, and room."""
+"""Checks of single states of one world: its pairs, its joints, and all scratch arrays."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Least = tuple[int, float, float, int, int]
 class JointLoops:
     """Verdicts about joint values (c,) of a world of its own, for one thread.
 
-    ``rows`` (n,) are the frames that the links of the chain are, which moves them; others stay.
+    ``rows`` (n,) are the frames that are links of the chain and move with it; others stay.
     ``limits`` (2, c) are those of the joint values, lower and upper.
     """
 
@@ -59,24 +59,24 @@ class JointLoops:
         numbers = moved_together(world, rows)
         groups = groups_of(numbers, pairs)
         put_boxes_of(tuple(groups), world.handle)
-        self._world = world  # whose arrays the handle shows
+        self._world = world  # kept alive, since the handle refers to its arrays
         self._arrays = _arrays(world, pairs, rows, chain, limits, groups, numbers)
-        self._arrays.asked[:] = gap, margin
+        self._arrays.parameters[:] = gap, margin
         self._handle = handle_of(self._arrays)
-        self._verdict = np.zeros(1, dtype=np.int64)  # room for one
+        self._verdict = np.zeros(1, dtype=np.int64)  # scratch for one
 
     def verdict(self, state: Floats) -> int:
-        """Return the verdict about a state (1, c), in one piece."""
+        """Return the verdict about a contiguous state (1, c)."""
         return check_states(self._handle, state, self._verdict)
 
     def verdicts(self, states: Floats) -> Indices:
-        """Return the verdicts (N,) about states (N, c), in one piece."""
+        """Return the verdicts (N,) about contiguous states (N, c)."""
         verdicts = np.empty(len(states), dtype=np.int64)
         check_states(self._handle, states, verdicts)
         return verdicts
 
     def least(self, state: Floats) -> Least:
-        """Return the pair of the least lower bound in a state (1, c), whatever the limits."""
+        """Return the pair of the least lower bound in a state (1, c), ignoring joint limits."""
         return least_of_state(self._handle, state)
 
 
@@ -89,7 +89,7 @@ def _arrays(
     groups: Groups,
     numbers: Indices,
 ) -> CheckArrays:
-    """Return the arrays of checks; ``numbers`` (n,) are the groups of geometries."""
+    """Return the arrays of checks; ``numbers`` (n,) are the group numbers of geometries."""
     moving = np.isin(np.arange(len(world.frames.ids)), rows)
     for frame, parent in enumerate(world.frames.parents.tolist()):
         moving[frame] |= moving[parent]
@@ -114,7 +114,7 @@ def _arrays(
         halves=groups.halves,
         separations=groups.separations,
         kernels=ADDRESSES,
-        asked=np.zeros(2),
+        parameters=np.zeros(2),
         bounds=np.empty(most),
         order=np.empty(most, dtype=np.int64),
         last=np.full(1, -1, dtype=np.int64),
@@ -126,7 +126,7 @@ def _arrays(
         waiting=NO_QUEUE[0],
         distances=NO_QUEUE[1],
         never=np.zeros(1, dtype=np.int64),
-        found=np.zeros(1, dtype=np.int64),
+        found_counts=np.zeros(1, dtype=np.int64),
         ids=np.zeros((1, 1, 2), dtype=np.int64),
         out=np.zeros((1, 1, BATCH_WIDTH)),
     )

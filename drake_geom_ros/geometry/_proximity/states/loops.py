@@ -1,9 +1,9 @@
-"""Many states of one world, in compiled loops: each is posed, and answered as if it were alone.
+"""Compiled loops over states of one world: each state is posed and answered independently.
 
-No answer of one state enters the next: every pair is computed without a hint, so what is returned
-is, to the bit, what a query tells that has seen no other state, in whatever order the states come
-and wherever their row is cut. What a state may leave behind costs no bit: frames that stand still
-are not posed again, and a pair that overlapped is the first to be looked at in the next state.
+No answer of one state affects the next, because every pair is computed without a hint. So results
+are bitwise equal to those of a fresh query, in any order of the states and any split into batches.
+Some work is reused without changing a bit: frames that stand still are not posed again, and the
+next state begins with the pair that overlapped.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_o
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_poses
 from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
 
-# A world whose states are asked about, as compiled loops are handed it (see ``pairs.slots``): the
-# addresses of kernels, the rows (n,) of the frames that a state poses, the world's handle, the
-# pairs (k, 2) that may be reported, and their groups.
+# A world as passed to compiled loops over states (see ``pairs.slots``): the addresses of kernels,
+# the rows (n,) of the frames that a state poses, the world's handle, the unfiltered pairs (k, 2),
+# and their groups.
 SceneArrays: TypeAlias = tuple[Addresses, Indices, Handle, Indices, GroupArrays]
-# Room for what loops know of pairs: slots (k,), memory, see ``empty_memory``, and hits (k,).
-RoomArrays: TypeAlias = tuple[Indices, Floats, Indices]
+# Scratch of loops: slots (k,), memory, see ``empty_memory``, and hits (k,).
+ScratchArrays: TypeAlias = tuple[Indices, Floats, Indices]
 
 
 @compiled
 def pose_state(poses: Floats, rows: Indices, Xs: Floats, world: WorldArrays) -> bool:
-    """Pose the frames of rows (n,) by poses (n, 7); return whether all of these are poses.
+    """Pose the frames of rows (n,) by poses (n, 7); return whether all poses are valid.
 
-    The world is given by its handle; ``Xs`` (n, POSE_WIDTH) is room.
+    The world is given by its handle; ``Xs`` (n, POSE_WIDTH) is scratch.
     """
     if read_poses(poses, Xs) < rows.size:
         return False
@@ -61,7 +61,7 @@ def pose_state(poses: Floats, rows: Indices, Xs: Floats, world: WorldArrays) -> 
 
 @inlined
 def forget(memory: Floats, first: int, last: int) -> None:
-    """Forget what is known of some pairs, the hints too."""
+    """Clear the last answers and hints of the slots from ``first`` up to ``last``."""
     for s in range(first, last):
         memory[s, SLACK], memory[s, SEEN] = -math.inf, -1.0
         for c in range(3):
@@ -70,7 +70,7 @@ def forget(memory: Floats, first: int, last: int) -> None:
 
 @inlined
 def _list(order: Indices, count: int, pairs: Indices, some: Indices, memory: Floats) -> None:
-    """List the pairs of some numbers, of which nothing is known."""
+    """Write the pairs of the first ``count`` numbers of ``order``, and clear their slots."""
     for r in range(count):
         some[r, 0], some[r, 1] = pairs[order[r], 0], pairs[order[r], 1]
     forget(memory, 0, count)
@@ -79,19 +79,19 @@ def _list(order: Indices, count: int, pairs: Indices, some: Indices, memory: Flo
 @allocating
 def any_overlap(
     scene: SceneArrays,
-    room: RoomArrays,
+    scratch: ScratchArrays,
     poses: Floats,
     query: tuple[float, float, bool],
     stop: Indices,
     out: Booleans,
 ) -> int:
-    """Tell of each state (N, n, 7) whether a pair overlaps; return how many states are done.
+    """Decide for each state (N, n, 7) whether a pair overlaps; return the number of states done.
 
-    ``out`` (N,) gets the answers of ``Engine.finds_overlap``; each state ends at its first proof.
+    ``out`` (N,) gets the answers of ``Engine.finds_overlap``; a state ends at its first overlap.
     """
     kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
-    (slots, memory, hits), queue = room, no_queue()
+    (slots, memory, hits), queue = scratch, no_queue()
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
     counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
@@ -103,7 +103,7 @@ def any_overlap(
         everything = (0, groups.separations.size, -1)
         count = collect(groups, everything, 0.0, pairs, posed, order, bounds)
         for r in range(count):
-            if order[r] == last:  # where there was a contact there still is one, mostly
+            if order[r] == last:  # a pair in contact usually still is
                 order[0], order[r] = last, order[0]
         _list(order, count, pairs, some, memory)
         out[s] = False
@@ -117,7 +117,7 @@ def any_overlap(
 @allocating
 def pairs_within_cutoff(
     scene: SceneArrays,
-    room: RoomArrays,
+    scratch: ScratchArrays,
     poses: Floats,
     first: int,
     query: tuple[float, float, bool],
@@ -125,15 +125,15 @@ def pairs_within_cutoff(
     offsets: Indices,
     answers: tuple[Indices, Floats],
 ) -> int:
-    """Answer for all pairs of each state (N, n, 7) within the cutoff; return how many are done.
+    """Answer for all pairs of each state (N, n, 7) within the cutoff; return the states done.
 
-    ``offsets`` (N + 1,) get where each state's ``answers`` begin in ids (most, 2) and rows
-    (most, BATCH_WIDTH). States are done from the ``first`` on, until there is no room, ``stop``
-    (1,) is set, or one has a pose that is none.
+    ``offsets`` (N + 1,) get the start of each state's ``answers`` in ids (most, 2) and rows
+    (most, BATCH_WIDTH). The loop begins at the state ``first``. It ends when answers do not fit,
+    ``stop`` (1,) is set, or a state has an invalid pose.
     """
     kernels, rows, world, pairs, groups = scene
     posed, groups = world_of(world), Groups(*groups)
-    (slots, memory, hits), queue = room, no_queue()
+    (slots, memory, hits), queue = scratch, no_queue()
     (level_gap, cutoff, _), (ids, out) = query, answers
     near_cutoff = max(cutoff, 0.0)
     Xs = np.empty((rows.size, POSE_WIDTH))
@@ -169,29 +169,29 @@ def points_within_threshold(
     scene: tuple[Indices, Handle],
     poses: Floats,
     first: int,
-    asked: tuple[Floats, float],
+    query: tuple[Floats, float],
     stop: Indices,
     offsets: Indices,
     answers: tuple[Unsigned32, Indices, Floats],
 ) -> int:
-    """Answer for points (m, 3) and all geometries, in each state (N, n, 7), as ``point_phase``.
+    """Answer for points (m, 3) and all geometries in each state (N, n, 7), as ``point_phase``.
 
-    ``tables`` are its own, ``scene`` the rows of frames that are posed, and the world; ``asked``
-    are points and threshold [m]. Returns how many states are done; the rest is as in
-    ``pairs_within_cutoff``, with points (most,) for which point an answer is of, ids (most,) and
-    rows (most, POINT_WIDTH).
+    ``tables`` are its ``PointTables``, ``scene`` are the rows of frames that are posed and the
+    world, ``query`` are points and threshold [m]. Return the number of states done. The rest is as
+    in ``pairs_within_cutoff``, with indices of points (most,), ids (most,) and rows
+    (most, POINT_WIDTH).
     """
-    (rows, world), (p_WQs, threshold), (points, ids, out) = scene, asked, answers
-    room = p_WQs.shape[0] * world_of(world).ids.size
+    (rows, world), (p_WQs, threshold), (points, ids, out) = scene, query, answers
+    capacity = p_WQs.shape[0] * world_of(world).ids.size
     Xs = np.empty((rows.size, POSE_WIDTH))
     counts = np.zeros(COUNTS, dtype=np.int64)
-    full, there = np.empty((room, POINT_WIDTH)), np.zeros(room, dtype=np.bool_)
-    some_points, some_ids = np.empty(room, dtype=np.uint32), np.empty(room, dtype=np.int64)
+    full, is_within = np.empty((capacity, POINT_WIDTH)), np.zeros(capacity, dtype=np.bool_)
+    some_points, some_ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
     for s in range(first, poses.shape[0]):
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
-        there[:] = False
-        some = (full, there, some_points, some_ids, counts)
+        is_within[:] = False
+        some = (full, is_within, some_points, some_ids, counts)
         count = point_phase(tables, world, p_WQs, threshold, some)
         start = offsets[s]
         if start + count > ids.size:

@@ -1,4 +1,4 @@
-"""The compiled loops over states with what they need: a world, its pairs, and room."""
+"""Compiled loops over states of one world, with its pairs and all scratch arrays."""
 
 from __future__ import annotations
 
@@ -42,15 +42,15 @@ from drake_geom_ros.geometry._proximity.world.world import World
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_FIRST_ROOM = 4  # answers a state that there is room for at first
+_FIRST_ANSWERS = 4  # initial capacity per state
 
 
 class StateLoops:
     """Answers about states of a world of its own, for one thread.
 
-    A state is a pose (7,) in its parent of each frame of ``rows`` (n,); all others stay. Each
-    method returns how many states it has answered, which are all of them unless ``stop`` (1,) was
-    set meanwhile or the next one has a pose that is none.
+    A state is a pose (7,) in its parent for each frame of ``rows`` (n,); all others stay. Each
+    method returns the number of states answered. These are all states unless ``stop`` (1,) was set
+    or the next state has an invalid pose.
     """
 
     def __init__(self, world: World, pairs: Indices, rows: Indices) -> None:
@@ -59,10 +59,10 @@ class StateLoops:
         arrays: GroupArrays = groups_of(moved_together(world, rows), pairs)[:]
         self._scene = ADDRESSES, rows, world.handle, pairs, arrays
         hits = np.zeros(len(pairs), dtype=np.int64)
-        self._room = np.arange(len(pairs)), empty_memory(len(pairs)), hits
+        self._scratch = np.arange(len(pairs)), empty_memory(len(pairs)), hits
 
     def _compile(self, level_gap: float) -> None:
-        """Compile the kernels of the pairs; bounds need none."""
+        """Compile the kernels of the pairs, unless bounds alone answer."""
         if level_gap < np.inf:
             compile_rows(table_rows(*self._world.geometries.types[self._pairs].T))
 
@@ -73,7 +73,7 @@ class StateLoops:
         self._compile(level_gap)
         out = np.zeros(len(poses), dtype=np.bool_)
         query = level_gap, 0.0, True
-        done = any_overlap(self._scene, self._room, poses, query, stop, out)
+        done = any_overlap(self._scene, self._scratch, poses, query, stop, out)
         return done, out
 
     def near(
@@ -88,30 +88,30 @@ class StateLoops:
     def nearest(
         self, poses: Floats, level_gap: float, cutoff: float, most: int, stop: Indices
     ) -> tuple[int, Indices, PairBatch]:
-        """Return how many pairs (N,) may be within the cutoff [m], at most some, and the nearest.
+        """Return the number of pairs (N,) that may be within a cutoff [m], and the nearest.
 
-        Those of each state in the order of their lower bounds, one state after the other.
+        At most ``most`` pairs of each state, in the order of their lower bounds, state by state.
         """
         self._compile(level_gap)
-        found = np.zeros(len(poses), dtype=np.int64)
+        found_counts = np.zeros(len(poses), dtype=np.int64)
         ids = np.zeros((len(poses), most, 2), dtype=np.int64)
         out = np.zeros((len(poses), most, BATCH_WIDTH))
         query = level_gap, cutoff, False
-        done = nearest_pairs(self._scene, poses, query, stop, (found, ids, out))
-        there = np.arange(most) < found[:, None]
-        return done, found, PairBatch(ids[there], out[there])
+        done = nearest_pairs(self._scene, poses, query, stop, (found_counts, ids, out))
+        is_used = np.arange(most) < found_counts[:, None]
+        return done, found_counts, PairBatch(ids[is_used], out[is_used])
 
     def within(
         self, poses: Floats, level_gap: float, cutoff: float, stop: Indices
     ) -> tuple[int, Indices, PairBatch]:
-        """Return how many pairs (N,) are within the cutoff [m], and these, by their ids."""
+        """Return the number of pairs (N,) within the cutoff [m], and the pairs sorted by id."""
         self._compile(level_gap)
 
-        def answer(first: int, offsets: Indices, room: list[Any]) -> int:
-            ids, rows = room
-            asked = level_gap, cutoff, False
+        def answer(first: int, offsets: Indices, buffers: list[Any]) -> int:
+            ids, rows = buffers
+            query = level_gap, cutoff, False
             return pairs_within_cutoff(
-                self._scene, self._room, poses, first, asked, stop, offsets, (ids, rows)
+                self._scene, self._scratch, poses, first, query, stop, offsets, (ids, rows)
             )
 
         columns = [((2,), np.int64), ((BATCH_WIDTH,), np.float64)]
@@ -127,9 +127,9 @@ class StateLoops:
         *,
         shared: bool = False,
     ) -> tuple[int, Indices, PointBatch]:
-        """Return how many geometries (N,) are within a threshold [m] of points (m, 3), and which.
+        """Return the number of answers (N,) within a threshold [m] of points (m, 3), and these.
 
-        Sorted by (point, id). A single state may be ``shared`` out to all threads.
+        They are sorted by (point, id). A single state may be ``shared`` between all threads.
         """
         table = self._world.geometries
         shapes = self._world.point_shapes
@@ -138,11 +138,11 @@ class StateLoops:
         if shared and len(poses) == 1 and is_worth_sharing(seconds_a_point(shapes), len(p_WQs)):
             return self._points_of_one(poses[0], p_WQs, threshold, stop)
 
-        def answer(first: int, offsets: Indices, room: list[Any]) -> int:
-            points, ids, rows = room
-            world, asked = (self._rows, self._world.handle), (p_WQs, threshold)
+        def answer(first: int, offsets: Indices, buffers: list[Any]) -> int:
+            points, ids, rows = buffers
+            world, query = (self._rows, self._world.handle), (p_WQs, threshold)
             return points_within_threshold(
-                tables, world, poses, first, asked, stop, offsets, (points, ids, rows)
+                tables, world, poses, first, query, stop, offsets, (points, ids, rows)
             )
 
         columns = [((), np.uint32), ((), np.int64), ((POINT_WIDTH,), np.float64)]
@@ -153,36 +153,36 @@ class StateLoops:
     def _points_of_one(
         self, poses: Floats, p_WQs: Floats, threshold: float, stop: Indices
     ) -> tuple[int, Indices, PointBatch]:
-        """Return what ``points`` does of one state (n, 7), by threads."""
+        """Return the result of ``points`` for one state (n, 7), computed by threads."""
         nothing = PointBatch(
             np.zeros(0, np.int64), np.zeros(0, np.uint32), np.zeros((0, POINT_WIDTH))
         )
         Xs = np.empty((len(self._rows), POSE_WIDTH))
         if stop[0] or not pose_state(poses, self._rows, Xs, self._world.handle):
             return 0, np.zeros(1, dtype=np.int64), nothing
-        found, _ = shared_point_distances(self._world, p_WQs, threshold)
-        return 1, np.array([len(found.ids)]), found
+        batch, _ = shared_point_distances(self._world, p_WQs, threshold)
+        return 1, np.array([len(batch.ids)]), batch
 
 
 def _filled(
     answer: Any, states: int, most: int, columns: list[Any], stop: Indices
 ) -> tuple[int, Indices, list[Any]]:
-    """Return states done, counts (N,) and arrays that ``answer`` fills, with room as it needs.
+    """Return states done, counts (N,) and arrays filled by ``answer``, grown as needed.
 
-    ``most`` is the number of answers that a state may have, ``columns`` shapes and types.
+    ``most`` is the largest number of answers of a state, ``columns`` are shapes and types.
     """
     offsets = np.zeros(states + 1, dtype=np.int64)
-    size, done = states * min(most, _FIRST_ROOM), 0
-    room = [np.empty((size, *shape), dtype=dtype) for shape, dtype in columns]
+    size, done = states * min(most, _FIRST_ANSWERS), 0
+    buffers = [np.empty((size, *shape), dtype=dtype) for shape, dtype in columns]
     while True:
-        done = answer(done, offsets, room)
+        done = answer(done, offsets, buffers)
         start = int(offsets[done])
-        if done == states or stop[0] or len(room[0]) - start >= most:
+        if done == states or stop[0] or len(buffers[0]) - start >= most:
             break
-        # By what states had until now, and at least the one that had too little.
+        # For as many answers as states had so far, and at least for the state that did not fit.
         more = most + start // max(done, 1) * (states - done)
-        room = [
+        buffers = [
             np.concatenate((each[:start], np.empty((more, *each.shape[1:]), dtype=each.dtype)))
-            for each in room
+            for each in buffers
         ]
-    return done, np.diff(offsets), [each[:start] for each in room]
+    return done, np.diff(offsets), [each[:start] for each in buffers]

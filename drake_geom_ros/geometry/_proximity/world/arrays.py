@@ -1,4 +1,4 @@
-"""The arrays of a world, as compiled functions take them."""
+"""The arrays of a world, in the form that compiled functions take."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
 class WorldArrays(NamedTuple):
     """All arrays of a ``World`` of nf frames and n geometries, for a handle."""
 
-    placings: Integers  # (1,) how often something got its first pose
+    placings: Integers  # (1,) number of times that frames got their first pose
     # Of frames (nf,).
-    named: Integers  # the first ones are rows of frames that poses were given for last
+    named: Integers  # begins with the rows of the frames posed last
     moved: Flags
     parents: Integers
     R_PFs: Matrices
@@ -36,7 +36,7 @@ class WorldArrays(NamedTuple):
     waiting: Flags
     R_FGs: Matrices
     p_FGs: Vectors
-    kept: Rows  # see ``pose_update``
+    body_data: Rows  # see ``pose_update``
     types: Integers
     starts: Integers  # (n + 1,)
     pool: Reals

@@ -1,4 +1,4 @@
-"""Forward kinematics of joint trees, compiled: the poses of all links by rows of joint values."""
+"""Compiled forward kinematics of joint trees: poses of all links from rows of joint values."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inline
 
 Quaternion: TypeAlias = tuple[float, float, float, float]  # x, y, z, w
 
-FIXED, REVOLUTE, PRISMATIC = 0, 1, 2  # what a joint does along or about its axis
+FIXED, REVOLUTE, PRISMATIC = 0, 1, 2  # motion of a joint about or along its axis
 
 
 class JointChain(NamedTuple):
-    """Trees of joints side by side, and what poses of all their links depend on."""
+    """A forest of joint trees, with all parameters of the poses of its links."""
 
     leaders: Indices  # (m,) columns of a state; -1: none
     multipliers: Floats  # (m,)
@@ -24,13 +24,13 @@ class JointChain(NamedTuple):
     X_PJs: Floats  # (m, 7) x y z [m] qx qy qz qw
     parents: Indices  # (m,) rows of links
     children: Indices  # (m,) rows of links
-    X_WLs: Floats  # (links, 7): those of the roots, and room
-    links: Indices  # (n,) that are frames of the scene
+    X_WLs: Floats  # (links, 7): those of the roots; scratch for the others
+    links: Indices  # (n,) rows of those links that are frames of the scene
 
 
 @inlined
 def _compose(poses: Floats, a: int, p: Vector, q: Quaternion, b: int) -> None:
-    """Write the product of the pose in row a and of (p, q) to row b; rows x y z qx qy qz qw."""
+    """Write the product of the pose in row a and (p, q) to row b; rows are x y z qx qy qz qw."""
     x, y, z, w = poses[a, 3], poses[a, 4], poses[a, 5], poses[a, 6]
     # p + 2 w (v x p) + 2 v x (v x p) for a unit quaternion (v, w), Rodrigues' formula.
     s, t, u = y * p[2] - z * p[1], z * p[0] - x * p[2], x * p[1] - y * p[0]
@@ -47,8 +47,8 @@ def _compose(poses: Floats, a: int, p: Vector, q: Quaternion, b: int) -> None:
 def pose_links(values: Floats, chain: tuple[Any, ...], first: int, chosen: Floats) -> None:
     """Write poses X_WL for joint values (N, c) to ``chosen`` (N, m, 7), from row ``first`` on.
 
-    Those of the ``links`` of a ``JointChain`` as a plain tuple, see ``pairs.slots``; its joints
-    are in order, parents first.
+    The poses are those of the ``links`` of a ``JointChain``, passed as a plain tuple, see
+    ``pairs.slots``. Its joints are in order, parents first.
     """
     leaders, multipliers, offsets, kinds, axes, X_PJs, parents, children, X_WLs, links = chain
     for s in range(values.shape[0]):

@@ -1,4 +1,4 @@
-"""Where everything was when a query was answered, for what is asked of its results later."""
+"""Poses at the time of a query, for later computations with its results."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Indices = NDArray[np.int64]
 
 
 class PosedWorld(NamedTuple):
-    """The shapes and where they were when a query was answered."""
+    """Shapes and their poses at the time of a query."""
 
     ids: Indices  # (n,) of the geometries, ascending
     types: Indices
@@ -25,26 +25,26 @@ class PosedWorld(NamedTuple):
 
 
 class KeptPoses:
-    """A ``PosedWorld`` that moves on: of what moves, a copy is made once it is needed.
+    """A copy-on-write ``PosedWorld``: poses are copied only if a result still needs them.
 
-    Hardly anybody asks for derivatives, and most results are gone when the next poses come. So the
-    world has a copy made before anything moves, if a result still refers to this.
+    Derivatives are rarely requested, and most results are gone when the next poses come. So the
+    world makes the copy just before anything moves, if a result still refers to this object.
 
-    Each query makes one, so it is made without a function of its own: see ``Engine.answer_of``.
+    Every query makes one, so it has no ``__init__``: see ``Engine.answer_of``.
     """
 
-    now: PosedWorld  # where everything is; the tables of shapes never change
+    now: PosedWorld  # the current poses; the tables of shapes never change
     _kept: PosedWorld | None = None
 
     def is_kept(self) -> bool:
-        """Tell whether there is a copy, which later poses do not change."""
+        """Return whether the poses were copied, so that later ones do not change them."""
         return self._kept is not None
 
     def keep(self) -> PosedWorld:
-        """Return the shapes as they are now, or were when this was first asked."""
+        """Return the shapes at the poses of the first call of this method."""
         if self._kept is None:
             R_WGs, p_WFs = self.now.R_WGs.copy(), self.now.p_WFs.copy()
-            # Another thread may have done the same, before it let the world move.
+            # Another thread may have made the copy, before it moved the world.
             if self._kept is None:
                 self._kept = self.now._replace(R_WGs=R_WGs, p_WFs=p_WFs)
         return self._kept

@@ -1,7 +1,7 @@
-"""Poses of many frames from one array, compiled: what every message and every cycle does first.
+"""Compiled reader of the poses of many frames, the first step of every message and cycle.
 
-``math.batched`` does the same in NumPy, at 20 microseconds and more a call whatever the number of
-poses; it stays the one that names what is wrong.
+``math.batched`` does the same in NumPy, at 20 microseconds or more per call for any number of
+poses; it is used to name what is wrong with invalid poses.
 
 A pose that was read is a row of twelve numbers: R by its rows, then p.
 """
@@ -22,11 +22,11 @@ Floats = NDArray[np.float64]
 POSITION = 9  # column of p
 POSE_WIDTH = 12
 
-# What ``read_frame_poses`` tells.
+# Return codes of ``_read_frame_poses``.
 REFUSED = 0
-READ = 1  # the ids are in any order
-RISING = 2
-KNOWN = 3  # the ids are those that are known to rise
+READ = 1  # valid, with ids in any order
+RISING = 2  # valid, with strictly ascending ids
+KNOWN = 3  # valid, with ids equal to known ascending ones
 
 
 def packed_poses(Rs: Floats, ps: Floats) -> Floats:
@@ -74,27 +74,27 @@ def read_poses(poses: Floats, Xs: Floats) -> int:
     return poses.shape[0]
 
 
-def _read_frame_poses(ids: Indices, known: Indices, poses: Floats, Xs: Floats) -> int:
-    """Do what ``read_poses`` does for frames by their ids (n,); return what these are.
+def _read_frame_poses(ids: Indices, known_ids: Indices, poses: Floats, Xs: Floats) -> int:
+    """Read the poses of frames with ids (n,) as ``read_poses`` does; return a code for the ids.
 
-    That is RISING where they rise strictly, as when frames come in their order, and then all of
-    them are different; KNOWN where they are the ``known`` ones (m,), which do; or else READ. It is
-    REFUSED where a pose is none, or where their number or width is another one.
+    RISING: they ascend strictly, so all are different. KNOWN: they equal ``known_ids`` (m,), which
+    ascend. READ: any other order. REFUSED: a pose is invalid, or the number or width of poses does
+    not match.
     """
     if poses.shape[0] != ids.size or poses.shape[1] != 7:
         return REFUSED
     if read_poses(poses, Xs) < ids.size:
         return REFUSED
-    rising, same = True, ids.size == known.size
+    rising, same = True, ids.size == known_ids.size
     for k in range(ids.size):
         rising &= k == 0 or ids[k] > ids[k - 1]
-        same = same and ids[k] == known[k]
+        same = same and ids[k] == known_ids[k]
     if same:
         return KNOWN
     return RISING if rising else READ
 
 
-# Poses as they are given, ids beside them, into rows of one's own: see ``_read_frame_poses``.
+# Poses in the caller's arrays, with ids, are read into our own rows: see ``_read_frame_poses``.
 FRAME_POSES = Entry(
     _read_frame_poses,
     given(np.int64, 1),

@@ -1,4 +1,4 @@
-"""Posing, compiled: the frames that moved, what hangs on them, and the geometry on either."""
+"""Compiled posing: moved frames, their descendants, and the geometries on these."""
 
 import math
 from typing import TypeAlias
@@ -31,12 +31,12 @@ from drake_geom_ros.geometry._proximity.world.pose_rows import POSITION
 # Rotations (n, 3, 3) and positions (n, 3) [m].
 Poses: TypeAlias = tuple[Floats, Floats]
 
-# Columns of what is kept of each geometry, after TURN and SHIFT of X_FG.
-LEVER = 2  # [m] of a turn: the outer radius, 0 of a ball, which goes nowhere if it turns
+# Columns of ``body_data``, after TURN and SHIFT of X_FG.
+LEVER = 2  # [m] lever arm of a turn: the outer radius; 0 for a ball, which no turn moves
 AT_ORIGIN = 3  # 1 where X_FG is the identity
-PACE = 4  # [m] how far a point came lately in one update, fading
+PACE = 4  # [m] recent motion of a point in one update, fading
 
-FADING = 15 / 16  # of the pace in an update: a body that stops is still taken for slow a while
+FADING = 15 / 16  # of the pace per update: a body that stops counts as moving for a while
 
 
 @compiled
@@ -67,11 +67,11 @@ def set_poses(rows: Indices, X_news: Floats, world: Handle) -> bool:
 def _compose(
     X_ABs: Poses, a: int, X_BCs: Poses, b: int, X_ACs: Poses, c: int
 ) -> tuple[float, float]:
-    """Write X_AB X_BC of rows a and b to row c; return the squares of what turned and moved it.
+    """Write X_AB X_BC of rows a and b to row c; return the squared changes of R and p.
 
-    They are the squared Frobenius norm [-] and the squared length [m^2] of the differences. (Rows
-    by number, for a view of a row costs as much as the product; by unsigned number, for the test
-    for negative ones costs half as much.)
+    They are the squared Frobenius norm [-] and the squared length [m^2] of the differences. Rows
+    are passed by number, because a view of a row costs as much as the product; the numbers are
+    unsigned, because the test for negative ones costs half as much.
     """
     (R_ABs, p_ABs), (R_BCs, p_BCs), (R_ACs, p_ACs) = X_ABs, X_BCs, X_ACs
     a, b, c = unsigned(a), unsigned(b), unsigned(c)
@@ -92,7 +92,7 @@ def _compose(
 def _copy(
     R_ABs: Floats, p_ABs: Floats, a: int, R_ACs: Floats, p_ACs: Floats, c: int
 ) -> tuple[float, float]:
-    """Do what ``_compose`` does where B is C."""
+    """Write X_AC of row a to row c; return the squared changes, as ``_compose`` does for B = C."""
     a, c = unsigned(a), unsigned(c)
     turned, moved = 0.0, 0.0
     for i in range(3):
@@ -108,10 +108,11 @@ def _copy(
 
 @inlined
 def _way(turned: float, moved: float, turn_radius: float) -> float:
-    """Return how far a point of a body can have come by a step of ``_compose`` [m], rounded up.
+    """Return the largest motion of a point of a body by a step of ``_compose`` [m], rounded up.
 
-    A point at x_G moves by (R - R') x + (p - p'), and the spectral norm of the difference of two
-    rotations is their Frobenius norm over the square root of two; each is next to its matrix.
+    A point at x_G moves by (R - R') x + (p - p'). The spectral norm of the difference of two
+    rotations is its Frobenius norm over the square root of two; each matrix is a rotation within
+    ROTATION_DEFECT.
     """
     way = math.sqrt(moved)
     if turned > 0.0 and turn_radius > 0.0:
@@ -129,11 +130,11 @@ def _pose_frames(
     p_WFs: Floats,
     frame_roundings: Floats,
 ) -> int:
-    """Pose the frames that are marked as moved and mark what hangs on them; return how many."""
+    """Pose the frames marked as moved, and their descendants; return how many."""
     count = 0
     for f in range(1, parents.size):
         parent = parents[f]
-        # Row 0, the world, is marked as moved only in a new scene, where everything is new.
+        # Row 0, the world, is marked as moved only in a new scene, to pose everything.
         moved[f] = moved[f] or moved[parent]
         if not moved[f]:
             continue
@@ -167,7 +168,7 @@ def _put_half_extents(
     rounding: float,
     half_extents: Floats,
 ) -> None:
-    """Write the box of a geometry, with room for where rounding may have put it."""
+    """Write the half extents of a geometry's box, extended by its rounding."""
     if types[g] == SPHERE:
         for i in range(3):
             half_extents[g, i] = pool[starts[g]] + rounding
@@ -197,12 +198,12 @@ def update_frames(world: Handle) -> int:
 def update_geometries(world: Handle, revision: int, first: int, last: int) -> int:
     """Pose the geometry on moved frames, with its bounds and travels; return how many moved.
 
-    Of those that may move, or all of a new scene, the ``first`` and what follows before the last.
-    (The record is taken apart first: to hand that of the world on makes posing 1000 balls take 12
-    microseconds longer, of 80.)
+    The range from ``first`` up to ``last`` is of the movable geometries, or of all in a new scene.
+    The record is unpacked first, because passing on that of the world makes posing 1000 balls take
+    12 microseconds longer, of 80.
     """
     world = world_of(world)
-    moved, movable, frames, kept = world.moved, world.movable, world.frames, world.kept
+    moved, movable, frames, body_data = world.moved, world.movable, world.frames, world.body_data
     R_WFs, p_WFs, frame_roundings = world.R_WFs, world.p_WFs, world.frame_roundings
     R_FGs, p_FGs, R_WGs, p_WGs = world.R_FGs, world.p_FGs, world.R_WGs, world.p_WGs
     types, starts, pool, roundings = world.types, world.starts, world.pool, world.roundings
@@ -214,33 +215,33 @@ def update_geometries(world: Handle, revision: int, first: int, last: int) -> in
         f = frames[g]
         if moved[f]:
             count += 1
-            if kept[g, AT_ORIGIN] > 0.0:
+            if body_data[g, AT_ORIGIN] > 0.0:
                 turned, shifted = _copy(R_WFs, p_WFs, f, R_WGs, p_WGs, g)
             else:
                 turned, shifted = _compose((R_WFs, p_WFs), f, (R_FGs, p_FGs), g, (R_WGs, p_WGs), g)
             reach, length = length_of(p_WFs, f), length_of(p_FGs, g)
             turn, shift = frame_roundings[f, TURN], frame_roundings[f, SHIFT]
-            rounding = shift_of(turn, shift, reach, length) + kept[g, SHIFT]
-            turn += kept[g, TURN]
+            rounding = shift_of(turn, shift, reach, length) + body_data[g, SHIFT]
+            turn += body_data[g, TURN]
             if types[g] == HALF_SPACE:
                 roundings[g, TILT] = turn
             else:
-                rounding += turn * kept[g, LEVER]
+                rounding += turn * body_data[g, LEVER]
             grown = max(0.0, rounding - roundings[g, RADIUS])
             roundings[g, RADIUS] = rounding
             _put_half_extents(g, types, starts, pool, R_WGs, rounding, half_extents)
             if stamps[g] > 0:
-                # The ball of rounding about each point may have come as far as it has grown, too.
-                way = _way(turned, shifted, kept[g, LEVER]) + grown
+                # The rounding ball of each point may have moved by its growth, too.
+                way = _way(turned, shifted, body_data[g, LEVER]) + grown
                 travels[g] = (travels[g] + way) * (1.0 + 2.0 * EPS)
-                kept[g, PACE] = max(way, FADING * kept[g, PACE])
+                body_data[g, PACE] = max(way, FADING * body_data[g, PACE])
             stamps[g] = revision
     return count
 
 
 @compiled
 def update(world: Handle, revision: int) -> tuple[int, int]:
-    """Pose what moved in a world, given by its handle; return how many frames and bodies did."""
+    """Pose moved frames and bodies of a world, given by its handle; return how many of each."""
     frame_count = update_frames(world)
     arrays = world_of(world)
     body_count = update_geometries(world, revision, 0, arrays.types.size)

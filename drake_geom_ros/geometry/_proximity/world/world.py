@@ -1,4 +1,4 @@
-"""Where everything is: frame poses, geometry poses, packed shapes and their bounds."""
+"""The world of a scene: frame poses, geometry poses, packed shapes and their bounds."""
 
 from __future__ import annotations
 
@@ -48,29 +48,29 @@ class GeometryTable(NamedTuple):
 
 
 class PointShapes(NamedTuple):
-    """What the geometries are to points: a mesh, a hull in pairs, may be its surface to them."""
+    """Shapes of the geometries for points: here a mesh may be its surface instead of its hull."""
 
     types: Indices  # (n,) shape type numbers
     starts: Indices  # (n + 1,)
     pool: Floats
-    kinds: frozenset[int]  # those of the types
+    kinds: frozenset[int]  # the distinct types
 
 
 class Named:
-    """Frames of a world that poses are given for, looked up once."""
+    """Frames of a world that are posed together, looked up once."""
 
     __slots__ = ('ids', 'rows')
 
     def __init__(self, ids: Indices, rows: Indices) -> None:
-        """Have FrameId values (n,), which nobody changes, and rows (n,) of the FrameTable."""
+        """Take FrameId values (n,), which must not change, and rows (n,) of the FrameTable."""
         self.ids, self.rows = ids, rows
 
     def is_of(self, ids: Indices) -> bool:
-        """Tell whether these ids, which nobody changes, are those; the same array is mostly."""
+        """Return whether these ids, which must not change, are its own; usually the same array."""
         if ids is not self.ids:
             if not np.array_equal(ids, self.ids):
                 return False
-            self.ids = ids  # that of next time, too
+            self.ids = ids  # probably the array of the next call
         return True
 
 
@@ -81,22 +81,21 @@ NO_POSES = np.zeros((0, POSE_WIDTH))
 class World:
     """The poses of a scene's frames and the posed, packed proximity geometry.
 
-    Poses go in through ``pose``, which only notes them; ``update``, or the compiled call that
-    answers a query, brings everything that hangs on a moved frame up to date and leaves the rest
-    alone. A frame that never had a pose *waits* for it, and whatever
-    hangs on it: where that is nobody knows, so queries leave it out.
+    ``pose`` only stores poses. ``update``, or the compiled call of a query, brings the descendants
+    of moved frames up to date and leaves the rest alone. A frame that never had a pose *waits* for
+    it, and so do its descendants: their places are unknown, so queries omit them.
     """
 
     def __init__(self, frames: FrameTable, geometries: GeometryTable) -> None:
         """Make the world of frames that all wait for their first pose."""
         count = len(frames.ids)
-        # What each cycle looks at stands together, in memory too.
+        # Attributes that each cycle reads come first, so they are together in memory.
         self.is_stale = True  # world poses and bounds have to be brought up to date
         self.revision = 0  # of the world poses: grows with each update
-        # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
+        # The frames posed last, and their poses (n, POSE_WIDTH) that are not applied yet.
         self.pending_frames, self.pending_poses = _NOBODY, NO_POSES
-        self.is_whole = False  # nobody waits for a first pose
-        # That of now, if there is a result that asked for it.
+        self.is_whole = False  # no frame waits for a first pose
+        # Poses of the last update, if a result refers to them.
         self._kept_poses: ReferenceType[KeptPoses] | None = None
         self.frames = frames
         self.geometries = geometries
@@ -104,7 +103,7 @@ class World:
         self._p_PFs = np.zeros((count, 3))
         self.R_WFs = self._R_PFs.copy()
         self.p_WFs = self._p_PFs.copy()
-        # What rounding did to X_WF: TURN and SHIFT, see ``pose_rounding``.
+        # Rounding of X_WF: TURN and SHIFT, see ``pose_rounding``.
         self._frame_roundings = np.zeros((count, 2))
         self._order = np.argsort(frames.ids)
         self._sorted_ids = frames.ids[self._order]
@@ -117,26 +116,25 @@ class World:
         self._place(np.zeros(1, dtype=np.int64))
 
     def _allocate_geometries(self) -> None:
-        """Make room for the posed geometry and compute what does not depend on poses."""
+        """Allocate the posed geometry, and compute what does not depend on poses."""
         table = self.geometries
         n = len(table.ids)
         self.stamps = np.zeros(n, dtype=np.int64)  # revision in which a geometry last moved
-        # How far any point of a geometry can have come since the first update, along the path
-        # [m], never less than the truth.
+        # Upper bound of the path length of any point of a geometry since the first update [m].
         self.travels = np.zeros(n)
         self.R_WGs = np.zeros((n, 3, 3))
         self.p_WGs = np.zeros((n, 3))
-        # What rounding did to X_WG: RADIUS and TILT, see ``pose_rounding``.
+        # Rounding of X_WG: RADIUS and TILT, see ``pose_rounding``.
         self.roundings = np.zeros((n, 2))
-        # Of the box around Go, in World axes, that holds the body wherever rounding put it [m].
+        # Half extents of the box around Go, in World axes, with the rounding of the pose [m].
         self.half_extents = np.zeros((n, 3))
-        # To points the same, until somebody who asks about them sets it otherwise.
+        # The same shapes for points, until the first point query sets others.
         kinds = frozenset(table.types.tolist())
         self.point_shapes = PointShapes(table.types, table.starts, table.pool, kinds)
         self.has_point_shapes = False
         self.anchored = table.frames == 0
-        # A query asks it each time, and looks at pairs of half spaces in no other scene: filters
-        # leave out those of two that hang on the world.
+        # Every query reads this flag, and examines pairs of half spaces only if it is set: filters
+        # exclude pairs of two anchored ones.
         planes = table.types == HALF_SPACE
         has_moving = bool((planes & ~self.anchored).any())
         self.has_plane_pairs = has_moving and int(np.count_nonzero(planes)) > 1
@@ -144,24 +142,24 @@ class World:
         # Largest distance from Go and largest ball about Go that fits [m].
         shapes = table.types, table.starts, table.pool
         self.outer_radii, self.inner_radii = shape_radii(*shapes)
-        # Of balls in the shapes, which need not be about Go: centres in G, and radii [m].
+        # Centres in G and radii [m] of balls inside the shapes, which need not be about Go.
         self.ball_centres, self.ball_radii = balls_inside(*shapes, self.inner_radii)
         levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
         at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
-        # In one array (n, 5), for each that compiled code is given takes time: see
+        # In one array (n, 5), since each array passed to compiled code takes time: see
         # ``pose_update``.
-        self._kept = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
-        self._hand_over()
+        self._body_data = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
+        self._make_handle()
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
-        self._hand_over()  # the arrays of a copy are elsewhere
+        self._make_handle()  # the arrays of a copy are elsewhere
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, '_kept_poses': None}  # results refer to this world, not to a copy
 
-    def _hand_over(self) -> None:
-        """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
+    def _make_handle(self) -> None:
+        """Make the handle for compiled code, once, because it costs a microsecond."""
         table = self.geometries
         self._kept_poses = None
         self._posed_now = PosedWorld(
@@ -190,7 +188,7 @@ class World:
             waiting=self.waiting,
             R_FGs=table.R_FGs,
             p_FGs=table.p_FGs,
-            kept=self._kept,
+            body_data=self._body_data,
             types=table.types,
             starts=table.starts,
             pool=table.pool,
@@ -209,7 +207,7 @@ class World:
 
     @property
     def placings(self) -> int:
-        """How often something got its first pose."""
+        """Number of times that frames got their first pose."""
         return int(self._placings[0])
 
     @property
@@ -226,8 +224,8 @@ class World:
 
     @property
     def paces(self) -> Floats:
-        """How far any point of each geometry came lately in one update (n,) [m], fading."""
-        return self._kept[:, PACE]
+        """Recent motion of any point of each geometry in one update (n,) [m], fading."""
+        return self._body_data[:, PACE]
 
     @property
     def geometry_count(self) -> int:
@@ -242,11 +240,11 @@ class World:
         for name, value in self.__dict__.items():
             if isinstance(value, np.ndarray):
                 setattr(other, name, value.copy())
-        other._hand_over()
+        other._make_handle()
         return other
 
     def rebuilt(self, frames: FrameTable, geometries: GeometryTable) -> World:
-        """Return a world of new tables in which every frame that was here keeps its pose."""
+        """Return a world of new tables in which every frame of this one has its pose."""
         other = World(frames, geometries)
         rows = {int(frame): row for row, frame in enumerate(self.frames.ids)}
         pairs = [(k, rows[int(f)]) for k, f in enumerate(frames.ids) if int(f) in rows]
@@ -258,8 +256,8 @@ class World:
     def has_frames(self, ids: Indices) -> NDArray[np.bool_]:
         """Return which of the FrameId values are in this world and can be posed."""
         at = np.searchsorted(self._sorted_ids, ids).clip(max=len(self._sorted_ids) - 1)
-        known: NDArray[np.bool_] = (self._sorted_ids[at] == ids) & (self._order[at] != 0)
-        return known
+        is_posable: NDArray[np.bool_] = (self._sorted_ids[at] == ids) & (self._order[at] != 0)
+        return is_posable
 
     def frame_rows(self, ids: Indices) -> Indices:
         """Return the rows of FrameId values, all of which are in this world."""
@@ -270,14 +268,14 @@ class World:
         return np.searchsorted(self.geometries.ids, ids).astype(np.int64)
 
     def named(self, ids: Indices) -> Named | None:
-        """Return the frames of FrameId values (n,), or None when not all of them can be posed."""
+        """Return the frames of FrameId values (n,), or None if not all of them can be posed."""
         return Named(ids.copy(), self.frame_rows(ids)) if self.has_frames(ids).all() else None
 
     def _place(self, rows: Indices) -> None:
-        """Note that the frames in ``rows`` (n,) have a pose, and what hangs on them a place."""
+        """Mark the frames in ``rows`` (n,) as posed, and the descendants that wait no longer."""
         self._posed[rows] = True
         self.is_whole = bool(self._posed.all())
-        self.placed = self._posed.copy()  # (nf,) the frame and all that it hangs on have a pose
+        self.placed = self._posed.copy()  # (nf,) the frame and all its ancestors have a pose
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
         self.waiting[:] = ~self.placed[self.geometries.frames]
@@ -288,13 +286,13 @@ class World:
         return self.frames.ids[~self._posed]
 
     def unposed_on_way(self, row: int) -> list[int]:
-        """Return those of ``unposed_frames`` among a frame and all that it hangs on."""
-        found = []
+        """Return those of ``unposed_frames`` among a frame and its ancestors."""
+        unposed = []
         while not self.placed[row]:
             if not self._posed[row]:
-                found.append(int(self.frames.ids[row]))
+                unposed.append(int(self.frames.ids[row]))
             row = int(self.frames.parents[row])
-        return found
+        return unposed
 
     def set_poses(self, rows: Indices, R_PFs: Floats, p_PFs: Floats) -> None:
         """Set X_PF of the frames in ``rows`` (n,), as ``pose`` does."""
@@ -302,9 +300,9 @@ class World:
         self.pose(Named(self.frames.ids[rows], rows), packed_poses(R_PFs, p_PFs))
 
     def pose(self, named: Named, X_PFs: Floats) -> None:
-        """Take X_PF (n, POSE_WIDTH) of frames, which nobody changes any more, for the next update.
+        """Store X_PF (n, POSE_WIDTH) of frames for the next update; the array must not change.
 
-        A pose that did not change is not a move.
+        An equal pose is not a move.
         """
         if self.pending_frames is not named:
             self._apply_pending()
@@ -313,20 +311,20 @@ class World:
         if not self.is_whole and not self._posed[named.rows].all():
             self._place(named.rows)
         self.pending_poses, self.is_stale = X_PFs, True
-        # Results that are still there have to remember where things were.
+        # Results that still exist need the poses of their query.
         if self._kept_poses is not None:
             kept_poses, self._kept_poses = self._kept_poses(), None
             if kept_poses is not None:
                 kept_poses.keep()
 
     def _apply_pending(self) -> None:
-        """Have the poses that were given in ``_R_PFs`` and ``_p_PFs``, and their frames marked."""
+        """Write pending poses to ``_R_PFs`` and ``_p_PFs``, and mark their frames as moved."""
         pending_poses, self.pending_poses = self.pending_poses, NO_POSES
         if len(pending_poses):
             set_poses(self.pending_frames.rows, pending_poses, self.handle)
 
     def update_shared(self) -> tuple[int, int]:
-        """Do what ``update`` does, by threads."""
+        """Bring world poses and bounds up to date as ``update`` does, by threads."""
         if not self.is_stale:
             return 0, 0
         rows, pending_poses, revision = (
@@ -351,7 +349,7 @@ class World:
         return frames, geometries
 
     def kept_poses(self) -> KeptPoses:
-        """Return the poses of the last update, which no later one reaches."""
+        """Return the poses of the last update, which later ones do not change."""
         kept_poses = None if self._kept_poses is None else self._kept_poses()
         if kept_poses is None:
             kept_poses = KeptPoses()

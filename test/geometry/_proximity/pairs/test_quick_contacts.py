@@ -25,7 +25,7 @@ def reports(world, filters, level):
 
 
 def allowed(world, filters, engine):
-    pair = engine._report.told[-2:]
+    pair = engine._report.summary[-2:]
     a, b = sorted(world.geometries.ids[pair].tolist())
     return not (world.anchored[pair].all() or filters.filtered(a, b))
 

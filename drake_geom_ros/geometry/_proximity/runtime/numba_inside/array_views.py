@@ -1,9 +1,9 @@
-"""Views of arrays that are written into whoever asks for one, and hold no reference.
+"""Views of arrays as intrinsics, generated inline and without references.
 
-Functions that return ``carray`` took 26 % longer to compile everything. See ``views`` and
-``handles``, which say what each is and do without where Numba is another.
+With functions that return ``carray``, compiling everything took 26 % longer. ``views`` and
+``handles`` document each view and have fallbacks for other versions of Numba.
 
-Relied on: the structure of an array is that of ``make_array``.
+Assumption: the structure of an array is that of ``make_array``.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ def _array_at(context: Any, builder: Any, kind: Any, data: Any, shape: Any) -> A
 
 
 def taker(record: Any, fields: Any) -> Any:
-    """Return the intrinsic that makes a record of arrays of its handle; see ``handles``.
+    """Return the intrinsic that makes a record of arrays from its handle; see ``handles``.
 
-    Field by field with ``carray``, records of a hundred arrays took a twentieth of all compiling.
+    Making each field with ``carray`` took a twentieth of all compiling, for a hundred arrays.
     """
     kinds = [
         types.Array(from_dtype(np.dtype(number)), 1 + len(extents), 'C')
@@ -52,15 +52,17 @@ def taker(record: Any, fields: Any) -> Any:
             numbers = make_array(handle)(context, builder, values[0]).data
             place = itertools.count()
 
-            def told() -> Any:
+            def next_number() -> Any:
                 at = builder.gep(numbers, [context.get_constant(types.intp, next(place))])
                 return builder.load(at)
 
             arrays = []
             for kind, (_, _, extents) in zip(kinds, fields, strict=True):
-                data = builder.inttoptr(told(), context.get_data_type(kind.dtype).as_pointer())
+                data = builder.inttoptr(
+                    next_number(), context.get_data_type(kind.dtype).as_pointer()
+                )
                 shape = [
-                    told() if extent is None else context.get_constant(types.intp, extent)
+                    next_number() if extent is None else context.get_constant(types.intp, extent)
                     for extent in (None, *extents)
                 ]
                 arrays.append(_array_at(context, builder, kind, data, shape))
@@ -72,12 +74,12 @@ def taker(record: Any, fields: Any) -> Any:
 
 
 def _as_integers(array: Any, number: Any) -> Any:
-    """Return signature and code of what shows numbers of 64 bits as integers of a type."""
+    """Return the signature and code of a view of 64-bit numbers as integers of a type."""
     kind = types.Array(number, 1, 'C')
 
     def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        given, first = values
-        whole = make_array(array)(context, builder, given)
+        whole_value, first = values
+        whole = make_array(array)(context, builder, whole_value)
         (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
         data = builder.gep(whole.data, [first])
         data = builder.bitcast(data, context.get_data_type(number).as_pointer())
@@ -93,8 +95,8 @@ def row(typingctx: Any, array: Any, k: Any) -> Any:
     kind = types.Array(array.dtype, array.ndim - 1, 'C')
 
     def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        given, number = values
-        whole = make_array(array)(context, builder, given)
+        whole_value, number = values
+        whole = make_array(array)(context, builder, whole_value)
         shape = cgutils.unpack_tuple(builder, whole.shape, array.ndim)
         stride, *_ = cgutils.unpack_tuple(builder, whole.strides)
         offset = builder.mul(number, stride)
@@ -109,8 +111,8 @@ def part(typingctx: Any, array: Any, start: Any, stop: Any) -> Any:
     """Return array[start:stop] of a contiguous array, 0 <= start <= stop <= its size."""
 
     def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        given, first, end = values
-        whole = make_array(array)(context, builder, given)
+        whole_value, first, end = values
+        whole = make_array(array)(context, builder, whole_value)
         data = builder.gep(whole.data, [first])
         return _array_at(context, builder, array, data, [builder.sub(end, first)])
 
@@ -119,12 +121,12 @@ def part(typingctx: Any, array: Any, start: Any, stop: Any) -> Any:
 
 @intrinsic
 def table(typingctx: Any, array: Any, start: Any, rows: Any, columns: Any) -> Any:
-    """Return the elements of a contiguous array from start on as so many rows and columns."""
+    """Return the elements of a contiguous array from ``start`` on as a table (rows, columns)."""
     kind = types.Array(array.dtype, 2, 'C')
 
     def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        given, first, *shape = values
-        whole = make_array(array)(context, builder, given)
+        whole_value, first, *shape = values
+        whole = make_array(array)(context, builder, whole_value)
         return _array_at(context, builder, kind, builder.gep(whole.data, [first]), shape)
 
     return kind(array, types.intp, types.intp, types.intp), codegen
@@ -132,19 +134,19 @@ def table(typingctx: Any, array: Any, start: Any, rows: Any, columns: Any) -> An
 
 @intrinsic
 def integers(typingctx: Any, array: Any, start: Any) -> Any:
-    """Return what an array of numbers of 64 bits has from start on as integers of 32 bits."""
+    """Return a view of an array of 64-bit numbers from ``start`` on as 32-bit integers."""
     return _as_integers(array, types.int32)
 
 
 @intrinsic
 def wide_integers(typingctx: Any, array: Any, start: Any) -> Any:
-    """Return what an array of numbers of 64 bits has from start on as integers of 64 bits."""
+    """Return a view of an array of 64-bit numbers from ``start`` on as 64-bit integers."""
     return _as_integers(array, types.int64)
 
 
 @intrinsic
 def outlive(typingctx: Any, array: Any) -> Any:
-    """Keep an array until here: views of it hold no reference."""
+    """Keep an array alive up to this call, because views of it hold no reference."""
 
     def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return context.get_dummy_value()

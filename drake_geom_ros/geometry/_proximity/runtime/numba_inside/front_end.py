@@ -1,13 +1,17 @@
-"""The front end of Numba as our functions need it.
+"""Reduced front end of Numba, for the code of this package.
 
-Half of what the front end did was for what our code does not have: passes for closures, literals
-and generators, live variables found anew after each of them, and the search through dozens of
-templates for what ``a * b`` of two floats is, for each of ten thousand operations again.
+Half of the work of the full front end is for features that this code does not use: passes for
+closures, literals and generators, live variables computed again after each pass, and a search
+through dozens of templates for the type of ``a * b`` of two floats, repeated for each of ten
+thousand operations.
 
-Relied on, beside what ``pipeline`` tells: code without closures, ``with`` and ``literal_unroll``
-needs none of the passes left out, and code that has these fails to compile; ``IRLegalization``
-finds the live variables that the lowering asks for; ``_runPass`` runs one pass, of whose hooks
-ours need no other; how an operator or a function types plain numbers never changes.
+Assumptions, beside those in ``pipeline``:
+
+- Code without closures, ``with`` and ``literal_unroll`` needs none of the omitted passes, and code
+  with them fails to compile.
+- ``IRLegalization`` computes the live variables that the lowering needs.
+- ``_runPass`` runs one pass, and our passes need no other hook of it.
+- The typing of operators and functions on plain numbers never changes.
 """
 
 from __future__ import annotations
@@ -52,24 +56,24 @@ _OF_ARRAYS = (operator.getitem, operator.setitem)
 
 
 def _is_plain(kind: Any) -> bool:
-    """Tell whether operations on a type are those that Numba itself knows, the same for ever."""
+    """Return whether operations on a type are built into Numba, so their typing is constant."""
     if isinstance(kind, types.BaseTuple):
         return all(map(_is_plain, kind))
     return isinstance(kind, (types.Number, types.Boolean))
 
 
 class _Typing:
-    """A typing context that looks each operation on plain numbers and on their arrays up once."""
+    """Typing context that caches the types of operations on plain numbers and their arrays."""
 
     def __init__(self, context: Any) -> None:
         self._context = context
-        self._known: dict[Any, tuple[Any, Any]] = {}
+        self._cache: dict[Any, tuple[Any, Any]] = {}
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._context, name)
 
     def resolve_function_type(self, function: Any, args: Any, kws: Any) -> Any:
-        """Return the signature of a function for some types of arguments."""
+        """Return the signature of a function for given argument types."""
         if isinstance(function, types.Function) and not kws and args:
             first, *others = args
             of_array = function.typing_key in _OF_ARRAYS and isinstance(first, types.Array)
@@ -78,24 +82,24 @@ class _Typing:
         return self._context.resolve_function_type(function, args, kws)
 
     def resolve_getitem(self, target: Any, index: Any) -> Any:
-        """Return the signature of what gets an element."""
+        """Return the signature of reading an element."""
         function = self._context.resolve_value_type(operator.getitem)
         return self.resolve_function_type(function, (target, index), {})
 
     def resolve_setitem(self, target: Any, index: Any, value: Any) -> Any:
-        """Return the signature of what sets an element."""
+        """Return the signature of writing an element."""
         function = self._context.resolve_value_type(operator.setitem)
         return self.resolve_function_type(function, (target, index, value), {})
 
     def _recalled(self, function: Any, args: Any) -> Any:
         key = id(function), args
-        found = self._known.get(key)
-        if found is None:
+        entry = self._cache.get(key)
+        if entry is None:
             signature = self._context.resolve_function_type(function, args, {})
             if signature is None:
                 return None
-            found = self._known[key] = function, signature  # which keeps the id its own
-        return found[1]
+            entry = self._cache[key] = function, signature  # alive, so the id stays unique
+        return entry[1]
 
 
 _typing = functools.cache(_Typing)
@@ -103,7 +107,7 @@ _typing = functools.cache(_Typing)
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _TypeInference(typed_passes.NopythonTypeInference):  # type: ignore[misc]
-    """Infers types by such a context."""
+    """Type inference with a caching context."""
 
     _name = 'type_inference_by_memory'
 
@@ -118,44 +122,44 @@ class _TypeInference(typed_passes.NopythonTypeInference):  # type: ignore[misc]
 
 
 class Lower(lowering.Lower):  # type: ignore[misc]
-    """Lowers operations by the signatures that were inferred, which need not be found again."""
+    """Lowering that reuses inferred signatures instead of resolving them again."""
 
     def lower_binop(self, resty: Any, expr: Any, op: Any) -> Any:
-        """Lower an operation of two operands."""
+        """Lower a binary operation."""
         if not (expr.static_lhs is ir.UNDEFINED and expr.static_rhs is ir.UNDEFINED):
             return super().lower_binop(resty, expr, op)
         function = self.context.typing_context.resolve_value_type(op)
         return self._called(function, self.fndesc.calltypes[expr], (expr.lhs, expr.rhs), resty)
 
     def lower_getitem(self, resty: Any, expr: Any, value: Any, index: Any, signature: Any) -> Any:
-        """Lower what gets an element."""
+        """Lower the reading of an element."""
         function = self.context.typing_context.resolve_value_type(operator.getitem)
         return self._called(function, signature, (value, index), resty)
 
     def lower_setitem(self, target: Any, index: Any, value: Any, signature: Any) -> Any:
-        """Lower what sets an element."""
+        """Lower the writing of an element."""
         function = self.context.typing_context.resolve_value_type(operator.setitem)
         return self._called(function, signature, (target, index, value), None)
 
     def _called(self, function: Any, signature: Any, variables: Any, kind: Any) -> Any:
-        """Return the result of a function, as of a kind unless that is None."""
+        """Generate a call, and cast its result to ``kind`` unless that is None."""
         try:
             implementation = self.context.get_function(function, signature)
-        except KeyError:  # it was made of that of other types
-            found = function.get_call_type(self.context.typing_context, signature.args, {})
-            implementation = self.context.get_function(function, found)
-        given = [
+        except KeyError:  # the signature was derived from that of other types
+            own_signature = function.get_call_type(self.context.typing_context, signature.args, {})
+            implementation = self.context.get_function(function, own_signature)
+        arguments = [
             self.context.cast(self.builder, self.loadvar(each.name), self.typeof(each.name), to)
             for each, to in zip(variables, signature.args, strict=True)
         ]
-        result = implementation(self.builder, given)
+        result = implementation(self.builder, arguments)
         if kind is None:
             return result
         return self.context.cast(self.builder, result, signature.return_type, kind)
 
 
 class _Manager(PassManager):  # type: ignore[misc]
-    """Runs the passes, and tells nobody of each."""
+    """Pass manager without timing and notification of each pass."""
 
     def _runPass(self, index: int, each: Any, state: Any) -> None:
         each.analysis = self._analysis
@@ -166,7 +170,7 @@ class _Manager(PassManager):  # type: ignore[misc]
 
 
 class Pipeline(compiler.CompilerBase):  # type: ignore[misc]
-    """Compiles a function, which the pass ``lowering`` lowers."""
+    """Compiler of a function, lowered by the pass ``lowering``."""
 
     lowering: Any = typed_passes.NativeLowering
 
@@ -174,30 +178,30 @@ class Pipeline(compiler.CompilerBase):  # type: ignore[misc]
         """Return the passes."""
         manager = _Manager('nopython')
         plain = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
-        ours = {
+        replacements = {
             typed_passes.NativeLowering: self.lowering,
             typed_passes.NopythonTypeInference: _TypeInference,
         }
         for each, text in plain.passes:
             if each not in _LEFT_OUT:
-                manager.add_pass(ours.get(each, each), text)
+                manager.add_pass(replacements.get(each, each), text)
         manager.finalize()
         return [manager]
 
 
 class Called(CPUDispatcher):  # type: ignore[misc]
-    """A function for compiled callers; Python cannot call it."""
+    """Dispatcher of a function for compiled callers, which Python cannot call."""
 
     def add_overload(self, cres: Any) -> None:
-        """Take a version."""
+        """Register a compiled version."""
         self.overloads[tuple(cres.signature.args)] = cres
 
     def compile(self, sig: Any) -> Any:
-        """Compile a version unless there is one, without stopwatches for locks around it."""
+        """Compile a version unless it exists, without measuring lock times."""
         args, return_type = sigutils.normalize_signature(sig)
-        known = self.overloads.get(args)
-        if known is not None:
-            return known.entry_point
+        existing = self.overloads.get(args)
+        if existing is not None:
+            return existing.entry_point
         with global_compiler_lock, self._compiling_counter:
             details = {'dispatcher': self, 'args': args, 'return_type': return_type}
             with event.trigger_event('numba:compile', data=details):

@@ -1,20 +1,23 @@
-"""What compiled functions call are versions of functions that have no machine code of their own.
+"""Compiler pipeline in which functions for compiled callers get no machine code of their own.
 
-Of each function Numba makes one for compiled callers, one for Python and one for C, optimises all
-three, with everything that they call, and emits machine code; each caller then optimises once more
-what it takes over. Here the version for compiled callers stays as it was lowered, beside those
-that it calls, and is optimised where it ends up: in what Python calls, or an address stands for.
-Compiling everything takes about half as long; pairs of hulls take 2 to 5 % less time for it, and
-pairs with an ellipsoid 1 to 4 % more (``bench/costs/kernels.py``).
+For each function, Numba makes a version for compiled callers, one for Python and one for C. It
+optimises all three with everything that they call and emits machine code; each caller then
+optimises the inlined code again. Here the version for compiled callers stays as lowered, and is
+optimised only in its final place: in functions that Python calls or that have an address.
+Compiling everything takes about half as long. Pairs of hulls become 2 to 5 % faster and pairs with
+an ellipsoid 1 to 4 % slower (``bench/costs/kernels.py``).
 
-These versions are not kept on disk: what is, is complete without them, and whoever compiles
-something new makes anew those that it calls. So code of one process never meets that of another.
+These versions are not cached on disk. Cached code is complete without them, and compiling a new
+function makes the versions that it calls again. So code of different processes is never combined.
 
-Relied on: a pass of the pipeline makes the library unless there is one; ``no_compile`` leaves the
-library as it is; a library finalizes itself before it is linked into another; a call is typed by
-``get_call_template`` and found by ``get_overload``; with ``_nrt`` False no reference to an array
-is counted; a dispatcher has its versions as ``overloads``, and these the name of their wrapper for
-C.
+Assumptions:
+
+- A pass of the pipeline makes the library unless there is one.
+- ``no_compile`` leaves the library unchanged.
+- A library finalizes itself before it is linked into another.
+- A call is typed by ``get_call_template`` and resolved by ``get_overload``.
+- With ``_nrt`` False no reference to an array is counted.
+- A dispatcher has its versions in ``overloads``, and these the name of their C wrapper.
 """
 
 from __future__ import annotations
@@ -36,7 +39,7 @@ from drake_geom_ros.geometry._proximity.runtime.numba_inside.front_end import (
 
 
 class _Library(JITCodeLibrary):  # type: ignore[misc]
-    """Functions as they were lowered, to be linked into others; no engine ever sees them."""
+    """Library of lowered functions, to be linked into others; no execution engine loads it."""
 
     _shared_module: Any
 
@@ -45,11 +48,11 @@ class _Library(JITCodeLibrary):  # type: ignore[misc]
             self._reload_init.update(library._reload_init)
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage == binding.Linkage.external:
-                function.linkage = 'linkonce_odr'  # left out by whoever does not call it
+                function.linkage = 'linkonce_odr'  # dropped where it is not called
         self._finalized = True
 
     def _get_module_for_linking(self) -> Any:
-        """Return these functions with all that they call, for a library that is not ours."""
+        """Return these functions with all their callees, for linking into a library of Numba's."""
         if self._shared_module is None:
             whole = self._final_module.clone()
             for library in _called_by(self):
@@ -59,17 +62,17 @@ class _Library(JITCodeLibrary):  # type: ignore[misc]
 
 
 def _module_of(library: Any) -> Any:
-    """Return what a library has to be linked beside what ``_called_by`` returns."""
+    """Return the module of a library that is linked along with those of ``_called_by``."""
     if isinstance(library, _Library):
         return library._final_module
     return library._get_module_for_linking()
 
 
 def _called_by(library: Any) -> list[Any]:
-    """Return all libraries that a library calls, each once, callers before those that they call.
+    """Return all libraries that a library calls, each once, callers before callees.
 
-    Each is linked where code is emitted; linked into each caller, they were copied a dozen times.
-    What nobody calls yet when it is linked LLVM leaves out, hence the order.
+    Each is linked where code is emitted; linking into each caller made a dozen copies. LLVM drops
+    functions that nothing calls when they are linked, hence the order.
     """
     seen: set[Any] = set()
     ordered: list[Any] = []
@@ -89,7 +92,7 @@ def _called_by(library: Any) -> list[Any]:
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _Lowering(typed_passes.NativeLowering):  # type: ignore[misc]
-    """Lowers a function into such a library."""
+    """Lowering pass that puts a function into its library."""
 
     _name = 'lowering_for_compiled_callers'
     lowering_class = Lower
@@ -99,17 +102,17 @@ class _Lowering(typed_passes.NativeLowering):  # type: ignore[misc]
         state.flags.no_compile = True
         changed: bool = super().run_pass(state)
         lowered = state['cr']
-        key = lowered.fndesc  # for the function that there is not
+        key = lowered.fndesc  # in place of the missing compiled function
         state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
         state['cr'] = lowered._replace(cfunc=key)
         return changed
 
 
 class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """What Python calls, optimised twice.
+    """Library of a function that Python calls, optimised twice.
 
-    What it calls was inlined before its loops were seen to: points of hulls took 25 % longer, all
-    pairs of mixed shapes 10 %. The second time costs next to nothing.
+    The first time inlines callees before their loops are optimised: with it alone, points of hulls
+    took 25 % longer, and all pairs of mixed shapes 10 %. The second time costs next to nothing.
     """
 
     _linking_libraries: list[Any]
@@ -123,7 +126,7 @@ class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
 
     def _verify_declare_only_symbols(self) -> None:
         missing = [f.name for f in self._final_module.functions if f.is_declaration]
-        if any(name.startswith('_ZN') for name in missing):  # a call of it would end the process
+        if any(name.startswith('_ZN') for name in missing):  # calling it would crash the process
             raise AssertionError(f'{self.name} calls what was not linked: {missing}')
 
     def _optimize_final_module(self) -> None:
@@ -133,7 +136,7 @@ class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
 
 @register_pass(mutates_CFG=True, analysis_only=False)
 class _EntryLowering(typed_passes.NativeLowering):  # type: ignore[misc]
-    """Lowers a function into such a library."""
+    """Lowering pass that puts a function into its library."""
 
     _name = 'lowering_for_python'
     lowering_class = Lower
@@ -151,28 +154,28 @@ class _Pipeline(Pipeline):
 
 
 class _EntryPipeline(Pipeline):
-    """How functions that Python calls, or an address stands for, are compiled."""
+    """Pipeline for functions that Python calls or that have an address."""
 
     lowering = _EntryLowering
 
 
 def options(counted: bool) -> dict[str, Any]:
-    """Return the options of a function: ``counted`` says whether it counts references to arrays.
+    """Return Numba's options of a function; ``counted``: it counts references to arrays.
 
-    One that does not say so inherits that from whoever asks for it first.
+    Without an explicit option a function would inherit it from its first caller.
     """
     return {'_nrt': counted, 'pipeline_class': _EntryPipeline}
 
 
 def for_compiled_callers(dispatcher: Any, constants: bool) -> Any:
-    """Return the dispatcher, which has compiled code call what has no machine code of its own.
+    """Return the dispatcher, changed to give compiled callers versions without machine code.
 
-    With ``constants`` there is one version for each constant that it is called with. Else there is
-    one for all numbers: one for each took half of the time to compile everything, and LLVM knows
+    With ``constants`` there is one version for each constant argument. Otherwise one version
+    serves all numbers: separate ones took half of the time to compile everything, and LLVM knows
     the constants where it inlines.
     """
 
-    @functools.cache  # made when first called for: it takes time that an import need not
+    @functools.cache  # made on the first call, to keep imports fast
     def called() -> Any:
         wrappers = {'no_cpython_wrapper': True, 'no_cfunc_wrapper': True}
         targeted = {**dispatcher.targetoptions, **wrappers}
@@ -190,10 +193,10 @@ def for_compiled_callers(dispatcher: Any, constants: bool) -> Any:
 
 
 def address_of(function: Any, signature: Any) -> Any:
-    """Return the address of a function of some signature for C.
+    """Return the address of a function for C, compiled for one signature.
 
-    ``numba.cfunc`` makes a second version of it, which nobody hears of who listens for what is
-    compiled.
+    ``numba.cfunc`` would make a second version, of which listeners to compile events are not
+    notified.
     """
     function.compile(signature.args)
     compiled = function.overloads[signature.args]
