@@ -116,8 +116,11 @@ def test_a_billion_laughs_is_refused_at_the_first_alias():
 
 
 def test_depth_is_bounded_without_recursion():
-    error = fault('[' * 100_000)
-    assert error.reason == f'nested more than {yaml_text.MAX_DEPTH} deep'
+    too_deep = f'nested more than {yaml_text.MAX_DEPTH} deep'
+    assert fault('[' * (yaml_text.MAX_DEPTH + 1)).reason == too_deep
+    # PyYAML 6.0.4 has a bound of its own, before events come.
+    of_libyaml = 'not YAML: exceeded maximum nesting depth'
+    assert fault('[' * 100_000).reason in (too_deep, of_libyaml)
     deep = '[' * yaml_text.MAX_DEPTH + ']' * yaml_text.MAX_DEPTH
     assert read_yaml(deep, 'a.yaml').value is not None
 
