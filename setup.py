@@ -51,7 +51,7 @@ EXTRAS['test'] = [
     'pytest>=8.2',
     'pytest-timeout>=2.3',
     'pytest-xdist>=3.5',
-    'yourdfpy>=0.0.53',  # a second opinion on forward kinematics
+    'yourdfpy>=0.0.56',  # a second opinion on forward kinematics
 ]
 
 
