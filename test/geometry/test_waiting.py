@@ -206,3 +206,42 @@ def test_first_poses_are_those_that_later_contexts_begin_with():
             scene.graph.SetFirstPoses(bad)
     again = scene.graph.get_query_output_port().Eval(scene.graph.CreateSharedContext(partial=True))
     assert again.X_WF(scene.a).translation().tolist() == [0, 0, 2]
+
+
+def test_bodies_of_a_crowd_that_are_placed_one_after_the_other_are_near_whom_they_are_near():
+    """Those that wait stand nowhere, though all of them have the same place in memory."""
+    graph = SceneGraph()
+    source = graph.RegisterSource('s')
+    frames, rng = [], np.random.default_rng(3)
+    for k in range(300):
+        frames.append(graph.RegisterFrame(source, GeometryFrame(f'f{k}')))
+        graph.RegisterGeometry(source, frames[-1], instance('ball', Sphere(0.1)))
+        rests = instance(f'rests {k}', Sphere(0.1), RigidTransform(rng.uniform(-1, 1, 3)))
+        graph.RegisterAnchoredGeometry(source, rests)
+    context = graph.CreateSharedContext(partial=True)
+    query = graph.get_query_output_port().Eval(context)
+
+    def near():
+        found = query.ComputeSignedDistancePairwiseClosestPoints(0.05)
+        return sorted(zip(found.id_A.tolist(), found.id_B.tolist(), strict=True))
+
+    assert near() == []
+    placed = 0
+    for frame in rng.permutation(frames).tolist():
+        # The first stays where it was nowhere; some rest for long before others come.
+        place = rng.uniform(-1, 1, 3) if placed else np.zeros(3)
+        context.UpdateFramePoses(FramePoseVector({frame: RigidTransform(place)}))
+        placed += 1
+        if placed % 20 != 1:
+            continue
+        everywhere = query.ComputeSignedDistancePairwiseClosestPoints()  # by no list of near ones
+        within = everywhere.distance <= 0.05
+        pairs = zip(
+            everywhere.id_A[within].tolist(), everywhere.id_B[within].tolist(), strict=True
+        )
+        assert near() == sorted(pairs)
+        for _ in range(rng.integers(0, 100)):
+            context.UpdateFramePoses(FramePoseVector({frame: RigidTransform(place)}))
+            query.HasCollisions()
+    assert placed == 300
+    assert len(near()) > 300

@@ -127,6 +127,18 @@ def reportable(
 
 
 @compiled
+def count_lacking(bits: Bits, bodies: Slots, bit_rows: BitRows, slots: Slots, lacks: Flags) -> int:
+    """Return how many pairs of ``slots`` may be reported and have one that ``lacks`` a place."""
+    count = 0
+    for a in range(slots.size):
+        i = slots[a]
+        for b in range(a):
+            if lacks[a] or lacks[b]:
+                count += may_report(bits, bodies, bit_rows, i, slots[b])
+    return count
+
+
+@compiled
 def count_filtered(bits: Bits, bodies: Slots, bit_rows: BitRows, slots: Slots) -> int:
     """Return the number of pairs of ``slots`` that are filtered and not invariant."""
     count = 0

@@ -1,7 +1,8 @@
 """Broad phase by hashed grids, for many bodies: the candidate pairs of a neighbour list.
 
 Boxes are put into hashed grids (``grids``). Resting bodies are put there, and paired with each
-other, only once. All of it is called by address.
+other, only once. Bodies that wait for a pose are in no grid: all of them are at the origin, where
+any two would be a pair. All of it is called by address.
 """
 
 from __future__ import annotations
@@ -129,7 +130,8 @@ def _settle(
     for g in range(n):
         if revision >= PATIENCE and world.stamps[g] <= revision - PATIENCE:
             near.active[g] = False
-        if not (near.active[g] or near.is_plane[g]) and world.frames[g] != 0:
+        rests = not (near.active[g] or near.is_plane[g] or world.waiting[g])
+        if rests and world.frames[g] != 0:
             near.rows[loose] = g
             loose += 1
     put_in(boxes, part(near.rows, 0, loose), *posed)
@@ -146,12 +148,12 @@ def _settle(
         return False
     rest, active = 0, 0
     for g in range(n):
-        if not (near.active[g] or near.is_plane[g]):
+        if not (near.active[g] or near.is_plane[g] or world.waiting[g]):
             near.rows[rest] = g
             rest += 1
     put_in(resting, part(near.rows, 0, rest), *posed)
     for g in range(n):
-        if near.active[g]:
+        if near.active[g] and not world.waiting[g]:
             near.rows[active] = g
             active += 1
     numbers[RESTING], numbers[SETTLED_AT], numbers[ACTIVE_THEN] = count, revision, active

@@ -23,6 +23,7 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     MADE,
     NEEDED,
     PLACINGS,
+    RESTING_CUTOFF,
     STANDS,
     VERSION,
     FilterArrays,
@@ -66,9 +67,13 @@ def bring_up_to_date(
         if holds and version == numbers[VERSION] and placings == numbers[PLACINGS]:
             return STANDS
     lengths[LIST_CUTOFF], before = -1.0, lengths[LIST_CUTOFF]  # until it is made
-    if holds and list_cutoff == before:
+    at_once = _is_at_once(near, list_cutoff)
+    is_placed = placings == numbers[PLACINGS]
+    if holds and list_cutoff == before and (is_placed or at_once):
         count = numbers[CANDIDATE_COUNT]  # the same candidates, under other filters
     else:
+        if not is_placed:
+            lengths[RESTING_CUTOFF] = -1.0  # who was placed is in no grid yet
         count = _find_all(near, world, handles, revision, list_cutoff)
         if count < 0:
             return -count
@@ -90,6 +95,12 @@ def bring_up_to_date(
 
 
 @inlined
+def _is_at_once(near: ListArrays, list_cutoff: float) -> bool:
+    """Tell whether every pair of boxes is looked at, of bodies that wait for a pose, too."""
+    return math.isinf(list_cutoff) or near.is_plane.size <= FEW
+
+
+@inlined
 def _find_all(
     near: ListArrays,
     world: WorldArrays,
@@ -101,8 +112,7 @@ def _find_all(
 
     They are sorted unless they do not fit.
     """
-    n = near.is_plane.size
-    at_once = math.isinf(list_cutoff) or n <= FEW
+    at_once = _is_at_once(near, list_cutoff)
     if not (at_once or near.by_grids[0]):
         return -LACKS_GRIDS
     active, idle = set_boxes(near, world, revision, list_cutoff, at_once)

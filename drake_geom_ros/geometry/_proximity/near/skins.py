@@ -59,7 +59,8 @@ def set_boxes(
 
     Return the number of active bodies, and how many of them have rested for some time. ``lowers``
     and ``uppers`` get the boxes for which the next list is valid, ``paddings`` the skins plus half
-    the cutoff [m]: of movable bodies, or of ``every`` body. ``rows`` begins with the active ones.
+    the cutoff [m]: of movable bodies, or of ``every`` body. ``rows`` begins with the active ones
+    that have a place.
     """
     count, idle, fast, made = 0, 0, 0, near.numbers[MADE_AT]
     stamps, movable = world.stamps, world.movable
@@ -67,7 +68,7 @@ def set_boxes(
         g = movable[k]
         if made > 0 and stamps[g] > made and not near.is_plane[g]:
             near.active[g] = True
-        if near.active[g]:
+        if near.active[g] and not world.waiting[g]:
             near.rows[count] = g
             count += 1
             idle += stamps[g] <= revision - PATIENCE
