@@ -17,6 +17,8 @@ _M_MMAP_THRESHOLD = -3  # malloc.h
 # Above what cycles of a robot's scene allocate, and images of 640 x 480, which would pay for
 # mapping anew each time: 780 faults an image; three cameras took 58 images a second, now 66.
 _LARGE = 1 << 21  # [bytes]
+# Searches of all but the oldest objects between two of all; each follows 7000 new objects.
+_RARELY = 1000
 
 
 def give_back_large_blocks() -> bool:
@@ -29,7 +31,21 @@ def give_back_large_blocks() -> bool:
 
 
 def settle() -> None:
-    """Leave what is there now out of what is searched for garbage, until this is called again."""
+    """Leave what is there now out of what is searched for garbage, until this is called again.
+
+    And search all of the rest rarely: a request of 100 000 points would be a reason to do so, and
+    its objects are no garbage.
+    """
+    young, middle, _ = gc.get_threshold()
+    gc.set_threshold(young, middle, _RARELY)
     gc.unfreeze()
     gc.collect()
+    gc.freeze()
+
+
+def leave_out_of_searches() -> None:
+    """Leave what is there now out as well, garbage included, without looking for that before.
+
+    For what a large scene is made of, which is there to stay.
+    """
     gc.freeze()

@@ -8,7 +8,7 @@ import weakref
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.ros.memory import settle
+from drake_geom_ros.ros.memory import leave_out_of_searches, settle
 
 # Small blocks behind the large ones keep heaps from shrinking, as a node's other threads do.
 SCRIPT = """
@@ -57,13 +57,34 @@ class Ring:
 @pytest.fixture
 def searched():
     """Search all objects again afterwards, as other tests expect."""
+    thresholds = gc.get_threshold()
     yield
     gc.unfreeze()
+    gc.set_threshold(*thresholds)
 
 
 def test_what_is_there_is_not_searched_again(searched):
     settle()
     assert gc.get_freeze_count() > 1000 * len(gc.get_objects())
+
+
+def test_what_came_since_is_left_out_as_well_and_let_go_where_nobody_has_it(searched):
+    settle()
+    ring = Ring()
+    before, gone = gc.get_freeze_count(), weakref.ref(ring)
+    leave_out_of_searches()
+    assert gc.get_freeze_count() > before
+    ring.ring = None
+    del ring
+    assert gone() is None
+
+
+def test_all_is_searched_rarely_for_many_new_objects_are_no_garbage(searched):
+    settle()
+    count = gc.get_stats()[2]['collections']
+    points = [[k] for k in range(500_000)]
+    assert len(points) == 500_000
+    assert gc.get_stats()[2]['collections'] == count
 
 
 def test_garbage_of_afterwards_and_of_an_earlier_life_is_freed(searched):
