@@ -123,14 +123,19 @@ class RuleMonitor:
                 )
         return self._end([numbers[name] for name in names])
 
-    def bind(self, scene: ScenePairs) -> list[Event]:
+    def watching(self, rules: Sequence[ProximityRule], scene: ScenePairs) -> WatchedPairs:
+        """Return the pairs that such rules watch in another version of the scene."""
+        return WatchedPairs(rules, scene, self._met)
+
+    def bind(self, scene: ScenePairs, watched: WatchedPairs | None = None) -> list[Event]:
         """Bind the rules to another version of the scene; return GONE events of rules it ends.
 
         A rule ends if one of its sets is empty now. If only some of its names match nothing now,
-        it goes on with the others. Filters end no rule, since they come and go.
+        it goes on with the others. Filters end no rule, since they come and go. ``watched`` is
+        what ``watching`` returned for the scene and the present rules.
         """
         unknown_before, self._scene = self._watched.unknown, scene
-        self._set(self.rules, self._entered)
+        self._set(self.rules, self._entered, watched)
         pairs = enumerate(zip(unknown_before, self._watched.unknown, strict=True))
         return self._end([number for number, (old, new) in pairs if new and not old])
 
@@ -144,10 +149,15 @@ class RuleMonitor:
             self._set(tuple(self.rules[n] for n in left), self._entered.of(left))
         return gone
 
-    def _set(self, rules: tuple[ProximityRule, ...], states: Entered) -> None:
+    def _set(
+        self,
+        rules: tuple[ProximityRule, ...],
+        states: Entered,
+        watched: WatchedPairs | None = None,
+    ) -> None:
         """Set the rules and their states, and discard measurements until ``decide``."""
         self.rules, self._entered = rules, states
-        self._watched = WatchedPairs(rules, self._scene, self._met)
+        self._watched = watched or WatchedPairs(rules, self._scene, self._met)
         self._limits = Limits.of(rules, self._watched.groups)
         lacking = zip([rule.name for rule in rules], self._watched.unknown, strict=True)
         self._met = frozenset(name for name, lacks in lacking if not lacks or name in self._met)

@@ -30,6 +30,7 @@ from drake_geom_ros.proximity_rules.rule import ProximityRule
 Ids = NDArray[np.int64]
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+_COLUMNS = 1024  # of a matrix of pairs that are counted at once: four bytes each
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
 
 
@@ -93,9 +94,14 @@ class WatchedPairs:
     def _count(self, reported: Flags) -> None:
         """Count pairs {i, j} with i in A and j in B: ordered pairs minus those counted twice."""
         in_a, in_b = self._in_a.astype(np.float32), self._in_b.astype(np.float32)
-        both, partners = in_a * in_b, reported.astype(np.float32)
+        both = in_a * in_b
         # Whole numbers to 2 ** 24 are exact here; their sums need not be so small.
-        near_a, near_b, near_both = in_a @ partners, in_b @ partners, both @ partners
+        near_a, near_b, near_both = (np.empty_like(in_a) for _ in range(3))
+        for first in range(0, len(reported), _COLUMNS):
+            columns = slice(first, first + _COLUMNS)
+            partners = reported[:, columns].astype(np.float32)
+            near_a[:, columns], near_b[:, columns] = in_a @ partners, in_b @ partners
+            near_both[:, columns] = both @ partners
         ordered = (near_a * in_b).sum(axis=1, dtype=np.float64)
         twice = (near_both * both).sum(axis=1, dtype=np.float64) / 2.0
         pairs = (ordered - twice).astype(np.int64)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any, Protocol
 
+from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.ros.inputs.tf_edges import Refusal, names_in
 from drake_geom_ros.ros.inputs.tf_input import TfInput
@@ -68,6 +69,7 @@ class PoseStream:
         self._settings = settings
         self._diagnostics = diagnostics
         self._cycle = cycle
+        live.rehearse = self._rehearse
         self._frames, self._seconds = 0, 0.0  # taken since the last cycle, and what that cost
 
     def stop(self) -> None:
@@ -140,6 +142,11 @@ class PoseStream:
         with self._live.reading() as scene:
             if self.active:
                 self._cycle.rules.look_again(scene)
+
+    def _rehearse(self, query: QueryObject) -> None:
+        """Ask a query object what a cycle asks."""
+        values = self._settings.values
+        self._cycle.rehearse(query, values.max_distance, values.time_budget)
 
     def _posed(self, scene: EditableScene, frames: int, start: float) -> None:
         """Run a cycle for poses whose taking began at ``start``, or leave it to the timer."""

@@ -30,7 +30,7 @@ from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.configured_node import ConfiguredNode
 from drake_geom_ros.ros.conversions.paddings import paddings_of
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.memory import give_back_large_blocks, settle
+from drake_geom_ros.ros.memory import give_back_large_blocks, leave_out_of_searches, settle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.parameters import (
     QOS_OVERRIDES,
@@ -155,7 +155,7 @@ class SceneGraphNode(LifecycleNode):
             hulls = hulls_in_words(described.geometries)
             loaded = f'{counted(counts[0], "frame")} and {counted(counts[1], "geometry")}'
             self.get_logger().info(f'loaded {loaded}{hulls}')
-        live.tell_compiling = self._tell_compiling
+        live.tell_compiling, live.have_settled = self._tell_compiling, leave_out_of_searches
         kernels = live.compile_kernels()
         opened = ConfiguredNode(
             self,

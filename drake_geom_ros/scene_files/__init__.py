@@ -41,10 +41,8 @@ from drake_geom_ros.scene_files.input_files import files_of
 from drake_geom_ros.scene_files.leaving_out import without_source
 from drake_geom_ros.scene_files.registration import (
     LoadedScene,
-    RegisteredCopy,
     apply_filter,
     register,
-    register_on_copy,
     register_rehearsed,
     warm_up,
 )
@@ -60,9 +58,7 @@ __all__ = [
     'read_scene',
     'save_scene',
     'register',
-    'register_on_copy',
     'register_rehearsed',
-    'RegisteredCopy',
     'warm_up',
     'apply_filter',
     'AwaitedFilter',

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
@@ -129,25 +128,6 @@ def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedSc
 def register_rehearsed(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
     """Register like ``register``, without the rehearsal that ``warm_up`` just did."""
     return _registered(scene_graph, description, None)
-
-
-def register_on_copy(
-    scene_graph: SceneGraph, description: SceneDescription, copy: RegisteredCopy
-) -> LoadedScene:
-    """Register like ``register``, by taking over a copy of the scene that has it already.
-
-    If the scene changed since the copy was made, the description is registered anew.
-    """
-    if scene_graph.TakeOver(copy.context):
-        return copy.loaded
-    return register(scene_graph, description)
-
-
-class RegisteredCopy(NamedTuple):
-    """A copy of a shared context with a registered description, and its ids."""
-
-    context: SceneGraphContext
-    loaded: LoadedScene
 
 
 def warm_up(

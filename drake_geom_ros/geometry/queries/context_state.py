@@ -104,6 +104,18 @@ class ContextState(PosedScene):
         other.prepared_motions = PreparedMotions()
         return other
 
+    def go_on_as(self, copy: ContextState) -> None:
+        """Answer, at the poses of now, with what queries of a copy have prepared.
+
+        The content of the copy was taken over, and nobody uses it from now on.
+        """
+        copy.world.pose_as(self.world)
+        copy.engine.detailed = self.engine.detailed
+        own = self.model, self.filters, self.accuracy, self.partial
+        self.__dict__.update(copy.__dict__)
+        self.model, self.filters, self.accuracy, self.partial = own
+        self.copied_from = None
+
     def snapshot(self: _State) -> _State:
         """Return a copy for queries and poses only.
 

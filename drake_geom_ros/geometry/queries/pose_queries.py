@@ -69,8 +69,7 @@ class PoseQueries:
 
     def waiting_frames(self) -> list[FrameId]:
         """Return the frames that have never received a pose, parents first."""
-        world = self._state.up_to_date_world()
-        return [] if world.is_whole else [FrameId(v) for v in world.unposed_frames().tolist()]
+        return list(self._state.waiting_frames())
 
     def is_placed(self, id: FrameId | GeometryId) -> bool:
         """Return whether a frame, or that of a geometry, and all its parents have a pose."""

@@ -38,6 +38,13 @@ class ModelMark(NamedTuple):
         return cls(model.versions.frames, model.versions.proximity)
 
 
+class _WaitingFrames(NamedTuple):
+    """Which frames wait for a pose, and when that was so."""
+
+    moment: object
+    frames: tuple[FrameId, ...]
+
+
 class PosedScene(SceneContent):
     """A model with its filters, and the world of poses that queries run on.
 
@@ -55,6 +62,7 @@ class PosedScene(SceneContent):
         # their ids, and those of sources by the ids of these.
         self._named: dict[bytes, Named] = {}
         self._own: dict[int, Named] = {}
+        self._waiting = _WaitingFrames(None, ())
         if model.first_X_PFs:
             self.pose_frames(FramePoseVector(model.first_X_PFs))
 
@@ -92,6 +100,17 @@ class PosedScene(SceneContent):
                 'SceneGraph.SetFirstPoses(poses).'
             )
         return world
+
+    def waiting_frames(self) -> tuple[FrameId, ...]:
+        """Return the frames that never had a pose, parents first; the same ones while they are."""
+        world = self.up_to_date_world()
+        if world.is_whole:
+            return ()
+        moment = self.built, world.placings
+        if self._waiting.moment != moment:  # asked each cycle, of a robot of 4000 links
+            frames = tuple(map(FrameId, world.unposed_frames().tolist()))
+            self._waiting = _WaitingFrames(moment, frames)
+        return self._waiting.frames
 
     def placed_frame(self, id: FrameId, *, in_world: bool = True) -> tuple[World, int]:
         """Return the world and the row of a frame in it.

@@ -23,7 +23,7 @@ from drake_geom_ros.geometry.model.properties import (
 from drake_geom_ros.geometry.model.scene_content import SceneContent, content_of
 from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
-from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
@@ -315,16 +315,25 @@ class SceneGraph(Attaching, Configured, OlderNames):
         with_defaults(own.model)
         return self._context_type(own.model, own.filters, self._default_accuracy)
 
-    def TakeOver(self, context: SceneGraphContext) -> bool:
+    def TakeOver(
+        self, context: SceneGraphContext, shared: SceneGraphContext | None = None
+    ) -> bool:
         """Adopt the content of a changed copy of a shared context, and return whether it did.
 
         A long change, of thousands of frames, can be made on a copy (``copy()`` of the result of
         ``CreateSharedContext``) while others use this scene. This call then applies it in a
         moment, with the same ids. It returns False and changes nothing if this scene has changed
         since the copy was made. The context must not be used any more. Poses are not adopted.
+
+        ``shared`` is the context of this scene that was copied. It keeps its poses and continues
+        with what queries of the copy have prepared; without it, its next query prepares all that.
         """
         checked_type(context, SceneGraphContext, 'TakeOver: context')
-        return self._state.take_over(content_of(context))
+        if not self._state.take_over(content_of(context)):
+            return False
+        if shared is not None:
+            state_of(shared).go_on_as(state_of(context))
+        return True
 
     def Clone(self) -> SceneGraph:
         """Return an independent copy, with the same ids, filters and default accuracy."""

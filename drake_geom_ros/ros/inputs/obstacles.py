@@ -27,7 +27,7 @@ from drake_geom_ros.ros.inputs.obstacle_records import (
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.moments import Hanging, Model, Moment, moment_of
 from drake_geom_ros.ros.scene.out_of_sight import Sight
-from drake_geom_ros.ros.scene.seen_maps import Sighting, put, shape_of
+from drake_geom_ros.ros.scene.seen_maps import Sighting, drafted, put, shape_of
 from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.ros.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.sensed_maps.cells import Cells
@@ -174,6 +174,7 @@ class ObstacleInput:
             tuple((each.in_words(), since) for each, since in feeds.sinces()),
             feeds.sights(),
         )
+        draft = drafted(self._live, self.name, sighting)
         with self._live.editing() as scene:
             if begun.generation != self._generation:
                 raise ArgumentError('the map was cleared while the message was taken')
@@ -186,7 +187,7 @@ class ObstacleInput:
                     raise ArgumentError(
                         f'its stamp is {behind:.3f} s before that of the map that is there'
                     )
-            put(scene, self.name, sighting, margin)
+            put(scene, self.name, sighting, margin, draft)
             self._feeds = feeds
             taken, seconds = self.counts.taken + 1, time.perf_counter() - begun.start
             self.counts = replace(counts, taken=taken, seconds=seconds)

@@ -14,11 +14,10 @@ from dataclasses import replace
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.scene.editable_scene import RegisteredDraft, prepared
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
 from drake_geom_ros.scene_files import (
-    RegisteredCopy,
     SceneDescription,
     hulls_in_words,
     read_scene,
@@ -105,7 +104,7 @@ class RobotInput:
             f'{told}{hulls_in_words(robot.geometries)}'
         )
 
-    def _make_ready(self, robot: SceneDescription) -> RegisteredCopy | None:
+    def _make_ready(self, robot: SceneDescription) -> RegisteredDraft | None:
         """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it.
 
         Returns a copy of the scene with the robot where it is new.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drake_geom_ros.geometry import METHODS, Effects, closing_speeds
+from drake_geom_ros.geometry import METHODS, Effects, QueryObject, closing_speeds
 from drake_geom_ros.ros.conversions.fields import floats, unsigned
 from drake_geom_ros.ros.conversions.results import (
     fill_closing_speeds,
@@ -114,6 +114,13 @@ class Cycle:
             effects += [beside.take() for beside in self._beside]
             seconds = poses_seconds + time.perf_counter() - start
             self._report(scene, moment, effects, computed, seconds, time_budget)
+
+    def rehearse(self, query: QueryObject, max_distance: float, time_budget: float) -> None:
+        """Ask a query object of a scene that is to come what cycles ask at present."""
+        wanted = self._publishers['signed_distances'].get_subscription_count() > 0
+        query.ComputeSignedDistancePairwiseClosestPoints(
+            max_distance if wanted else 0.0, time_budget=time_budget
+        )
 
     def _answer(
         self,

@@ -55,12 +55,16 @@ class ChangingScene(HeldScene):
     def _remove(self, source: SourceId) -> tuple[int, int]:
         name, geometries = self.inspector.GetName(source), self.inspector.num_geometries()
         frames = self._scene_graph.RemoveSource(source)
+        self.forget_source(source, name, frames)
+        return len(frames), geometries - self.inspector.num_geometries()
+
+    def forget_source(self, source: SourceId, name: str, frames: Sequence[FrameId]) -> None:
+        """Forget what is known of a source that has gone, and of its frames."""
         self._forget(frames)
         self.awaited.forget(name)
         self._robots = [robot for robot in self._robots if robot.name != name]
         if source == self.maps_source:
             self.maps, self.maps_source = {}, None
-        return len(frames), geometries - self.inspector.num_geometries()
 
     def _forget(self, frames: Sequence[FrameId]) -> None:
         """Forget what is known of frames that have gone."""

@@ -90,8 +90,8 @@ class DrivenRobot:
             name: JointValue(value, math.nan, 0, UNKNOWN)
             for name, value in robot.configuration.items()
         }
-        known = {**standing, **values}
-        self.values = [known.get(name) for name in self.joint_names]
+        self.values = [standing.get(name) for name in self.joint_names]
+        self.know(values)
         names = kinematics.link_names
         self._joints = {joint.name: joint for joint in robot.tree.joints}
         self._frames = {name: frames.get((robot.name, name)) for name in names}
@@ -109,6 +109,11 @@ class DrivenRobot:
         self.described_X_PB = robot.X_WB.ToArray()
         self.base: Base | None = None  # that of the poses that were given last
         self._place, self._X_PB = b'', self.described_X_PB
+
+    def know(self, values: Mapping[str, JointValue]) -> None:
+        """Have values by joint, of those that are named."""
+        rows = zip(self.joint_names, self.values, strict=True)
+        self.values = [values.get(name, value) for name, value in rows]
 
     @property
     def full_names(self) -> list[str]:

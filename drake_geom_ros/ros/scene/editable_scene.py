@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +27,13 @@ from drake_geom_ros.ros.scene.feeders import MESSAGES, OBSTACLES, TF
 from drake_geom_ros.ros.scene.held_scene import MAPS
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.ros.scene.pose_history import Parts
+from drake_geom_ros.ros.scene.scene_draft import SceneDraft
 from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
     CameraDescription,
     LoadedScene,
-    RegisteredCopy,
     SceneDescription,
     register,
-    register_on_copy,
     register_rehearsed,
 )
 
@@ -63,6 +62,13 @@ def prepared(description: SceneDescription) -> PreparedScene:
     return PreparedScene(scene_graph, loaded)
 
 
+class RegisteredDraft(NamedTuple):
+    """A draft in which something was registered, and what that became."""
+
+    draft: SceneDraft
+    loaded: LoadedScene
+
+
 class EditableScene(ChangingScene):
     """The scene and what may be changed of it. What raises RuntimeError has changed nothing."""
 
@@ -71,8 +77,24 @@ class EditableScene(ChangingScene):
         """The scene graph, to register on and to filter."""
         return self._scene_graph
 
+    def take_over(self, draft: SceneDraft) -> bool:
+        """Become what a draft has become; return False where the scene has changed since.
+
+        In a moment, whatever was changed: all that cycles need was made by the draft.
+        """
+        if not self._scene_graph.TakeOver(draft.context, self._context):
+            return False
+        if (named := draft.named) is not None:
+            named.joints.go_on_as(self._joints)
+            self._robots = draft.robots
+            self._names, self._reader, self._joints = named.names, named.reader, named.joints
+            self._named_version = self.model_version
+            self._attached = self.names_version, named.attached
+        self.rules.offer(draft.rules)
+        return True
+
     def add(
-        self, description: SceneDescription, copy: RegisteredCopy | None = None
+        self, description: SceneDescription, copy: RegisteredDraft | None = None
     ) -> tuple[int, int]:
         """Register what is described; return frames, geometries added.
 
@@ -82,9 +104,11 @@ class EditableScene(ChangingScene):
         for camera in description.cameras:
             self._refuse_taken(camera.name)
         self._refuse_cameras(description.cameras)
-        if copy is None:
-            return self._take(register(self._scene_graph, description))
-        return self._take(register_on_copy(self._scene_graph, description, copy))
+        if copy is not None and self.take_over(copy.draft):
+            return self._take(copy.loaded)
+        loaded = register(self._scene_graph, description)
+        self._robots += loaded.robots.values()  # before their frames are called by names
+        return self._take(loaded)
 
     def swap(self, sources: Sequence[SourceId], description: SceneDescription) -> tuple[int, int]:
         """Put what is described in the place of sources; return frames, geometries added.
@@ -107,6 +131,7 @@ class EditableScene(ChangingScene):
         kept = self.make_room(sources, description)  # which rehearses it
         self.replaced += 1
         loaded = register_rehearsed(self._scene_graph, description)
+        self._robots += loaded.robots.values()
         added = self._take(loaded)
         self.stay(kept, loaded)
         return added
@@ -144,13 +169,13 @@ class EditableScene(ChangingScene):
         other.scene_graph.set_default_accuracy(self.accuracy)
         self._adopt(other.scene_graph, self.version + 1)
         self.replaced += 1
+        self._robots += other.loaded.robots.values()
         if self.stand_maps is not None:
             self.stand_maps(self)  # before rules are bound: those about maps go on
         return self._take(other.loaded)
 
     def _take(self, loaded: LoadedScene) -> tuple[int, int]:
         """Take over what was registered."""
-        self._robots += loaded.robots.values()  # before their frames are called by names
         self._context.UpdateFramePoses(loaded.first_poses)
         at_world = self._frame_that_is_the_world(loaded)
         self._context.UpdateFramePoses(FramePoseVector(at_world))
@@ -161,7 +186,8 @@ class EditableScene(ChangingScene):
             if self.inspector.IsAttached(frame):
                 self._ages.rest(frame.get_value())
         self.warned += loaded.warnings
-        self.bind_rules()
+        if loaded.rules or self.rules.rules:
+            self.bind_rules()
         self.warned += self.rules.take(loaded.rules)
         self.awaited.begin(loaded.awaited)
         self.bind_filters()

@@ -54,6 +54,8 @@ from drake_geom_ros.scene_files import (
 from drake_geom_ros.sensed_maps import Cells
 
 _REMEMBERED = 5.0  # [s] for which a pose is told of that was left out
+# Frames and geometries; of 1000 each the tables that a change makes anew take some 50 ms.
+_MANY = 1000
 MAPS = 'obstacles'  # the source of what sensors see
 
 
@@ -189,9 +191,7 @@ class HeldScene:
     def attached(self) -> frozenset[int]:
         """The frames that are attached to others, by the values of their ids."""
         if self._attached[0] != self.names_version:
-            inspector = self.inspector
-            frames = [f for f in inspector.GetAllFrameIds() if inspector.IsAttached(f)]
-            self._attached = self.names_version, frozenset(f.get_value() for f in frames)
+            self._attached = self.names_version, attached_in(self.inspector)
         return self._attached[1]
 
     def refuse_maps(self, source: SourceId) -> None:
@@ -284,6 +284,16 @@ class HeldScene:
         """The joints of the robots of this version of the scene, and what is known of them."""
         self._refresh()
         return self._joints
+
+    @property
+    def robots(self) -> list[RobotDescription]:
+        """The robots, in the order in which they came; a copy."""
+        return list(self._robots)
+
+    @property
+    def is_large(self) -> bool:
+        """Whether tables of all that there is take longer than a cycle may wait."""
+        return is_large(self.inspector)
 
     def robot_names(self) -> set[str]:
         """Return the sources of the robots."""
@@ -429,3 +439,14 @@ class HeldScene:
         if self.maps_source is not None:  # what was seen is no model of anything
             described = without_source(described, MAPS)
         return replace(described, awaited=self.awaited.waiting(), rules=self.rules.rules)
+
+
+def is_large(inspector: SceneGraphInspector) -> bool:
+    """Return whether tables of all that there is take longer than a cycle may wait."""
+    return inspector.num_geometries() + inspector.num_frames() > _MANY
+
+
+def attached_in(inspector: SceneGraphInspector) -> frozenset[int]:
+    """Return the frames that are attached to others, by the values of their ids."""
+    frames = [frame for frame in inspector.GetAllFrameIds() if inspector.IsAttached(frame)]
+    return frozenset(frame.get_value() for frame in frames)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, TypeVar
@@ -23,6 +23,7 @@ import numpy as np
 from drake_geom_ros.geometry import (
     ArgumentError,
     GeometryError,
+    QueryObject,
     SceneGraph,
     SceneGraphContext,
 )
@@ -31,13 +32,15 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.clocks import Clocks
-from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.editable_scene import EditableScene, RegisteredDraft
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.map_sources import MapSources
 from drake_geom_ros.ros.scene.robot_following import pose_followers
+from drake_geom_ros.ros.scene.scene_draft import SceneDraft
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import (
-    RegisteredCopy,
+    LoadedScene,
+    RobotDescription,
     RobotOptions,
     SceneDescription,
     camera_of,
@@ -45,6 +48,7 @@ from drake_geom_ros.scene_files import (
 )
 
 _Result = TypeVar('_Result')
+_TRIES = 3  # of a change beside others who change the scene all the time
 
 
 class LiveScene:
@@ -68,6 +72,10 @@ class LiveScene:
         # Called with name, number and last of what has to be compiled, while queries wait for it.
         self.tell_compiling: Callable[[str, int, int], None] | None = None
         self.time_budget = 0.0  # [s] of what an answer may leave out for want of time; 0: none
+        # Called when the tables of a large scene were made, which are there to stay.
+        self.have_settled: Callable[[], object] = lambda: None
+        # Asks a query object of a scene that is to come what the cycles ask.
+        self.rehearse: Callable[[QueryObject], object] = lambda query: None
         self.stale_after = math.inf  # [s] age from which on answers name a pose as stale
         self.world_frame = world_frame
         self._lock = threading.RLock()
@@ -160,27 +168,64 @@ class LiveScene:
         return kernels
 
     def make_ready(
-        self, change: Callable[[SceneGraph, SceneGraphContext], _Result]
-    ) -> tuple[SceneGraphContext, _Result]:
+        self,
+        change: Callable[[SceneGraph, SceneGraphContext], _Result],
+        robots: Sequence[RobotDescription] = (),
+    ) -> tuple[SceneDraft, _Result]:
         """Make a change on a copy of the scene, and what queries need of the changed scene.
 
         So files are read and kernels compiled beside the cycle, before the change is made in
         earnest: the scene is held only while it is copied. ``change`` is given the copy, after a
-        scene graph whose methods take it; what it raises is raised here. Returns the copy, and
-        what ``change`` returned.
+        scene graph whose methods take it; what it raises is raised here. Returns the draft, and
+        what ``change`` returned. It may have brought ``robots``.
         """
         with self.reading() as scene:
-            context = scene.copy()
-        result = change(SceneGraph(), context)
-        context.compile_kernels(self.tell_compiling)
-        return context, result
+            draft = SceneDraft(scene)
+        result = change(SceneGraph(), draft.context)
+        draft.name_all(robots)
+        draft.get_ready(self.rehearse, self.tell_compiling)
+        if draft.is_large:
+            self.have_settled()
+        return draft, result
+
+    def change(
+        self,
+        change: Callable[[SceneGraph, SceneGraphContext | None], _Result],
+        *,
+        calls_for_more: bool = False,
+        then: Callable[[EditableScene, _Result], object] = lambda scene, result: None,
+    ) -> _Result:
+        """Make a change of the scene graph and return what it returns.
+
+        Cycles go on meanwhile, where the scene is large or the change ``calls_for_more`` kernels:
+        it is made on a draft, which the scene becomes. ``then`` does what belongs to the change
+        with the scene that has it, before anybody else has that scene.
+        """
+        for _ in range(_TRIES):
+            with self.reading() as scene:
+                if not (calls_for_more or scene.is_large):
+                    break
+            draft, result = self.make_ready(change)
+            with self.editing() as scene:
+                if scene.take_over(draft):
+                    then(scene, result)
+                    return result
+            calls_for_more = False
+        with self.editing() as scene:
+            result = change(scene.scene_graph, None)
+            then(scene, result)
+            return result
 
 
-def registered_copy(live: LiveScene, description: SceneDescription) -> RegisteredCopy:
-    """Return a copy of the scene with what is described, all that takes long done beside it."""
-    return RegisteredCopy(
-        *live.make_ready(lambda graph, context: warm_up(graph, description, context))
-    )
+def registered_copy(live: LiveScene, description: SceneDescription) -> RegisteredDraft:
+    """Return a draft of the scene with what is described, all that takes long done beside it."""
+
+    def register(graph: SceneGraph, context: SceneGraphContext) -> LoadedScene:
+        loaded = warm_up(graph, description, context)
+        context.UpdateFramePoses(loaded.first_poses)
+        return loaded
+
+    return RegisteredDraft(*live.make_ready(register, description.robots))
 
 
 def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:

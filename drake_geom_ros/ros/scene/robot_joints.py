@@ -23,7 +23,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.names import shortened, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, UNKNOWN, Since
-from drake_geom_ros.ros.scene.driven_robot import Base, DrivenRobot, JointEntry
+from drake_geom_ros.ros.scene.driven_robot import Base, DrivenRobot, JointEntry, JointValue
 from drake_geom_ros.ros.scene.joint_past import JointPast
 from drake_geom_ros.scene_files import RobotDescription
 
@@ -54,8 +54,7 @@ class RobotJoints:
             if robot.tree is None:
                 continue
             known = None if before is None else before.robots.get(robot.name)
-            heard = () if known is None else zip(known.joint_names, known.values, strict=True)
-            values = {n: value for n, value in heard if value and value.since != UNKNOWN}
+            values = {} if known is None else _heard_by(known)
             try:
                 driven = DrivenRobot(robot, frames, values)
             except ValueError as error:
@@ -64,6 +63,12 @@ class RobotJoints:
             past = None if before is None else before.pasts.get(robot.name)
             self.robots[robot.name] = driven
             self.pasts[robot.name] = JointPast(driven, past)
+
+    def go_on_as(self, before: RobotJoints) -> None:
+        """Know of joints what was known before, of robots that were there."""
+        for name, robot in self.robots.items():
+            if (known := before.robots.get(name)) is not None:
+                robot.know(_heard_by(known))
 
     @cached_property
     def entries(self) -> tuple[JointEntry, ...]:
@@ -172,6 +177,12 @@ class RobotJoints:
                 f'nothing was heard of the joints {some_of(missing)}, which move the same links: '
                 'name them too'
             )
+
+
+def _heard_by(robot: DrivenRobot) -> dict[str, JointValue]:
+    """Return the values of joints that were heard of, by name."""
+    heard = zip(robot.joint_names, robot.values, strict=True)
+    return {name: value for name, value in heard if value and value.since != UNKNOWN}
 
 
 def look_up(robots: Sequence[DrivenRobot], names: Sequence[str]) -> list[JointPlace | None]:

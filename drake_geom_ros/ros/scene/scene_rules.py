@@ -31,6 +31,7 @@ from drake_geom_ros.proximity_rules import (
     RuleState,
     RuleStates,
     ScenePairs,
+    WatchedPairs,
 )
 from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.scene.out_of_sight import Balls, MapSights, unseen, with_unseen
@@ -50,6 +51,23 @@ class Blind(NamedTuple):
     foreign: Collection[int] = ()  # posed with stamps of another clock
 
 
+class BoundRules(NamedTuple):
+    """What rules are about in one version of a scene: it takes long, and changes nothing."""
+
+    version: GeometryVersion
+    frames_version: int  # -1: of a copy, which has no version among those of the live scene
+    rules: tuple[ProximityRule, ...]
+    pairs: ScenePairs
+    watched: WatchedPairs
+    hanging: dict[int, list[int]]
+    frames: list[FrameId]
+    narrowed: QueryObject
+
+    def is_of(self, version: GeometryVersion, rules: tuple[ProximityRule, ...]) -> bool:
+        """Return whether it is about this version of a scene, and these rules."""
+        return self.version.IsSameAs(version, Role.kProximity) and self.rules == rules
+
+
 class SceneRules:
     """What rules there are, which pairs they watch, and what became of them."""
 
@@ -63,6 +81,7 @@ class SceneRules:
         self._balls: Balls | None = None  # around geometries that sensed maps are reported with
         self._pairs = _NO_PAIRS
         self._narrowed: QueryObject | None = None
+        self._prepared: BoundRules | None = None  # of a version of the scene that comes
         self._happened: list[Event] = []  # that nobody was told of yet
         self.revision = 0  # changes with each rule, state and number of pairs
 
@@ -97,9 +116,13 @@ class SceneRules:
         """
         known = {rule.name: rule for rule in self.rules}
         others = [rule.name for rule in rules if known.get(rule.name, rule) != rule]
-        self._happened += self._monitor.remove(*others)
+        if others:
+            self._happened += self._monitor.remove(*others)
+            self._changed()
         there = {rule.name for rule in self.rules}
         new = [rule for rule in rules if rule.name not in there]
+        if not new:
+            return []
         self._changed()
         return self._monitor.add(new, may_wait=True)
 
@@ -118,6 +141,16 @@ class SceneRules:
         is_same = version.IsSameAs(self._version, Role.kProximity)
         if is_same and frames_version == self._frames_version:
             return
+        prepared, self._prepared = self._prepared, None
+        if prepared is not None and prepared.is_of(version, self.rules):
+            if prepared.pairs is self._pairs:
+                self._version, self._frames_version = version, frames_version
+                self._extents = self._balls = None
+                self.measure_again()
+            else:
+                self._be(prepared._replace(frames_version=frames_version))
+            self._narrowed = prepared.narrowed
+            return
         have_same_names = frames_version == self._frames_version
         self._version, self._frames_version = version, frames_version
         self._extents = self._balls = None
@@ -128,13 +161,53 @@ class SceneRules:
             self._narrowed = None
             self.measure_again()
             return
-        self._changed()
+        self._be(self._bound(query, frames_version, ids, reported))
+
+    def prepared(self, query: QueryObject, *, same_names: bool) -> BoundRules:
+        """Return what ``bind`` would be about, for a copy of the scene that is going to be it.
+
+        With the ``same_names`` as the scene of now where only shapes are others.
+        """
+        ids, reported = query.inspector().candidate_matrix()
+        if same_names and self._pairs.are(ids, reported):
+            version, rules = query.inspector().geometry_version(), self.rules
+            known = self._pairs, self._monitor.watched, self._hanging, self._frames
+            bound = BoundRules(version, -1, rules, *known, query)
+        else:
+            bound = self._bound(query, -1, ids, reported)
+        narrowed = query.narrowed(bound.watched.watched())
+        return bound._replace(narrowed=narrowed)
+
+    def offer(self, prepared: BoundRules | None) -> None:
+        """Have what was ``prepared`` for the scene as it is now, until the next ``bind``."""
+        self._prepared = prepared
+
+    def _bound(
+        self, query: QueryObject, frames_version: int, ids: NDArray[np.int64], reported: Flags
+    ) -> BoundRules:
+        inspector, rules = query.inspector(), self.rules
+        version = inspector.geometry_version()
         geometries = [GeometryId(value) for value in ids.tolist()]
         names = [geometry_names(inspector, geometry) for geometry in geometries]
-        self._pairs = ScenePairs(ids, names, reported)
-        self._happened += self._monitor.bind(self._pairs)
-        self._hanging = hanging(inspector, geometries)
-        self._frames = [inspector.GetFrameId(geometry) for geometry in geometries]
+        pairs = ScenePairs(ids, names, reported)
+        return BoundRules(
+            version,
+            frames_version,
+            rules,
+            pairs,
+            self._monitor.watching(rules, pairs),
+            hanging(inspector, geometries),
+            [inspector.GetFrameId(geometry) for geometry in geometries],
+            query,
+        )
+
+    def _be(self, bound: BoundRules) -> None:
+        """Be about a version of the scene."""
+        self._changed()
+        self._version, self._frames_version = bound.version, bound.frames_version
+        self._extents = self._balls = None
+        self._pairs, self._hanging, self._frames = bound.pairs, bound.hanging, bound.frames
+        self._happened += self._monitor.bind(bound.pairs, bound.watched)
 
     def decide(
         self,

@@ -28,13 +28,16 @@ from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import OBSTACLES
 from drake_geom_ros.ros.scene.held_scene import MAPS, HeldScene, SeenMap
+from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.map_sources import MapSources
 from drake_geom_ros.ros.scene.out_of_sight import Sight
+from drake_geom_ros.ros.scene.scene_draft import SceneDraft
 from drake_geom_ros.ros.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.scene_files import SceneDescription
 from drake_geom_ros.sensed_maps import Cells
 
 GEOMETRY = 'map'
+_MANY_CELLS = 20_000  # of which a cycle may not wait for the tables
 _MARGIN = ('map', 'margin')  # of the geometry, by which each cell is larger on every side
 
 
@@ -129,12 +132,37 @@ def rehearse(graph: SceneGraph, context: SceneGraphContext, shape: OccupiedCells
     graph.RegisterGeometry(context=context, source_id=source, frame_id=frame, geometry=instance)
 
 
-def put(scene: EditableScene, name: str, sighting: Sighting, margin: float = 0.0) -> None:
-    """Let a map hold what was seen, in place of all that it held."""
+def drafted(live: LiveScene, name: str, sighting: Sighting) -> SceneDraft | None:
+    """Return a draft of the scene in which a map has another shape; None: that is soon done."""
+    with live.reading() as scene:
+        known = scene.maps.get(name)
+        if known is None or not (scene.is_large or len(sighting.cells) > _MANY_CELLS):
+            return None
+        draft = SceneDraft(scene)
+        source = scene.inspector.GetOwningSourceId(known.frame)
+    graph = SceneGraph()
+    graph.ChangeShape(draft.context, source, known.geometry, sighting.shape)
+    draft.get_ready(live.rehearse, live.tell_compiling)
+    return draft
+
+
+def put(
+    scene: EditableScene,
+    name: str,
+    sighting: Sighting,
+    margin: float = 0.0,
+    draft: SceneDraft | None = None,
+) -> None:
+    """Let a map hold what was seen, in place of all that it held.
+
+    A ``draft`` of a scene that has not changed since has the shape already.
+    """
     known = stand(scene, name, margin)
     graph, frame = scene.scene_graph, known.frame
     before = scene.version
-    graph.ChangeShape(scene.inspector.GetOwningSourceId(frame), known.geometry, sighting.shape)
+    if draft is None or not scene.take_over(draft):
+        source = scene.inspector.GetOwningSourceId(frame)
+        graph.ChangeShape(source, known.geometry, sighting.shape)
     scene.map_changes += scene.version - before
     poses = FramePoseVector({frame: sighting.X_WM})
     posed = {frozenset([frame.get_value()]): sighting.since}

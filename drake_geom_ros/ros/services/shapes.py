@@ -8,9 +8,9 @@ here.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from typing import Any
 
 from drake_geom_ros.geometry import (
     ArgumentError,
@@ -33,10 +33,6 @@ from drake_geom_ros.ros.conversions.shapes import shape_from_message
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files.hydroelastic import GROUP as HYDROELASTIC
-
-_Result = TypeVar('_Result')
-# Is made in a scene graph, or in a copy of it that is given as the context.
-_Change = Callable[[SceneGraph, SceneGraphContext | None], _Result]
 
 
 def register_geometry(live: LiveScene, request: Any, response: Any) -> None:
@@ -90,7 +86,7 @@ def _registered(
             raise
         return made
 
-    return _made(live, change, is_new)
+    return live.change(change, calls_for_more=is_new)
 
 
 def _instance(live: LiveScene, message: Any) -> GeometryInstance:
@@ -150,7 +146,7 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
             assign=assign,
         )
 
-    _made(live, change, is_new)
+    live.change(change, calls_for_more=is_new)
 
 
 def change_shape(live: LiveScene, request: Any, response: Any) -> None:
@@ -168,15 +164,7 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.ChangeShape(context=context, source_id=source, geometry_id=geometry, shape=shape)
 
-    _made(live, change, is_new)
-
-
-def _made(live: LiveScene, change: _Change[_Result], is_new: bool) -> _Result:
-    """Make a change, on a copy first where that may take long, and return what it returns."""
-    if is_new:
-        live.make_ready(change)
-    with live.editing() as scene:
-        return change(scene.scene_graph, None)
+    live.change(change, calls_for_more=is_new)
 
 
 def _is_new(

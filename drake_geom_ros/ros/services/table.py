@@ -31,10 +31,6 @@ Change = Callable[[EditableScene, Any, Any], None]
 # What changes the scene: one after the other, between two cycles.
 CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('register_source', srv.RegisterSource, scene.register_source),
-    ('register_frame', srv.RegisterFrame, scene.register_frame),
-    ('remove_role', srv.RemoveRole, scene.remove_role),
-    ('remove_geometry', srv.RemoveGeometry, scene.remove_geometry),
-    ('remove_source', srv.RemoveSource, scene.remove_source),
     ('attach', srv.Attach, scene.attach),
     ('detach', srv.Detach, scene.detach),
     ('apply_filter', srv.ApplyFilter, filters.apply_filter),
@@ -46,6 +42,14 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
     ('add_proximity_rule', srv.AddProximityRule, proximity_rules.add_proximity_rule),
     ('remove_proximity_rule', srv.RemoveProximityRule, proximity_rules.remove_proximity_rule),
+)
+
+# What changes the scene as well, of a large one on a draft beside the cycles.
+DRAFTS: tuple[tuple[str, Any, Handler], ...] = (
+    ('register_frame', srv.RegisterFrame, scene.register_frame),
+    ('remove_role', srv.RemoveRole, scene.remove_role),
+    ('remove_geometry', srv.RemoveGeometry, scene.remove_geometry),
+    ('remove_source', srv.RemoveSource, scene.remove_source),
 )
 
 # What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
@@ -125,4 +129,4 @@ MOTIONS: tuple[tuple[str, Any, Handler], ...] = (
     ('check_motion', srv.CheckMotion, motions.check_motion),
 )
 
-SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS)
+SERVICES = (*CHANGES, *DRAFTS, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS)

@@ -67,10 +67,6 @@ def test_only_messages_change_what_is_the_maps():
     node = Node()
     shape = Plain(type=1, dimensions=[0.1])
     asked = [
-        (scene.remove_geometry, Plain(geometry='obstacles::points/map')),
-        (scene.register_frame, Plain(source='obstacles', name='x', frame_group=0, parent='')),
-        (scene.remove_role, Plain(geometry='obstacles::points/map', role=PROXIMITY)),
-        (scene.remove_source, Plain(source='obstacles')),
         (scene.detach, Plain(frame='obstacles::points', pose_given=False)),
         (scene.attach, Plain(frame='obstacles::points', parent='s::mast', pose_given=False)),
         (scene.attach, Plain(frame='s::mast', parent='obstacles::points', pose_given=False)),
@@ -80,11 +76,16 @@ def test_only_messages_change_what_is_the_maps():
             serve(held, request, Plain(pose=None))
     role = Plain(role=PROXIMITY, properties=[])
     for serve, told in (
+        (scene.remove_geometry, {}),
+        (scene.register_frame, {'source': 'obstacles', 'name': 'x', 'parent': ''}),
+        (scene.remove_role, {'role': PROXIMITY}),
+        (scene.remove_source, {'source': 'obstacles'}),
         (shapes.change_shape, {'shape': shape}),
         (shapes.assign_role, {'role': role, 'assign': 1}),
     ):
+        request = Plain(geometry='obstacles::points/map', frame_group=0, **told)
         with pytest.raises(RuntimeError, match='sensed maps'):
-            serve(node.live, Plain(geometry='obstacles::points/map', **told), Plain())
+            serve(node.live, request, Plain())
     with node.live.editing() as held:
         before = set(held.names.frame_names.values())
         for sources in ([held.maps_source], [held.names.source('s'), held.maps_source]):
@@ -101,8 +102,7 @@ def test_roles_to_be_drawn_by_are_for_anybody_to_give_to_a_map_and_to_take():
     geometry, role = 'obstacles::points/map', Plain(role=ILLUSTRATION, properties=[])
     shapes.assign_role(node.live, Plain(geometry=geometry, role=role, assign=0), Plain())
     response = Plain()
-    with node.live.editing() as held:
-        scene.remove_role(held, Plain(geometry=geometry, role=ILLUSTRATION), response)
+    scene.remove_role(node.live, Plain(geometry=geometry, role=ILLUSTRATION), response)
     assert response.count == 1
     assert node.pairs() == before
 

@@ -11,14 +11,22 @@ from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FrameId,
     GeometryFrame,
+    GeometryInstance,
     GeometrySet,
+    ProximityProperties,
     QueryObject,
     Sphere,
 )
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import Level, ProximityRule
+from drake_geom_ros.ros.scene import held_scene
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.live_scene import LiveScene, registered_copy
+from drake_geom_ros.ros.scene.scene_rules import Blind
 from drake_geom_ros.scene_files import read_scene, to_yaml
+
+RULE = ProximityRule('near', ('s::a',), level=Level.WARN, enter=0.1, leave=1.0)
 
 TEXT = """
 sources: [s]
@@ -287,3 +295,87 @@ def pairs_of(scene):
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     names = map(scene.inspector.full_names, (results.id_A, results.id_B))
     return dict(zip(zip(*names, strict=True), results.distance.tolist(), strict=True))
+
+
+def drafted(live, change):
+    """Make a change on a draft, whatever the size of the scene, while the scene goes on."""
+    draft, result = live.make_ready(change)
+    with live.editing() as scene:
+        scene.take_poses(message(a=-1, b=3))
+        assert scene.take_over(draft)
+    return result
+
+
+def one_more(live, name='more', x=4.0):
+    with live.reading() as scene:
+        source = scene.names.source('s')
+    ball = GeometryInstance(RigidTransform([x, 0, 0]), Sphere(0.5), name)
+    ball.set_proximity_properties(ProximityProperties())
+    return drafted(live, lambda graph, on: graph.RegisterAnchoredGeometry(on, source, ball))
+
+
+def test_a_draft_is_taken_over_at_the_poses_that_came_since(live, clock):
+    with live.editing() as scene:
+        scene.rules.take([RULE])
+        scene.bind_rules()
+    asked = []
+    live.rehearse = lambda query: asked.append(query.ComputeSignedDistancePairwiseClosestPoints())
+    geometry = one_more(live)
+    assert [len(found) for found in asked] == [3, 2]  # of the draft, and of what rules ask of it
+    with live.editing() as scene:
+        assert scene.version == scene.moment().version
+        assert scene.names.geometry('s::world/more') == geometry
+        assert distance(scene) == pytest.approx(3.8)
+        found = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+        assert sorted(found.distance) == pytest.approx([0.4, 3.8, 4.4])
+        assert not scene.query.effects().near_list_made  # the draft has made it
+        assert scene.unknown_ages().frames == []
+        # And goes on as ever.
+        scene.take_poses(message(a=0, b=1))
+        scene.bind_rules()
+        scene.rules.decide(clock(), scene.query, Blind([], []))
+        assert scene.rules.states()[0].pairs == 2
+        assert scene.rules.states()[0].lowest == pytest.approx(0.8)
+
+
+def test_a_draft_of_a_scene_that_changed_since_is_not_taken_over(live):
+    draft, _ = live.make_ready(lambda graph, on: graph.RegisterSource(on, 't'))
+    with live.editing() as scene:
+        scene.scene_graph.RegisterSource('u')
+        assert not scene.take_over(draft)
+        assert scene.names.source('u') is not None
+
+
+def test_a_large_scene_changes_by_a_draft_or_where_others_change_it_all_the_time_as_ever(
+    live, monkeypatch
+):
+    monkeypatch.setattr(held_scene, '_MANY', 0)
+    made = []
+
+    def change(graph, context):
+        made.append(context)
+        if len(made) < least:
+            with live.editing() as scene:
+                scene.scene_graph.RegisterSource(f'other {len(made)} {least}')
+        return graph.RegisterSource(context=context, name=f'new {least}')
+
+    for least in (1, 2, 9):
+        made.clear()
+        live.change(change, then=lambda scene, source: scene.told.append(source))
+        assert len(made) == min(least, 4)
+        assert (made[-1] is None) == (least == 9)
+        with live.editing() as scene:
+            assert scene.told == [scene.names.source(f'new {least}')]
+            scene.told.clear()
+
+
+def test_frames_that_are_removed_by_a_draft_are_posed_no_more(live):
+    with live.editing() as scene:
+        source = scene.names.source('s')
+    frames = drafted(live, lambda graph, on: graph.RemoveSource(on, source))
+    with live.editing() as scene:
+        scene.forget_source(source, 's', frames)
+        assert scene.pose_ages() == {}
+        with pytest.raises(RuntimeError, match='no source'):
+            scene.take_poses(message(a=0))
+        assert len(scene.query.ComputeSignedDistancePairwiseClosestPoints()) == 0

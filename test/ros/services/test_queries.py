@@ -112,8 +112,7 @@ def test_a_geometry_on_a_geometry_is_posed_in_the_frame_and_goes_with_the_other(
     assert (found.header.frame_id, found.pose.position.z) == ('s::a', 1.0)
     found = get_pose(live, WORLD, geometry='a/tip').pose
     assert (found.header.frame_id, found.pose.position.z) == ('world', 2.0)
-    with live.editing() as held:
-        scene.remove_geometry(held, Plain(geometry='a/ball'), Plain())
+    scene.remove_geometry(live, Plain(geometry='a/ball'), Plain())
     for name in ('a/ball', 'a/knob', 'a/tip'):
         assert 'There is no geometry' in get_pose(live, geometry=name).message
 

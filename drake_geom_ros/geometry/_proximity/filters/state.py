@@ -96,11 +96,14 @@ class FilterState:
         other = self.copy()
         slots = other.slots(keys)
         other._give_rows(slots)
-        patterns, pattern_of = np.unique(considered, axis=0, return_inverse=True)
-        for k, pattern in enumerate(patterns):
+        # As bytes: NumPy compares rows of flags one by one, in the interpreter's lock.
+        packed = np.packbits(considered, axis=1)
+        whole = packed.view(np.dtype((np.void, packed.shape[1]))) if packed.size else packed
+        _, firsts, pattern_of = np.unique(whole.ravel(), return_index=True, return_inverse=True)
+        for k, pattern in enumerate(considered[firsts]):
             filter_matrix.write_pairs(
                 *(other._bits, other._bit_rows, CURRENT),
-                *(slots[pattern_of.ravel() == k], slots[~pattern], True),
+                *(slots[pattern_of == k], slots[~pattern], True),
             )
         other.version += 1
         return other

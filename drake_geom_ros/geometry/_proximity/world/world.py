@@ -253,6 +253,20 @@ class World:
         other._place(new[self._posed[old]])
         return other
 
+    def pose_as(self, other: World) -> None:
+        """Pose the frames that another world has on the same parents as they are posed there."""
+        _, here, there = np.intersect1d(
+            self.frames.ids, other.frames.ids, assume_unique=True, return_indices=True
+        )
+        parents = self.frames.ids[self.frames.parents[here]]
+        is_same = parents == other.frames.ids[other.frames.parents[there]]
+        R_PFs, p_PFs = other.R_PFs[there], other.p_PFs[there]
+        moved = ~self._posed[here] | (R_PFs != self.R_PFs[here]).any(axis=(1, 2))
+        moved |= (p_PFs != self.p_PFs[here]).any(axis=1)
+        chosen = (here > 0) & is_same & moved & other._posed[there]
+        if chosen.any():
+            self.set_poses(here[chosen], R_PFs[chosen], p_PFs[chosen])
+
     def has_frames(self, ids: Indices) -> NDArray[np.bool_]:
         """Return which of the FrameId values are in this world and can be posed."""
         at = np.searchsorted(self._sorted_ids, ids).clip(max=len(self._sorted_ids) - 1)
