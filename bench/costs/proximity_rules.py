@@ -21,9 +21,9 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
+from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule
-from drake_geom_ros.ros.scene.scene_rules import Blind, SceneRules
 
 BODIES = 1000
 RULES = (0, 1, 20, 1000)

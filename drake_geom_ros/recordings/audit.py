@@ -9,6 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import GeometryError, GeometryId, QueryObject
+from drake_geom_ros.live.scene.pose_ages import time_of
+from drake_geom_ros.live.scene.scene_rules import geometry_names
+from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
 from drake_geom_ros.recordings.opened import Opened, opened_recording
@@ -26,9 +29,6 @@ from drake_geom_ros.recordings.recorded_pairs import (
 from drake_geom_ros.recordings.recording import Recorded
 from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.replay import Finding, Judge, RecordedEvent, events_of
-from drake_geom_ros.ros.scene.pose_ages import time_of
-from drake_geom_ros.ros.scene.scene_rules import geometry_names
-from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import SceneDescription
 
 _RESULTS = DISTANCES, OVERLAPS

@@ -5,9 +5,9 @@ from __future__ import annotations
 from io import BytesIO
 
 from drake_geom_ros.geometry import GeometryId, QueryObject, Role
+from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import Moment
-from drake_geom_ros.ros.scene.scene_rules import geometry_names
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.snapshot import camera_for, picture
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.geometry_names import GeometryNames, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
-from drake_geom_ros.ros.scene.scene_rules import geometry_names, hanging
+from drake_geom_ros.live.scene.scene_rules import geometry_names, hanging
 
 Flags = NDArray[np.bool_]
 ALL = 'all'

@@ -12,18 +12,18 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.live.inputs.joint_input import JointInput, NothingOfOursError
+from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
+from drake_geom_ros.live.inputs.robot_description import RobotInput
+from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.recorded_robots import SceneRobots
 from drake_geom_ros.recordings.recording import Recorded
 from drake_geom_ros.recordings.report_record import digest
 from drake_geom_ros.recordings.scene_differences import SceneDifferences
-from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
-from drake_geom_ros.ros.inputs.joint_input import JointInput, NothingOfOursError
-from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
-from drake_geom_ros.ros.inputs.robot_description import RobotInput
-from drake_geom_ros.ros.inputs.tf_input import TfInput
-from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import SceneDescription, files_of
 
 LOOKS = 4 * NANOSECONDS  # [ns] between two checks; a scene reports each trouble for 5 s

@@ -1,6 +1,6 @@
 """Player of a recording that collects its states, by single messages and by runs of messages.
 
-``ros/inputs/pose_runs.py`` defines runs, and explains why their states equal those of single
+``live/inputs/pose_runs.py`` defines runs, and explains why their states equal those of single
 messages. Everything that is not certainly a run is played message by message.
 """
 
@@ -11,6 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.live.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
+from drake_geom_ros.live.scene import feeders
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.layouts import Layouts
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
@@ -20,9 +23,6 @@ from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Topic
 from drake_geom_ros.recordings.recording import Recorded, recorded
 from drake_geom_ros.recordings.repeats import Batch, Floats, Indices, Stamp, Stretch
 from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
-from drake_geom_ros.ros.conversions.fields import seconds_of
-from drake_geom_ros.ros.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
-from drake_geom_ros.ros.scene import feeders
 
 _SHORTEST = 8  # messages of a run, since finding one takes as long as a few messages
 _MOST_POSES = 2**19  # of a run: 30 MB, and several times that while it is processed

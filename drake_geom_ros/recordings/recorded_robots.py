@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings.scene_differences import SceneTable, table_of
 from drake_geom_ros.recordings.topics import few_of
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene, register, robot_name
 
 _HINT = 'the node takes that of the scene; --topic robot_description= says that they are the same'

@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.live.inputs.tf_edges import are_transforms
 from drake_geom_ros.recordings.layouts import (
     TRANSFORM_NUMBERS,
     TRANSFORMS,
@@ -21,8 +23,6 @@ from drake_geom_ros.recordings.layouts import (
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.playback import is_jump
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Raw, Topic
-from drake_geom_ros.ros.conversions.fields import seconds_of
-from drake_geom_ros.ros.inputs.tf_edges import are_transforms
 
 Indices = NDArray[np.int64]
 Floats = NDArray[np.float64]

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry import Role, SceneGraphInspector
+from drake_geom_ros.live.conversions.shapes import fill_shape
 from drake_geom_ros.recordings.tolerances import SAME
 from drake_geom_ros.recordings.topics import few_of
-from drake_geom_ros.ros.conversions.shapes import fill_shape
 
 _WORLD = 'world'
 _PROXIMITY = 1  # the constant PROXIMITY of Role messages

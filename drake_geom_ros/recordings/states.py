@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
+from drake_geom_ros.live.inputs.pose_runs import PoseRun
+from drake_geom_ros.live.scene.clocks import Since
+from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.recordings.pair_sets import PairSet, SelectedPairs, selected_pairs
 from drake_geom_ros.recordings.playback import Playback
-from drake_geom_ros.ros.inputs.pose_runs import PoseRun
-from drake_geom_ros.ros.scene.clocks import Since
-from drake_geom_ros.ros.scene.editable_scene import EditableScene
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -10,8 +10,8 @@ from rclpy.clock import ClockChange, JumpThreshold, ROSClock, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
 
-from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 
 THRESHOLD = JumpThreshold(
     min_forward=Duration(seconds=JUMP_FORWARD), min_backward=Duration(seconds=-JUMP_BACKWARD)

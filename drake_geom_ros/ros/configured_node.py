@@ -17,33 +17,34 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.point_queries import PointQueries
+from drake_geom_ros.live.inputs.robot_description import RobotInput
+from drake_geom_ros.live.namesakes import Namesakes
+from drake_geom_ros.live.outputs import level_costs, replays, rule_events
+from drake_geom_ros.live.outputs.cycle import Cycle
+from drake_geom_ros.live.outputs.effects import Beside, unheard
+from drake_geom_ros.live.outputs.level_costs import LevelCosts
+from drake_geom_ros.live.outputs.replays import Replays
+from drake_geom_ros.live.outputs.scene_topic import SceneTopic
+from drake_geom_ros.live.pose_stream import PoseStream
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.ros import rule_topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.contact_topics import contact_topic
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
-from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.inputs.point_queries import PointQueries
-from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.joint_listening import JointListening
-from drake_geom_ros.ros.namesakes import Namesakes
 from drake_geom_ros.ros.obstacle_listening import ObstacleListening
-from drake_geom_ros.ros.outputs import cameras, level_costs, replays, rule_events
+from drake_geom_ros.ros.outputs import cameras
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
-from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
     SceneState,
     add_counts,
     add_trouble,
 )
-from drake_geom_ros.ros.outputs.effects import Beside, unheard
-from drake_geom_ros.ros.outputs.level_costs import LevelCosts
-from drake_geom_ros.ros.outputs.replays import Replays
-from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
-from drake_geom_ros.ros.pose_stream import PoseStream
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.table import (
     BESIDE,
     CHANGES,
@@ -202,7 +203,7 @@ class ConfiguredNode:
             self._node.get_logger().info(f'cross_check: {counts}')
         if rate > 0.0:
             # Only now: most nodes ask for none.
-            from drake_geom_ros.ros.outputs.cross_check import CrossCheck
+            from drake_geom_ros.live.outputs.cross_check import CrossCheck
 
             self._cycle.cross_check = CrossCheck(rate, self._replay_settings)
 

@@ -7,8 +7,8 @@ from functools import partial
 
 from drake_geom_msgs.msg import ContactSurfaces
 
-from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.outputs.contact_topic import COMPUTED, ContactTopic
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.outputs.contact_topic import COMPUTED, ContactTopic
 from drake_geom_ros.ros.parameters import ParameterStore
 from drake_geom_ros.ros.surface import Surface, results
 

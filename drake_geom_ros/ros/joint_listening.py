@@ -9,13 +9,13 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
-from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.inputs.joint_input import JointInput
+from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.joint_input import JointInput
+from drake_geom_ros.live.pose_stream import PoseStream
+from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.ros.parameters import NodeParameters
-from drake_geom_ros.ros.pose_stream import PoseStream
-from drake_geom_ros.ros.scene.clocks import Clocks
-from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.surface import Surface, sensor_data
 
 DEFAULT_TOPIC = 'joint_states'

@@ -9,18 +9,18 @@ from typing import Any
 
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.obstacle_records import DEPTH, OCTOMAP, POINTS, ObstacleSettings
+from drake_geom_ros.live.inputs.obstacles import ObstacleInput
+from drake_geom_ros.live.inputs.sensor_frames import SensorFrames
+from drake_geom_ros.live.pose_stream import PoseStream
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_sources import MapSources
+from drake_geom_ros.live.scene.seen_maps import stand_fed
 from drake_geom_ros.ros.callback_groups import CallbackGroups
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
-from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.inputs.obstacle_records import DEPTH, OCTOMAP, POINTS, ObstacleSettings
-from drake_geom_ros.ros.inputs.obstacles import ObstacleInput
-from drake_geom_ros.ros.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
-from drake_geom_ros.ros.pose_stream import PoseStream
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.scene.map_sources import MapSources
-from drake_geom_ros.ros.scene.seen_maps import stand_fed
 from drake_geom_ros.ros.sensing.process import SensingProcess
 from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, SENSORS, Task, Topic
 from drake_geom_ros.ros.surface import Surface

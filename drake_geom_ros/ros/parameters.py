@@ -20,9 +20,9 @@ from rclpy.parameter import Parameter
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError
-from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
-from drake_geom_ros.ros.conversions.paddings import paddings_of
-from drake_geom_ros.ros.inputs.obstacle_refusals import refusal_of_obstacles
+from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.live.conversions.paddings import paddings_of
+from drake_geom_ros.live.inputs.obstacle_refusals import refusal_of_obstacles
 
 
 @dataclass(frozen=True)

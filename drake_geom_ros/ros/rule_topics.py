@@ -10,8 +10,8 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile
 from std_msgs.msg import Float64
 
-from drake_geom_ros.ros.outputs.effects import Beside
-from drake_geom_ros.ros.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
+from drake_geom_ros.live.outputs.effects import Beside
+from drake_geom_ros.live.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
 from drake_geom_ros.ros.surface import Surface
 
 _NO_RULE = 'no proximity rule'

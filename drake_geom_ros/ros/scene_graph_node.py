@@ -26,11 +26,16 @@ from rosgraph_msgs.msg import Clock
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
+from drake_geom_ros.live.conversions.paddings import paddings_of
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.memory import give_back_large_blocks, leave_out_of_searches, settle
+from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.pose_history import PoseHistory
+from drake_geom_ros.live.scene.seen_maps import begin_with_maps
+from drake_geom_ros.live.watchdog import Watchdog
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.configured_node import ConfiguredNode
-from drake_geom_ros.ros.conversions.paddings import paddings_of
-from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.memory import give_back_large_blocks, leave_out_of_searches, settle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.parameters import (
     QOS_OVERRIDES,
@@ -40,14 +45,9 @@ from drake_geom_ros.ros.parameters import (
     file_access,
     unknown_parameters,
 )
-from drake_geom_ros.ros.scene.clocks import Clocks
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.scene.pose_history import PoseHistory
-from drake_geom_ros.ros.scene.seen_maps import begin_with_maps
 from drake_geom_ros.ros.services.parameters import answer_always
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
-from drake_geom_ros.ros.watchdog import Watchdog
 from drake_geom_ros.scene_files import RobotOptions, hulls_in_words, read_scene
 from drake_geom_ros.sensed_maps.passes import compile_passes
 

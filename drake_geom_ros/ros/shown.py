@@ -11,15 +11,15 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from drake_geom_ros.ros.outputs.effects import Beside, unheard
-from drake_geom_ros.ros.outputs.geometry_poses import GeometryPoses
-from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
+from drake_geom_ros.live.outputs.effects import Beside, unheard
+from drake_geom_ros.live.outputs.geometry_poses import GeometryPoses
+from drake_geom_ros.live.outputs.marker_publisher import MarkerPublisher
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.ros.parameters import ParameterStore
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.surface import Surface, results
 
 if TYPE_CHECKING:  # a node that is asked for no visualiser loads nothing of it
-    from drake_geom_ros.ros.outputs.visualizer import Visualizer
+    from drake_geom_ros.live.outputs.visualizer import Visualizer
 
 _POSES_PERIOD = 0.04  # [s] of ~/geometry_poses: for eyes
 _NOT_DUE = 'no time for one since the last report'
@@ -72,7 +72,7 @@ class Shown:
         self._visualizer: Visualizer | None = None
         if settings.values.lcm_url:
             # Only now: most nodes are asked for none.
-            from drake_geom_ros.ros.outputs.visualizer import Visualizer
+            from drake_geom_ros.live.outputs.visualizer import Visualizer
 
             self._visualizer = Visualizer(live, settings.values.lcm_url)
 

@@ -36,9 +36,9 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from drake_geom_ros.ros.memory import settle
+from drake_geom_ros.live.memory import settle
+from drake_geom_ros.live.watchdog import Watchdog
 from drake_geom_ros.ros.outputs.answers import Calls
-from drake_geom_ros.ros.watchdog import Watchdog
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # Python runs its signal handlers between two waits of the executor, so this [s] is how long a

@@ -7,10 +7,10 @@ from functools import partial
 from rclpy.callback_groups import CallbackGroup
 from rclpy.serialization import deserialize_message
 
-from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.inputs.tf_input import TfInput
-from drake_geom_ros.ros.pose_stream import PoseStream
-from drake_geom_ros.ros.scene.clocks import Clocks
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.pose_stream import PoseStream
+from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.ros.surface import Surface, transforms
 from drake_geom_ros.ros.together import Together
 

@@ -16,7 +16,7 @@ from typing import Any
 
 from rclpy.subscription import Subscription
 
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
 
 _LONGEST_READING = 0.03  # [s] of the messages that waited; then what they bring is used
 _MOST = 1000  # messages that are taken from a queue at once, for it fills meanwhile

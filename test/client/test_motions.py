@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 from drake_geom_msgs import msg
+from live.inputs.test_joint_input import JOINTS_OF_ARM
+from live.services.test_motions import BOUNDS, FIRST_TOUCH, NOW
+from live.services.test_states import cell_in
 from ros.harness import PATIENCE, start_node
-from ros.inputs.test_joint_input import JOINTS_OF_ARM
-from ros.services.test_motions import BOUNDS, FIRST_TOUCH, NOW
-from ros.services.test_states import cell_in
 
 from drake_geom_ros.batch import Joints, check_path
 from drake_geom_ros.client import RefusedError, SceneGraphClient, exclude_between

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from live.inputs.test_joint_input import JOINTS_OF_ARM
+from live.services.test_states import BOUNDS, cell_in
 from ros.harness import PATIENCE, start_node
-from ros.inputs.test_joint_input import JOINTS_OF_ARM
-from ros.services.test_states import BOUNDS, cell_in
 from sensor_msgs.msg import JointState
 
 from drake_geom_ros.batch import Joints, evaluate

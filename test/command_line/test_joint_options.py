@@ -4,7 +4,7 @@ import csv
 
 import numpy as np
 import pytest
-from ros.inputs.test_joint_input import ARM, JOINTS_OF_ARM, expected
+from live.inputs.test_joint_input import ARM, JOINTS_OF_ARM, expected
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.math import RigidTransform

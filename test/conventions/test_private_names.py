@@ -18,7 +18,7 @@ ALLOWED = {
     'ros/surface.py': {'_parameter_overrides'},
     'ros/sensing/__main__.py': {'_exit'},  # whatever it does, when its node is gone
     'ros/spinning.py': {'_executor_event', '_exit'},  # as rclpy's own executors mark entities
-    'ros/watchdog.py': {
+    'live/watchdog.py': {
         '_current_frames',
         '_exit',
     },  # Python's documented way out of a hung process

@@ -113,7 +113,7 @@ def test_what_is_missing_is_named(monkeypatch):
 @pytest.mark.processes
 def test_the_side_of_the_node_loads_nothing_that_judges():
     script = (
-        'import sys, drake_geom_ros.ros.outputs.cross_check\n'
+        'import sys, drake_geom_ros.live.outputs.cross_check\n'
         'judging = "drake_geom_ros.cross_check.judging" in sys.modules\n'
         'print(judging, "fcl" in sys.modules, "mpmath" in sys.modules)'
     )

@@ -9,11 +9,11 @@ from types import SimpleNamespace as Plain
 import numpy as np
 import pytest
 from conventions.source_tree import ROOT
-from ros.live_scenes import live_scene
+from live.live_scenes import live_scene
 
+from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
-from drake_geom_ros.ros.inputs.tf_input import TfInput
-from drake_geom_ros.ros.scene.clocks import Clocks
 
 TEXT = (ROOT / 'docs/inputs.md').read_text()
 

@@ -15,7 +15,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from drake_geom_ros.geometry import SceneGraph
-from drake_geom_ros.ros.conversions.scene import fill_scene
+from drake_geom_ros.live.conversions.scene import fill_scene
 from drake_geom_ros.scene_files import load_scene
 
 MSGS = Path(__file__).parents[2] / 'msg_defs' / 'msg'

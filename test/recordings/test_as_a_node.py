@@ -7,12 +7,12 @@ import pytest
 from recordings import recorder
 
 from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.live.inputs.joint_input import JointInput
+from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
+from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings import clearance
-from drake_geom_ros.ros.inputs.joint_input import JointInput
-from drake_geom_ros.ros.inputs.pose_inputs import PoseInputs
-from drake_geom_ros.ros.inputs.tf_input import TfInput
-from drake_geom_ros.ros.scene.clocks import Clocks
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import load_scene, read_scene
 
 CELL = Path(__file__).parents[1] / 'batch' / 'cell.yaml'

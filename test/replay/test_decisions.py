@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from ros.plain_messages import echoed
-from ros.scene.test_scene_rules import Ruled
+from live.plain_messages import echoed
+from live.scene.test_scene_rules import Ruled
 from ros.scene_calls import poses
 
 from drake_geom_ros.command_line.program import main

@@ -8,7 +8,7 @@ import pytest
 @pytest.fixture
 def clock():
     """Return a clock that the test sets."""
-    from ros.live_scenes import Clock
+    from live.live_scenes import Clock
 
     return Clock()
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import srv
+from live.inputs.test_joint_input import ARM, JOINTS_OF_ARM, expected
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros.harness import Client, start_node
-from ros.inputs.test_joint_input import ARM, JOINTS_OF_ARM, expected
 from ros.scene_calls import accepted, place_of
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String

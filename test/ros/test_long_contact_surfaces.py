@@ -10,7 +10,7 @@ from ros.scene_calls import accepted, poses, refused
 
 from drake_geom_ros.client import IncompleteError, SceneGraphClient
 from drake_geom_ros.geometry.queries.contact_bodies import NoSurface
-from drake_geom_ros.ros.outputs.contact_topic import COMPUTED, GOES_ON
+from drake_geom_ros.live.outputs.contact_topic import COMPUTED, GOES_ON
 
 pytestmark = pytest.mark.topics
 

@@ -15,7 +15,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from drake_geom_ros.ros.services import saved_file
+from drake_geom_ros.live.services import saved_file
 
 pytestmark = pytest.mark.topics
 

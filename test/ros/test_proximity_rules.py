@@ -9,11 +9,11 @@ import pytest
 from drake_geom_msgs import msg, srv
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
+from live.plain_messages import echoed
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from ros.harness import LATCHED, Client, start_node
-from ros.plain_messages import echoed
 from ros.scene_calls import accepted, poses, refused
 from std_msgs.msg import Float64
 

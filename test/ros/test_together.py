@@ -6,7 +6,7 @@ import time
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.ros.conversions.arrivals import waited
+from drake_geom_ros.live.conversions.arrivals import waited
 from drake_geom_ros.ros.together import Together, newest
 
 

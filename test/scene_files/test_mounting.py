@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ros.inputs.test_joint_input import ARM, BALL, JOINTS_OF_ARM
+from live.inputs.test_joint_input import ARM, BALL, JOINTS_OF_ARM
 
 from drake_geom_ros.batch import Checker, Joints, evaluate
 from drake_geom_ros.geometry import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from ros.inputs.test_joint_input import ARM, JOINTS_OF_ARM
+from live.inputs.test_joint_input import ARM, JOINTS_OF_ARM
 
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, describe, load_scene, read_scene, to_yaml

@@ -1,7 +1,7 @@
 """What fixed joints hold to the link ``world`` counts as anchored, until it is posed elsewhere."""
 
 import pytest
-from ros.live_scenes import Clock, live_scene
+from live.live_scenes import Clock, live_scene
 
 from drake_geom_ros.geometry import (
     FramePoseVector,
@@ -10,8 +10,8 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     SceneGraph,
 )
+from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.scene_files import load_scene, save_scene
 
 

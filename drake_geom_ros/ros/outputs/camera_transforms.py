@@ -8,8 +8,8 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 
+from drake_geom_ros.live.conversions.cameras import optical_frame
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.ros.conversions.cameras import optical_frame
 from drake_geom_ros.scene_files import CameraDescription
 
 

@@ -11,18 +11,18 @@ from drake_geom_msgs.msg import LabelLegend
 from sensor_msgs.msg import CameraInfo, Image
 
 from drake_geom_ros.geometry import FrameId
-from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.ros.conversions.cameras import (
+from drake_geom_ros.live.conversions.cameras import (
     fill_camera_info,
     fill_header,
     fill_image,
     fill_legend,
 )
+from drake_geom_ros.live.outputs.effects import NO_SUBSCRIBER, Beside
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.scene_view import SceneView
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.outputs.camera_transforms import CameraTransforms
-from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
 from drake_geom_ros.ros.outputs.unlocked import publish
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import CameraDescription, camera_of
 
 PERIOD = 0.05  # [s] at most between two looks which cameras there are, and which is due

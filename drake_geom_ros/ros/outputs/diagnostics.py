@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, NamedTuple
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.common.counting import counted, were
-from drake_geom_ros.ros.conversions.names import some_of
+from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.outputs.cycle import Cycle
+from drake_geom_ros.live.scene.pose_ages import UnknownAges
+from drake_geom_ros.live.scene.waiting import Waiting
 from drake_geom_ros.ros.outputs.answers import CallCounts
-from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.scene.pose_ages import UnknownAges
-from drake_geom_ros.ros.scene.waiting import Waiting
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
-    from drake_geom_ros.ros.outputs.cross_check import Counts
+    from drake_geom_ros.live.outputs.cross_check import Counts
 
 _REASON_LENGTH = 120
 _KINDS_OF_REASONS = 50

@@ -19,15 +19,15 @@ from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.ros.conversions.arrivals import MessageInfo, publisher_of, waited
-from drake_geom_ros.ros.conversions.serialized_cloud import (
+from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.conversions.serialized_cloud import (
     Header,
     Stamp,
     cloud_of_bytes,
     is_plain,
 )
-from drake_geom_ros.ros.inputs.obstacle_records import Found, Place
-from drake_geom_ros.ros.inputs.point_taker import PointTaker
+from drake_geom_ros.live.inputs.obstacle_records import Found, Place
+from drake_geom_ros.live.inputs.point_taker import PointTaker
 from drake_geom_ros.ros.sensing.protocol import (
     ALIVE,
     CAMERA,

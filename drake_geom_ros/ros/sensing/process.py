@@ -21,8 +21,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Protocol
 
-from drake_geom_ros.ros.inputs.obstacle_records import Place
-from drake_geom_ros.ros.inputs.point_taker import Map
+from drake_geom_ros.live.inputs.obstacle_records import Place
+from drake_geom_ros.live.inputs.point_taker import Map
 from drake_geom_ros.ros.sensing.protocol import ALIVE, Begin, Finish, Refusal, Refused, Task
 
 _MODULE = 'drake_geom_ros.ros.sensing'

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from drake_geom_ros.ros.conversions.serialized_cloud import Header
-from drake_geom_ros.ros.inputs.obstacle_records import Found
+from drake_geom_ros.live.conversions.serialized_cloud import Header
+from drake_geom_ros.live.inputs.obstacle_records import Found
 
 SENSORS = '_sensors'  # what its name has behind that of the node
 ALIVE = 'alive'

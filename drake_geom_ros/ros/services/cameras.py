@@ -7,7 +7,7 @@ from typing import Any
 from drake_geom_msgs.msg import Camera
 
 from drake_geom_ros.geometry import ArgumentError, FrameId
-from drake_geom_ros.ros.conversions.cameras import (
+from drake_geom_ros.live.conversions.cameras import (
     camera_from_message,
     fill_camera,
     fill_camera_info,
@@ -15,9 +15,9 @@ from drake_geom_ros.ros.conversions.cameras import (
     fill_image,
     fill_legend,
 )
-from drake_geom_ros.ros.conversions.names import NameTable
-from drake_geom_ros.ros.scene.editable_scene import EditableScene
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.live.conversions.names import NameTable
+from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import IMAGES, camera_of
 
 

@@ -8,11 +8,10 @@ from typing import Any
 from drake_geom_msgs import srv
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.ros.scene.editable_scene import EditableScene
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.services import (
+from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.services import (
     ages,
-    cameras,
     files,
     filters,
     joints,
@@ -24,6 +23,7 @@ from drake_geom_ros.ros.services import (
     shapes,
     states,
 )
+from drake_geom_ros.ros.services import cameras
 
 Handler = Callable[[LiveScene, Any, Any], None]
 Change = Callable[[EditableScene, Any, Any], None]

@@ -18,13 +18,13 @@ from drake_geom_ros.client.scene_table import carriers_of
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.geometry_names import GeometryNames
 from drake_geom_ros.geometry import GeometryError, GeometryId, Role
+from drake_geom_ros.live.conversions.file_access import FileAccess
+from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.conversions.proximity_rules import rules_from_message
+from drake_geom_ros.live.conversions.scene import properties_from_message, role_from_number
+from drake_geom_ros.live.conversions.shapes import shape_from_message
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import ScenePairs, WatchedPairs, Why
-from drake_geom_ros.ros.conversions.file_access import FileAccess
-from drake_geom_ros.ros.conversions.names import some_of
-from drake_geom_ros.ros.conversions.proximity_rules import rules_from_message
-from drake_geom_ros.ros.conversions.scene import properties_from_message, role_from_number
-from drake_geom_ros.ros.conversions.shapes import shape_from_message
 from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
 from drake_geom_ros.viewing.contacts import ShownContacts
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by

@@ -3,8 +3,8 @@
 import sys
 import threading
 
+from drake_geom_ros.live.scene import live_scene
 from drake_geom_ros.ros import scene_graph_node
-from drake_geom_ros.ros.scene import live_scene
 
 warm_up, on_cleanup = live_scene.warm_up, scene_graph_node.SceneGraphNode.on_cleanup
 begun = threading.Event()

@@ -7,7 +7,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.serialization import serialize_message
 from ros.scene_calls import accepted, refused
 
-from drake_geom_ros.ros.conversions import results
+from drake_geom_ros.live.conversions import results
 
 pytestmark = pytest.mark.topics
 

@@ -70,7 +70,7 @@ def test_the_process_ends_where_it_may(start, lone_client, kind, name):
 
 BUSY = """
 import os, sys, threading, time
-from drake_geom_ros.ros.watchdog import Watchdog
+from drake_geom_ros.live.watchdog import Watchdog
 
 def descend(depth):
     return sum(x for x in range(depth % 7)) + (descend(depth - 1) if depth else 0)

@@ -6,9 +6,9 @@ from types import SimpleNamespace as Plain
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from drake_geom_ros.live.scene.waiting import Waiting
 from drake_geom_ros.ros.outputs import diagnostics
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
-from drake_geom_ros.ros.scene.waiting import Waiting
 
 CYCLE = Plain(
     count=3, worst_error_bound=0.0, contacts=Plain(told='1, and 0 pairs that overlap without')

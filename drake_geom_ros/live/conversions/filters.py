@@ -1,0 +1,42 @@
+"""Collision filter messages to declarations, no ROS import."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drake_geom_ros.geometry import ArgumentError, CollisionFilterDeclaration, GeometrySet
+from drake_geom_ros.live.conversions.names import NameTable
+
+
+def geometry_set_from_message(message: Any, names: NameTable) -> GeometrySet:
+    """Return a GeometrySet; raises UnknownNameError for what the scene does not hold."""
+    frames = [names.frame(name) for name in message.frames]
+    frames += [names.frame_of_value(value) for value in message.frame_ids]
+    geometries = [names.geometry(name) for name in message.geometries]
+    geometries += [names.geometry_of_value(value) for value in message.geometry_ids]
+    return GeometrySet(geometry_ids=geometries, frame_ids=frames)
+
+
+def declaration_from_message(message: Any, names: NameTable) -> CollisionFilterDeclaration:
+    """Return a CollisionFilterDeclaration; raises RuntimeError, naming the statement."""
+    declaration = CollisionFilterDeclaration()
+    for number, statement in enumerate(message.statements):
+        try:
+            set_a = geometry_set_from_message(statement.set_a, names)
+            set_b = geometry_set_from_message(statement.set_b, names)
+        except RuntimeError as error:
+            raise ArgumentError(f'statements[{number}]: {error}') from None
+        if statement.operation == 1:
+            declaration.ExcludeWithin(set_a)
+        elif statement.operation == 2:
+            declaration.ExcludeBetween(set_a, set_b)
+        elif statement.operation == 3:
+            declaration.AllowWithin(set_a)
+        elif statement.operation == 4:
+            declaration.AllowBetween(set_a, set_b)
+        else:
+            raise ArgumentError(
+                f'statements[{number}].operation is {statement.operation}; it must be 1 '
+                '(EXCLUDE_WITHIN), 2 (EXCLUDE_BETWEEN), 3 (ALLOW_WITHIN) or 4 (ALLOW_BETWEEN)'
+            )
+    return declaration

@@ -1,0 +1,136 @@
+"""Proximity rules, events and states to messages and back. No ROS import."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.live.conversions.fields import floats, uint8s, uint32s, unsigned
+from drake_geom_ros.math.batched import poses_from_matrices
+from drake_geom_ros.proximity_rules import (
+    Event,
+    ProximityRule,
+    RuleError,
+    RuleStates,
+    Why,
+    scale_points,
+)
+
+_NUMBERS = ('enter', 'leave', 'hold', 'enter_after', 'min_time_to_contact')
+
+
+def rule_from_message(message: Any) -> ProximityRule:
+    """Return the rule of a ProximityRule message; raises RuleError for what cannot be."""
+    try:
+        scale = scale_points(message.scale)
+    except RuleError as error:
+        raise RuleError(f'proximity rule {message.name[:80]!r}: {error}') from None
+    return ProximityRule(
+        message.name,
+        tuple(message.set_a),
+        tuple(message.set_b),
+        message.level,
+        **{name: float(getattr(message, name)) for name in _NUMBERS},
+        when_stale=message.when_stale,
+        scale=scale,
+    )
+
+
+def rules_from_message(message: Any) -> list[ProximityRule]:
+    """Return the rules of a ProximityRules message; raises RuleError for what cannot be."""
+    sets_a = _parts(message, 'set_a', message.set_a)
+    sets_b = _parts(message, 'set_b', message.set_b)
+    scales = _parts(message, 'scale', scale_points(message.scale))
+    return [
+        ProximityRule(
+            name,
+            sets_a[k],
+            sets_b[k],
+            message.level[k],
+            **{field: float(getattr(message, field)[k]) for field in _NUMBERS},
+            when_stale=message.when_stale[k],
+            scale=scales[k],
+        )
+        for k, name in enumerate(message.name)
+    ]
+
+
+def _parts(message: Any, field: str, values: Sequence[Any]) -> list[tuple[Any, ...]]:
+    """Return the part of a flat field that is each rule's; raises RuleError for false counts."""
+    counts = np.array(getattr(message, f'{field}_count'), dtype=np.int64)
+    ends = np.cumsum(counts).tolist()
+    if len(counts) != len(message.name) or counts.sum() != len(values):
+        raise RuleError(
+            f'{len(message.name)} rules have {len(values)} {field}, and {field}_count is '
+            f'{counts.tolist()[:20]}'
+        )
+    begins = [0, *ends]
+    return [tuple(values[begin:end]) for begin, end in zip(begins, ends, strict=False)]
+
+
+def fill_rules(message: Any, rules: Sequence[ProximityRule]) -> None:
+    """Fill a ProximityRules message."""
+    message.name = [rule.name for rule in rules]
+    message.level = uint8s(np.array([rule.level for rule in rules]))
+    message.when_stale = [rule.when_stale for rule in rules]
+    for field in _NUMBERS:
+        setattr(message, field, floats(np.array([getattr(rule, field) for rule in rules])))
+    for field in ('set_a', 'set_b', 'scale'):
+        lists = [getattr(rule, field) for rule in rules]
+        setattr(message, f'{field}_count', uint32s(np.array([len(each) for each in lists])))
+        if field != 'scale':
+            setattr(message, field, list(chain.from_iterable(lists)))
+    points = [number for rule in rules for point in rule.scale for number in point]
+    message.scale = floats(np.array(points))
+
+
+def fill_events(message: Any, events: Sequence[Event], names: Callable[[int], str]) -> None:
+    """Fill the arrays of a ProximityEvents message; ``names`` tells a geometry by its id."""
+
+    def column(field: str) -> list[Any]:
+        return [getattr(event, field) for event in events]
+
+    message.sequence, message.rule = column('sequence'), column('rule')
+    message.entered = column('is_entered')
+    message.level, message.why = uint8s(np.array(column('level'))), uint8s(np.array(column('why')))
+    for end, id in (('a', 'id_A'), ('b', 'id_B')):
+        values = column(id)
+        setattr(message, f'id_{end}', unsigned(np.array(values)))
+        setattr(message, f'geometry_{end}', [names(value) for value in values])
+    message.distance = floats(np.array(column('distance')))
+    message.error_bound = floats(np.array(column('error_bound')))
+    message.p_wca = floats(np.array(column('p_WCa')))
+    message.p_wcb = floats(np.array(column('p_WCb')))
+
+
+def fill_what_decided(
+    message: Any, events: Sequence[Event], query: QueryObject, stale_after: float
+) -> None:
+    """Fill in what events were decided by, so that each can be computed again.
+
+    ``query`` has the poses that were decided by, ``stale_after`` is the age [s] of a stale pose.
+    """
+    ids = np.array([(event.id_A, event.id_B) for event in events], dtype=np.int64)
+    poses = np.full((len(ids), 2, 7), math.nan)
+    of_pairs = ids[:, 1] > 0
+    if of_pairs.any():
+        Rs, ps = query.X_WGs(ids[of_pairs].ravel())
+        poses[of_pairs] = poses_from_matrices(Rs, ps).reshape(-1, 2, 7)
+    message.pose_a, message.pose_b = floats(poses[:, 0].ravel()), floats(poses[:, 1].ravel())
+    for field in ('closing_speed', 'limit_distance'):
+        setattr(message, field, floats(np.array([getattr(event, field) for event in events])))
+    stale = [event.is_entered and event.why == Why.STALE for event in events]
+    times = np.array([event.limit_time for event in events])
+    message.limit_time = floats(np.where(stale, stale_after, times))
+
+
+def fill_states(message: Any, states: RuleStates) -> None:
+    """Fill the arrays of a ProximityStates message, but for the rules and ``since``."""
+    message.entered, message.why = states.is_entered.tolist(), uint8s(states.why)
+    message.pairs, message.left_out_pairs = unsigned(states.pairs), unsigned(states.left_out)
+    message.trouble = states.trouble

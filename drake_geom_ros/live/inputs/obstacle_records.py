@@ -1,0 +1,95 @@
+"""What is known of maps that messages of sensors make: names, settings, counts. No ROS import."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.live.scene.self_filter import BodiesThen
+from drake_geom_ros.sensed_maps.keeping import KeptCells
+from drake_geom_ros.sensed_maps.shell import Shell
+
+POINTS, DEPTH, OCTOMAP = 'points', 'depth', 'octomap'
+INPUTS = (POINTS, DEPTH, OCTOMAP)
+SELF_FILTERS = ('none', 'robots', 'scene')
+Floats = NDArray[np.float64]
+
+
+class ObstacleSettings(NamedTuple):
+    """How maps are made; see the parameters obstacle_..."""
+
+    resolution: float  # [m]
+    reach: float  # [m] from the sensor
+    padding: float  # [m] from bodies, within which points are in no map
+    noise: float  # [m] from bodies, within which they count as on them
+    self_filter: str
+    least_points: int
+    keep: float  # [s]
+    rays: bool
+    margin: float  # [m]
+    box: tuple[float, ...] = ()  # its corners (6,) [m] in the world; none: no limit
+
+    @property
+    def told_apart(self) -> float:
+        """The distance [m] from a body from which on the map alone says what is there."""
+        is_filtered = self.self_filter != 'none'
+        return max(self.resolution, self.padding if is_filtered else 0.0)
+
+    def corners(self) -> tuple[Floats, Floats]:
+        """Return the corners (3,), (3,) [m] of what is taken, in the world."""
+        limits = self.box or (*3 * [-np.inf], *3 * [np.inf])
+        return np.array(limits[:3]), np.array(limits[3:])
+
+
+@dataclass(frozen=True)
+class MapCounts:
+    """What became of the messages of a map, and of the points of the last one."""
+
+    taken: int = 0
+    seconds: float = 0.0  # that the last one took, from its callback until it was in the scene
+    points: int = 0
+    not_finite: int = 0
+    out_of_reach: int = 0
+    on_bodies: int = 0
+    in_shell: int = 0  # beside bodies, within their padding
+    out_of_box: int = 0
+    in_sparse_cells: int = 0  # in cells with too few points to make one, where none is held
+    cells: int = 0
+    held_cells: int = 0  # of these, that are there by those before the last one alone
+    shell_cells: int = 0  # beside bodies, in no map
+    held_shell_cells: int = 0  # of these, that are there by those before the last one alone
+
+
+class Held(NamedTuple):
+    """What a message left in a map: cells that the next ones may hold."""
+
+    kept: KeptCells
+    epoch: float  # of the node's time, by which they were seen
+    generation: int  # of the map
+    shell: Shell
+
+
+class Place(NamedTuple):
+    """Where and when points were measured, and how a map is to be made of them."""
+
+    R_WF: Floats  # (3, 3) of the sensor's frame
+    p_WF: Floats  # (3,) [m]
+    held: float  # [s] of the node's time, when they were measured
+    epoch: float  # of the node's time
+    generation: int  # of the map: cells of another one are not kept
+    bodies: BodiesThen  # on which points are left out, where they were
+    settings: ObstacleSettings
+    before: Held | None  # of the sensor's message before, which another process may have taken
+    feed: tuple[str, str]  # the sensor: its frame and its publisher
+
+
+class Found(NamedTuple):
+    """What was made of points."""
+
+    kept: KeptCells
+    counts: MapCounts
+    shell: Shell
+    nearest: float  # [m] least distance of a point in the shell from a body; inf: there is none

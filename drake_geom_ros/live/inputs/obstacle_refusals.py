@@ -1,0 +1,29 @@
+"""Why maps cannot be made as parameters say. No ROS import."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Sequence
+
+from drake_geom_ros.live.inputs.obstacle_records import INPUTS, OCTOMAP, SELF_FILTERS
+
+
+def refusal_of_obstacles(names: Sequence[str], self_filter: str, box: Sequence[float]) -> str:
+    """Return why ``obstacles``, ``obstacle_self_filter`` or ``obstacle_box`` cannot be, or ''."""
+    if unknown := [name for name in names if name not in INPUTS]:
+        return f'obstacles names {unknown[0]!r}; it may name {", ".join(INPUTS)}'
+    if self_filter not in SELF_FILTERS:
+        return (
+            f'obstacle_self_filter is {self_filter!r}; it must be one of {", ".join(SELF_FILTERS)}'
+        )
+    if box and (len(box) != 6 or not all(a < b for a, b in zip(box[:3], box[3:], strict=True))):
+        return (
+            f'obstacle_box is {list(box)}; it must be empty or six numbers, x, y, z of the lowest '
+            'and of the highest corner [m], each of the first three less than its fellow'
+        )
+    if OCTOMAP in names and importlib.util.find_spec('octomap_msgs') is None:
+        return (
+            'obstacles names octomap, and the package octomap_msgs cannot be imported; install it '
+            'with the ROS distribution, or send points'
+        )
+    return ''

@@ -1,0 +1,203 @@
+"""What sensors saw, taken into the scene: clouds, depth images and OctoMaps.
+
+A message is taken whole or refused whole, and then the map of before stays, and grows old. One
+that shows nothing is refused: a covered lens sees no more than an empty room. No ROS import.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
+from drake_geom_ros.live.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
+from drake_geom_ros.live.inputs.map_feeds import Feed, MapFeeds, Shown
+from drake_geom_ros.live.inputs.obstacle_records import (
+    Found,
+    Held,
+    MapCounts,
+    ObstacleSettings,
+    Place,
+)
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.moments import Hanging, Model, Moment, moment_of
+from drake_geom_ros.live.scene.out_of_sight import Sight
+from drake_geom_ros.live.scene.seen_maps import Sighting, drafted, put, shape_of
+from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
+from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.sensed_maps.cells import Cells
+
+MOST_NODES = 3_000_000  # of a tree in a message: reading it costs a microsecond a node
+
+
+class _Begun(NamedTuple):
+    """A message that is being taken, and may be refused yet."""
+
+    moment: Moment
+    start: float  # [s] when its taking began
+    generation: int  # of the map, then
+    feed: Feed
+
+
+class ObstacleInput:
+    """Has one map of the messages of a topic in the scene."""
+
+    def __init__(
+        self,
+        name: str,
+        live: LiveScene,
+        settings: Callable[[], ObstacleSettings],
+        hanging: Hanging,
+        changed: Callable[[], None],
+    ) -> None:
+        """``hanging`` tells where a frame is; ``changed()`` is called when the scene has a map."""
+        self.name = name
+        self.counts = MapCounts()
+        self._live = live
+        self._settings = settings
+        self._hanging = hanging
+        self._changed = changed
+        self._known = KnownBodies()
+        self._known_of: tuple[Model, str] | None = None
+        self._generation = 0  # how often it was cleared
+        self._begun: _Begun | None = None
+        self._feeds = MapFeeds(live.clocks)
+        self._held: dict[Feed, Held] = {}  # by sensor
+
+    def forget(self) -> None:
+        """Hold nothing of before, nor what is being made; the scene is held."""
+        self._generation += 1
+        self._feeds, self._held = MapFeeds(self._live.clocks), {}
+        self.counts = MapCounts()
+
+    def troubles(self) -> list[str]:
+        """Return which sensors feed the map, in words, where several do."""
+        ages = list(self._feeds.ages())
+        if len(ages) < 2:
+            return []
+        each = '; '.join(f'{feed.in_words()}: {age:.3g} s old' for feed, age in ages)
+        return [
+            f'{len(ages)} sensors feed ~/obstacles/{self.name}: {each}. The map shows what all of '
+            'them see, and is as old as the oldest: send one of them to another input, or to a '
+            'node that joins them; clear_obstacles forgets one that is gone'
+        ]
+
+    def begin(
+        self, header: Any, waited: float = 0.0, known: int = 0, publisher: str = ''
+    ) -> Place:
+        """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
+
+        Bodies of the number ``known`` are not told again. Cells that are made of its points are
+        put by ``finish``. Raises RuntimeError to refuse it.
+        """
+        start, self._begun = time.perf_counter(), None
+        generation, settings = self._generation, self._settings()
+        which = settings.self_filter
+
+        def frames_of_bodies(query: QueryObject, model: Model) -> Collection[FrameId]:
+            if self._known_of != (model, which):  # each body anew took half of the time
+                self._known.know(query, self._bodies(query, which))
+                self._known_of = model, which
+            return self._known.frames
+
+        moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies)
+        feed = Feed(header.frame_id, publisher)
+        self._begun = _Begun(moment, start, generation, feed)
+        R_WF = np.array(moment.X_WF.rotation().matrix())
+        p_WF = np.array(moment.X_WF.translation())
+        there, since = self._known.then(moment.query, known), moment.since
+        when = since.held, since.epoch, generation
+        return Place(R_WF, p_WF, *when, there, settings, self._held.get(feed), feed)
+
+    def finish(self, found: Found) -> None:
+        """Put cells in the world into the scene, of the message that was begun last.
+
+        Raises RuntimeError where the map or the scene is another one by now.
+        """
+        begun, self._begun = self._begun, None
+        if begun is None:
+            raise ArgumentError('no message was begun of which these cells could be')
+        shell, margin = found.shell, self._settings().margin
+        seen = SeenShell(
+            shell.cells.centres(), shell.reach + margin, found.counts.in_shell, found.nearest
+        )
+        moment, settings = begun.moment, self._settings()
+        sight = Sight(moment.X_WF.translation(), settings.reach, *settings.corners())
+        shown = Shown(found.kept.cells, RigidTransform(), seen, moment.since, sight)
+        self._put(begun, shown, found.counts)
+        self._held = {feed: held for feed, held in self._held.items() if self._feeds.since(feed)}
+        epoch = begun.moment.since.epoch
+        self._held[begun.feed] = Held(found.kept, epoch, begun.generation, shell)
+
+    def take_octomap(self, octomap: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Take an Octomap in place of the one of before, as it is; raises RuntimeError."""
+        start = time.perf_counter()
+        refuse_too_many_nodes(octomap, MOST_NODES)
+        generation, cells = self._generation, cells_from_octomap(octomap)
+        if not len(cells):
+            raise ArgumentError('the tree has no occupied cell: it shows nothing')
+        moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda *_: ())
+        taken = _cells_in_box(cells, moment.X_WF, self._settings())
+        beyond = len(cells) - len(taken)
+        counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))
+        feed = Feed(octomap.header.frame_id, publisher)
+        sight = Sight(np.zeros(3), np.inf, *self._settings().corners())
+        shown = Shown(taken, moment.X_WF, NO_SHELL, moment.since, sight)
+        self._put(_Begun(moment, start, generation, feed), shown, counts)
+
+    def _bodies(self, query: QueryObject, which: str) -> list[GeometryId]:
+        """Return the geometries on which points are left out."""
+        if which == 'none':
+            return []
+        with self._live.reading() as scene:
+            sources = scene.robot_names() if which == 'robots' else None
+            return bodies_of(query, sources, scene.maps_source)
+
+    def _put(self, begun: _Begun, shown: Shown, counts: MapCounts) -> None:
+        """Have the scene hold what was seen; what is counted changes with it."""
+        margin, moment, feed = self._settings().margin, begun.moment, begun.feed
+        feeds = self._feeds.with_one(feed, shown)
+        all_shown = feeds.union()
+        cells = all_shown.cells
+        sighting = Sighting(
+            cells,
+            shape_of(cells, margin),
+            all_shown.X_WM,
+            all_shown.since,
+            moment.stamp,
+            all_shown.shell,
+            tuple((each.in_words(), since) for each, since in feeds.sinces()),
+            feeds.sights(),
+        )
+        draft = drafted(self._live, self.name, sighting)
+        with self._live.editing() as scene:
+            if begun.generation != self._generation:
+                raise ArgumentError('the map was cleared while the message was taken')
+            if moment.replaced != scene.replaced:
+                raise ArgumentError('the scene was replaced while the message was taken')
+            since = self._feeds.since(feed)
+            if since is not None and since.epoch == moment.since.epoch:
+                behind = since.held - moment.since.held
+                if behind > 0.0:
+                    raise ArgumentError(
+                        f'its stamp is {behind:.3f} s before that of the map that is there'
+                    )
+            put(scene, self.name, sighting, margin, draft)
+            self._feeds = feeds
+            taken, seconds = self.counts.taken + 1, time.perf_counter() - begun.start
+            self.counts = replace(counts, taken=taken, seconds=seconds)
+        self._changed()
+
+
+def _cells_in_box(cells: Cells, X_WM: RigidTransform, settings: ObstacleSettings) -> Cells:
+    """Return the cells that reach into the box of settings, or the nearest to it."""
+    low, high = settings.corners()
+    p_WCs = X_WM.multiply(cells.centres().T).T
+    reach = 0.5 * cells.resolution * np.abs(X_WM.rotation().matrix()).sum(axis=1)
+    beyond = np.maximum(low - reach - p_WCs, p_WCs - reach - high).max(axis=1)
+    return Cells(cells.resolution, cells.packed[beyond <= max(0.0, float(beyond.min()))])

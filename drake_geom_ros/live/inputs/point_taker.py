@@ -1,0 +1,250 @@
+"""Makes cells of the points that sensors measured: of clouds, and of depth images.
+
+It knows no scene: whoever has one tells where the sensor and the bodies were, and takes the cells.
+So it may work in a process of its own. No ROS import.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.depth_image import points_from_depth
+from drake_geom_ros.live.conversions.point_cloud import Columns, columns_of_cloud
+from drake_geom_ros.live.inputs.map_feeds import MOST_FEEDS
+from drake_geom_ros.live.inputs.obstacle_records import (
+    Found,
+    Held,
+    MapCounts,
+    ObstacleSettings,
+    Place,
+)
+from drake_geom_ros.live.scene.self_filter import SelfFilter, Zones
+from drake_geom_ros.sensed_maps.cells import Cells, Keys, keys_of
+from drake_geom_ros.sensed_maps.keeping import KeptCells, seen_through
+from drake_geom_ros.sensed_maps.looking_past import rays_past
+from drake_geom_ros.sensed_maps.passes import Reached, as_columns, keep_in_box, put_within_reach
+from drake_geom_ros.sensed_maps.shell import Shell
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+MOST_POINTS = 5_000_000  # of a message
+_MOST_CAMERAS = MOST_FEEDS  # whose camera_info is kept
+
+
+class Map(Protocol):
+    """Who has the scene that a map is in; both raise RuntimeError to refuse a message."""
+
+    def begin(self, header: Any, waited: float, known: int, publisher: str) -> Place:
+        """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
+
+        Bodies of the number ``known`` are not told again. Each ``publisher`` has a map of its own.
+        """
+
+    def finish(self, found: Found) -> None:
+        """Put what was found into the scene, for the message that was begun last."""
+
+
+class PointTaker:
+    """Takes the messages of one topic; what is refused by RuntimeError changes nothing."""
+
+    def __init__(self, its_map: Map) -> None:
+        self._map = its_map
+        self.filter = SelfFilter()
+        self._held: dict[tuple[str, str], Held] = {}  # by sensor
+        self._cameras: dict[str, Any] = {}  # by frame
+        # For points in the world: as large as the largest message was, for to map memory anew for
+        # each takes as long as what is done with it.
+        self._room = np.empty((0, 3))
+
+    def take_cloud(self, cloud: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Take a PointCloud2 that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
+        if cloud.width * cloud.height > MOST_POINTS:
+            raise ArgumentError(
+                f'the cloud has {cloud.height} rows of {cloud.width} points; at most '
+                f'{MOST_POINTS} are taken'
+            )
+        self._take_points(columns_of_cloud(cloud), cloud.header, waited, publisher)
+
+    def take_camera(self, info: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Keep a CameraInfo for the images of its frame that follow."""
+        self._cameras.pop(info.header.frame_id, None)
+        self._cameras[info.header.frame_id] = info
+        if len(self._cameras) > _MOST_CAMERAS:
+            del self._cameras[next(iter(self._cameras))]
+
+    def take_depth(self, image: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Take an Image of depths, as ``take_cloud`` does."""
+        if image.width * image.height > MOST_POINTS:
+            raise ArgumentError(
+                f'the image has {image.height} rows of {image.width} pixels; at most '
+                f'{MOST_POINTS} are taken'
+            )
+        if not self._cameras:
+            raise ArgumentError('no camera_info came before the image, so its rays are unknown')
+        camera = self._cameras.get(image.header.frame_id)
+        if camera is None:
+            raise ArgumentError(
+                f'the image is in frame {image.header.frame_id[:80]!r}, and camera_info in '
+                f'{next(reversed(self._cameras))[:80]!r}'
+            )
+        x, y, z = points_from_depth(image, camera).T[:, np.newaxis]
+        self._take_points((x, y, z), image.header, waited, publisher)
+
+    def _take_points(self, columns: Columns, header: Any, waited: float, publisher: str) -> None:
+        place = self._map.begin(header, waited, self.filter.number, publisher)
+        count, settings = columns[0].size, place.settings
+        if len(self._room) < count:
+            self._room = np.empty((count, 3))
+        columns = as_columns(columns)
+        reached = put_within_reach(columns, place.R_WF, place.p_WF, settings.reach, self._room)
+        p_WQs = self._room[: reached.kept]
+        # Before any refusal: bodies are taken in by this, and not told anew with each message.
+        zones = self.filter.zones(place.bodies, p_WQs, settings.noise, settings.padding)
+        if not reached.finite:
+            raise ArgumentError(f'none of its {count} points is finite: it shows nothing')
+        if zones.on_bodies.all():
+            raise ArgumentError('all of its points lie on bodies that the scene knows')
+        beside = _Beside.of(p_WQs, zones, settings)
+        away = _away_from_bodies(p_WQs, zones, settings)
+        shown, points_in = Cells.counted(p_WQs[: away.kept], settings.resolution)
+        enough, is_shell = beside.enough(shown, points_in, settings)
+        cells = Cells(shown.resolution, shown.packed[enough])
+        before = self._before(place, cells.resolution)
+        free = None
+        if settings.rays and before is not None and len(before.kept.cells):
+            free = seen_through(place.p_WF, cells)
+        kept = _kept(place, before, cells, free, shown.packed[~enough])
+        new = beside.shell(is_shell, shown.resolution, place.held)
+        shell = (
+            new if before is None else self._with_shell(place, before, kept, new, free, columns)
+        )
+        in_none = ~np.isin(shown.packed, kept.cells.packed, assume_unique=True)
+        counts = MapCounts(
+            points=count,
+            not_finite=count - reached.finite,
+            out_of_reach=reached.finite - reached.kept,
+            on_bodies=int(np.count_nonzero(zones.on_bodies)),
+            in_shell=len(beside.points),
+            out_of_box=away.finite - away.kept + beside.out_of_box,
+            in_sparse_cells=int(points_in[in_none].sum()),
+            cells=len(kept.cells),
+            held_cells=len(kept.cells) - len(cells),
+            shell_cells=len(shell.cells),
+            held_shell_cells=len(shell.cells) - len(new.cells),
+        )
+        nearest = float(beside.distances.min(initial=np.inf))
+        self._map.finish(Found(kept, counts, shell, nearest))
+        self._held.pop(place.feed, None)  # the last one heard of is the last to be forgotten
+        self._held[place.feed] = Held(kept, place.epoch, place.generation, shell)
+        if len(self._held) > 2 * MOST_FEEDS:
+            del self._held[next(iter(self._held))]
+
+    def _before(self, place: Place, resolution: float) -> Held | None:
+        """Return what the message before left, as far as it still holds."""
+        held = place.before or self._held.get(place.feed)
+        if held is None or held.generation != place.generation:
+            return None
+        if held.kept.cells.resolution != resolution:
+            return None
+        if held.epoch == place.epoch:
+            return held
+        # The node's time jumped: nobody knows how long ago cells were seen, so they stay
+        # for as long as if that was now.
+        kept, shell = held.kept.as_seen_at(place.held), held.shell.as_seen_at(place.held)
+        return held._replace(kept=kept, shell=shell)
+
+    def _with_shell(
+        self,
+        place: Place,
+        before: Held,
+        kept: KeptCells,
+        new: Shell,
+        free: Keys | None,
+        columns: Columns,
+    ) -> Shell:
+        """Return the new shell, and the cells of before that vanished beside bodies.
+
+        Such a cell stays until the sensor looks past it, ``keep`` ends, where it is not 0, or no
+        body is near it: then the map alone says what is there.
+        """
+        settings = place.settings
+        old = before.shell.and_others(Shell.of_map(before.kept.without(kept.cells)))
+        old = old.without(kept.cells.packed).without(new.cells.packed)
+        if free is not None:
+            old = old.without(free)
+        if 0.0 < settings.keep < np.inf:
+            old = old.among(place.held - old.seen <= settings.keep)
+        limit = settings.padding + old.reach
+        old = old.among(self.filter.within(place.bodies, old.places, limit))
+        if len(old.cells) and not _is_world(place):
+            p_FPs = (old.places - place.p_WF) @ place.R_WF
+            rays = rays_past(columns, p_FPs, 0.5 * settings.resolution, settings.noise)
+            old = old.among(rays < settings.least_points)
+        return new.and_others(old)
+
+
+def _is_world(place: Place) -> bool:
+    """Return whether points came in the world's frame: then no sensor is at its origin."""
+    return not place.p_WF.any() and np.array_equal(place.R_WF, np.eye(3))
+
+
+def _away_from_bodies(p_WQs: Floats, zones: Zones, settings: ObstacleSettings) -> Reached:
+    """Move the points (n, 3) [m] to the front that make the map; those beside bodies if alone."""
+    left_out = zones.on_bodies.copy()
+    left_out[zones.in_shell] = True
+    away = keep_in_box(p_WQs, left_out, *settings.corners())
+    return away if away.finite else keep_in_box(p_WQs, zones.on_bodies, *settings.corners())
+
+
+def _kept(
+    place: Place, before: Held | None, cells: Cells, free: Keys | None, sparse: Keys
+) -> KeptCells:
+    """Return cells, and those of before that are held; ``sparse`` ones only hold."""
+    held = KeptCells.none(cells.resolution) if before is None else before.kept
+    return held.and_then(cells, place.held, place.settings.keep, free, sparse)
+
+
+class _Beside(NamedTuple):
+    """The points (m, 3) [m] beside bodies, their distances (m,) [m], and how many the box cut."""
+
+    points: Floats
+    distances: Floats
+    out_of_box: int
+
+    @classmethod
+    def of(cls, p_WQs: Floats, zones: Zones, settings: ObstacleSettings) -> _Beside:
+        points, (low, high) = p_WQs[zones.in_shell], settings.corners()
+        inside = np.asarray(((points >= low) & (points <= high)).all(axis=1))
+        out = int(np.count_nonzero(~inside))
+        return cls(points[inside], zones.distances[inside], out)
+
+    def enough(
+        self, shown: Cells, points_in: Keys, settings: ObstacleSettings
+    ) -> tuple[Flags, Flags]:
+        """Return which cells of the map have enough points, and which points are in such cells.
+
+        Points of a cell count together, wherever the shell ends in it.
+        """
+        least = settings.least_points
+        if not len(self.points):  # as of most clouds
+            enough = points_in >= settings.least_points
+            return enough | (not enough.any()), np.zeros(0, dtype=np.bool_)
+        cells, count = Cells.counted(self.points, shown.resolution)
+        both = np.intersect1d(shown.packed, cells.packed, assume_unique=True, return_indices=True)
+        together, together_beside = points_in.copy(), count.copy()
+        together[both[1]] += count[both[2]]
+        together_beside[both[2]] += points_in[both[1]]
+        enough, beside = together >= least, together_beside >= least
+        if not enough.any():  # a thin cloud is no empty room
+            enough[:] = True
+            beside[:] |= not beside.any()
+        is_in = np.searchsorted(cells.packed, keys_of(self.points, shown.resolution))
+        return enough, beside[is_in]
+
+    def shell(self, is_shell: Flags, resolution: float, now: float) -> Shell:
+        """Return the cells of the points that are flagged."""
+        return Shell.of_points(self.points[is_shell], self.distances[is_shell], resolution, now)

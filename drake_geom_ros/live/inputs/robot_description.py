@@ -1,0 +1,152 @@
+"""A robot from a latched topic: the URDF on ``robot_description_topic`` becomes a source.
+
+The source has the robot's name, its links are frames in the world that wait for their poses, and
+adjacent links are filtered, as when a URDF is loaded from a file. The same text again changes
+nothing. Another text takes the place of the one before: the scene is made anew without the old
+robot and with the new one, or, where that cannot be, stays as it is. All else keeps its names,
+properties, poses and persistent filters, but ids are new and transient filters are gone, as with
+``load_scene`` and ``replace``. No ROS import here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from drake_geom_ros.common.counting import counted
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.scene.editable_scene import RegisteredDraft, prepared
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.live_scene import LiveScene, registered_copy
+from drake_geom_ros.scene_files import (
+    SceneDescription,
+    hulls_in_words,
+    read_scene,
+    robot_name,
+    without_source,
+)
+
+
+class RobotInput:
+    """Puts the robot of a description into the live scene, and another one in its place."""
+
+    def __init__(self, live: LiveScene) -> None:
+        self._live = live
+        self._text = ''  # the URDF that is in the scene
+        self._source = ''
+        self._srdf = ''
+
+    def take(self, text: str) -> str:
+        """Take a URDF and return what became of it, for the log; raises RuntimeError for none."""
+        with self._live.reading() as scene:
+            if text == self._text and self._is_in(scene):
+                return ''
+        return self._put(text)
+
+    def take_semantics(self, text: str) -> str:
+        """Take an SRDF, which may come before its URDF; raises RuntimeError for none.
+
+        Return what became of it, for the log.
+        """
+        name = _name_of(text)
+        if text == self._srdf:
+            return ''
+        before, self._srdf = self._srdf, text
+        with self._live.reading() as scene:
+            is_in = self._is_in(scene)
+        if not is_in:
+            return f'the SRDF of {name!r} waits for its URDF'
+        if name != self._source:
+            return f'the SRDF of {name!r} waits for its URDF; the robot is {self._source!r}'
+        try:
+            return self._put(self._text, strict=True)
+        except RuntimeError:
+            self._srdf = before
+            raise
+
+    def _read(self, text: str, srdf: str) -> SceneDescription:
+        """Return what texts describe; a line break tells a text from a path."""
+        files = self._live.files
+        return read_scene(
+            *(f'{text}\n', 'urdf', srdf and f'{srdf}\n', files.package_roots, files.folders),
+            self._live.robot_options,
+        )
+
+    def _put(self, text: str, *, strict: bool = False) -> str:
+        """Put a robot into the scene, with the SRDF of its name.
+
+        One that cannot be read is left away: another may still be on its way. ``strict``: it is
+        refused. Of one with links that the robot does not have the rest counts, with a warning.
+        """
+        srdf, told = self._srdf, ', pairs of its SRDF left out'
+        if not srdf or _name_of(srdf) != _name_of(text):
+            srdf, told = '', ''
+        try:
+            robot = self._read(text, srdf)
+        except RuntimeError as error:
+            if not srdf or strict:
+                raise
+            robot = self._read(text, '')
+            self._srdf, told = '', f', without its SRDF: {error}'
+        if robot.warnings:
+            told += f', {counted(len(robot.warnings), "warning")}'
+        (source,) = robot.sources
+        copy = self._make_ready(robot)
+        with self._live.editing() as scene:
+            if self._is_in(scene):
+                scene.replace(prepared(self._in_its_place(robot, scene)))
+                done = f'replaces {self._source!r}'
+            else:
+                scene.add(robot, copy)
+                done = 'added'
+            self._text, self._source = text, source
+        return (
+            f'robot {source!r} {done}: {len(robot.frames)} links, {len(robot.geometries)} shapes'
+            f'{told}{hulls_in_words(robot.geometries)}'
+        )
+
+    def _make_ready(self, robot: SceneDescription) -> RegisteredDraft | None:
+        """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it.
+
+        Returns a copy of the scene with the robot where it is new.
+        """
+        with self._live.reading() as scene:
+            self._refuse_same_name(robot.sources[0], scene)
+            whole = self._in_its_place(robot, scene) if self._is_in(scene) else None
+        if whole is not None:
+            prepared(whole)
+            return None
+        return registered_copy(self._live, robot)
+
+    def _in_its_place(self, robot: SceneDescription, scene: HeldScene) -> SceneDescription:
+        """Return the scene with another robot in the place of the one before."""
+        # Filters that wait for the robot, or waited for the one before, wait for this one.
+        others = without_source(scene.description(), self._source)
+        return joined(replace(others, awaited=scene.awaited.all()), robot)
+
+    def _is_in(self, scene: HeldScene) -> bool:
+        return self._source in _sources(scene)
+
+    def _refuse_same_name(self, name: str, scene: HeldScene) -> None:
+        """Raise ArgumentError where a source that is not the robot of before has the name."""
+        if name in _sources(scene) - {self._source}:
+            raise ArgumentError(
+                f'the robot is called {name!r}, but the scene has a source of that name '
+                'already. If it is the same robot, remove it from the scene file, or start the '
+                "node with robot_description_topic:=''; otherwise, rename one of them"
+            )
+
+
+def _name_of(text: str) -> str:
+    """Return the name of the robot of a URDF or an SRDF; raises RuntimeError for neither."""
+    return robot_name(text.encode(errors='surrogatepass'), '<text>')
+
+
+def _sources(scene: HeldScene) -> set[str]:
+    inspector = scene.inspector
+    return set(map(inspector.GetName, inspector.GetAllSourceIds()))
+
+
+def joined(first: SceneDescription, second: SceneDescription) -> SceneDescription:
+    """Return a scene of two; what the second says is registered last."""
+    names = ('sources', 'robots', 'frames', 'geometries', 'filters', 'warnings')
+    return replace(first, **{name: getattr(first, name) + getattr(second, name) for name in names})

@@ -1,0 +1,142 @@
+"""Publishes what proximity rules decide: events, states, the scale of speed. No ROS import.
+
+Rules are decided whether anybody listens or not: who comes later must find their states right, and
+numbers of events without a gap.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from drake_geom_ros.geometry import SignedDistanceResults
+from drake_geom_ros.live.conversions.proximity_rules import (
+    fill_events,
+    fill_rules,
+    fill_what_decided,
+)
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.rule_states import fill_rule_states
+from drake_geom_ros.proximity_rules import Event, ProximityRule
+
+# [s] at most between two decisions, and two values of the scale: poses may stop to come.
+PERIOD = 0.05
+# [s] at least between two messages of states: they bear all rules, and who comes late hears the
+# events that follow.
+_STATES_PERIOD = 0.1
+
+
+class RuleTopics(NamedTuple):
+    """The publishers of ~/proximity_events, ~/proximity_states and ~/speed_scale."""
+
+    events: Any
+    states: Any
+    speed_scale: Any
+
+
+class RuleSettings(NamedTuple):
+    """What parameters say of proximity rules."""
+
+    stale_after: float  # [s] age from which on a pose is stale
+    time_budget: float = 0.0  # [s] of a narrow phase; 0: it has none
+
+
+class _Listed(NamedTuple):
+    """Rules, and a message that was filled with them, which takes as long as all their states."""
+
+    rules: Sequence[ProximityRule] | None
+    message: Any
+
+
+class RuleEvents:
+    """Decides about the rules of the live scene and tells what became of them."""
+
+    def __init__(
+        self,
+        topics: RuleTopics,
+        types: Any,
+        settings: Callable[[], RuleSettings],
+        did: Callable[[int, float], None],
+    ) -> None:
+        """``types`` holds the message classes, ``settings()`` are asked for at each decision.
+
+        ``did(pairs, seconds)`` is told of each decision, and of the pairs that it alone needed.
+        """
+        self._topics, self._types = topics, types
+        self._settings, self._did = settings, did
+        self._decided = -math.inf  # [s] of steady time
+        self._told = -1  # the revision of the states that were published last
+        self._stated = -math.inf  # [s] of steady time, when that was
+        self._listed = _Listed(None, None)
+
+    def look_at(
+        self, scene: HeldScene, distances: SignedDistanceResults | None, reach: float
+    ) -> None:
+        """Decide by the poses of now; ``distances`` are those within ``reach`` [m], if any."""
+        if not scene.rules.rules:  # what there is to tell of that, ``look_again`` tells
+            return
+        start = time.perf_counter()
+        rules, settings = scene.rules, self._settings()
+        scene.bind_rules()
+        seen = None if distances is None else (distances, reach)
+        blind = scene.blind_frames(settings.stale_after)
+        self._decided, twists = scene.clocks.steady(), scene.twists()
+        computed = rules.decide(
+            self._decided,
+            scene.query,
+            blind,
+            seen,
+            twists,
+            settings.time_budget,
+            scene.shells(),
+            scene.map_sights(),
+        )
+        self._tell(scene, rules.take_events())
+        self._did(computed, time.perf_counter() - start)
+
+    def look_again(self, scene: HeldScene) -> None:
+        """Decide although no cycle ran: poses grow old, times run out, the scene was changed."""
+        rules, now = scene.rules, scene.clocks.steady()
+        if now - self._decided < PERIOD / 2.0:
+            return
+        if rules.rules:
+            scene.bind_rules()
+        if rules.rules and not rules.is_measured:
+            self.look_at(scene, None, 0.0)
+            return
+        self._decided = now
+        if rules.rules:
+            rules.wait(now, scene.blind_frames(self._settings().stale_after))
+        self._tell(scene, rules.take_events())
+
+    def forget(self) -> None:
+        """Publish the states anew, to those who were told nothing meanwhile."""
+        self._told, self._stated = -1, -math.inf
+
+    def _tell(self, scene: HeldScene, events: list[Event]) -> None:
+        """Publish events, states where they changed (soon), and the scale of speed."""
+        if events:
+            message = self._types.ProximityEvents(accuracy=scene.accuracy)
+            moment = scene.moment()
+            moment.stamp_header(message)
+            message.names_version = moment.names_version
+            fill_events(message, events, scene.names.name_of_value)
+            fill_what_decided(message, events, scene.query, self._settings().stale_after)
+            message.oldest_pose_age = [moment.oldest.age] * len(events)
+            message.oldest_frame = [moment.oldest.frame] * len(events)
+            self._topics.events.publish(message)
+        # All rules each time: many a second would cost more than what they decide.
+        now = scene.clocks.steady()
+        if scene.rules.revision != self._told and now - self._stated >= _STATES_PERIOD:
+            self._told, self._stated = scene.rules.revision, now
+            if scene.rules.rules is not self._listed.rules:
+                self._listed = _Listed(scene.rules.rules, self._types.ProximityRules())
+                fill_rules(self._listed.message, scene.rules.rules)
+            states = self._types.ProximityStates()
+            fill_rule_states(states, scene, self._listed.message)
+            self._topics.states.publish(states)
+        scale = scene.rules.speed_scale()
+        if scale is not None and self._topics.speed_scale.get_subscription_count():
+            self._topics.speed_scale.publish(self._types.Float64(data=scale))

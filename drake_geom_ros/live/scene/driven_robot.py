@@ -1,0 +1,217 @@
+"""A robot of the scene that joint values pose: its links, and what is known of its joints.
+
+No ROS import here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Mapping
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import FrameId
+from drake_geom_ros.geometry.queries.joint_trees import JointTree
+from drake_geom_ros.live.scene.clocks import UNKNOWN, Since, oldest
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.scene_files import WORLD, RobotDescription
+from drake_geom_ros.trajectories.kinematics import Kinematics
+
+Floats = NDArray[np.float64]
+
+
+class JointValue(NamedTuple):
+    """What was heard of a joint last."""
+
+    position: float  # [rad] or [m]
+    speed: float  # [1/s]; nan where nobody knows it
+    stamp: int  # [ns]; 0: none
+    since: Since  # UNKNOWN: nothing was heard, it is the scene file's
+
+
+class Base(NamedTuple):
+    """Where the root link stands in what carries the robot, and since when."""
+
+    X_PB: Floats  # (7,)
+    since: Since
+
+
+class JointEntry(NamedTuple):
+    """What is to be told of a joint."""
+
+    robot: str
+    name: str
+    type: str  # as in the URDF
+    lower: float  # [rad] or [m]
+    upper: float
+    frame: FrameId | None  # of the link that it moves; None: that link is no frame
+
+
+class LinkPoses(NamedTuple):
+    """Links where joint values put them."""
+
+    ids: NDArray[np.int64]  # (n,) of their frames
+    rows: Floats  # (n, 7) X_PL
+    X_PLs: Floats  # (m + 1, 7) of all links; those with a joint without a value are meaningless
+
+
+class DrivenRobot:
+    """The joints and links of one robot in one version of a scene, and the values of its joints.
+
+    Raises ValueError for a URDF that is no tree of simple joints.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDescription,
+        frames: Mapping[tuple[str, str], FrameId],
+        values: Mapping[str, JointValue],
+    ) -> None:
+        """``frames`` by source and name; ``values`` by joint are those heard already.
+
+        A joint of which nothing was heard stands as the scene file says, if that does.
+        """
+        assert robot.tree is not None
+        kinematics = Kinematics(robot.tree)
+        self.name = robot.name
+        self.topic = robot.joint_states
+        self.tree: JointTree = kinematics.tree
+        self.joint_names = kinematics.joint_names
+        self.lower, self.upper = kinematics.lower, kinematics.upper
+        self.speed_limits: Floats = kinematics.max_speed  # (c,) [1/s]; inf: none
+        self.columns = {name: k for k, name in enumerate(self.joint_names)}
+        # Joints that move nothing by themselves: they are fixed, or mimic another one.
+        self.others = {joint.name for joint in robot.tree.joints} - set(self.joint_names)
+        standing = {
+            name: JointValue(value, math.nan, 0, UNKNOWN)
+            for name, value in robot.configuration.items()
+        }
+        self.values = [standing.get(name) for name in self.joint_names]
+        self.know(values)
+        names = kinematics.link_names
+        self._joints = {joint.name: joint for joint in robot.tree.joints}
+        self._frames = {name: frames.get((robot.name, name)) for name in names}
+        self.base_is_world = names[0] == WORLD
+        self.root = None if self.base_is_world else frames.get((robot.name, names[0]))
+        # Rows of all links of the tree: those between the parts of a planar joint have no name.
+        self._needs = np.zeros((len(self.tree.parents) + 1, len(self.joint_names)), dtype=np.bool_)
+        found = self.tree.needs()
+        self._needs[:, : found.shape[1]] = found
+        ids = [frames.get((robot.name, name)) for name in names]
+        # The root is posed by others, and a link called as the world is no frame.
+        self.links = {
+            k: frame.get_value() for k, frame in enumerate(ids) if frame is not None and k > 0
+        }
+        self.described_X_PB = robot.X_WB.ToArray()
+        self.base: Base | None = None  # that of the poses that were given last
+        self._place, self._X_PB = b'', self.described_X_PB
+
+    def know(self, values: Mapping[str, JointValue]) -> None:
+        """Have values by joint, of those that are named."""
+        rows = zip(self.joint_names, self.values, strict=True)
+        self.values = [values.get(name, value) for name, value in rows]
+
+    @property
+    def full_names(self) -> list[str]:
+        """The joints as ``robot::joint``."""
+        return [f'{self.name}::{name}' for name in self.joint_names]
+
+    @cached_property
+    def entries(self) -> list[JointEntry]:
+        """What is to be told of the joints."""
+        found = []
+        for name, low, high in zip(self.joint_names, self.lower, self.upper, strict=True):
+            # Of a joint of several values each is called as `joint/value`.
+            joint = self._joints.get(name) or self._joints[name.rpartition('/')[0]]
+            frame = self._frames[joint.child]
+            found.append(JointEntry(self.name, name, joint.type, float(low), float(high), frame))
+        return found
+
+    @cached_property
+    def patterns(self) -> dict[tuple[int, ...], frozenset[int]]:
+        """The rows of links that have frames, by the columns that each depends on."""
+        rows = defaultdict(set)
+        for row in self.links:
+            rows[tuple(np.flatnonzero(self._needs[row]).tolist())].add(row)
+        return {columns: frozenset(found) for columns, found in rows.items()}
+
+    def pose_of_base(self, R_PB: Floats, p_PB: Floats) -> Floats:
+        """Return the pose of the root link as an array (7,), the same one while it rests."""
+        place = R_PB.tobytes() + p_PB.tobytes()
+        if place != self._place:
+            self._place, self._X_PB = place, RigidTransform(RotationMatrix(R_PB), p_PB).ToArray()
+        return self._X_PB
+
+    def positions(self) -> Floats:
+        """Return the values (c,) of all joints; nan where nothing was heard."""
+        return np.array([math.nan if v is None else v.position for v in self.values])
+
+    def since(self, base: Base, rows: Mapping[tuple[int, ...], frozenset[int]]) -> Moments:
+        """Return since when links hold: some rows, by the columns that these depend on.
+
+        Left out are links with a joint of which nothing was heard.
+        """
+        posed: dict[Since, set[int]] = defaultdict(set)
+        for columns, some in rows.items():
+            values = [self.values[column] for column in columns]
+            known = [value.since for value in values if value is not None]
+            if some and len(known) == len(columns):
+                posed[oldest(base.since, *known)] |= some
+        return posed
+
+    def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:
+        """Return where links stand at joint values (c,)."""
+        chosen = sorted(rows)
+        X_PLs = self.tree.link_poses(or_zero(positions)[np.newaxis], base.X_PB)[0]
+        ids = np.array([self.links[row] for row in chosen], dtype=np.int64)
+        return LinkPoses(ids, X_PLs[chosen], X_PLs)
+
+    def speeds(self) -> Floats:
+        """Return the speeds (c,) of all joints; nan where nobody knows."""
+        return np.array([math.nan if v is None else v.speed for v in self.values])
+
+    def twists(self, X_PLs: Floats, V_PB: Floats) -> dict[int, Floats]:
+        """Return V_PL (6,) by frame of the links whose joints' speeds are all known."""
+        speeds = self.speeds()
+        V_PLs = self.tree.link_twists(or_zero(speeds), X_PLs, V_PB)
+        unknown = np.any(self._needs & np.isnan(speeds), axis=1).tolist()
+        return {frame: V_PLs[row] for row, frame in self.links.items() if not unknown[row]}
+
+    def without_value(self) -> list[str]:
+        """Return the joints of which nothing is known."""
+        return [n for n, v in zip(self.joint_names, self.values, strict=True) if v is None]
+
+    def unheard(self) -> list[str]:
+        """Return the joints that stand as the scene file says, for nothing was heard of them."""
+        rows = zip(self.joint_names, self.values, strict=True)
+        return [name for name, value in rows if value is not None and value.since == UNKNOWN]
+
+    def configuration(self) -> dict[str, float]:
+        """Return the values of joints, as far as they are known."""
+        rows = zip(self.joint_names, self.values, strict=True)
+        return {name: value.position for name, value in rows if value is not None}
+
+    def outside_limits(self) -> list[str]:
+        """Return in words which joints stand outside their limits."""
+        rows = zip(self.full_names, self.values, self.lower, self.upper, strict=True)
+        return [
+            f'{name} [{low:.6g}, {high:.6g}]'
+            for name, value, low, high in rows
+            if value is not None and not low <= value.position <= high
+        ]
+
+    def joints_of(self, rows: Collection[int]) -> list[int]:
+        """Return the columns that links depend on."""
+        return np.flatnonzero(self._needs[sorted(rows)].any(axis=0)).tolist()
+
+
+Moments = Mapping[Since, Collection[int]]
+
+
+def or_zero(values: Floats) -> Floats:
+    """Return values with 0 for nan: of joints of which nothing was heard, whose links wait."""
+    return np.where(np.isnan(values), 0.0, values)

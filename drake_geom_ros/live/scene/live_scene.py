@@ -1,0 +1,238 @@
+"""The one live scene of a node, behind its lock.
+
+No ROS here: times are plain seconds, messages any objects with the right fields.
+
+Several threads meet here, and there are three ways in::
+
+    view = live.view()                # a snapshot to keep: queries take long, and run on it
+    with live.reading() as scene: ... # nobody changes the scene meanwhile
+    with live.editing() as scene: ... # nobody else has the scene meanwhile
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    GeometryError,
+    QueryObject,
+    SceneGraph,
+    SceneGraphContext,
+)
+from drake_geom_ros.geometry.render import CameraProperties
+from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.live.conversions.names import WORLD, some_of
+from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.live.scene.editable_scene import EditableScene, RegisteredDraft
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.map_sources import MapSources
+from drake_geom_ros.live.scene.robot_following import pose_followers
+from drake_geom_ros.live.scene.scene_draft import SceneDraft
+from drake_geom_ros.live.scene.scene_view import SceneView
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import (
+    LoadedScene,
+    RobotDescription,
+    RobotOptions,
+    SceneDescription,
+    camera_of,
+    warm_up,
+)
+
+_Result = TypeVar('_Result')
+_TRIES = 3  # of a change beside others who change the scene all the time
+
+
+class LiveScene:
+    """Hands the scene out, to one thread at a time; whoever has it may ask for it again."""
+
+    def __init__(
+        self,
+        accuracy: str,
+        clocks: Clocks,
+        world_frame: str = WORLD,
+        version: int = 0,
+    ) -> None:
+        """``clocks`` measure the ages of poses and the leases of filters.
+
+        ``version`` is that of the scene while it is empty: it grows from there.
+        """
+        self.clocks = clocks
+        self.files = FileAccess([ALL_PACKAGES])
+        self.map_sources = MapSources()
+        self.robot_options = RobotOptions()  # of robots that come by topic or as a URDF
+        # Called with name, number and last of what has to be compiled, while queries wait for it.
+        self.tell_compiling: Callable[[str, int, int], None] | None = None
+        self.time_budget = 0.0  # [s] of what an answer may leave out for want of time; 0: none
+        # Called when the tables of a large scene were made, which are there to stay.
+        self.have_settled: Callable[[], object] = lambda: None
+        # Asks a query object of a scene that is to come what the cycles ask.
+        self.rehearse: Callable[[QueryObject], object] = lambda query: None
+        self.stale_after = math.inf  # [s] age from which on answers name a pose as stale
+        self.world_frame = world_frame
+        self._lock = threading.RLock()
+        self._closed = self._interrupted = False
+        self._scene = EditableScene(SceneGraph(accuracy=accuracy), clocks, world_frame, version)
+
+    @property
+    def most_megabytes(self) -> float:
+        """The largest answer [MB], and the largest images of a camera."""
+        return self._scene.camera_limits.megabytes
+
+    @most_megabytes.setter
+    def most_megabytes(self, limit: float) -> None:
+        self._scene.camera_limits.megabytes = limit
+
+    def name_cameras_for(self, node: str) -> None:
+        """Refuse cameras whose topics would have too long names, below a node's full name."""
+        self._scene.camera_limits.of_node(node)
+
+    @contextmanager
+    def editing(self) -> Iterator[EditableScene]:
+        """Hand the scene out to be changed; raises RuntimeError once it is closed."""
+        with self._lock:
+            if self._closed:
+                raise GeometryError(
+                    'the scene was closed by cleanup or shutdown of the node; nothing was changed'
+                )
+            yield self._scene
+
+    def close(self) -> None:
+        """Let nobody change the scene any more: who began before, and comes late, is refused."""
+        with self._lock:
+            self._closed = True
+
+    def interrupt(self) -> None:
+        """Let answers that take long end: nobody will wait for them."""
+        self._interrupted = True
+
+    def must_stop(self) -> bool:
+        """Return whether what takes long is to end, without an answer; it takes no lock."""
+        return self._interrupted or self._closed
+
+    @contextmanager
+    def reading(self) -> Iterator[HeldScene]:
+        """Hand the scene out to be looked at."""
+        with self._lock:
+            yield self._scene
+
+    def view(self, poses: Any = None, joints: Any = None) -> SceneView:
+        """Return the scene of now, with other poses and joint values where these are given.
+
+        ``poses`` is a FramePoses, ``joints`` a JointPositions. Frames that are not named, nor
+        moved by a joint that is, keep their live poses, but for links, which follow the base of
+        their robot as they do live; where nothing is named, the view knows how
+        all move, if anybody watches that. Raises RuntimeError for a message that ``take_poses``
+        would refuse, for joints that are none, and for a frame that both pose.
+        """
+        with self.reading() as scene:
+            asked = None if poses is None else scene.read_poses(poses).poses
+            by_joints = joints is not None and (len(joints.names) or len(joints.positions))
+            is_now = not (asked or by_joints)
+            view = scene.view(moving=poses is not None and is_now, stale_after=self.stale_after)
+            posed = replaced = set() if asked is None else set(asked.id_values().tolist())
+            if asked:
+                view.context.UpdateFramePoses(asked)
+                pose_followers(scene, view, posed)
+            if by_joints:
+                positions = np.asarray(joints.positions, dtype=np.float64)
+                moved = scene.joints.moved(joints.names, positions, view.query)
+                by_values = set(moved.id_values().tolist())
+                refuse_twice_posed(scene, posed & by_values)
+                view.context.UpdateFramePoses(moved)
+                pose_followers(scene, view, posed | by_values)
+                named = scene.joints.places(joints.names)
+                replaced = posed | by_values - scene.links_of_stale_joints(self.stale_after, named)
+        return replace(view, replaced=frozenset(replaced))
+
+    def compile_kernels(self) -> list[str]:
+        """Compile what queries of the scene run, beside the cycle; return the kernels.
+
+        Where the scene has cameras, what takes images too: by an image of one pixel.
+        """
+        with self.reading() as scene:
+            cameras, view = scene.cameras, scene.view()
+        kernels = view.context.compile_kernels(self.tell_compiling)
+        for _, camera in list(cameras.values())[:1]:
+            name = camera_of(camera).core().renderer_name()
+            pixel = CameraProperties(1, 1, 1.0, name)
+            view.query.render_images(pixel, view.names.world, RigidTransform())
+        return kernels
+
+    def make_ready(
+        self,
+        change: Callable[[SceneGraph, SceneGraphContext], _Result],
+        robots: Sequence[RobotDescription] = (),
+    ) -> tuple[SceneDraft, _Result]:
+        """Make a change on a copy of the scene, and what queries need of the changed scene.
+
+        So files are read and kernels compiled beside the cycle, before the change is made in
+        earnest: the scene is held only while it is copied. ``change`` is given the copy, after a
+        scene graph whose methods take it; what it raises is raised here. Returns the draft, and
+        what ``change`` returned. It may have brought ``robots``.
+        """
+        with self.reading() as scene:
+            draft = SceneDraft(scene)
+        result = change(SceneGraph(), draft.context)
+        draft.name_all(robots)
+        draft.get_ready(self.rehearse, self.tell_compiling)
+        if draft.is_large:
+            self.have_settled()
+        return draft, result
+
+    def change(
+        self,
+        change: Callable[[SceneGraph, SceneGraphContext | None], _Result],
+        *,
+        calls_for_more: bool = False,
+        then: Callable[[EditableScene, _Result], object] = lambda scene, result: None,
+    ) -> _Result:
+        """Make a change of the scene graph and return what it returns.
+
+        Cycles go on meanwhile, where the scene is large or the change ``calls_for_more`` kernels:
+        it is made on a draft, which the scene becomes. ``then`` does what belongs to the change
+        with the scene that has it, before anybody else has that scene.
+        """
+        for _ in range(_TRIES):
+            with self.reading() as scene:
+                if not (calls_for_more or scene.is_large):
+                    break
+            draft, result = self.make_ready(change)
+            with self.editing() as scene:
+                if scene.take_over(draft):
+                    then(scene, result)
+                    return result
+            calls_for_more = False
+        with self.editing() as scene:
+            result = change(scene.scene_graph, None)
+            then(scene, result)
+            return result
+
+
+def registered_copy(live: LiveScene, description: SceneDescription) -> RegisteredDraft:
+    """Return a draft of the scene with what is described, all that takes long done beside it."""
+
+    def register(graph: SceneGraph, context: SceneGraphContext) -> LoadedScene:
+        loaded = warm_up(graph, description, context)
+        context.UpdateFramePoses(loaded.first_poses)
+        return loaded
+
+    return RegisteredDraft(*live.make_ready(register, description.robots))
+
+
+def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:
+    """Raise ArgumentError for frames, by the values of their ids, that are posed in two ways."""
+    if frames:
+        known = scene.names.frame_names.items()
+        names = [name for frame, name in known if frame.get_value() in frames]
+        raise ArgumentError(
+            f'joints move {some_of(names)}, and poses pose them, too; leave them out of one'
+        )

@@ -1,0 +1,210 @@
+"""The joints of a scene's robots: what they are called, and which links they move.
+
+No ROS import here.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    FrameId,
+    FramePoseVector,
+    PoseError,
+    QueryObject,
+)
+from drake_geom_ros.live.conversions.names import shortened, some_of
+from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN, Since
+from drake_geom_ros.live.scene.driven_robot import Base, DrivenRobot, JointEntry, JointValue
+from drake_geom_ros.live.scene.joint_past import JointPast
+from drake_geom_ros.scene_files import RobotDescription
+
+Floats = NDArray[np.float64]
+
+
+class JointPlace(NamedTuple):
+    """Which value of which robot a joint is."""
+
+    robot: str
+    column: int
+
+
+class RobotJoints:
+    """The robots of one version of a scene that joint values can pose, with these values."""
+
+    def __init__(
+        self,
+        robots: Sequence[RobotDescription],
+        frames: Mapping[tuple[str, str], FrameId],
+        before: RobotJoints | None = None,
+    ) -> None:
+        """``frames`` by source and name; values of ``before`` go on where names are the same."""
+        self.robots: dict[str, DrivenRobot] = {}
+        self.pasts: dict[str, JointPast] = {}  # of these, filled where somebody has to know
+        self.refused: dict[str, str] = {}  # robots that no joint values can pose, and why
+        for robot in robots:
+            if robot.tree is None:
+                continue
+            known = None if before is None else before.robots.get(robot.name)
+            values = {} if known is None else _heard_by(known)
+            try:
+                driven = DrivenRobot(robot, frames, values)
+            except ValueError as error:
+                self.refused[robot.name] = str(error)
+                continue
+            past = None if before is None else before.pasts.get(robot.name)
+            self.robots[robot.name] = driven
+            self.pasts[robot.name] = JointPast(driven, past)
+
+    def go_on_as(self, before: RobotJoints) -> None:
+        """Know of joints what was known before, of robots that were there."""
+        for name, robot in self.robots.items():
+            if (known := before.robots.get(name)) is not None:
+                robot.know(_heard_by(known))
+
+    @cached_property
+    def entries(self) -> tuple[JointEntry, ...]:
+        """What is to be told of the joints of all robots."""
+        return tuple(entry for robot in self.robots.values() for entry in robot.entries)
+
+    def base(self, robot: DrivenRobot, query: QueryObject, since: Since | None) -> Base | None:
+        """Return where the root link of a robot stands ``since`` when; None where it waits.
+
+        That is in the frame that carries the robot, or in the world.
+        """
+        if robot.base_is_world:
+            return Base(robot.described_X_PB, ALWAYS)
+        if robot.root is None:
+            return None
+        inspector = query.inspector()
+        home, parent = inspector.GetHomeFrame(robot.root), inspector.GetParentFrame(robot.root)
+        try:
+            if home == inspector.world_frame_id():  # as arrays: it is asked for with each message
+                (R_PB,), (p_PB,), (is_placed,) = query.X_WFs([robot.root.get_value()])
+                if not is_placed:
+                    return None
+            else:
+                X_PB = (
+                    query.X_PF(robot.root)
+                    if home == parent
+                    else query.X_WF(home).InvertAndCompose(query.X_WF(robot.root))  # attached
+                )
+                R_PB, p_PB = X_PB.rotation().matrix(), X_PB.translation()
+        except PoseError:
+            return None
+        return Base(robot.pose_of_base(R_PB, p_PB), since or UNKNOWN)
+
+    def places(self, names: Sequence[str]) -> list[JointPlace]:
+        """Return which joints names mean; raises ArgumentError for one that means none."""
+        found = look_up(list(self.robots.values()), names)
+        for name, place in zip(names, found, strict=True):
+            if place is None:
+                known = [full for robot in self.robots.values() for full in robot.full_names]
+                raise ArgumentError(
+                    f'there is no joint {shortened(name)!r} with a value of its own'
+                    f'{nearest(name, known)}. Joints: {some_of(known) or "none"}. '
+                    'See the topic ~/scene'
+                )
+        return [place for place in found if place is not None]
+
+    def every_place(self) -> list[JointPlace]:
+        """Return all joints, robot by robot."""
+        robots = self.robots.items()
+        return [JointPlace(name, k) for name, r in robots for k in range(len(r.joint_names))]
+
+    def moved(
+        self, names: Sequence[str], positions: Floats, query: QueryObject
+    ) -> FramePoseVector:
+        """Return the poses of the links that joints move, the other joints being as they are.
+
+        The base of a robot is that of the query. Raises ArgumentError for names that mean no
+        joint, for numbers that are none, and where another joint or the base is not known.
+        """
+        if len(names) != len(positions):
+            raise ArgumentError(
+                f'positions holds {len(positions)} numbers for {len(names)} joint names; it must '
+                'hold one for each'
+            )
+        if not np.isfinite(positions).all():
+            raise ArgumentError('positions of joints must be finite')
+        changed: dict[str, dict[int, float]] = {}
+        for place, position in zip(self.places(names), positions.tolist(), strict=True):
+            changed.setdefault(place.robot, {})[place.column] = position
+        ids, rows = [], []
+        for name, values in changed.items():
+            robot = self.robots[name]
+            base = self.known_base(robot, query)
+            now = robot.positions()
+            now[list(values)] = list(values.values())
+            links = {
+                row
+                for columns, some in robot.patterns.items()
+                if not values.keys().isdisjoint(columns)
+                for row in some
+            }
+            self.require_values(robot, now, robot.joints_of(links) if links else [])
+            poses = robot.link_poses(base, now, links)
+            ids.append(poses.ids)
+            rows.append(poses.rows)
+        if not ids:
+            return FramePoseVector()
+        return FramePoseVector.FromArrays(np.concatenate(ids), np.concatenate(rows))
+
+    def known_base(self, robot: DrivenRobot, query: QueryObject) -> Base:
+        """Return where a robot stands; raises ArgumentError where nobody knows."""
+        base = self.base(robot, query, ALWAYS)
+        if base is None:
+            raise ArgumentError(
+                f'the base of {robot.name!r} never had a pose, so its links stand nowhere: pose '
+                'its root link by the scene file, ~/frame_poses or TF'
+            )
+        return base
+
+    def require_values(
+        self, robot: DrivenRobot, positions: Floats, columns: Sequence[int]
+    ) -> None:
+        """Raise ArgumentError where a joint that matters has no value (nan)."""
+        if missing := [robot.full_names[c] for c in columns if np.isnan(positions[c])]:
+            raise ArgumentError(
+                f'nothing was heard of the joints {some_of(missing)}, which move the same links: '
+                'name them too'
+            )
+
+
+def _heard_by(robot: DrivenRobot) -> dict[str, JointValue]:
+    """Return the values of joints that were heard of, by name."""
+    heard = zip(robot.joint_names, robot.values, strict=True)
+    return {name: value for name, value in heard if value and value.since != UNKNOWN}
+
+
+def look_up(robots: Sequence[DrivenRobot], names: Sequence[str]) -> list[JointPlace | None]:
+    """Return which joint each name means, ``joint`` or ``robot::joint``; None for none.
+
+    Raises ArgumentError for a name of joints of two robots, and for a joint named twice.
+    """
+    meant: dict[str, list[JointPlace]] = {}
+    for robot in robots:
+        for joint, column in robot.columns.items():
+            for alias in (joint, f'{robot.name}::{joint}'):
+                meant.setdefault(alias, []).append(JointPlace(robot.name, column))
+    places: list[JointPlace | None] = []
+    for name in names:
+        found = meant.get(name, [])
+        if len(found) > 1:
+            both = ' and '.join(repr(f'{p.robot}::{shortened(name)}') for p in found)
+            raise ArgumentError(
+                f'joint {shortened(name)!r} is one of {len(found)} robots: name it as {both}'
+            )
+        places.append(found[0] if found else None)
+    if twice := [p for p, n in Counter(filter(None, places)).items() if n > 1]:
+        name = names[places.index(twice[0])]
+        raise ArgumentError(f'joint {shortened(name)!r} is named twice')
+    return places

@@ -1,0 +1,477 @@
+"""The proximity rules of the live scene, bound to what it holds now. No ROS."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.common.geometry_names import GeometryNames, carrier_names
+from drake_geom_ros.geometry import (
+    FrameId,
+    GeometryId,
+    GeometryVersion,
+    QueryObject,
+    Role,
+    SceneGraphInspector,
+    SignedDistanceResults,
+    closing_speeds,
+)
+from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.scene.out_of_sight import Balls, MapSights, unseen, with_unseen
+from drake_geom_ros.live.scene.seen_shells import SeenShell, with_shells
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import (
+    Event,
+    Measured,
+    Poses,
+    ProximityRule,
+    RuleMonitor,
+    RuleState,
+    RuleStates,
+    ScenePairs,
+    WatchedPairs,
+)
+
+Flags = NDArray[np.bool_]
+Twists = Mapping[FrameId, NDArray[np.float64]]
+_NO_PAIRS = ScenePairs(np.zeros(0, dtype=np.int64), [], np.zeros((0, 0), dtype=np.bool_))
+
+
+class Blind(NamedTuple):
+    """The frames, by the values of their ids, whose poses are not those of now."""
+
+    stale: Collection[int]  # too old, or of unknown age
+    absent: Collection[int]  # never posed
+    contested: Collection[int] = ()  # posed by two senders in turn
+    foreign: Collection[int] = ()  # posed with stamps of another clock
+
+
+class BoundRules(NamedTuple):
+    """What rules are about in one version of a scene: it takes long, and changes nothing."""
+
+    version: GeometryVersion
+    frames_version: int  # -1: of a copy, which has no version among those of the live scene
+    rules: tuple[ProximityRule, ...]
+    pairs: ScenePairs
+    watched: WatchedPairs
+    hanging: dict[int, list[int]]
+    frames: list[FrameId]
+    narrowed: QueryObject
+
+    def is_of(self, version: GeometryVersion, rules: tuple[ProximityRule, ...]) -> bool:
+        """Return whether it is about this version of a scene, and these rules."""
+        return self.version.IsSameAs(version, Role.kProximity) and self.rules == rules
+
+
+class SceneRules:
+    """What rules there are, which pairs they watch, and what became of them."""
+
+    def __init__(self) -> None:
+        self._monitor = RuleMonitor(_NO_PAIRS)
+        self._version, self._frames_version = GeometryVersion(), -1
+        self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
+        self._frames: list[FrameId] = []  # of each geometry
+        # [m] how far geometries reach from the origin of each frame; None: to be found
+        self._extents: dict[FrameId, float] | None = None
+        self._balls: Balls | None = None  # around geometries that sensed maps are reported with
+        self._pairs = _NO_PAIRS
+        self._narrowed: QueryObject | None = None
+        self._prepared: BoundRules | None = None  # of a version of the scene that comes
+        self._happened: list[Event] = []  # that nobody was told of yet
+        self.revision = 0  # changes with each rule, state and number of pairs
+
+    @property
+    def rules(self) -> tuple[ProximityRule, ...]:
+        """The rules in the order in which they came."""
+        return self._monitor.rules
+
+    @property
+    def next_sequence(self) -> int:
+        """The number of the next event."""
+        return self._monitor.next_sequence
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether the distances of the pairs of now were looked at."""
+        return self._monitor.is_measured
+
+    def add(self, rules: Iterable[ProximityRule]) -> RuleState:
+        """Add rules that can be entered in the scene that it is bound to, all or none.
+
+        Returns the last one; raises RuleError for others.
+        """
+        self._monitor.add(rules)
+        self._changed()
+        return self._monitor.states()[-1]
+
+    def take(self, rules: Sequence[ProximityRule]) -> list[str]:
+        """Have the rules of a scene file, in place of those of the same names.
+
+        Returns what is wrong with those that can never be entered as the scene is.
+        """
+        known = {rule.name: rule for rule in self.rules}
+        others = [rule.name for rule in rules if known.get(rule.name, rule) != rule]
+        if others:
+            self._happened += self._monitor.remove(*others)
+            self._changed()
+        there = {rule.name for rule in self.rules}
+        new = [rule for rule in rules if rule.name not in there]
+        if not new:
+            return []
+        self._changed()
+        return self._monitor.add(new, may_wait=True)
+
+    def remove(self, name: str) -> None:
+        """Remove a rule; raises RuleError where there is none of that name."""
+        self._happened += self._monitor.remove(name)
+        self._changed()
+
+    def _changed(self) -> None:
+        self._narrowed, self.revision = None, self.revision + 1
+
+    def bind(self, query: QueryObject, frames_version: int) -> None:
+        """Be about the scene of now, if sources, frames, geometries or filters changed."""
+        inspector = query.inspector()
+        version = inspector.geometry_version()
+        is_same = version.IsSameAs(self._version, Role.kProximity)
+        if is_same and frames_version == self._frames_version:
+            return
+        prepared, self._prepared = self._prepared, None
+        if prepared is not None and prepared.is_of(version, self.rules):
+            if prepared.pairs is self._pairs:
+                self._version, self._frames_version = version, frames_version
+                self._extents = self._balls = None
+                self.measure_again()
+            else:
+                self._be(prepared._replace(frames_version=frames_version))
+            self._narrowed = prepared.narrowed
+            return
+        have_same_names = frames_version == self._frames_version
+        self._version, self._frames_version = version, frames_version
+        self._extents = self._balls = None
+        ids, reported = inspector.candidate_matrix()
+        if have_same_names and self._pairs.are(ids, reported):
+            # Shapes changed, as those of sensed maps do many times a second: rules are about the
+            # same pairs.
+            self._narrowed = None
+            self.measure_again()
+            return
+        self._be(self._bound(query, frames_version, ids, reported))
+
+    def prepared(self, query: QueryObject, *, same_names: bool) -> BoundRules:
+        """Return what ``bind`` would be about, for a copy of the scene that is going to be it.
+
+        With the ``same_names`` as the scene of now where only shapes are others.
+        """
+        ids, reported = query.inspector().candidate_matrix()
+        if same_names and self._pairs.are(ids, reported):
+            version, rules = query.inspector().geometry_version(), self.rules
+            known = self._pairs, self._monitor.watched, self._hanging, self._frames
+            bound = BoundRules(version, -1, rules, *known, query)
+        else:
+            bound = self._bound(query, -1, ids, reported)
+        narrowed = query.narrowed(bound.watched.watched())
+        return bound._replace(narrowed=narrowed)
+
+    def offer(self, prepared: BoundRules | None) -> None:
+        """Have what was ``prepared`` for the scene as it is now, until the next ``bind``."""
+        self._prepared = prepared
+
+    def _bound(
+        self, query: QueryObject, frames_version: int, ids: NDArray[np.int64], reported: Flags
+    ) -> BoundRules:
+        inspector, rules = query.inspector(), self.rules
+        version = inspector.geometry_version()
+        geometries = [GeometryId(value) for value in ids.tolist()]
+        names = [geometry_names(inspector, geometry) for geometry in geometries]
+        pairs = ScenePairs(ids, names, reported)
+        return BoundRules(
+            version,
+            frames_version,
+            rules,
+            pairs,
+            self._monitor.watching(rules, pairs),
+            hanging(inspector, geometries),
+            [inspector.GetFrameId(geometry) for geometry in geometries],
+            query,
+        )
+
+    def _be(self, bound: BoundRules) -> None:
+        """Be about a version of the scene."""
+        self._changed()
+        self._version, self._frames_version = bound.version, bound.frames_version
+        self._extents = self._balls = None
+        self._pairs, self._hanging, self._frames = bound.pairs, bound.hanging, bound.frames
+        self._happened += self._monitor.bind(bound.pairs, bound.watched)
+
+    def decide(
+        self,
+        now: float,
+        query: QueryObject,
+        blind: Blind,
+        seen: tuple[SignedDistanceResults, float] | None = None,
+        twists: Twists | None = None,
+        time_budget: float = 0.0,
+        shells: Sequence[tuple[GeometryId, SeenShell]] = (),
+        sights: Sequence[MapSights] = (),
+    ) -> int:
+        """Decide by the poses of now [s]; return how many pairs were computed for it.
+
+        ``seen`` are the distances of all pairs within so many metres, where a cycle
+        has them: what rules need beyond is computed, of their pairs alone, within a
+        ``time_budget`` [s] (0: without one). ``shells`` are what sensors saw beside bodies, which
+        counts as near for the rules about their maps; of bodies out of their ``sights`` nothing is
+        known.
+        """
+        farthest = self._monitor.farthest(self._fastest(query.inspector(), twists))
+        computed = 0
+        if seen is not None and seen[1] >= farthest:
+            results = seen[0]
+        else:
+            results = self._narrow(query).ComputeSignedDistancePairwiseClosestPoints(
+                farthest, time_budget=time_budget
+            )
+            computed = len(results)
+        speeds = None if twists is None else closing_speeds(results, twists).speed
+        measured = _with_half_spaces(_measured(results, speeds), query)
+        if shells:
+            measured = with_shells(measured, query, shells, self._pairs, farthest)
+        if sights:
+            balls = self._balls_of(query, sights)
+            measured = with_unseen(measured, query, balls, sights, self._pairs)
+        if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
+            lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
+            measured = measured._replace(unpredicted=lost)
+        self._decide(now, blind, measured, farthest)
+        return computed
+
+    def unseen(self, query: QueryObject, sights: Sequence[MapSights]) -> str:
+        """Return which bodies that rules watch no sensor of a map can see, in words."""
+        everywhere = [sight for _, each in sights for sight in each]
+        flags = unseen(query, self._balls_of(query, sights), everywhere)
+        watched = self._monitor.watched.watched()
+        of_maps = np.isin(self._pairs.ids, [its_map.get_value() for its_map, _ in sights])
+        rows = np.flatnonzero(flags & watched[of_maps].any(axis=0)).tolist()
+        if not rows:
+            return ''
+        names = [self._pairs.names[row].full_name for row in rows]
+        return (
+            f'no sensor sees {some_of(names)}: beyond obstacle_reach of all of them, or '
+            'beyond obstacle_box; what is near is not seen, and rules about that are entered'
+        )
+
+    def _balls_of(self, query: QueryObject, sights: Sequence[MapSights]) -> Balls:
+        if self._balls is None:
+            maps = [its_map for its_map, _ in sights]
+            self._balls = Balls.around(query.inspector(), self._pairs, self._frames, maps)
+        return self._balls
+
+    def wait(self, now: float, blind: Blind) -> None:
+        """Decide [s] where nothing moved since, and only time went on."""
+        self._decide(now, blind, None)
+
+    def _decide(
+        self,
+        now: float,
+        blind: Blind,
+        measured: Measured | None,
+        farthest: float = math.inf,
+    ) -> None:
+        poses = Poses(*map(self._rows, blind))
+        changes = self._monitor.changes_of_why
+        events = self._monitor.decide(now, poses, measured, farthest)
+        self._happened += events
+        self.revision += len(events) + self._monitor.changes_of_why - changes
+
+    def take_events(self) -> list[Event]:
+        """Return what happened since this was last called."""
+        events, self._happened = self._happened, []
+        return events
+
+    def states(self) -> list[RuleState]:
+        """Return the state of each rule."""
+        return self._monitor.states()
+
+    def table(self) -> RuleStates:
+        """Return the states of all rules in arrays, to be read before anything else happens."""
+        return self._monitor.table()
+
+    def measure_again(self) -> None:
+        """Believe no distance of before: what was measured moved, or nobody looked for a while."""
+        self._monitor.is_measured = False
+
+    def change_accuracy(self) -> None:
+        """Measure at another level: who measures for rules alone has one of its own."""
+        self._narrowed = None
+        self.measure_again()
+
+    def troubles(self, *, watches_motion: bool) -> list[str]:
+        """Return which rules can never be entered, or not for all that they say, in words."""
+        states = self.states()
+        told = [state.trouble for state in states if state.trouble]
+        told += [
+            f'proximity rule {state.rule.name!r} goes on without {some_of(state.lacking)}: '
+            'of what it names, this stands for no geometry any more'
+            for state in states
+            if state.lacking
+        ]
+        lost = [state.rule.name for state in states if state.unpredicted]
+        if lost:
+            told.append(
+                'nobody knows how all bodies move whose times to contact count for proximity '
+                f'rules {some_of(lost)}: until that is known they are entered by distance alone, '
+                'and not left; poses need stamps, or twists'
+            )
+        blind = [rule.name for rule in self.rules if rule.min_time_to_contact]
+        if blind and not watches_motion:
+            told.append(
+                'min_time_to_contact does not count, for nobody watches how bodies move: '
+                f'proximity rules {some_of(blind)}; set the parameter closing_speeds'
+            )
+        return told
+
+    def finer_than(self, limits: Mapping[GeometryId, float], rule: str = '') -> list[str]:
+        """Return in words which rules, or whether this one, are entered nearer than maps can tell.
+
+        ``limits`` [m] are by map.
+        """
+        ids, needed = self._monitor.watched.ids, self._monitor.watched.needed
+        rows = {row: limits[g] for g in limits for row in np.flatnonzero(ids == g.get_value())}
+        finer: dict[float, list[str]] = {}
+        for number, each in enumerate(self.rules):
+            limit = max((rows[row] for row in rows if needed(number)[row]), default=0.0)
+            if each.enter < limit and rule in ('', each.name):
+                finer.setdefault(limit, []).append(each.name)
+        return [
+            f'proximity rules {some_of(names)} are entered by less than the {limit:g} m that '
+            'sensed maps can tell (the larger of obstacle_padding and the edge of a cell): nearer '
+            'things are in no map, and count by cells beside bodies, early; '
+            f'enter must be at least {limit:g}'
+            for limit, names in finer.items()
+        ]
+
+    def in_words(self) -> str:
+        """Return how many rules there are, and which are entered."""
+        states = self.states()
+        entered = [f'{s.rule.name} ({s.why.name.lower()})' for s in states if s.why is not None]
+        return f'{len(states)}, entered: {some_of(entered) or "none"}' if states else 'none'
+
+    def speed_scale(self) -> float | None:
+        """Return how fast to go, 0 to 1; None: no rule says."""
+        return self._monitor.speed_scale()
+
+    def _narrow(self, query: QueryObject) -> QueryObject:
+        """Return a query object that considers the pairs of rules, and no other."""
+        if self._narrowed is None:
+            self._narrowed = query.narrowed(self._monitor.watched.watched())
+        return self._narrowed
+
+    def _rows(self, frames: Collection[int]) -> Flags:
+        """Return which geometries (n,) hang on any of some frames."""
+        flags = np.zeros(len(self._monitor.watched.ids), dtype=np.bool_)
+        if frames:
+            flags[[row for frame in frames for row in self._hanging.get(frame, ())]] = True
+        return flags
+
+    def _fastest(self, inspector: SceneGraphInspector, twists: Twists | None) -> float:
+        """Return a bound [m/s] of how fast any two geometries close.
+
+        No point of a body is faster than its frame's origin and the turn about it.
+        """
+        if not twists or not any(rule.min_time_to_contact for rule in self.rules):
+            return 0.0
+        if self._extents is None:
+            self._extents = _extents(inspector, list(map(GeometryId, self._pairs.ids.tolist())))
+        speeds = []
+        for frame, extent in self._extents.items():
+            if frame in twists:
+                turn, straight = np.linalg.norm(twists[frame].reshape(2, 3), axis=1)
+                speeds.append(float(straight + (turn * extent if turn else 0.0)))
+        return sum(sorted(speeds)[-2:])
+
+
+def _measured(
+    results: SignedDistanceResults, closing_speed: NDArray[np.float64] | None
+) -> Measured:
+    return Measured(
+        results.id_A,
+        results.id_B,
+        results.distance,
+        results.error_bound,
+        results.p_WCa,
+        results.p_WCb,
+        closing_speed,
+    )
+
+
+def _with_half_spaces(measured: Measured, query: QueryObject) -> Measured:
+    """Return what was measured, and the pairs of half spaces, which no list has."""
+    gaps = query.half_space_gaps()
+    count = len(gaps.ids)
+    if not count:  # as in most scenes
+        return measured
+    nowhere, speeds = np.full((count, 3), np.nan), measured.closing_speed
+    return Measured(
+        np.concatenate((measured.id_A, gaps.ids[:, 0])),
+        np.concatenate((measured.id_B, gaps.ids[:, 1])),
+        np.concatenate((measured.distance, gaps.distance)),
+        np.concatenate((measured.error_bound, gaps.error_bound)),
+        np.concatenate((measured.p_WCa, nowhere)),
+        np.concatenate((measured.p_WCb, nowhere)),
+        None if speeds is None else np.concatenate((speeds, np.full(count, np.nan))),
+    )
+
+
+def geometry_names(inspector: SceneGraphInspector, geometry: GeometryId) -> GeometryNames:
+    """Return what a geometry is called."""
+    frame = inspector.GetFrameId(geometry)
+    return GeometryNames(
+        inspector.GetOwningSourceName(geometry),
+        inspector.GetName(frame),
+        inspector.GetName(geometry),
+        frame == inspector.world_frame_id(),
+        carrier_names(_line(inspector, frame)),
+    )
+
+
+def _line(inspector: SceneGraphInspector, frame: FrameId) -> Iterator[tuple[str, str, bool]]:
+    """Yield a frame and those that it hangs on, as ``carrier_names`` takes them."""
+    while frame != inspector.world_frame_id():
+        source, name = inspector.GetOwningSourceName(frame), inspector.GetName(frame)
+        yield source, name, inspector.IsPartOfParent(frame)
+        frame = inspector.GetParentFrame(frame)
+
+
+def hanging(
+    inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
+) -> dict[int, list[int]]:
+    """Return by frame the rows of the geometries on it, and on what hangs on it."""
+    world = inspector.world_frame_id()
+    found: dict[int, list[int]] = defaultdict(list)
+    for row, geometry in enumerate(geometries):
+        frame = inspector.GetFrameId(geometry)
+        while frame != world:
+            found[frame.get_value()].append(row)
+            frame = inspector.GetParentFrame(frame)
+    return dict(found)
+
+
+def _extents(
+    inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
+) -> dict[FrameId, float]:
+    """Return by frame how far [m] its geometries reach from its origin."""
+    found: dict[FrameId, float] = defaultdict(float)
+    for geometry in geometries:
+        obb = inspector.GetObbInGeometryFrame(geometry)
+        extent = math.inf
+        if obb is not None:
+            X_FB: RigidTransform = inspector.GetPoseInFrame(geometry) @ obb.pose()
+            extent = float(np.linalg.norm(X_FB.translation()) + np.linalg.norm(obb.half_width()))
+        frame = inspector.GetFrameId(geometry)
+        found[frame] = max(found[frame], extent)
+    return dict(found)

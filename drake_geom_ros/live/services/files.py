@@ -1,0 +1,75 @@
+"""Services that read or write scene files.
+
+They take long, so they run in the thread of those that bring shapes, and hold the scene only
+while they take it down or put it up. RuntimeError refuses. No ROS import here.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drake_geom_ros.common.counting import counted
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.scene.changing_scene import rehearse_swap
+from drake_geom_ros.live.scene.editable_scene import prepared
+from drake_geom_ros.live.scene.held_scene import MAPS, HeldScene
+from drake_geom_ros.live.scene.live_scene import LiveScene, registered_copy
+from drake_geom_ros.live.scene.seen_maps import GEOMETRY
+from drake_geom_ros.live.services.saved_file import SavedFile
+from drake_geom_ros.scene_files import read_scene, to_yaml
+
+
+def load_scene(live: LiveScene, request: Any, response: Any) -> None:
+    """Load a scene from a file of the node's machine or from a text."""
+    if bool(request.path) == bool(request.text):
+        raise ArgumentError('path and text are both given or both empty; give exactly one')
+    files = live.files
+    # A line break tells a text from a path; an ending one changes neither YAML nor URDF.
+    told = str(files.file(request.path, 'path')) if request.path else f'{request.text}\n'
+    srdf = request.srdf
+    if srdf and not srdf.lstrip().startswith('<'):
+        srdf = str(files.file(srdf, 'srdf'))
+    lost: list[str] = []
+    description = read_scene(
+        *(told, request.format, srdf, files.package_roots, files.folders), live.robot_options
+    )
+    if request.replace and request.replaced_sources:
+        raise ArgumentError('replace is true, so replaced_sources must be empty: all is removed')
+    if request.replaced_sources:
+        with live.editing() as scene:
+            sources = scene.in_order_of_removal(map(scene.names.source, request.replaced_sources))
+        live.make_ready(lambda graph, context: rehearse_swap(graph, context, sources, description))
+        with live.editing() as scene:
+            added = scene.swap(sources, description)
+    elif request.replace:
+        other = prepared(description)
+        with live.editing() as scene:
+            lost = _maps_that_go(live, scene)
+            added = scene.replace(other)
+            scene.warned += lost
+    else:
+        copy = registered_copy(live, description)
+        with live.editing() as scene:
+            added = scene.add(description, copy)
+    response.frames, response.geometries = added
+    response.message = '\n'.join([*description.warnings, *lost])
+
+
+def _maps_that_go(live: LiveScene, scene: HeldScene) -> list[str]:
+    """Return in words which sensed maps go with a scene and are not waited for."""
+    return [
+        f'the map {MAPS}::{name}/{GEOMETRY} of {counted(len(known.cells or ()), "cell")} went '
+        'with the scene of before and is in no answer; call load_obstacles again'
+        for name, known in scene.maps.items()
+        if name not in live.map_sources.fed
+    ]
+
+
+def save_scene(live: LiveScene, request: Any, response: Any) -> None:
+    """Write the scene down; the file has one line more than the answer, by which it is known."""
+    target = SavedFile(live.files.new_file(request.path, 'path')) if request.path else None
+    with live.reading() as scene:
+        description = scene.description()
+    response.text = to_yaml(description)
+    if target is not None:
+        target.write(response.text.encode())

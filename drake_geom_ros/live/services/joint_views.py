@@ -1,0 +1,124 @@
+"""Views of the scene for questions about joints: the scene of now, and the joints that names mean.
+
+No ROS import here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.batch.joints import Arm, Joints
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.scene.driven_robot import or_zero
+from drake_geom_ros.live.scene.live_scene import LiveScene, refuse_twice_posed
+from drake_geom_ros.live.scene.robot_following import refuse_carried_robots
+from drake_geom_ros.live.scene.robot_joints import JointPlace, RobotJoints
+from drake_geom_ros.live.scene.scene_view import SceneView
+
+Floats = NDArray[np.float64]
+
+
+class GivenJoints(NamedTuple):
+    """Values [rad] or [m] of joints in a request, as a JointPositions has them."""
+
+    names: Sequence[str] = ()
+    positions: Sequence[float] = ()
+
+
+NO_JOINTS = GivenJoints()
+
+
+class JointsNow(NamedTuple):
+    """Where named joints are."""
+
+    now: Floats  # (q,) [rad] or [m]; NaN where nobody knows
+    given: list[str]  # those of them that a request gave a value
+
+
+def view_of_joints(
+    live: LiveScene, poses: Any, names: list[str], given: GivenJoints = NO_JOINTS
+) -> tuple[SceneView, Joints, JointsNow]:
+    """Return the scene of now with poses and ``given`` joints, and the joints that names mean.
+
+    Raises RuntimeError for names and numbers that cannot be meant, and for a frame that is posed
+    in two ways.
+    """
+    with live.reading() as scene:
+        robots, places = scene.joints, scene.joints.places(names)
+        values = _values(robots, given)
+        named = {place.robot for place in places}
+        # The links of the robots that are named follow their joints, see joints_of.
+        others = [k for k, place in enumerate(values) if place.robot not in named]
+        rest = GivenJoints(
+            [given.names[k] for k in others], [float(given.positions[k]) for k in others]
+        )
+        view = live.view(poses, rest)
+        posed = {frame.get_value() for frame in scene.read_poses(poses).poses.ids()}
+        joints = joints_of(robots, names, view, values)
+        moving = set(joints.id_values.tolist())
+        refuse_twice_posed(scene, posed & moving)
+        refuse_carried_robots(scene, moving)
+        old = scene.links_of_stale_joints(live.stale_after, {*places, *values})
+        replaced = view.replaced | moving.difference(old)
+        heard = {name: robots.robots[name].positions() for name in named}
+    now = [values.get(place, heard[place.robot][place.column]) for place in places]
+    both = [name for name, place in zip(names, places, strict=True) if place in values]
+    return replace(view, replaced=replaced), joints, JointsNow(np.array(now), both)
+
+
+def _values(robots: RobotJoints, given: GivenJoints) -> dict[JointPlace, float]:
+    """Return given values by joint, in their order; raises ArgumentError for what is none."""
+    if len(given.names) != len(given.positions):
+        raise ArgumentError(
+            f'positions holds {len(given.positions)} numbers for {len(given.names)} joint names; '
+            'it must hold one for each'
+        )
+    if not np.isfinite(given.positions).all():
+        raise ArgumentError('positions of joints must be finite')
+    positions = map(float, given.positions)
+    return dict(zip(robots.places(list(given.names)), positions, strict=True))
+
+
+def joints_of(
+    robots: RobotJoints,
+    names: list[str],
+    view: SceneView,
+    given: Mapping[JointPlace, float] = MappingProxyType({}),
+) -> Joints:
+    """Return the named joints for batches; the others of their robots stay as they are now.
+
+    Or as they are ``given``. Raises ArgumentError for names that mean no joint, and for a robot of
+    which another joint, or the base, is not known.
+    """
+    places = robots.places(names)
+    if not places:
+        raise ArgumentError('joint_names is empty; name the joints that positions are of')
+    arms, ids = [], []
+    for name in dict.fromkeys(place.robot for place in places):
+        robot = robots.robots[name]
+        columns = np.full(len(robot.joint_names), -1, dtype=np.int64)
+        for k, place in enumerate(places):
+            if place.robot == name:
+                columns[place.column] = k
+        now = robot.positions()
+        for place, value in given.items():
+            if place.robot == name:
+                now[place.column] = value
+        needed = [c for c in robot.joints_of(robot.links) if columns[c] < 0]
+        robots.require_values(robot, now, needed)
+        rows = np.array(sorted(robot.links), dtype=np.int64)
+        tree = robot.tree.driven_by(columns, or_zero(now))
+        arms.append(Arm(tree, robots.known_base(robot, view.query).X_PB, rows))
+        ids += [robot.links[row] for row in rows.tolist()]
+    limits = [
+        (robots.robots[p.robot].lower[p.column], robots.robots[p.robot].upper[p.column])
+        for p in places
+    ]
+    lower, upper = np.array(limits).T
+    return Joints(names, lower, upper, np.array(ids, dtype=np.int64), tuple(arms))

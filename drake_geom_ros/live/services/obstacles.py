@@ -1,0 +1,87 @@
+"""Services about sensed maps: the live scene, a request, a response. No ROS import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from drake_geom_ros.common.counting import are, counted
+from drake_geom_ros.geometry import ArgumentError, SceneGraph, SceneGraphContext
+from drake_geom_ros.live.scene.clocks import ALWAYS
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_sources import FILE
+from drake_geom_ros.live.scene.seen_maps import Sighting, forget, put, rehearse, shape_of
+from drake_geom_ros.live.services.saved_file import MAP_FILE, SavedFile
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
+from drake_geom_ros.sensed_maps.map_files import MapFile
+
+
+def clear_obstacles(live: LiveScene, request: Any, response: Any) -> None:
+    """Forget one map, or all; those that topics feed wait again."""
+    sources = live.map_sources
+    with live.editing() as scene:
+        names = [request.map] if request.map else list(scene.maps)
+        if unknown := [name for name in names if name not in scene.maps]:
+            raise ArgumentError(
+                f'map is {unknown[0][:80]!r}; maps: {", ".join(scene.maps) or "none"}'
+            )
+        fed = [name for name in names if name in sources.fed]
+        for name in fed:
+            sources.fed[name].forget()
+        response.cells = forget(scene, names, fed, sources.margin)
+    sources.changed()
+
+
+def load_obstacles(live: LiveScene, request: Any, response: Any) -> None:
+    """Make the map of a file."""
+    path = live.files.file(request.path, 'path')
+    if Path(path).suffix.lower() not in MAP_SUFFIXES:
+        raise ArgumentError(
+            f'path is {request.path!r}; it must end with {", ".join(MAP_SUFFIXES)}'
+        )
+    read, sources = read_map(path), live.map_sources
+    own = None if read.cells is not None else sources.resolution()
+    cells = read.as_cells(request.resolution or own)
+    if not len(cells):
+        raise ArgumentError(f'path is {request.path!r}, and the file holds nothing')
+    shape = shape_of(cells, sources.margin)
+
+    def rehearsal(graph: SceneGraph, context: SceneGraphContext) -> None:
+        rehearse(graph, context, shape)
+
+    live.make_ready(rehearsal)
+    with live.editing() as scene:
+        # It holds for good; no stamp is newer for it.
+        stamp = scene.newest_stamp
+        put(scene, FILE, Sighting(cells, shape, RigidTransform(), ALWAYS, stamp), sources.margin)
+    sources.changed()
+    response.cells = len(cells)
+    if n := read.left_out:
+        response.message = f'left out {counted(n, "point")} that {are(n)} not finite'
+
+
+def save_obstacles(live: LiveScene, request: Any, response: Any) -> None:
+    """Write the cells of a map to a file of OctoMap."""
+    target = SavedFile(live.files.new_file(request.path, 'path'), MAP_FILE)
+    with live.reading() as scene:
+        name = _named(scene, request.map)
+        cells, X_WM = scene.maps[name].cells, scene.query.X_WF(scene.maps[name].frame)
+    assert cells is not None, 'a map that waits is refused'
+    if not X_WM.IsExactlyIdentity():
+        cells = cells.moved(X_WM.rotation().matrix(), X_WM.translation())
+    target.write(map_bytes(MapFile(cells.centres(), cells), '.bt'))
+    response.cells = len(cells)
+
+
+def _named(scene: HeldScene, name: str) -> str:
+    """Return the name of a map that holds something; raises ArgumentError for another one."""
+    there = [each for each, known in scene.maps.items() if known.cells is not None]
+    if name in there or (not name and len(there) == 1):
+        return name or there[0]
+    waiting = [each for each in scene.maps if each not in there]
+    raise ArgumentError(
+        f'map is {name[:80]!r}; maps that hold something: {", ".join(there) or "none"}; '
+        f'that wait for their first message: {", ".join(waiting) or "none"}'
+    )

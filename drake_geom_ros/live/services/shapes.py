@@ -1,0 +1,191 @@
+"""Services that bring queries a shape: the live scene, a request, a response.
+
+They may have to read a mesh and to compile kernels, which takes seconds, so they run in a thread
+of their own: all that takes long is done on a copy of the scene, which is held only to look names
+up and for the change itself. RuntimeError refuses, and nothing has changed then. No ROS import
+here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    Convex,
+    FrameId,
+    GeometryId,
+    GeometryInstance,
+    Mesh,
+    ProximityProperties,
+    Role,
+    RoleAssign,
+    SceneGraph,
+    SceneGraphContext,
+    SceneGraphInspector,
+    Shape,
+)
+from drake_geom_ros.live.conversions.fields import pose_from_message
+from drake_geom_ros.live.conversions.scene import properties_from_message, set_role
+from drake_geom_ros.live.conversions.shapes import shape_from_message
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files.hydroelastic import GROUP as HYDROELASTIC
+
+
+def register_geometry(live: LiveScene, request: Any, response: Any) -> None:
+    """Register a geometry with its roles: all of it or nothing."""
+    (geometry,) = _registered(live, request.source, [request])
+    response.geometry_id = geometry.get_value()
+
+
+def register_geometries(live: LiveScene, request: Any, response: Any) -> None:
+    """Register several geometries of a source with their roles: all of them or none."""
+    ids = _registered(live, request.source, request.geometries, 'geometries[{}]: ')
+    response.geometry_ids = [geometry.get_value() for geometry in ids]
+
+
+def _registered(
+    live: LiveScene, source_name: str, messages: Sequence[Any], place: str = ''
+) -> list[GeometryId]:
+    """Register geometries; errors begin with ``place``, which takes the number of one."""
+    instances = []
+    for k, message in enumerate(messages):
+        with _at(place.format(k)):
+            instances.append(_instance(live, message))
+    with live.reading() as scene:
+        source = scene.names.source(source_name)
+        scene.refuse_maps(source)
+        parents: list[FrameId | GeometryId] = []
+        is_new = False
+        for k, (message, instance) in enumerate(zip(messages, instances, strict=True)):
+            with _at(place.format(k)):
+                parent, anchored = _parent(scene, message, source_name)
+            parents.append(parent)
+            properties = instance.proximity_properties()
+            is_new |= properties is not None and (
+                properties.HasGroup(HYDROELASTIC)
+                or _calls_for_more(scene.inspector, instance.shape(), anchored)
+            )
+
+    def change(graph: SceneGraph, context: SceneGraphContext | None) -> list[GeometryId]:
+        made: list[GeometryId] = []
+        try:
+            for k, (parent, instance) in enumerate(zip(parents, instances, strict=True)):
+                with _at(place.format(k)):
+                    made.append(
+                        graph.RegisterGeometry(
+                            context=context, source_id=source, frame_id=parent, geometry=instance
+                        )
+                    )
+        except RuntimeError:
+            for geometry in reversed(made):
+                graph.RemoveGeometry(context=context, source_id=source, geometry_id=geometry)
+            raise
+        return made
+
+    return live.change(change, calls_for_more=is_new)
+
+
+def _instance(live: LiveScene, message: Any) -> GeometryInstance:
+    """Return what a message wants to be registered."""
+    if bool(message.frame) == bool(message.parent_geometry):
+        raise ArgumentError(
+            'frame and parent_geometry are both given or both empty; exactly one says where the '
+            'geometry is fixed (frame `world`: anchored)'
+        )
+    shape = shape_from_message(message.shape, live.files)
+    instance = GeometryInstance(pose_from_message(message.pose), shape, message.name)
+    for role in message.roles:
+        set_role(instance, role)
+    return instance
+
+
+def _parent(scene: HeldScene, message: Any, source: str) -> tuple[FrameId | GeometryId, bool]:
+    """Return what a geometry is to be fixed to, and whether it is anchored by that."""
+    names = scene.names
+    if not message.parent_geometry:
+        frame = names.frame(message.frame, source)
+        return frame, frame == names.world
+    geometry = names.geometry(message.parent_geometry)
+    return geometry, scene.inspector.GetFrameId(geometry) == names.world
+
+
+@contextmanager
+def _at(place: str) -> Iterator[None]:
+    """Say in a refusal which of several things it is about."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not place:
+            raise
+        raise ArgumentError(f'{place}{error}') from error
+
+
+def assign_role(live: LiveScene, request: Any, response: Any) -> None:
+    """Assign a role with its properties."""
+    if request.assign not in (0, 1):
+        raise ArgumentError(f'assign is {request.assign}; it must be 0 (NEW) or 1 (REPLACE)')
+    assign = RoleAssign.kReplace if request.assign else RoleAssign.kNew
+    properties = properties_from_message(request.role)
+    with live.reading() as scene:
+        source, geometry = scene.owned_geometry(request.geometry)
+        is_new = False
+        if isinstance(properties, ProximityProperties):
+            scene.refuse_maps(source)
+            is_new = properties.HasGroup(HYDROELASTIC) or _is_new(scene.inspector, geometry)
+
+    def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+        graph.AssignRole(
+            context=context,
+            source_id=source,
+            geometry_id=geometry,
+            properties=properties,
+            assign=assign,
+        )
+
+    live.change(change, calls_for_more=is_new)
+
+
+def change_shape(live: LiveScene, request: Any, response: Any) -> None:
+    """Give a geometry another shape."""
+    shape = shape_from_message(request.shape, live.files)
+    with live.reading() as scene:
+        source, geometry = scene.owned_geometry(request.geometry)
+        scene.refuse_maps(source)
+        inspector = scene.inspector
+        proximity = inspector.GetProximityProperties(geometry)
+        is_new = proximity is not None and (
+            proximity.HasGroup(HYDROELASTIC) or _is_new(inspector, geometry, shape)
+        )
+
+    def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+        graph.ChangeShape(context=context, source_id=source, geometry_id=geometry, shape=shape)
+
+    live.change(change, calls_for_more=is_new)
+
+
+def _is_new(
+    inspector: SceneGraphInspector, geometry: GeometryId, shape: Shape | None = None
+) -> bool:
+    """Tell whether a geometry of the scene, with another shape perhaps, calls for more."""
+    anchored = inspector.GetFrameId(geometry) == inspector.world_frame_id()
+    return _calls_for_more(inspector, shape or inspector.GetShape(geometry), anchored)
+
+
+def _calls_for_more(inspector: SceneGraphInspector, shape: Shape, anchored: bool) -> bool:
+    """Tell whether queries may have to load or compile something for a shape to come.
+
+    They have not where the scene has such a shape already: it need not be made ready then,
+    which for many shapes, one after the other, would cost more than registering them.
+    """
+    if isinstance(shape, Convex | Mesh):
+        return True
+    world = inspector.world_frame_id()
+    return not any(
+        type(inspector.GetShape(geometry)) is type(shape)
+        and (anchored or inspector.GetFrameId(geometry) != world)
+        for geometry in inspector.GetAllGeometryIds(Role.kProximity)
+    )

@@ -1,0 +1,50 @@
+"""Collision filter messages with plain objects: no message class, no ROS."""
+
+from types import SimpleNamespace as Plain
+
+import pytest
+
+from drake_geom_ros.geometry import GeometrySet
+from drake_geom_ros.geometry.model.scene_content import content_of
+from drake_geom_ros.live.conversions.filters import (
+    declaration_from_message,
+    geometry_set_from_message,
+)
+
+
+def test_declarations(scene, names):
+    everything = {'frames': [], 'geometries': [], 'frame_ids': [], 'geometry_ids': []}
+    both = Plain(**{**everything, 'geometries': ['left::arm/ball', 'right::arm/ball']})
+    nothing = Plain(**everything)
+    statement = Plain(operation=1, set_a=both, set_b=nothing)
+    declaration = declaration_from_message(Plain(statements=[statement]), names)
+    manager = scene.collision_filter_manager()
+    a, b = names.geometry('left::arm/ball'), names.geometry('right::arm/ball')
+    manager.Apply(declaration)
+    assert scene.model_inspector().CollisionFiltered(a, b)
+    statement.operation = 3
+    manager.Apply(declaration_from_message(Plain(statements=[statement]), names))
+    assert not scene.model_inspector().CollisionFiltered(a, b)
+    by_frame = Plain(**{**everything, 'frames': ['left::arm']})
+    other = Plain(**{**everything, 'geometry_ids': [b.get_value()]})
+    statement = Plain(operation=2, set_a=by_frame, set_b=other)
+    manager.Apply(declaration_from_message(Plain(statements=[statement]), names))
+    assert scene.model_inspector().CollisionFiltered(a, b)
+    statement.operation = 9
+    with pytest.raises(RuntimeError, match=r'statements\[0\].operation is 9'):
+        declaration_from_message(Plain(statements=[statement]), names)
+    statement.set_a = Plain(**{**everything, 'frame_ids': [10**9]})
+    with pytest.raises(RuntimeError, match=r'statements\[0\]: .*#1000000000'):
+        declaration_from_message(Plain(statements=[statement]), names)
+
+
+def test_a_geometry_set_is_the_union_of_all_it_names(scene, names):
+    a, b = names.geometry('left::arm/ball'), names.geometry('right::arm/ball')
+    frame = names.frame('left::arm')
+    message = Plain(
+        frames=['left::arm'], frame_ids=[], geometries=[f'#{b.get_value()}'], geometry_ids=[]
+    )
+    found = geometry_set_from_message(message, names)
+    assert isinstance(found, GeometrySet)
+    assert content_of(scene).model.resolve(found) == [a, b]
+    assert frame

@@ -1,0 +1,112 @@
+"""A live scene with one input of a sensed map, and messages that it takes. No ROS."""
+
+import array
+from functools import partial
+from types import SimpleNamespace as Plain
+
+import numpy as np
+from live.live_scenes import Clock, live_scene
+
+from drake_geom_ros.geometry import FramePoseVector
+from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
+from drake_geom_ros.live.inputs.obstacles import ObstacleInput
+from drake_geom_ros.live.inputs.point_taker import PointTaker
+from drake_geom_ros.live.inputs.sensor_frames import SensorFrames
+from drake_geom_ros.live.scene.feeders import MESSAGES
+from drake_geom_ros.live.scene.map_sources import MapSources
+from drake_geom_ros.live.scene.pose_history import PoseHistory
+from drake_geom_ros.live.scene.seen_maps import map_ages, stand_fed
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
+
+SCENE = """
+sources: [s]
+frames:
+- {name: arm, source: s}
+- {name: eye, source: s, parent: arm, pose: {position: [0, 0, 1]}, static: true}
+- {name: mast, source: s, pose: {position: [0, 0, 2]}, static: true}
+geometries:
+- {name: hand, source: s, frame: arm, shape: {type: sphere, radius: 0.1}}
+- {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}, pose: {position: [3, 0, 0]}}
+"""
+USUAL = ObstacleSettings(
+    resolution=0.1, reach=5.0, padding=0.05, noise=0.01, self_filter='scene', least_points=1,
+    keep=0.0, rays=False, margin=0.0,
+)  # fmt: skip
+
+
+class Node:
+    """A live scene with one input, and clocks that the test sets."""
+
+    def __init__(self, name='points', tf=None, scene=SCENE, **changes):
+        self.clock = Clock(100.0)
+        self.live = live_scene(scene, self.clock)
+        self.settings = USUAL._replace(**changes)
+        self.changes = 0
+        self.name = name
+        self.tf = tf(self.live.clocks) if tf else None
+        frames = SensorFrames(lambda: self.tf)
+        self.input = ObstacleInput(
+            name, self.live, lambda: self.settings, frames, self._note_change
+        )
+        self.taker = PointTaker(self.input)
+        self.live.map_sources = MapSources({name: self.input})
+        with self.live.editing() as held:
+            held.history = PoseHistory()
+            held.stand_maps = partial(stand_fed, sources=self.live.map_sources)
+            held.stand_maps(held)
+
+    def _note_change(self):
+        self.changes += 1
+
+    def move(self, stamp, position, yaw=0.0):
+        """Pose the arm, by a message of a stamp."""
+        with self.live.editing() as scene:
+            arm = scene.names.frame('arm')
+            X = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), position)
+            poses = FramePoseVector({arm: X})
+            since = scene.clocks.arrival().since(stamp)
+            posed = {frozenset([arm.get_value()]): since}
+            rows = X.ToArray()[np.newaxis]
+            scene.pose(poses, posed, stamp_of(stamp), MESSAGES, rows)
+
+    def centres(self):
+        """Return the centres of the cells in the world."""
+        with self.live.reading() as scene:
+            known = scene.maps[self.name]
+            if known.cells is None:
+                return None
+            shape = scene.inspector.GetShape(known.geometry)
+            assert shape.centres().tolist() == known.cells.centres().tolist()
+            return scene.query.X_WF(known.frame).multiply(shape.centres().T).T
+
+    def age(self):
+        with self.live.reading() as scene:
+            return map_ages(scene)[self.name]
+
+    def pairs(self):
+        """Return names and distances of all pairs, and how many wait."""
+        with self.live.reading() as scene:
+            found = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+            names = {g.get_value(): n for g, n in scene.names.geometry_names.items()}
+            rows = zip(found.id_A, found.id_B, found.distance, strict=True)
+            told = {frozenset((names[a], names[b])): d for a, b, d in rows}
+            return told, scene.waiting().pairs
+
+
+def stamp_of(seconds):
+    return Plain(sec=int(seconds), nanosec=round((seconds % 1) * 1e9))
+
+
+def header(frame, stamp):
+    return Plain(frame_id=frame, stamp=stamp_of(stamp))
+
+
+def cloud(points, frame='mast', stamp=100.0, **changes):
+    rows = np.asarray(points, dtype='<f4').reshape(-1, 3)
+    fields = [Plain(name=a, offset=4 * k, datatype=7, count=1) for k, a in enumerate('xyz')]
+    told = {
+        'header': header(frame, stamp), 'width': len(rows), 'height': 1, 'fields': fields,
+        'is_bigendian': False, 'point_step': 12, 'row_step': 12 * len(rows),
+        'data': array.array('B', rows.tobytes()),
+    }  # fmt: skip
+    return Plain(**{**told, **changes})

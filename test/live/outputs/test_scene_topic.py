@@ -1,0 +1,119 @@
+"""The scene is published once a version, and a large one not too often; without ROS."""
+
+import time
+from types import SimpleNamespace as Plain
+
+import pytest
+from live.live_scenes import Topic, live_scene
+
+from drake_geom_ros.geometry import GeometryInstance, Sphere
+from drake_geom_ros.live.outputs import scene_topic
+from drake_geom_ros.live.outputs.scene_topic import SceneTopic
+from drake_geom_ros.math import RigidTransform
+
+TEXT = 'sources: [s]\nframes: [{name: a, source: s}]\n'
+
+
+class Message(Plain):
+    """A message of any kind: what is not given is there and empty."""
+
+    def __init__(self, **fields):
+        super().__init__(header=Plain(), sources=[], frames=[], geometries=[], **fields)
+
+
+class SlowTopic(Topic):
+    """A publisher that takes some time."""
+
+    def takes(self):
+        """Let time pass: the test says how."""
+
+    def publish(self, message):
+        super().publish(message)
+        self.takes()
+
+
+@pytest.fixture
+def live():
+    return live_scene(TEXT, world_frame='map')
+
+
+@pytest.fixture
+def publisher():
+    return SlowTopic()
+
+
+@pytest.fixture
+def did():
+    return []
+
+
+@pytest.fixture
+def topic(live, publisher, did):
+    types = Plain(Scene=Message, SceneSource=Plain, SceneFrame=Plain, SceneGeometry=Plain)
+    return SceneTopic(live, publisher, types, lambda: 'now', lambda *what: did.append(what))
+
+
+def test_each_version_is_published_once(scene, topic, publisher, did):
+    for _ in range(3):
+        topic.publish()
+    (message,) = publisher.published
+    assert (message.header.frame_id, message.header.stamp) == ('map', 'now')
+    assert message.scene_version == scene.version
+    ((count, seconds),) = did
+    assert (count, seconds > 0.0) == (0, True)
+    assert 'a' in [frame.name for frame in message.frames]
+    scene.scene_graph.RegisterSource('t')
+    while len(publisher.published) < 2:
+        topic.publish()
+    assert [m.scene_version for m in publisher.published] == [scene.version - 1, scene.version]
+
+
+def test_all_names_that_answers_refer_to_are_published_in_order_and_shapes_when_there_is_time(
+    scene, topic, publisher, monkeypatch
+):
+    monkeypatch.setattr(scene_topic, 'fill_scene', lambda *_: None)  # versions are enough here
+    source = scene.scene_graph.RegisterSource('t')
+    named = []
+    for k in range(5):
+        instance = GeometryInstance(RigidTransform(), Sphere(0.1), f'ball {k}')
+        ball = scene.scene_graph.RegisterAnchoredGeometry(source, instance)
+        if k != 3:  # to which nobody refers
+            named.append(scene.moment().names_version)
+    monkeypatch.setattr(time, 'monotonic', lambda: 100.0)
+    topic.publish()
+    assert [m.names_version for m in publisher.published] == named
+    scene.scene_graph.ChangeShape(source, ball, Sphere(0.2))
+    assert scene.moment().names_version == named[-1] < scene.moment().version
+    monkeypatch.setattr(topic, '_next', 101.0)
+    topic.publish()
+    assert len(publisher.published) == 4
+    monkeypatch.setattr(topic, '_next', 99.0)
+    topic.publish()
+    assert publisher.published[-1].names_version == named[-1]
+    assert publisher.published[-1].scene_version == scene.version
+
+
+def test_what_cannot_be_published_in_time_is_counted(scene, topic, publisher):
+    for k in range(scene_topic._MOST_WAITING + 3):
+        scene.scene_graph.RegisterSource(f'{k}')
+        scene.moment()
+    assert topic.unpublished == 3
+    topic.publish()
+    assert len(publisher.published) == scene_topic._MOST_WAITING
+
+
+def test_a_scene_that_takes_long_is_not_published_at_once_again(
+    scene, topic, publisher, monkeypatch
+):
+    now = [100.0]
+    monkeypatch.setattr(time, 'monotonic', lambda: now[0])
+
+    def slowly():
+        now[0] += 1.0
+
+    publisher.takes = slowly
+    for seconds, count in ((0.0, 1), (9.9, 1), (0.2, 2)):
+        now[0] += seconds
+        scene.scene_graph.RegisterSource(f'after {now[0]}')
+        topic.publish()
+        assert len(publisher.published) == count

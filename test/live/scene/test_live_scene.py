@@ -1,0 +1,381 @@
+"""The live scene without ROS: ages, leases, replacement, what-if, all or nothing."""
+
+import math
+import threading
+from types import SimpleNamespace as Plain
+
+import pytest
+from live.live_scenes import live_scene
+
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    FrameId,
+    GeometryFrame,
+    GeometryInstance,
+    GeometrySet,
+    ProximityProperties,
+    QueryObject,
+    Sphere,
+)
+from drake_geom_ros.live.scene import held_scene
+from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.live.scene.editable_scene import prepared
+from drake_geom_ros.live.scene.live_scene import LiveScene, registered_copy
+from drake_geom_ros.live.scene.scene_rules import Blind
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import Level, ProximityRule
+from drake_geom_ros.scene_files import read_scene, to_yaml
+
+RULE = ProximityRule('near', ('s::a',), level=Level.WARN, enter=0.1, leave=1.0)
+
+TEXT = """
+sources: [s]
+frames:
+  - {name: a, source: s, pose: {}}
+  - {name: b, source: s, pose: {position: [1, 0, 0]}}
+geometries:
+  - {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
+  - {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+@pytest.fixture
+def live(clock):
+    return live_scene(TEXT, clock)
+
+
+def message(**frames):
+    return message_of('s', **frames)
+
+
+def message_of(source, **frames):
+    poses = [float(v) for x in frames.values() for v in (x, 0, 0, 0, 0, 0, 1)]
+    header = Plain(stamp=Plain(sec=1, nanosec=0), frame_id='')
+    return Plain(header=header, source=source, frame_names=list(frames), frame_ids=[], poses=poses)
+
+
+def distance(scene):
+    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
+    return scene.query.ComputeSignedDistancePairClosestPoints(a, b).distance
+
+
+def test_frames_stand_where_the_file_puts_them_until_posed(scene):
+    assert distance(scene) == pytest.approx(0.8)
+    assert scene.take_poses(message(a=-1)) == 1
+    assert distance(scene) == pytest.approx(1.8)
+
+
+def test_ages_of_poses(scene, clock):
+    clock.now += 9.0
+    assert scene.moment().oldest_pose_age == 0.0  # all rest where the file put them
+    first, second = message(a=0), message(b=1)
+    first.header.stamp.sec = int(clock.now)
+    scene.take_poses(first)
+    clock.now += 2.0
+    assert scene.moment().oldest_pose_age == pytest.approx(2.0)
+    second.header.stamp.sec = int(clock.now)
+    scene.take_poses(second)
+    clock.now += 0.5
+    assert scene.moment().oldest_pose_age == pytest.approx(2.5)
+    assert scene.pose_ages() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
+
+
+def test_a_pose_whose_old_stamp_is_repeated_is_not_new_again(scene, clock):
+    clock.now = 1.5
+    for second in range(90):
+        scene.take_poses(message(a=0, b=1))  # stamped 1 s
+        assert scene.moment().oldest_pose_age == pytest.approx(0.5 + second)
+        clock.now += 1.0
+    scene.take_poses(message(b=1))
+    assert scene.pose_ages() == pytest.approx({'s::a': 90.5, 's::b': 90.5})
+
+
+def test_an_empty_scene_has_no_old_poses(clock):
+    assert LiveScene('exact', Clocks(clock)).view().moment.oldest_pose_age == 0.0
+
+
+def test_a_refused_message_leaves_everything(scene, clock):
+    good, bad = message(a=0, b=1), message(a=5, b=math.nan)
+    good.header.stamp.sec = int(clock.now)
+    scene.take_poses(good)
+    clock.now += 1.0
+    bad.header.stamp.sec = int(clock.now)
+    with pytest.raises(RuntimeError, match='not finite'):
+        scene.take_poses(bad)
+    assert distance(scene) == pytest.approx(0.8)
+    assert scene.moment().oldest_pose_age == pytest.approx(1.0)
+    assert scene.moment().newest_stamp.sec == good.header.stamp.sec
+
+
+@pytest.mark.clock
+@pytest.mark.parametrize('door', [LiveScene.reading, LiveScene.editing, LiveScene.view])
+def test_no_other_thread_has_the_scene_meanwhile(live, door):
+    entered = threading.Event()
+
+    def enter():
+        got = door(live)
+        if door is not LiveScene.view:
+            with got:
+                pass
+        entered.set()
+
+    thread = threading.Thread(target=enter)
+    with live.editing() as scene:
+        thread.start()
+        assert not entered.wait(0.05)
+        scene.take_poses(message(a=0, b=1))
+    thread.join(60.0)
+    assert entered.is_set()
+
+
+def test_what_if_is_not_what_is(live, scene):
+    before = distance(scene)
+    query = live.view(message(b=3)).query
+    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
+    assert query.ComputeSignedDistancePairClosestPoints(a, b).distance == pytest.approx(2.8)
+    assert distance(scene) == before
+
+
+def test_a_lease_ends_and_renewal_prolongs_it(scene, clock):
+    manager = scene.scene_graph.collision_filter_manager()
+    balls = GeometrySet([scene.names.geometry(f's::{f}/ball') for f in 'ab'])
+    declaration = CollisionFilterDeclaration().ExcludeWithin(balls)
+    kept, lost, free = (manager.ApplyTransient(declaration) for _ in range(3))
+    scene.lease(kept, 1.0)
+    scene.lease(lost, 1.0)
+    scene.lease(free, 0.0)
+    clock.now += 0.9
+    assert scene.expire_filters() == []
+    scene.lease(kept, 1.0)
+    clock.now += 0.2
+    assert scene.expire_filters() == [lost]
+    assert [manager.IsActive(f) for f in (kept, lost, free)] == [True, False, True]
+    scene.lease(kept, 0.0)
+    clock.now += 1e6
+    assert scene.expire_filters() == []
+
+
+def test_a_scene_that_cannot_be_loaded_changes_nothing(scene):
+    text, version = to_yaml(scene.description()), scene.version
+    other = TEXT.replace('[s]', '[t]').replace('source: s', 'source: t')
+    other = read_scene(other.replace('frame: b', 'frame: nowhere'))
+    for change in (scene.add, prepared):
+        with pytest.raises(RuntimeError, match='nowhere'):
+            change(other)
+        assert (to_yaml(scene.description()), scene.version) == (text, version)
+    with pytest.raises(RuntimeError, match='taken'):
+        scene.add(read_scene(TEXT))
+    assert (to_yaml(scene.description()), scene.version) == (text, version)
+
+
+def test_replacing_grows_the_version_and_keeps_the_text(scene):
+    text, version = to_yaml(scene.description()), scene.version
+    assert scene.replace(prepared(read_scene(text))) == (2, 2)
+    assert scene.version > version
+    assert to_yaml(scene.description()) == text
+    assert isinstance(scene.names.frame('world'), FrameId)
+
+
+def test_who_waits_for_a_pose_goes_on_waiting_in_a_scene_that_was_saved(scene):
+    scene.add(read_scene('sources: [t]\nframes: [{name: c, source: t}]'))
+    for _ in range(2):
+        assert scene.waiting().frames == ['t::c']
+        text = to_yaml(scene.description())
+        assert scene.replace(prepared(read_scene(text))) == (3, 2)
+    scene.take_poses(message_of('t', c=2))
+    assert scene.waiting()[:3] == ([], 0, 0)
+    assert scene.waiting().in_words() == ''
+
+
+def test_an_empty_scene_has_the_world_alone_and_goes_on_counting(clock):
+    with LiveScene('exact', Clocks(clock), version=7).reading() as scene:
+        assert scene.version == 7
+    assert scene.names.frame('world') == scene.inspector.world_frame_id()
+    with pytest.raises(RuntimeError, match='no frame'):
+        scene.names.frame('s::a')
+
+
+def test_the_accuracy_of_queries_that_name_none(scene):
+    scene.set_accuracy('bound')
+    scene.take_poses(message(a=0, b=0.15))
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    assert results.method.tolist() == [4]
+    scene.set_accuracy('exact')
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    assert results.method.tolist() == [1]
+
+
+def test_a_scene_with_cameras_has_what_takes_images_compiled_at_once(monkeypatch):
+    """The first image of a node does not wait for it."""
+    sizes = []
+
+    def render_images(query, camera, *rest):
+        sizes.append((camera.width, camera.height, camera.renderer_name))
+
+    monkeypatch.setattr(QueryObject, 'render_images', render_images)
+    live_scene(TEXT).compile_kernels()
+    assert sizes == []
+    live_scene(TEXT + 'cameras: [{name: eye, size: [64, 48], shows: proximity}]').compile_kernels()
+    assert sizes == [(1, 1, 'exact_proximity')]
+
+
+MORE = """
+sources: [t]
+frames:
+  - {name: c, source: t, pose: {position: [3, 0, 0]}}
+  - {name: d, source: t, parent: c, pose: {position: [0, 2, 0]}}
+  - {name: e, source: t}
+geometries:
+  - {name: ball, source: t, frame: c, shape: {type: sphere, radius: 0.1}}
+  - {name: ball, source: t, frame: d, shape: {type: sphere, radius: 0.2}}
+filters: [{exclude_within: [{source: t, frame: c}, {source: t, frame: d}]}]
+"""
+
+
+def told(live):
+    with live.reading() as scene:
+        results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+        return (
+            to_yaml(scene.description()),
+            [*zip(*map(scene.inspector.full_names, (results.id_A, results.id_B)), strict=True)],
+            results.distance.tolist(),
+            scene.names.labels.values(),
+            scene.pose_ages(),
+        )
+
+
+def test_what_was_registered_on_a_copy_is_what_would_be_registered(clock):
+    """And nothing is registered again while the scene is held."""
+    plain, live = live_scene(TEXT, clock), live_scene(TEXT, clock)
+    description = read_scene(MORE)
+    with plain.editing() as scene:
+        assert scene.add(description) == (3, 2)
+    copy = registered_copy(live, description)
+    with live.editing() as scene:
+        assert scene.add(description, copy) == (3, 2)
+        assert [*scene.names.labels][-3:] == [*copy.loaded.frames.values()]
+    one, other = told(plain), told(live)
+    assert [*one[3]] == [*other[3]]
+    assert one[:3] + one[4:] == other[:3] + other[4:]
+
+
+@pytest.mark.parametrize('change', ['a frame', 'a filter', 'a shape', 'nothing but a pose'])
+def test_what_changed_since_the_copy_was_made_stays(live, change):
+    description = read_scene(MORE)
+    copy = registered_copy(live, description)
+    with live.editing() as scene:
+        source = scene.names.source('s')
+        a, b = (scene.names.frame(f's::{f}') for f in 'ab')
+        if change == 'a frame':
+            scene.scene_graph.RegisterFrame(source, GeometryFrame('late'))
+        elif change == 'a filter':
+            pair = GeometrySet(frame_ids=[a, b])
+            manager = scene.scene_graph.collision_filter_manager()
+            manager.Apply(CollisionFilterDeclaration().ExcludeWithin(pair))
+        elif change == 'a shape':
+            ball = scene.names.geometry('s::a/ball')
+            scene.scene_graph.ChangeShape(source, ball, Sphere(0.3))
+        else:
+            assert scene.take_poses(message(a=-1)) == 1
+        before = pairs_of(scene)
+        assert scene.add(description, copy) == (3, 2)
+        after = pairs_of(scene)
+        assert before.items() <= after.items()
+        assert (change == 'a frame') == (('s', 'late') in scene.names.labels.values())
+        # By the ids of the copy only where nothing had changed.
+        taken = {*copy.loaded.frames.values()} <= {*scene.names.labels}
+        assert taken == (change == 'nothing but a pose')
+        # The scene goes on changing as ever.
+        scene.scene_graph.RegisterFrame(scene.names.source('t'), GeometryFrame('later'))
+        assert ('t', 'later') in scene.names.labels.values()
+
+
+def pairs_of(scene):
+    """Return the distances of all pairs by their names."""
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    names = map(scene.inspector.full_names, (results.id_A, results.id_B))
+    return dict(zip(zip(*names, strict=True), results.distance.tolist(), strict=True))
+
+
+def drafted(live, change):
+    """Make a change on a draft, whatever the size of the scene, while the scene goes on."""
+    draft, result = live.make_ready(change)
+    with live.editing() as scene:
+        scene.take_poses(message(a=-1, b=3))
+        assert scene.take_over(draft)
+    return result
+
+
+def one_more(live, name='more', x=4.0):
+    with live.reading() as scene:
+        source = scene.names.source('s')
+    ball = GeometryInstance(RigidTransform([x, 0, 0]), Sphere(0.5), name)
+    ball.set_proximity_properties(ProximityProperties())
+    return drafted(live, lambda graph, on: graph.RegisterAnchoredGeometry(on, source, ball))
+
+
+def test_a_draft_is_taken_over_at_the_poses_that_came_since(live, clock):
+    with live.editing() as scene:
+        scene.rules.take([RULE])
+        scene.bind_rules()
+    asked = []
+    live.rehearse = lambda query: asked.append(query.ComputeSignedDistancePairwiseClosestPoints())
+    geometry = one_more(live)
+    assert [len(found) for found in asked] == [3, 2]  # of the draft, and of what rules ask of it
+    with live.editing() as scene:
+        assert scene.version == scene.moment().version
+        assert scene.names.geometry('s::world/more') == geometry
+        assert distance(scene) == pytest.approx(3.8)
+        found = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+        assert sorted(found.distance) == pytest.approx([0.4, 3.8, 4.4])
+        assert not scene.query.effects().near_list_made  # the draft has made it
+        assert scene.unknown_ages().frames == []
+        # And goes on as ever.
+        scene.take_poses(message(a=0, b=1))
+        scene.bind_rules()
+        scene.rules.decide(clock(), scene.query, Blind([], []))
+        assert scene.rules.states()[0].pairs == 2
+        assert scene.rules.states()[0].lowest == pytest.approx(0.8)
+
+
+def test_a_draft_of_a_scene_that_changed_since_is_not_taken_over(live):
+    draft, _ = live.make_ready(lambda graph, on: graph.RegisterSource(on, 't'))
+    with live.editing() as scene:
+        scene.scene_graph.RegisterSource('u')
+        assert not scene.take_over(draft)
+        assert scene.names.source('u') is not None
+
+
+def test_a_large_scene_changes_by_a_draft_or_where_others_change_it_all_the_time_as_ever(
+    live, monkeypatch
+):
+    monkeypatch.setattr(held_scene, '_MANY', 0)
+    made = []
+
+    def change(graph, context):
+        made.append(context)
+        if len(made) < least:
+            with live.editing() as scene:
+                scene.scene_graph.RegisterSource(f'other {len(made)} {least}')
+        return graph.RegisterSource(context=context, name=f'new {least}')
+
+    for least in (1, 2, 9):
+        made.clear()
+        live.change(change, then=lambda scene, source: scene.told.append(source))
+        assert len(made) == min(least, 4)
+        assert (made[-1] is None) == (least == 9)
+        with live.editing() as scene:
+            assert scene.told == [scene.names.source(f'new {least}')]
+            scene.told.clear()
+
+
+def test_frames_that_are_removed_by_a_draft_are_posed_no_more(live):
+    with live.editing() as scene:
+        source = scene.names.source('s')
+    frames = drafted(live, lambda graph, on: graph.RemoveSource(on, source))
+    with live.editing() as scene:
+        scene.forget_source(source, 's', frames)
+        assert scene.pose_ages() == {}
+        with pytest.raises(RuntimeError, match='no source'):
+            scene.take_poses(message(a=0))
+        assert len(scene.query.ComputeSignedDistancePairwiseClosestPoints()) == 0

@@ -1,0 +1,143 @@
+"""What arrives at a large scene is made ready beside the cycles: these find it done.
+
+Where others have the scene is looked at from another thread, in the middle of the making: no
+clock is read. How long cycles wait for what, ``bench.ros.arrivals`` measures.
+"""
+
+import threading
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from live.live_scenes import Clock, live_scene
+
+from drake_geom_ros.geometry import OccupiedCells, QueryObject
+from drake_geom_ros.live.inputs.robot_description import RobotInput
+from drake_geom_ros.live.scene import held_scene
+from drake_geom_ros.live.scene.clocks import ALWAYS
+from drake_geom_ros.live.scene.seen_maps import Sighting, drafted, put, shape_of, stand
+from drake_geom_ros.live.services import files, scene, shapes
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.sensed_maps import Cells
+
+pytestmark = pytest.mark.clock
+
+REACH = 0.5  # [m] of the distances that cycles ask for
+PATIENCE = 60.0  # [s]
+SCENE = """
+sources: [s, rest]
+frames: [{name: a, source: s, pose: {}}]
+geometries:
+- {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
+- {name: post, source: rest, shape: {type: box, size: [1, 1, 1]}, pose: {position: [1, 0, 0]}}
+proximity_rules:
+- {name: near, set_a: a, level: stop, enter: 0.05, leave: 2}
+"""
+MORE = SCENE.replace('s, rest', 't').replace('source: s', 'source: t')
+MORE = MORE.replace('source: rest', 'source: t').replace('name: post', 'name: other')
+ROBOT = """<robot name="robot">
+<link name="l0"><collision><geometry><sphere radius="0.1"/></geometry>
+</collision></link><link name="l1"><collision><geometry><sphere radius="0.1"/></geometry>
+</collision></link><joint name="j" type="revolute"><parent link="l0"/><child link="l1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+@pytest.fixture
+def live(monkeypatch):
+    monkeypatch.setattr(held_scene, '_MANY', 0)  # any scene is large
+    live = live_scene(SCENE, Clock(100.0))
+    with live.editing() as held:
+        stand(held, 'points')
+    return live
+
+
+def cycle(held, x):
+    """Pose the ball, and return what a cycle asks, and whether it had to list the near pairs."""
+    stamp = Plain(sec=1, nanosec=int(1000 * x) + 1)
+    header = Plain(stamp=stamp, frame_id='')
+    row = [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+    held.take_poses(Plain(header=header, source='', frame_names=['s::a'], frame_ids=[], poses=row))
+    found = held.query.ComputeSignedDistancePairwiseClosestPoints(REACH)
+    return sorted(np.round(found.distance, 6).tolist()), held.query.effects().near_list_made
+
+
+def register(live):
+    place = Plain(position=Plain(x=0.0, y=0.3, z=0.0), orientation=Plain(x=0, y=0, z=0, w=1))
+    shape = Plain(type=1, dimensions=[0.1], vertices=[], triangles=[], mesh_uri='')
+    role = Plain(role=1, properties=[])
+    ball = Plain(
+        frame='world', parent_geometry='', name='g', pose=place, shape=shape, roles=[role]
+    )
+    shapes.register_geometries(live, Plain(source='rest', geometries=[ball]), Plain())
+
+
+def load(live):
+    asked = Plain(path='', text=MORE.partition('proximity_rules')[0], format='', srdf='')
+    asked.replace, asked.replaced_sources = False, []
+    files.load_scene(live, asked, Plain())
+
+
+def see(live):
+    cells = Cells.of_points([[0.05, 0.35, 0.05]], 0.1)
+    sighting = Sighting(
+        cells, shape_of(cells, 0.0), RigidTransform(), ALWAYS, Plain(sec=1, nanosec=0)
+    )
+    draft = drafted(live, 'points', sighting)
+    with live.editing() as held:
+        put(held, 'points', sighting, 0.0, draft)
+
+
+ARRIVALS = {
+    'robot_description': lambda live: RobotInput(live).take(ROBOT),
+    'load_scene': load,
+    'register_geometries': register,
+    'register_frame': lambda live: scene.register_frame(
+        live, Plain(source='s', name='b', parent='', frame_group=0), Plain()
+    ),
+    'remove_geometry': lambda live: scene.remove_geometry(
+        live, Plain(geometry='rest::world/post'), Plain()
+    ),
+    'remove_source': lambda live: scene.remove_source(live, Plain(source='rest'), Plain()),
+    'a map': see,
+}
+
+
+@pytest.mark.parametrize('arrival', ARRIVALS)
+def test_cycles_go_on_while_it_is_made_ready_and_find_all_done(live, arrival):
+    with live.editing() as held:
+        before, _ = cycle(held, 0.0)
+        held.bind_rules()
+    seen, asked = [], []
+
+    def in_between():
+        with live.editing() as held:
+            seen.append(cycle(held, 0.01 * (1 + len(seen))))
+
+    def rehearse(query):
+        asked.append(query.ComputeSignedDistancePairwiseClosestPoints(REACH))
+        other = threading.Thread(target=in_between)
+        other.start()
+        other.join(PATIENCE)
+        assert not other.is_alive()  # nobody has the scene
+
+    live.rehearse = rehearse
+    ARRIVALS[arrival](live)
+    assert len(asked) == len(seen) == 2  # once more of what the rule is about
+    assert [len(found) for found, _ in seen] == [len(before)] * 2  # about the scene of before
+    with live.editing() as held:
+        places = held.query.X_WF(held.names.frame('s::a')).translation()
+        assert places[0] == 0.02  # what came in between holds
+        if arrival != 'a map':  # which is placed and welded now
+            assert not cycle(held, 0.0)[1]
+        held.bind_rules()
+        assert [state.is_entered for state in held.rules.states()] == [False]
+        distances, _ = cycle(held, 0.0)
+        fresh = QueryObject(held.copy()).ComputeSignedDistancePairwiseClosestPoints(REACH)
+        assert distances == sorted(np.round(fresh.distance, 6).tolist())
+
+
+def test_a_map_of_few_cells_in_a_small_scene_needs_no_draft(live, monkeypatch):
+    monkeypatch.setattr(held_scene, '_MANY', 1000)
+    cells = Cells.of_points([[0.05, 0.35, 0.05]], 0.1)
+    sighting = Sighting(cells, OccupiedCells(0.1, cells.centres()), RigidTransform(), ALWAYS, None)
+    assert drafted(live, 'points', sighting) is None
