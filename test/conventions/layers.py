@@ -106,26 +106,37 @@ _CORE = (
     *('math', 'common', 'sensors', 'geometry', 'proximity_rules', 'sensed_maps'),
     'scene_files',
 )
-_HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
+_HELD = (*_CORE, 'geometry/queries', 'live/conversions', 'live/scene')
+_LIVE = (*_HELD, 'live/inputs', 'live/outputs', 'live')
+# What a node keeps and does. Nothing here imports ROS.
+LIVE_ROOMS = {
+    'live/conversions': ((*_CORE, 'geometry/queries', 'live/conversions'), ('numpy',)),
+    'live/scene': ((*_HELD, 'geometry/render', 'trajectories'), ('numpy',)),
+    'live/inputs': ((*_HELD, 'live/inputs'), ('numpy',)),
+    'live/outputs': (
+        (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'live/outputs'),
+        ('numpy',),
+    ),
+    'live/services': ((*_HELD, 'batch', 'live/inputs', 'live/services'), ('numpy',)),
+    'live': (_LIVE, ('numpy',)),
+}
+# What rclpy sees.
 ROS_ROOMS = {
-    'ros/conversions': ((*_CORE, 'geometry/queries', 'ros/conversions'), ('numpy',)),
-    'ros/scene': ((*_HELD, 'geometry/render', 'trajectories'), ('numpy',)),
-    'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
     'ros/outputs': (
-        (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'ros/outputs'),
+        (*_HELD, 'geometry/render', 'live/outputs', 'ros/outputs'),
         ('numpy', 'ROS'),
     ),
-    'ros/services': ((*_HELD, 'batch', 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
-    'ros/sensing': ((*_HELD, 'ros/inputs', 'ros/sensing'), ('numpy', 'ROS')),
+    'ros/services': ((*_HELD, 'live/services', 'ros/services'), ('numpy', 'ROS')),
+    'ros/sensing': ((*_LIVE, 'ros/sensing'), ('numpy', 'ROS')),
     'ros/viewer': (
-        (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
+        (*_CORE, 'client', 'viewing', 'viewing/page', 'live/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
     'ros/status': (('common', 'client', 'ros/sensing', 'ros', 'ros/status'), ('ROS',)),
     'ros': (
         (
-            *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),
-            *('ros/services', 'ros/sensing', 'ros'),
+            *(*_LIVE, 'trajectories', 'cross_check', 'live/services'),
+            *('ros/outputs', 'ros/services', 'ros/sensing', 'ros'),
         ),
         ('numpy', 'ROS'),
     ),
@@ -192,7 +203,7 @@ LAYERS = {
     'recordings': (
         (
             *_HELD,
-            *('ros/inputs', 'batch', 'replay', 'viewing', 'recordings'),
+            *('live/inputs', 'batch', 'replay', 'viewing', 'recordings'),
         ),
         ('numpy', 'yaml', 'rosbags', 'mcap', 'lz4', 'zstandard', 'matplotlib', 'PIL'),
     ),
@@ -206,6 +217,7 @@ LAYERS = {
     ),
     # What asks a node is no part of it.
     'client': (('math', 'common', 'client'), ('numpy', 'ROS')),
+    **LIVE_ROOMS,
     **ROS_ROOMS,
 }
 # One file for what nobody else may touch.

@@ -5,21 +5,6 @@ import pytest
 # ROS is imported by the fixtures that need it: the tests of conversions run without.
 
 
-@pytest.fixture
-def clock():
-    """Return a clock that the test sets."""
-    from live.live_scenes import Clock
-
-    return Clock()
-
-
-@pytest.fixture
-def scene(live):
-    """Return the scene of a test's ``live``, held by the test's thread as long as it runs."""
-    with live.editing() as scene:
-        yield scene
-
-
 @pytest.fixture(scope='module')
 def server():
     """Return the full name of the node that the tests of a file ask."""

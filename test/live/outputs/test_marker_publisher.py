@@ -4,7 +4,7 @@ from types import SimpleNamespace as Plain
 
 import pytest
 from live.live_scenes import Topic, live_scene
-from ros.outputs.marker_types import TEXT, TYPES
+from live.outputs.marker_types import TEXT, TYPES
 
 from drake_geom_ros.geometry import (
     Capsule,

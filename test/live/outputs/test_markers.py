@@ -5,9 +5,9 @@ import itertools
 import numpy as np
 import pytest
 from live.live_scenes import live_scene
+from live.outputs.marker_types import TEXT, TYPES
 from oracles.mesh_files import gltf
 from oracles.solids import surface_of
-from ros.outputs.marker_types import TEXT, TYPES
 
 from drake_geom_ros.geometry import (
     Box,

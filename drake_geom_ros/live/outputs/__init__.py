@@ -1,0 +1,1 @@
+"""Results of cycles, contact surfaces, markers, events of rules, and replay files."""
