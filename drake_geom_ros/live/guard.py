@@ -1,7 +1,7 @@
 """Stands between a node's callbacks and the executor: what fails is counted and logged.
 
 An exception that reached the executor would end the node, and with it the service that others rely
-on. No ROS import here.
+on.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Guard:
     """Calls what takes messages, answers requests and is due by a timer; from any thread."""
 
     def __init__(self, logger: Any, count: Callable[[str, str, int], None]) -> None:
-        """``count(name, reason, n)`` is told of messages and tasks that failed."""
+        """``count(name, reason, n)`` is called for messages and tasks that failed."""
         self._logger = logger
         self._count = count
         # Of each input, until when [s] which kinds of reasons are told.
@@ -96,22 +96,22 @@ class Guard:
         return response
 
     def _may_tell_reason(self, name: str, reason: str) -> bool:
-        """Return whether a reason of refusals is to be told: of an input, each once in a while.
+        """Return whether to log a reason for refusals: each reason of an input once in a while.
 
         One that comes again and again must not hide another. Names and numbers in it make no
-        other reason, and of ever new ones a few are told.
+        other reason, and of ever new ones a few are logged.
         """
         now, kind = time.monotonic(), _SPECIFIC.sub('', reason[:_LONGEST_MESSAGE])
-        told = self._reasons.setdefault(name, {})
-        for known in [known for known, end in told.items() if end <= now]:
-            del told[known]
-        if kind in told or len(told) >= _MOST_REASONS:
+        ends = self._reasons.setdefault(name, {})
+        for past in [past for past, end in ends.items() if end <= now]:
+            del ends[past]
+        if kind in ends or len(ends) >= _MOST_REASONS:
             return False
-        told[kind] = now + _LOG_PERIOD
+        ends[kind] = now + _LOG_PERIOD
         return True
 
     def _may_tell(self, about: str) -> bool:
-        """Return whether nothing was told about something for a while.
+        """Return whether nothing was logged about something for a while.
 
         (rclpy throttles by line of code, where one thing would silence another.)
         """

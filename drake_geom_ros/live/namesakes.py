@@ -1,9 +1,8 @@
 """Other nodes that bear this node's full name.
 
 ROS lets them be, and then each service is answered by both, and each parameter is set on either.
-They are told of and not refused: a node that is killed stays in the graph of the others until DDS
+They are reported and not refused: a node that is killed stays in the graph of the others until DDS
 gives it up after 20 s, and one that a supervisor starts in its place must not stop at its ghost.
-No ROS import here.
 """
 
 from __future__ import annotations
@@ -23,15 +22,15 @@ class Namesakes:
         name, logger = self._node.get_fully_qualified_name(), self._node.get_logger()
         namesakes = [each for each in self._names() if each == name]
         others = len(namesakes) - 1  # it sees itself
-        told = _in_words(name, others) if others > 0 else ''
+        text = _in_words(name, others) if others > 0 else ''
         if others != self._others:
             self._others = others
             # rclpy wants a line of code for each severity.
-            if told:
-                logger.error(told)
+            if text:
+                logger.error(text)
             else:
                 logger.info(f'this node is the only one called {name} again')
-        return told
+        return text
 
     def _names(self) -> list[str]:
         pairs = self._node.get_node_names_and_namespaces()

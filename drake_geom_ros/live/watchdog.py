@@ -4,8 +4,7 @@ Two keep the watch. A thread of Python sees that nobody has fed the watchdog for
 writes the traces of all threads to the standard error. A thread of faulthandler in C sees that not
 even this thread runs, for another one waits in C and keeps the interpreter's lock. It alone would
 not do: it reads the frames of the others without the lock, and where they run meanwhile, the
-process may end by that (three busy threads, traces every 5 ms, CPython 3.11: within 20 s). No ROS
-import here.
+process may end by that (three busy threads, traces every 5 ms, CPython 3.11: within 20 s).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a node has while it is configured: made by configure, dropped by cleanup."""
+"""The configured part of the node: made by configure, dropped by cleanup."""
 
 from __future__ import annotations
 
@@ -117,9 +117,9 @@ class ConfiguredNode:
         self._rules = rule_topics.rule_events(surface, self._rule_settings, decided.did)
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
-        told = (*self._beside.values(), self._cameras.beside, decided)
+        beside = (*self._beside.values(), self._cameras.beside, decided)
         self._cycle = Cycle(
-            messages, publishers, self._costs, self._replays, self._rules, contacts, told
+            messages, publishers, self._costs, self._replays, self._rules, contacts, beside
         )
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
@@ -219,7 +219,7 @@ class ConfiguredNode:
     # What is opened.
 
     def _told_beside(self) -> dict[str, Beside]:
-        """Open what is published beside the cycles, and return what is to be told of it."""
+        """Open the topics published beside the cycles, and return their rows of the report."""
         surface = self._surface
         points = surface.publisher(messages.PointDistances, '~/point_distances', results())
         self._point_publisher = points
@@ -362,8 +362,8 @@ class ConfiguredNode:
 
     def _write_replays(self) -> None:
         cross_check = self._cycle.cross_check
-        for told in self._replays.write() + (cross_check.tell() if cross_check else []):
-            self._node.get_logger().warning(told)
+        for text in self._replays.write() + (cross_check.tell() if cross_check else []):
+            self._node.get_logger().warning(text)
 
     def _keep_house(self) -> None:
         self._jumps.look()
@@ -377,12 +377,12 @@ class ConfiguredNode:
     def _log_what_is_told(self) -> None:
         """Log what became of transient filters, in one line, and warnings, one in a line."""
         with self.live.editing() as scene:
-            told, scene.told = scene.told, []
+            notes, scene.told = scene.told, []
             warned, scene.warned = scene.warned, []
         for warning in warned:
             self._guard.tell(warning, warning, once=True)
-        if told:
-            self._node.get_logger().info('; '.join(told))
+        if notes:
+            self._node.get_logger().info('; '.join(notes))
 
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
@@ -412,8 +412,8 @@ class ConfiguredNode:
             )
         for trouble in troubles:
             add_trouble(message.status[0], trouble)
-        for told in filter(None, (state.waiting.in_words(), *troubles)):
-            self._guard.tell(told, told, once=True)
+        for text in filter(None, (state.waiting.in_words(), *troubles)):
+            self._guard.tell(text, text, once=True)
         now = self._node.get_clock().now()
         # Simulated time stands at 0 until it is told; no other clock ever shows that.
         if not now.nanoseconds:

@@ -1,4 +1,4 @@
-"""Opens what tells of contact surfaces."""
+"""The topic of contact surfaces."""
 
 from __future__ import annotations
 

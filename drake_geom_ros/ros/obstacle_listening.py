@@ -34,7 +34,7 @@ _SENSED = (
 
 
 class ObstacleListening:
-    """What maps are made from: a process for clouds and images, a subscription for OctoMaps."""
+    """The inputs of maps: a process for clouds and images, a subscription for OctoMaps."""
 
     def __init__(
         self,
@@ -100,10 +100,10 @@ class ObstacleListening:
         return process
 
     def _values(self) -> dict[str, str]:
-        told = {}
+        values = {}
         for name, each in self.inputs.items():
             counts = each.counts
-            told[f'obstacles {name}'] = (
+            values[f'obstacles {name}'] = (
                 f'{counts.taken} messages taken; of the last one {counts.points} points, '
                 f'{counts.not_finite} not finite, {counts.out_of_reach} out of reach, '
                 f'{counts.on_bodies} on bodies that the scene knows, {counts.in_shell} beside '
@@ -114,7 +114,7 @@ class ObstacleListening:
                 f'{counts.shell_cells} beside bodies, {counts.held_shell_cells} of them held, '
                 f'in {1e3 * counts.seconds:.1f} ms'
             )
-        return told
+        return values
 
     def _troubles(self) -> list[str]:
         """Return which maps never came, and which several sensors feed, in words."""
@@ -123,7 +123,7 @@ class ObstacleListening:
             for name, each in self.inputs.items()
             if not each.counts.taken
         ]
-        return never + [told for each in self.inputs.values() for told in each.troubles()]
+        return never + [trouble for each in self.inputs.values() for trouble in each.troubles()]
 
     def _listen(self, kind: Any, topic: str, take: Callable[[Any, float, str], object]) -> None:
         def hear(message: Any, info: MessageInfo) -> None:

@@ -275,8 +275,8 @@ class ParameterStore:
         node.add_post_set_parameters_callback(self._take)
 
     def _proposal(self, parameters: list[Parameter]) -> NodeParameters:
-        known = (p for p in parameters if p.name in _DEFAULTS)
-        plain = {p.name: _plain(p.name, p.value, _DEFAULTS[p.name]) for p in known}
+        parameters_of_table = (p for p in parameters if p.name in _DEFAULTS)
+        plain = {p.name: _plain(p.name, p.value, _DEFAULTS[p.name]) for p in parameters_of_table}
         return replace(self.values, **plain)
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
@@ -295,14 +295,14 @@ def unknown_parameters(node: Node, prefix: str = '') -> list[str]:
     Looked at are those that begin with ``prefix``, or, where it is empty, all but the overrides
     of QoS, which a node declares with its topics. rclpy takes what is unknown without a word.
     """
-    told = []
+    texts = []
     for name in node._parameter_overrides:
         if node.has_parameter(name) or not name.startswith(prefix):
             continue
         if prefix or not name.startswith(QOS_OVERRIDES):
             names = node._parameters
-            told.append(f'the parameter {name!r} does not exist{nearest(name, names)}')
-    return told
+            texts.append(f'the parameter {name!r} does not exist{nearest(name, names)}')
+    return texts
 
 
 def file_access(values: NodeParameters) -> FileAccess:
@@ -322,8 +322,12 @@ def declared(node: Node, name: str, default: object, descriptor: ParameterDescri
     start = list(default) if isinstance(default, tuple) else default
     # Whatever was given is let in, to be refused in words that say what is allowed.
     anything = ParameterDescriptor(dynamic_typing=True)
-    given = node.declare_parameter(name, start, anything).value
-    value = () if given is None and isinstance(default, tuple) else _plain(name, given, default)
+    set_value = node.declare_parameter(name, start, anything).value
+    value = (
+        ()
+        if set_value is None and isinstance(default, tuple)
+        else _plain(name, set_value, default)
+    )
     ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
     limits = [(each.from_value, each.to_value) for each in ranges]
     if reason := _wrong_type(name, value, default) or _out_of_range(name, value, limits):
@@ -376,8 +380,8 @@ def _refusal(values: NodeParameters) -> str:
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
         )
-    told = values.obstacles, values.obstacle_self_filter, values.obstacle_box
-    if reason := refusal_of_obstacles(*told):
+    obstacle_values = values.obstacles, values.obstacle_self_filter, values.obstacle_box
+    if reason := refusal_of_obstacles(*obstacle_values):
         return reason
     if values.replay_dir and not values.allow_writes:
         return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'

@@ -69,8 +69,8 @@ class PosePlayer(Node):
         self._loop = self._declare('loop', True)
         package_roots = filter(None, self._declare('package_roots', ()))
         scene = read_scene(scene_file, package_roots=package_roots)
-        for told in scene.warnings:
-            self.get_logger().warning(told)
+        for warning in scene.warnings:
+            self.get_logger().warning(warning)
         self._motion = load_motion(trajectory_file or None, scene)
         for robot, reason in self._motion.left_out.items():
             self.get_logger().warning(f'{reason}. The links of {robot!r} are not posed')
@@ -94,8 +94,8 @@ class PosePlayer(Node):
         self._start = self.get_clock().now()
         self._held: tuple[Grasp, ...] | None = None
         self._timer = self.create_timer(1.0 / rate, self._play)
-        for told in unknown_parameters(self):
-            self.get_logger().warning(told)
+        for warning in unknown_parameters(self):
+            self.get_logger().warning(warning)
         by_poses = self._poses.topic_name if self._transforms is None else '/tf'
         played = [f'{counted(len(self._message.frame_names), "frame")} on {by_poses}']
         if self._joints is not None:
@@ -195,8 +195,8 @@ def usage() -> str:
 
 def main(args: list[str] | None = None) -> int:
     """Run the player until it is interrupted; return 2 where it is given what it cannot play."""
-    given = sys.argv[1:] if args is None else args
-    if {'-h', '--help'} & set(given):
+    arguments = sys.argv[1:] if args is None else args
+    if {'-h', '--help'} & set(arguments):
         print(usage())
         return 0
     return run_node(PosePlayer, _REFUSALS, args)

@@ -1,4 +1,4 @@
-"""Opens what tells of proximity rules, with deadlines by which a listener notices a dead node."""
+"""The topics of proximity rules, with deadlines by which a listener notices a dead node."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def rule_events(
 
 
 def effect() -> Beside:
-    """Return what tells in ~/cycle_report how many pairs were computed for rules alone."""
+    """Return the row of ~/cycle_report with the pairs that were computed for rules alone."""
     return Beside('decide proximity rules', lambda: _NO_RULE)
 
 

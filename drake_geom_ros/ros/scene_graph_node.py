@@ -119,12 +119,12 @@ class SceneGraphNode(LifecycleNode):
         return TransitionCallbackReturn.FAILURE
 
     def _tell_unknown_parameters(self, prefix: str = '') -> None:
-        for told in unknown_parameters(self, prefix):
-            self.get_logger().warning(told)
+        for text in unknown_parameters(self, prefix):
+            self.get_logger().warning(text)
 
     def _tell_compiling(self, name: str, number: int, last: int) -> None:
-        told = f'compiling {name} ({number} of {last}), once for this version of the package'
-        self.get_logger().info(told)
+        text = f'compiling {name} ({number} of {last}), once for this version of the package'
+        self.get_logger().info(text)
 
     def _open(self, values: NodeParameters) -> ConfiguredNode:
         """Return what a configured node has."""
@@ -195,7 +195,7 @@ class SceneGraphNode(LifecycleNode):
         return TransitionCallbackReturn.SUCCESS
 
     def destroy_node(self) -> None:
-        """Tell what came of the second opinion, too, and end its process."""
+        """Log the counts of the second opinion, too, and end its process."""
         if self._configured is not None:
             self._configured.end_beside()
         super().destroy_node()

@@ -1,4 +1,4 @@
-"""What a node shows to people: markers, poses for viewers, and Drake's visualiser."""
+"""Outputs for people: markers, poses for viewers, and Drake's visualiser."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NOT_DUE = 'no time for one since the last report'
 
 
 class Shown:
-    """Publishes what there is to be seen while ``active()``; ``beside`` tells of it."""
+    """Publishes markers and poses while ``active()``; ``beside`` has their rows of the report."""
 
     def __init__(
         self,

@@ -133,9 +133,9 @@ class _Executor(SingleThreadedExecutor):
 
         async def answer() -> None:
             if taken is not None:
-                request, asked = taken
+                request, request_id = taken
                 response = srv.callback(request, srv.srv_type.Response())
-                calls(await response if inspect.isawaitable(response) else response, asked)
+                calls(await response if inspect.isawaitable(response) else response, request_id)
 
         return answer
 
@@ -228,11 +228,11 @@ def spin_until_stopped(
     """Serve a node's callbacks until a signal is received or a future is done.
 
     Each of ``groups`` has a thread of its own, all other callbacks are served by this one.
-    ``failed`` is told of what callbacks raise, and whose, from any thread, and all go on; without
-    it, what one raises ends all of them and is raised here. ``watchdog`` is fed while this thread
-    gets around and no callback of the others runs for longer than its limit, but those of the
-    groups in ``patient``, which may take their time. On Linux, threads of the groups in
-    ``background``, and those that they start, give way to others where cores are scarce.
+    ``failed`` is called with what callbacks raise, and whose, from any thread, and all go on;
+    without it, what one raises ends all of them and is raised here. ``watchdog`` is fed while
+    this thread gets around and no callback of the others runs for longer than its limit, but
+    those of the groups in ``patient``, which may take their time. On Linux, threads of the groups
+    in ``background``, and those that they start, give way to others where cores are scarce.
     ``interrupt`` is called before the threads are waited for, so that what takes long ends.
     """
     threads = [_GroupThread(node, group, failed, group in background) for group in groups]
@@ -265,7 +265,7 @@ def run_node(
     refusals: tuple[type[Exception], ...],
     args: list[str] | None = None,
 ) -> int:
-    """Run a node as a process until it is told to stop, and return the exit code.
+    """Run a node as a process until it is stopped, and return the exit code.
 
     That is 2 where arguments are none of ROS, or where making the node raises one of
     ``refusals``, for what it was given cannot be. A node names the callback groups that get

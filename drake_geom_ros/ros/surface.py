@@ -76,8 +76,8 @@ class Surface:
         options: QoSOverridingOptions | None = QoSOverridingOptions.with_default_policies()
         if comes_and_goes:
             begin = f'{QOS_OVERRIDES}{self._node.resolve_topic_name(topic)}.'
-            given = any(name.startswith(begin) for name in self._node._parameter_overrides)
-            options = options if given else None
+            is_overridden = any(name.startswith(begin) for name in self._node._parameter_overrides)
+            options = options if is_overridden else None
         publisher = self._node.create_publisher(
             kind, topic, profile, qos_overriding_options=options
         )
@@ -117,8 +117,8 @@ class Surface:
         def value_of(policy: str, default: Any) -> Any:
             parameter = f'{QOS_OVERRIDES}{name}.subscription.{policy}'
             if not self._node.has_parameter(parameter):
-                told = ParameterDescriptor(read_only=True)
-                self._node.declare_parameter(parameter, default, told)
+                descriptor = ParameterDescriptor(read_only=True)
+                self._node.declare_parameter(parameter, default, descriptor)
             return self._node.get_parameter(parameter).value
 
         history, reliability = (
@@ -138,8 +138,8 @@ class Surface:
     def enclave(self) -> str:
         """Return the enclave of SROS 2 that this process is in; the root where there is none."""
         own = self._node.get_name(), self._node.get_namespace()
-        known = self._node.get_node_names_and_namespaces_with_enclaves()
-        return next((enclave for *name, enclave in known if tuple(name) == own), '/')
+        nodes = self._node.get_node_names_and_namespaces_with_enclaves()
+        return next((enclave for *name, enclave in nodes if tuple(name) == own), '/')
 
     def until_closed(self, close: Callable[[], None]) -> None:
         """Have something else closed with the rest."""
@@ -181,7 +181,7 @@ class Surface:
         return trigger
 
     def clock_jumps(self, threshold: JumpThreshold, callback: Callable[[TimeJump], None]) -> None:
-        """Have jumps of simulated time told."""
+        """Call back at jumps of simulated time."""
         clock = self._node.get_clock()
         handle = clock.create_jump_callback(threshold, post_callback=callback)
         self._open.append((JumpHandle.unregister, handle))

@@ -36,7 +36,7 @@ class Together:
     ) -> None:
         """``take`` is given each message, how long [s] it waited and who sent it, oldest first.
 
-        ``then`` is told how many messages there were and how many of these were passed over,
+        ``then`` receives how many messages there were and how many of these were skipped,
         which is none unless ``may_pass_over``.
         """
         self._take = take
@@ -55,8 +55,8 @@ class Together:
         chosen = queue
         if self._may_pass_over and self._seconds_a_byte:
             chosen = newest(queue, _LONGEST_READING / self._seconds_a_byte)
-        for raw, told in chosen:
-            self._take(raw, waited(told), publisher_of(told))
+        for raw, message_info in chosen:
+            self._take(raw, waited(message_info), publisher_of(message_info))
         size = sum(len(raw) for raw, _ in chosen)
         self._seconds_a_byte = (time.perf_counter() - start) / max(1, size)
         self._then(len(queue), len(queue) - len(chosen))
@@ -75,20 +75,20 @@ def newest(queue: Sequence[Waiting], room: float) -> Sequence[Waiting]:
         publisher = publisher_of(info)
         order.append((seen[publisher], age))
         seen[publisher] += 1
-    kept: list[int] = []
+    chosen_ages: list[int] = []
     for _, age in sorted(order):
         room -= len(queue[-1 - age][0])
-        if kept and room < 0.0:
+        if chosen_ages and room < 0.0:
             break
-        kept.append(age)
-    return [queue[-1 - age] for age in sorted(kept, reverse=True)]
+        chosen_ages.append(age)
+    return [queue[-1 - age] for age in sorted(chosen_ages, reverse=True)]
 
 
 def _waiting_in(subscription: Subscription[Any]) -> list[Waiting]:
     """Take what waits in a subscription's queue, as an executor does."""
-    found: list[Waiting] = []
+    waiting: list[Waiting] = []
     with subscription.handle:
         take = partial(subscription.handle.take_message, subscription.msg_type, subscription.raw)
-        while len(found) < _MOST and (taken := take()):
-            found.append(taken)
-    return found
+        while len(waiting) < _MOST and (taken := take()):
+            waiting.append(taken)
+    return waiting

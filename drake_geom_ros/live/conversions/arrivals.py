@@ -1,4 +1,4 @@
-"""How long ago a message came, no ROS import."""
+"""Age of a message on arrival, and its publisher."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ MessageInfo: TypeAlias = Mapping[str, Any]  # of rclpy, which in Jazzy has no na
 
 
 def publisher_of(info: MessageInfo) -> str:
-    """Return what the middleware calls the publisher of a message; empty: it tells nothing."""
+    """Return the middleware's name for the publisher of a message; empty if it gives none."""
     gid = info.get('publisher_gid') or {}
     return bytes(gid.get('data', b'')).hex()
 

@@ -1,4 +1,4 @@
-"""Cameras, images and legends as messages. No ROS import."""
+"""Cameras, images and legends as messages."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _HALF_PIXEL = 0.5
 
 def camera_from_message(message: Any, name: str) -> CameraDescription:
     """Return the camera of a Camera message, without its frame; RuntimeError for what is none."""
-    given = list(message.intrinsics) or ([message.fov_y] if message.fov_y else [])
+    focal = list(message.intrinsics) or ([message.fov_y] if message.fov_y else [])
     p, q = message.pose.position, message.pose.orientation
     nowhere = not any((p.x, p.y, p.z, q.x, q.y, q.z, q.w))
     images = tuple(dict.fromkeys(message.images)) or IMAGES
@@ -48,7 +48,7 @@ def camera_from_message(message: Any, name: str) -> CameraDescription:
         '',
         '',
         RigidTransform() if nowhere else pose_from_message(message.pose),
-        CameraInfo(message.width, message.height, *given),
+        CameraInfo(message.width, message.height, *focal),
         (message.near or NEAR, message.far or FAR),
         message.rate or RATE,
         images,
@@ -130,8 +130,8 @@ def _little_endian(pixels: NDArray[Any]) -> NDArray[np.uint8]:
 
 def fill_legend(message: Any, legend: dict[GeometryId, int], names: NameTable) -> None:
     """Fill a LabelLegend."""
-    known: Iterable[tuple[GeometryId, int]] = legend.items()
-    shown = [(g, label) for g, label in known if g in names.geometry_names]
+    entries: Iterable[tuple[GeometryId, int]] = legend.items()
+    shown = [(g, label) for g, label in entries if g in names.geometry_names]
     message.labels = int32s(np.array([label for _, label in shown]))
     message.ids = unsigned(np.array([g.get_value() for g, _ in shown]))
     message.geometries = [names.geometry_names[g] for g, _ in shown]

@@ -1,4 +1,4 @@
-"""Contact surfaces to messages, no ROS import."""
+"""Contact surfaces to messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Depth images with their CameraInfo to points, no ROS import."""
+"""Depth images with their CameraInfo to points."""
 
 from __future__ import annotations
 
@@ -74,11 +74,13 @@ def _intrinsics(camera: Any, width: int, height: int) -> tuple[float, float, flo
         )
     P, K, distortion = (list(map(float, each)) for each in (camera.p, camera.k, camera.d))
     if len(P) == 12 and P[0] != 0.0:
-        found = P[0], P[5], P[2], P[6]
+        intrinsics = P[0], P[5], P[2], P[6]
     elif any(distortion):
         raise ArgumentError('camera_info has distortion in d and no p: the image is not rectified')
     else:
-        found = K[0], K[4], K[2], K[5]
-    if not all(map(math.isfinite, found)) or min(found[:2]) <= 0.0:
-        raise ArgumentError(f'camera_info has focal lengths and a centre {found}, which are none')
-    return found
+        intrinsics = K[0], K[4], K[2], K[5]
+    if not all(map(math.isfinite, intrinsics)) or min(intrinsics[:2]) <= 0.0:
+        raise ArgumentError(
+            f'camera_info has focal lengths and a centre {intrinsics}, which are none'
+        )
+    return intrinsics

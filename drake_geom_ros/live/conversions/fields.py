@@ -1,4 +1,4 @@
-"""Fields that many messages have: arrays, times, poses. No ROS import."""
+"""Fields that many messages have: arrays, times, poses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which files may be opened on behalf of others: the parameter ``mesh_roots``. No ROS import.
+"""Access to files on behalf of other nodes: the parameter ``mesh_roots``.
 
 What comes through a service or a topic may name files: meshes, scene files, URDF and SRDF, and the
 file that a scene is saved to. Those must lie in the folders of ``mesh_roots`` or beside the

@@ -1,4 +1,4 @@
-"""Collision filter messages to declarations, no ROS import."""
+"""Collision filter messages to declarations."""
 
 from __future__ import annotations
 

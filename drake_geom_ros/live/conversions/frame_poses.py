@@ -1,4 +1,4 @@
-"""FramePoses and FrameTwists messages to what they say of frames, no ROS import."""
+"""FramePoses and FrameTwists messages to what they say of frames."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TWIST_WIDTH = 6
 
 
 class ReadPoses(NamedTuple):
-    """What a FramePoses says."""
+    """The poses of a FramePoses message."""
 
     poses: FramePoseVector
     frames: frozenset[int]  # by the values of their ids; the same object for the same list

@@ -1,4 +1,4 @@
-"""Refusal of messages with numbers that only an integer read as a double makes. No ROS import."""
+"""Refusal of messages with numbers that only an integer read as a double makes."""
 
 from __future__ import annotations
 
@@ -91,8 +91,8 @@ def _fields_of(kind: type) -> _Fields:
 
 def _read_fields(kind: type) -> _Fields:
     types: dict[str, str] = getattr(kind, 'get_fields_and_field_types', dict)()
-    found: tuple[list[str], ...] = ([], [], [], [])
-    scalars, arrays, messages, sequences = found
+    names_by_kind: tuple[list[str], ...] = ([], [], [], [])
+    scalars, arrays, messages, sequences = names_by_kind
     for name, text in types.items():
         element = text.removeprefix('sequence<').partition('[')[0].partition(',')[0].rstrip('>')
         is_many = element != text
@@ -103,4 +103,4 @@ def _read_fields(kind: type) -> _Fields:
                 arrays.append(name)
         elif '/' in element:
             (sequences if is_many else messages).append(name)
-    return _Fields(*map(tuple, found))
+    return _Fields(*map(tuple, names_by_kind))

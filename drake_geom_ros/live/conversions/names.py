@@ -1,6 +1,6 @@
 """Names of the ROS surface: what `source::frame/geometry` and `#<id>` stand for.
 
-No ROS here: a table made from an inspector, so that it is tested without.
+The table is made from an inspector.
 """
 
 from __future__ import annotations
@@ -126,8 +126,8 @@ class NameTable:
                 f'{name!r} is the name of a source (#{named.get_value()}) and the id of another, '
                 f'{other!r}: name them by {other!r} and #{named.get_value()}.'
             )
-        if (found := named or by_id) is not None:
-            return found
+        if (meant := named or by_id) is not None:
+            return meant
         raise UnknownNameError(
             f'There is no source {name[:80]!r}{nearest(name, self._sources)}. Sources: '
             f'{_some(self._sources)}. '
@@ -140,24 +140,28 @@ class NameTable:
         The world's name stands for the world; a frame that bears it too needs its source's name.
         Raises UnknownNameError for what stands for nothing, or for several frames.
         """
-        found = list(self._frames.get(name, ()))
+        candidates = list(self._frames.get(name, ()))
         if name in self._world_names:
-            found = [f for f in found if self.frame_names[f] == name] + [self.world]
-        elif (by_id := self._known_frames.get(_value(name))) is not None and by_id not in found:
-            found.append(by_id)
-        if source and self.world not in found:
-            own = [f for f in found if self.labels[f][0] == source]
-            meant = [f for f in found if name == self.frame_names[f] or _value(name) is not None]
+            candidates = [f for f in candidates if self.frame_names[f] == name] + [self.world]
+        elif (
+            by_id := self._known_frames.get(_value(name))
+        ) is not None and by_id not in candidates:
+            candidates.append(by_id)
+        if source and self.world not in candidates:
+            own = [f for f in candidates if self.labels[f][0] == source]
+            meant = [
+                f for f in candidates if name == self.frame_names[f] or _value(name) is not None
+            ]
             if meant and not own:
                 raise UnknownNameError(
                     f"frame '{shortened(self.frame_names[meant[0]])}' does not belong to source "
                     f"'{shortened(source)}'"
                 )
-            found = own
-        if len(found) == 1:
-            return found[0]
+            candidates = own
+        if len(candidates) == 1:
+            return candidates[0]
         key = f'{source}::{name}' if source and _value(name) is None else name
-        raise UnknownNameError(self._problem('frame', key, found, self.frame_names))
+        raise UnknownNameError(self._problem('frame', key, candidates, self.frame_names))
 
     def frames_called(self, name: str) -> list[FrameId]:
         """Return all frames of that name, which is without the source's."""
@@ -183,13 +187,13 @@ class NameTable:
 
     def geometry(self, name: str) -> GeometryId:
         """Return the geometry of that name or ``#<id>``."""
-        found = list(self._geometries.get(name, ()))
+        candidates = list(self._geometries.get(name, ()))
         by_id = self._known_geometries.get(_value(name))
-        if by_id is not None and by_id not in found:
-            found.append(by_id)
-        if len(found) == 1:
-            return found[0]
-        raise UnknownNameError(self._problem('geometry', name, found, self.geometry_names))
+        if by_id is not None and by_id not in candidates:
+            candidates.append(by_id)
+        if len(candidates) == 1:
+            return candidates[0]
+        raise UnknownNameError(self._problem('geometry', name, candidates, self.geometry_names))
 
     def frame_of_value(self, value: int) -> FrameId:
         """Return the frame with that id."""
@@ -208,18 +212,18 @@ class NameTable:
         return self.geometry_names[self.geometry_of_value(value)] if value else ''
 
     def _problem(
-        self, kind: str, name: str, found: Sequence[_Id], names: Mapping[_Id, str]
+        self, kind: str, name: str, candidates: Sequence[_Id], names: Mapping[_Id, str]
     ) -> str:
         shown = shortened(name)
-        if found:
+        if candidates:
             # Names may be the same, of other sources: `b::c` of `a`, and `c` of `a::b`.
-            whole = [names[i] for i in found]
+            whole = [names[i] for i in candidates]
             ids = ', '.join(
                 f"'{n}'{self._of(i) if whole.count(n) > 1 else ''} (#{i.get_value()})"
-                for i, n in zip(found, whole, strict=True)
+                for i, n in zip(candidates, whole, strict=True)
             )
             return (
-                f'{len(found)} {plural(kind)} share the name {shown!r}: {ids}. '
+                f'{len(candidates)} {plural(kind)} share the name {shown!r}: {ids}. '
                 'Add the source, as in `source::name`, or give `#<id>`.'
             )
         # A stream may name the same thing again and again, and to look for what is like it takes
@@ -245,8 +249,8 @@ class NameTable:
         if kind == 'geometry' and (name in self._frames or name in self._world_names):
             on_it = [n for n in self._geometries if n.rpartition('/')[0] == name]
             return f'; that is a frame, and on it there is {_some(on_it)}'
-        known = self._frames if kind == 'frame' else self._geometries
-        return nearest(name, islice(known, _MOST_LOOKED_AT))
+        names = self._frames if kind == 'frame' else self._geometries
+        return nearest(name, islice(names, _MOST_LOOKED_AT))
 
 
 def _value(name: str) -> int | None:

@@ -1,4 +1,4 @@
-"""octomap_msgs/Octomap to cells, no ROS import."""
+"""octomap_msgs/Octomap to cells."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paddings of a robot as a parameter tells them, for ROS has no parameters with names: no ROS."""
+"""Paddings of a robot from a parameter: a list of texts, because ROS has no mappings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def paddings_of(texts: Iterable[str]) -> tuple[tuple[str, float], ...]:
 
     Raises ArgumentError for a text that is none, and a padding that is negative or not finite.
     """
-    found = []
+    paddings = []
     for text in texts:
         pattern, _, number = text.rpartition('=')
         try:
@@ -28,5 +28,5 @@ def paddings_of(texts: Iterable[str]) -> tuple[tuple[str, float], ...]:
                 f'paddings holds {text!r}; each must be PATTERN=METRES, of a link or '
                 "link/geometry, with * and ?, and a number >= 0, such as 'panda_hand=0.02'"
             )
-        found.append((pattern, padding))
-    return tuple(found)
+        paddings.append((pattern, padding))
+    return tuple(paddings)

@@ -1,4 +1,4 @@
-"""PointCloud2 messages to arrays, no ROS import."""
+"""PointCloud2 messages to arrays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Proximity rules, events and states to messages and back. No ROS import."""
+"""Proximity rules, events and states to messages and back."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def fill_rules(message: Any, rules: Sequence[ProximityRule]) -> None:
 
 
 def fill_events(message: Any, events: Sequence[Event], names: Callable[[int], str]) -> None:
-    """Fill the arrays of a ProximityEvents message; ``names`` tells a geometry by its id."""
+    """Fill the arrays of a ProximityEvents message; ``names`` maps ids of geometries to names."""
 
     def column(field: str) -> list[Any]:
         return [getattr(event, field) for event in events]

@@ -1,4 +1,4 @@
-"""Results of queries to messages, no ROS import."""
+"""Results of queries to messages."""
 
 from __future__ import annotations
 

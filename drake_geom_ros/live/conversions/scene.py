@@ -1,4 +1,4 @@
-"""Roles and the whole scene: messages to values of the core and back, no ROS import."""
+"""Roles and the whole scene: messages to values of the core and back."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 rclpy copies the points of a message three times, and holds the interpreter's lock meanwhile: 17
 ms for 300 000 points, in which no pose was answered. Here they stay where they are. The layout is
-that of plain CDR (OMG, *DDS-RTPS* 2.5, 10.2 and *Extensible Types* 1.3, 7.4.1). No ROS import.
+that of plain CDR (OMG, *DDS-RTPS* 2.5, 10.2 and *Extensible Types* 1.3, 7.4.1).
 """
 
 from __future__ import annotations

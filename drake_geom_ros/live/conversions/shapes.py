@@ -1,4 +1,4 @@
-"""Shape messages to shapes and back, no ROS import."""
+"""Shape messages to shapes and back."""
 
 from __future__ import annotations
 

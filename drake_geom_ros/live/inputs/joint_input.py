@@ -4,7 +4,7 @@ A robot is one of the scene file or of ``robot_description``. Its base stands wh
 link was posed, by the scene file, TF or ``~/frame_poses``, and carries the links along when it
 moves; a robot that is mounted on a frame hangs there with all its links. A message may hold some
 joints only; of each joint the value that came last counts. Links with a joint of which nothing was
-heard wait as every frame without a pose does, or stand as the scene file says. No ROS import.
+heard wait as every frame without a pose does, or stand as the scene file says.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class JointInput:
     def __init__(self, clocks: Clocks, longest_gap: float, *, by_default: bool) -> None:
         """``by_default``: robots that name no topic of their own are driven, too.
 
-        ``longest_gap`` [s]: values farther apart tell no speed.
+        ``longest_gap`` [s]: values farther apart give no speed.
         """
         self._clocks = clocks
         self._longest_gap = longest_gap
@@ -152,27 +152,27 @@ class JointInput:
 
     def troubles(self, scene: HeldScene, stale_after: float) -> list[str]:
         """Return what is wrong with the joints, in words."""
-        told = []
+        troubles = []
         if self._by_default:
             refused = scene.joints.refused.items()
-            told = [f'no joint values drive {name!r}: {why}' for name, why in refused]
+            troubles = [f'no joint values drive {name!r}: {why}' for name, why in refused]
         age = self._clocks.ages()
         robots = self._driven(scene)
         for robot in robots:
             if base_of(scene, robot) is None:
-                told.append(
+                troubles.append(
                     f'the base of {robot.name!r} never had a pose, so its links wait: pose its '
                     'root link by the scene file, ~/frame_poses or TF, or let that be the world '
                     'frame (world_frame of a node, --world-frame of a report)'
                 )
             if silent := robot.without_value():
-                told.append(
+                troubles.append(
                     f'{counted(len(silent), "joint")} of {robot.name!r} never had a value, and '
                     f'the links that depend on them wait: {some_of(silent)}; publish them on '
                     f'{robot.topic or "joint_states"}'
                 )
             if unheard := robot.unheard():
-                told.append(
+                troubles.append(
                     f'nothing was heard of {counted(len(unheard), "joint")} of {robot.name!r}; '
                     f'there the scene file counts: {some_of(unheard)}; publish them on '
                     f'{robot.topic or "joint_states"}'
@@ -183,16 +183,16 @@ class JointInput:
                 if value is not None and value.since != UNKNOWN and stale_after < age(value.since)
             ]
             if stale:
-                told.append(
+                troubles.append(
                     f'{counted(len(stale), "joint")} of {robot.name!r} {are(len(stale))} stale '
                     f'(older than {stale_after:g} s): {some_of(stale)}'
                 )
         if outside := [words for robot in robots for words in robot.outside_limits()]:
-            told.append(
+            troubles.append(
                 f'{counted(len(outside), "joint")} {are(len(outside))} outside their limits: '
                 f'{some_of(outside)}'
             )
-        return told
+        return troubles
 
     def _driven(self, scene: HeldScene) -> list[DrivenRobot]:
         """Return the robots that somebody may drive."""
@@ -307,22 +307,22 @@ def carriers_of(scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
     """Return the frames (values of ids) whose poses say where a robot's root link stands."""
     if robot.root is None:
         return frozenset()
-    inspector, found = scene.inspector, set[FrameId]()
+    inspector, carriers = scene.inspector, set[FrameId]()
     for frame in (robot.root, inspector.GetHomeFrame(robot.root)):
-        while frame != inspector.world_frame_id() and frame not in found:
-            found.add(frame)
+        while frame != inspector.world_frame_id() and frame not in carriers:
+            carriers.add(frame)
             frame = inspector.GetParentFrame(frame)
-    return frozenset(frame.get_value() for frame in found)
+    return frozenset(frame.get_value() for frame in carriers)
 
 
 def _tell_twists(scene: EditableScene, move: _Move, stamp: int) -> None:
-    """Tell how links move, as far as the speeds of joints and of the base are known."""
+    """Set the twists of links, where the speeds of joints and base are known."""
     V_PB = np.zeros(6)
     if move.robot.root is not None and move.base.since != ALWAYS:
-        known = (scene.twists() or {}).get(move.robot.root)
-        if known is None or scene.is_mounted(move.robot.root):
+        V_PR = (scene.twists() or {}).get(move.robot.root)
+        if V_PR is None or scene.is_mounted(move.robot.root):
             return  # what carries it moves, too: successive poses tell how links move in that
-        V_PB = known
+        V_PB = V_PR
     twists = move.robot.twists(move.links.X_PLs, V_PB)
     for frames, since in move.posed.items():
         if moving := [frame for frame in frames if frame in twists]:
@@ -337,12 +337,12 @@ def _are_others(robots: Sequence[DrivenRobot], names: Sequence[str]) -> bool:
 
 
 def _nothing_of_ours(robots: Sequence[DrivenRobot], names: Sequence[str]) -> NothingOfOursError:
-    known = [alias for r in robots for alias in (*r.joint_names, *r.full_names)]
+    joint_names = [alias for r in robots for alias in (*r.joint_names, *r.full_names)]
     shown = some_of([repr(name) for name in names]) or 'no joints at all'
-    hint = nearest(names[0], known) if names else ''
+    hint = nearest(names[0], joint_names) if names else ''
     return NothingOfOursError(
         f'no joint of a robot here is in the message{hint}: it names {shown}; there are '
-        f'{some_of(known) or "none, for no robot of the scene listens to this topic"}'
+        f'{some_of(joint_names) or "none, for no robot of the scene listens to this topic"}'
     )
 
 
@@ -350,18 +350,18 @@ def _numbers(message: Any, places: Sequence[JointPlace | None]) -> tuple[list[fl
     """Return the positions and speeds of a message; raises ArgumentError for what is wrong."""
     positions = np.asarray(message.position, dtype=np.float64)
     speeds = np.asarray(message.velocity, dtype=np.float64)
-    asked = f'for {counted(len(places), "name")}; it must hold one for each'
+    expected = f'for {counted(len(places), "name")}; it must hold one for each'
     if len(positions) != len(places):
-        raise ArgumentError(f'position holds {counted(len(positions), "number")} {asked}')
+        raise ArgumentError(f'position holds {counted(len(positions), "number")} {expected}')
     if len(speeds) not in (0, len(places)):
-        raise ArgumentError(f'velocity holds {counted(len(speeds), "number")} {asked}, or none')
-    ours = np.array([place is not None for place in places], dtype=np.bool_)
+        raise ArgumentError(f'velocity holds {counted(len(speeds), "number")} {expected}, or none')
+    is_own = np.array([place is not None for place in places], dtype=np.bool_)
     # A driver without an interface for velocities sends NaN for each: it is not known then.
     allowed = np.isfinite(positions), np.isfinite(speeds) | np.isnan(speeds)
     for what, numbers, good in zip(
         ('position', 'velocity'), (positions, speeds), allowed, strict=True
     ):
-        wrong = np.flatnonzero(ours[: len(numbers)] & ~good)
+        wrong = np.flatnonzero(is_own[: len(numbers)] & ~good)
         if wrong.size:
             k = int(wrong[0])
             raise ArgumentError(

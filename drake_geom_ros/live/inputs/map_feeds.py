@@ -4,7 +4,7 @@ A map that each message replaces as a whole shows one of two sensors at a time: 
 sees comes and goes, and when that dies the map stays fresh. So each keeps a map of its own, what
 is in the scene is the union, and its age is that of the oldest. A driver that is started anew has
 another publisher for the same frame: it takes the place of the one before, once that has said
-nothing for some messages. No ROS import.
+nothing for some messages.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _REPLACED_AFTER = 3  # messages of a new publisher of a frame, and none of the o
 
 
 class Feed(NamedTuple):
-    """Who feeds a map."""
+    """A sensor that feeds a map: its publisher and frame."""
 
     frame: str
     publisher: str  # by what the middleware calls it; empty: it tells nothing
@@ -38,7 +38,7 @@ class Feed(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """What a sensor showed last."""
+    """The last map of one sensor."""
 
     cells: Cells  # in a frame M
     X_WM: RigidTransform
@@ -55,7 +55,7 @@ class Shown(NamedTuple):
 
 @dataclass
 class _Known:
-    """What a sensor showed, and how many messages it sent since others of its frame fell silent.
+    """The last map of a sensor, and its messages since others of its frame fell silent.
 
     Those were there before it, and said nothing since it came.
     """
@@ -65,7 +65,7 @@ class _Known:
 
 
 class MapFeeds:
-    """What each sensor of a map showed last."""
+    """The last map of each sensor that feeds one map."""
 
     def __init__(self, clocks: Clocks) -> None:
         self._clocks = clocks
@@ -76,8 +76,8 @@ class MapFeeds:
 
     def since(self, feed: Feed) -> Since | None:
         """Return since when a sensor's last message holds; None: there was none."""
-        known = self._known.get(feed)
-        return None if known is None else known.shown.since
+        record = self._known.get(feed)
+        return None if record is None else record.shown.since
 
     def with_one(self, feed: Feed, shown: Shown) -> MapFeeds:
         """Return these with what a sensor shows now; these stay as they are.
@@ -91,10 +91,10 @@ class MapFeeds:
             same = (old for old in self._known if old.frame == feed.frame)
             silent = dict.fromkeys(same, 1)
         gone = {old for old, count in silent.items() if count >= _REPLACED_AFTER}
-        for each, known in self._known.items():
+        for each, record in self._known.items():
             if each not in gone:
-                waits_for = {f: n for f, n in known.silent.items() if f not in (feed, *gone)}
-                other._known[each] = _Known(known.shown, waits_for)
+                waits_for = {f: n for f, n in record.silent.items() if f not in (feed, *gone)}
+                other._known[each] = _Known(record.shown, waits_for)
         silent = {f: n for f, n in silent.items() if f in other._known}
         other._known[feed] = _Known(shown, silent)
         if len(other._known) > MOST_FEEDS:
@@ -106,7 +106,7 @@ class MapFeeds:
 
     def union(self) -> Shown:
         """Return what all of them show together, as old as the oldest; there is one at least."""
-        each = [known.shown for known in self._known.values()]
+        each = [record.shown for record in self._known.values()]
         if len(each) == 1:
             return each[0]
         oldest = max((one.since for one in each), key=self._clocks.ages())
@@ -124,12 +124,12 @@ class MapFeeds:
 
     def sinces(self) -> Iterator[tuple[Feed, Since]]:
         """Yield each sensor, and since when what it showed last holds."""
-        for feed, known in self._known.items():
-            yield feed, known.shown.since
+        for feed, record in self._known.items():
+            yield feed, record.shown.since
 
     def sights(self) -> tuple[Sight, ...]:
         """Return where each sensor can see."""
-        return tuple(known.shown.sight for known in self._known.values())
+        return tuple(record.shown.sight for record in self._known.values())
 
     def ages(self) -> Iterator[tuple[Feed, float]]:
         """Yield each sensor and the age [s] of what it showed last."""

@@ -1,4 +1,4 @@
-"""What is known of maps that messages of sensors make: names, settings, counts. No ROS import."""
+"""Records about maps that messages of sensors make: names, settings, counts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 
 class ObstacleSettings(NamedTuple):
-    """How maps are made; see the parameters obstacle_..."""
+    """Settings of maps: the parameters obstacle_..."""
 
     resolution: float  # [m]
     reach: float  # [m] from the sensor
@@ -46,7 +46,7 @@ class ObstacleSettings(NamedTuple):
 
 @dataclass(frozen=True)
 class MapCounts:
-    """What became of the messages of a map, and of the points of the last one."""
+    """Counts of the messages of a map, and of the points of the last one."""
 
     taken: int = 0
     seconds: float = 0.0  # that the last one took, from its callback until it was in the scene
@@ -64,7 +64,7 @@ class MapCounts:
 
 
 class Held(NamedTuple):
-    """What a message left in a map: cells that the next ones may hold."""
+    """Cells of a message that later maps may hold."""
 
     kept: KeptCells
     epoch: float  # of the node's time, by which they were seen
@@ -73,7 +73,7 @@ class Held(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where and when points were measured, and how a map is to be made of them."""
+    """Place and time at which points were measured, and the settings of their map."""
 
     R_WF: Floats  # (3, 3) of the sensor's frame
     p_WF: Floats  # (3,) [m]
@@ -87,7 +87,7 @@ class Place(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What was made of points."""
+    """The map that was made of the points of a message."""
 
     kept: KeptCells
     counts: MapCounts

@@ -1,4 +1,4 @@
-"""Why maps cannot be made as parameters say. No ROS import."""
+"""Reasons for which maps cannot be made as parameters say."""
 
 from __future__ import annotations
 

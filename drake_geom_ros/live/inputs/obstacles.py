@@ -1,7 +1,7 @@
-"""What sensors saw, taken into the scene: clouds, depth images and OctoMaps.
+"""Input of sensed maps into the scene: clouds, depth images and OctoMaps.
 
 A message is taken whole or refused whole, and then the map of before stays, and grows old. One
-that shows nothing is refused: a covered lens sees no more than an empty room. No ROS import.
+that shows nothing is refused: a covered lens sees no more than an empty room.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class ObstacleInput:
         hanging: Hanging,
         changed: Callable[[], None],
     ) -> None:
-        """``hanging`` tells where a frame is; ``changed()`` is called when the scene has a map."""
+        """``hanging`` finds a sensor's frame; ``changed()`` is called when the scene has a map."""
         self.name = name
         self.counts = MapCounts()
         self._live = live
@@ -88,12 +88,12 @@ class ObstacleInput:
         ]
 
     def begin(
-        self, header: Any, waited: float = 0.0, known: int = 0, publisher: str = ''
+        self, header: Any, waited: float = 0.0, bodies_number: int = 0, publisher: str = ''
     ) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
-        Bodies of the number ``known`` are not told again. Cells that are made of its points are
-        put by ``finish``. Raises RuntimeError to refuse it.
+        Bodies of the number ``bodies_number`` are not sent again. ``finish`` puts the cells of
+        its points into the scene. Raises RuntimeError to refuse it.
         """
         start, self._begun = time.perf_counter(), None
         generation, settings = self._generation, self._settings()
@@ -110,11 +110,11 @@ class ObstacleInput:
         self._begun = _Begun(moment, start, generation, feed)
         R_WF = np.array(moment.X_WF.rotation().matrix())
         p_WF = np.array(moment.X_WF.translation())
-        there, since = self._known.then(moment.query, known), moment.since
+        there, since = self._known.then(moment.query, bodies_number), moment.since
         when = since.held, since.epoch, generation
         return Place(R_WF, p_WF, *when, there, settings, self._held.get(feed), feed)
 
-    def finish(self, found: Found) -> None:
+    def finish(self, taken: Found) -> None:
         """Put cells in the world into the scene, of the message that was begun last.
 
         Raises RuntimeError where the map or the scene is another one by now.
@@ -122,17 +122,17 @@ class ObstacleInput:
         begun, self._begun = self._begun, None
         if begun is None:
             raise ArgumentError('no message was begun of which these cells could be')
-        shell, margin = found.shell, self._settings().margin
+        shell, margin = taken.shell, self._settings().margin
         seen = SeenShell(
-            shell.cells.centres(), shell.reach + margin, found.counts.in_shell, found.nearest
+            shell.cells.centres(), shell.reach + margin, taken.counts.in_shell, taken.nearest
         )
         moment, settings = begun.moment, self._settings()
         sight = Sight(moment.X_WF.translation(), settings.reach, *settings.corners())
-        shown = Shown(found.kept.cells, RigidTransform(), seen, moment.since, sight)
-        self._put(begun, shown, found.counts)
+        shown = Shown(taken.kept.cells, RigidTransform(), seen, moment.since, sight)
+        self._put(begun, shown, taken.counts)
         self._held = {feed: held for feed, held in self._held.items() if self._feeds.since(feed)}
         epoch = begun.moment.since.epoch
-        self._held[begun.feed] = Held(found.kept, epoch, begun.generation, shell)
+        self._held[begun.feed] = Held(taken.kept, epoch, begun.generation, shell)
 
     def take_octomap(self, octomap: Any, waited: float = 0.0, publisher: str = '') -> None:
         """Take an Octomap in place of the one of before, as it is; raises RuntimeError."""

@@ -2,7 +2,7 @@
 
 A cloud may be given in the world or in any frame of the scene. Points that are not finite, as
 depth cameras send them for what they did not see, are skipped; ``point_index`` counts them.
-``query_stamp`` in the answer is the cloud's stamp, which tells which cloud it is for.
+``query_stamp`` in the answer is the cloud's stamp, by which a client finds its cloud.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class PointQueries:
     ) -> None:
         """``threshold()`` [m] is that of now, and ``is_active()`` whether to publish.
 
-        ``did(count, seconds)`` is told of each answer: how many distances, how long it took.
+        ``did(count, seconds)`` is called for each answer: number of distances, duration.
         """
         self._is_active = is_active
         self._did = did

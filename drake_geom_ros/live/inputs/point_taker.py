@@ -1,7 +1,7 @@
 """Makes cells of the points that sensors measured: of clouds, and of depth images.
 
-It knows no scene: whoever has one tells where the sensor and the bodies were, and takes the cells.
-So it may work in a process of its own. No ROS import.
+It has no scene: its owner gives the poses of the sensor and the bodies, and takes the cells.
+Therefore it may work in a process of its own.
 """
 
 from __future__ import annotations
@@ -36,15 +36,16 @@ _MOST_CAMERAS = MOST_FEEDS  # whose camera_info is kept
 
 
 class Map(Protocol):
-    """Who has the scene that a map is in; both raise RuntimeError to refuse a message."""
+    """The owner of the scene of a map; both methods raise RuntimeError to refuse a message."""
 
-    def begin(self, header: Any, waited: float, known: int, publisher: str) -> Place:
+    def begin(self, header: Any, waited: float, bodies_number: int, publisher: str) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
-        Bodies of the number ``known`` are not told again. Each ``publisher`` has a map of its own.
+        Bodies of the number ``bodies_number`` are not sent again. Each ``publisher`` has its own
+        map.
         """
 
-    def finish(self, found: Found) -> None:
+    def finish(self, taken: Found) -> None:
         """Put what was found into the scene, for the message that was begun last."""
 
 
@@ -117,12 +118,14 @@ class PointTaker:
         free = None
         if settings.rays and before is not None and len(before.kept.cells):
             free = seen_through(place.p_WF, cells)
-        kept = _kept(place, before, cells, free, shown.packed[~enough])
+        held_cells = _kept(place, before, cells, free, shown.packed[~enough])
         new = beside.shell(is_shell, shown.resolution, place.held)
         shell = (
-            new if before is None else self._with_shell(place, before, kept, new, free, columns)
+            new
+            if before is None
+            else self._with_shell(place, before, held_cells, new, free, columns)
         )
-        in_none = ~np.isin(shown.packed, kept.cells.packed, assume_unique=True)
+        in_none = ~np.isin(shown.packed, held_cells.cells.packed, assume_unique=True)
         counts = MapCounts(
             points=count,
             not_finite=count - reached.finite,
@@ -131,15 +134,15 @@ class PointTaker:
             in_shell=len(beside.points),
             out_of_box=away.finite - away.kept + beside.out_of_box,
             in_sparse_cells=int(points_in[in_none].sum()),
-            cells=len(kept.cells),
-            held_cells=len(kept.cells) - len(cells),
+            cells=len(held_cells.cells),
+            held_cells=len(held_cells.cells) - len(cells),
             shell_cells=len(shell.cells),
             held_shell_cells=len(shell.cells) - len(new.cells),
         )
         nearest = float(beside.distances.min(initial=np.inf))
-        self._map.finish(Found(kept, counts, shell, nearest))
+        self._map.finish(Found(held_cells, counts, shell, nearest))
         self._held.pop(place.feed, None)  # the last one heard of is the last to be forgotten
-        self._held[place.feed] = Held(kept, place.epoch, place.generation, shell)
+        self._held[place.feed] = Held(held_cells, place.epoch, place.generation, shell)
         if len(self._held) > 2 * MOST_FEEDS:
             del self._held[next(iter(self._held))]
 
@@ -154,14 +157,14 @@ class PointTaker:
             return held
         # The node's time jumped: nobody knows how long ago cells were seen, so they stay
         # for as long as if that was now.
-        kept, shell = held.kept.as_seen_at(place.held), held.shell.as_seen_at(place.held)
-        return held._replace(kept=kept, shell=shell)
+        cells, shell = held.kept.as_seen_at(place.held), held.shell.as_seen_at(place.held)
+        return held._replace(kept=cells, shell=shell)
 
     def _with_shell(
         self,
         place: Place,
         before: Held,
-        kept: KeptCells,
+        held_cells: KeptCells,
         new: Shell,
         free: Keys | None,
         columns: Columns,
@@ -172,8 +175,8 @@ class PointTaker:
         body is near it: then the map alone says what is there.
         """
         settings = place.settings
-        old = before.shell.and_others(Shell.of_map(before.kept.without(kept.cells)))
-        old = old.without(kept.cells.packed).without(new.cells.packed)
+        old = before.shell.and_others(Shell.of_map(before.kept.without(held_cells.cells)))
+        old = old.without(held_cells.cells.packed).without(new.cells.packed)
         if free is not None:
             old = old.without(free)
         if 0.0 < settings.keep < np.inf:

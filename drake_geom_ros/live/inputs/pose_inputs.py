@@ -1,7 +1,4 @@
-"""What poses a scene, and what then hangs on what moved: the same for a node and for a recording.
-
-No ROS import.
-"""
+"""Inputs that pose frames, and the frames that follow them: for a node and for a recording."""
 
 from __future__ import annotations
 
@@ -59,5 +56,5 @@ class PoseInputs:
 
     def troubles(self, scene: HeldScene, stale_after: float) -> list[str]:
         """Return what is wrong with transforms and joint values, in words."""
-        told = [] if self.tf is None else self.tf.troubles(scene)
-        return told + ([] if self.joints is None else self.joints.troubles(scene, stale_after))
+        troubles = [] if self.tf is None else self.tf.troubles(scene)
+        return troubles + ([] if self.joints is None else self.joints.troubles(scene, stale_after))

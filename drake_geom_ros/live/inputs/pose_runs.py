@@ -1,14 +1,14 @@
-"""Runs of messages: what each of many poses, told for all at once.
+"""Runs of pose messages, evaluated together instead of one by one.
 
 Most of what a scene hears comes from senders that name the same joints, frames or transforms each
 time. While nothing else comes, such a message changes nothing but where these frames stand, and
 since when.
-This is told here, for the messages of several senders by turns, from the same tables and functions
-by which a live scene takes one message. Where a message could change more, no run is told, and
+This is computed here, for messages of several senders by turns, from the tables and functions by
+which a live scene takes one message. Where a message could change more, there is no run, and
 the messages are taken one by one.
 
 Who plays a run takes one message of each sender before it and the last one of each behind it in
-the usual way: so the scene is left as all of them would have left it. No ROS import.
+the usual way: so the scene is left as all of them would have left it.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class PosedGroup(NamedTuple):
 
 @dataclass(frozen=True)
 class PoseRun:
-    """Where frames stand before m messages and after each."""
+    """Poses of frames before m messages and after each of them."""
 
     ids: Indices  # (f,)
     rows: Floats  # (m + 1, f, 7) X_PF after as many messages
@@ -198,17 +198,17 @@ class _Telling:
         return True
 
     def tell_chains(self, tf: TfInput) -> bool:
-        """Tell the frames that transforms pose; return whether it is that simple."""
+        """Add the frames that transforms pose; return whether the messages form a run."""
         if not self._X_PCs:
             return True
         run = tf.run_of(self._scene, self._X_PCs)
         if run is None:
             return False
-        found: dict[tuple[tuple[int, ...], Since], set[int]] = {}
+        frames_by_senders: dict[tuple[tuple[int, ...], Since], set[int]] = {}
         for value, chain, others in zip(run.ids.tolist(), run.chains, run.others, strict=True):
             senders = tuple(sorted({self._told_by[child] for child in chain}))
-            found.setdefault((senders, others), set()).add(value)
-        groups = [PosedGroup(frozenset(values), *key) for key, values in found.items()]
+            frames_by_senders.setdefault((senders, others), set()).add(value)
+        groups = [PosedGroup(frozenset(values), *key) for key, values in frames_by_senders.items()]
         if not self._hold(TF, groups):
             return False
         if groups:  # else no frame of the scene hangs on these transforms
@@ -231,7 +231,7 @@ class _Telling:
         )
 
     def tell_links(self, joints: JointInput) -> bool:
-        """Tell the links of the robots whose joints are led; return whether it is that simple."""
+        """Add the links of robots whose joints are led; return whether the messages form a run."""
         for name, led in self._led.items():
             robot = self._scene.joints.robots[name]
             base = base_of(self._scene, robot)
@@ -293,17 +293,17 @@ def _groups_of(
     robot: DrivenRobot, led: dict[int, tuple[int, int]], base: Since
 ) -> list[PosedGroup]:
     """Return the rows of links that led columns move, by what else they depend on."""
-    found: dict[tuple[tuple[int, ...], Since], set[int]] = {}
+    rows_by_senders: dict[tuple[tuple[int, ...], Since], set[int]] = {}
     for columns, rows in robot.patterns.items():
         values = [robot.values[column] for column in columns]
-        known = [value.since for value in values if value is not None]
-        if led.keys().isdisjoint(columns) or len(known) < len(columns):
+        sinces = [value.since for value in values if value is not None]
+        if led.keys().isdisjoint(columns) or len(sinces) < len(columns):
             continue  # they stay, or wait for a joint of which nothing was heard
         senders = tuple(sorted({led[column][0] for column in columns if column in led}))
-        pairs = zip(columns, known, strict=True)
+        pairs = zip(columns, sinces, strict=True)
         others = oldest(base, *(since for column, since in pairs if column not in led))
-        found.setdefault((senders, others), set()).update(rows)
-    return [PosedGroup(frozenset(rows), *key) for key, rows in found.items()]
+        rows_by_senders.setdefault((senders, others), set()).update(rows)
+    return [PosedGroup(frozenset(rows), *key) for key, rows in rows_by_senders.items()]
 
 
 def _stand_alone(inputs: PoseInputs, scene: EditableScene, frames: set[int]) -> bool:

@@ -5,7 +5,7 @@ adjacent links are filtered, as when a URDF is loaded from a file. The same text
 nothing. Another text takes the place of the one before: the scene is made anew without the old
 robot and with the new one, or, where that cannot be, stays as it is. All else keeps its names,
 properties, poses and persistent filters, but ids are new and transient filters are gone, as with
-``load_scene`` and ``replace``. No ROS import here.
+``load_scene`` and ``replace``.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class RobotInput:
             raise
 
     def _read(self, text: str, srdf: str) -> SceneDescription:
-        """Return what texts describe; a line break tells a text from a path."""
+        """Return the robot that texts describe; a text has a line break, a path has none."""
         files = self._live.files
         return read_scene(
             *(f'{text}\n', 'urdf', srdf and f'{srdf}\n', files.package_roots, files.folders),
@@ -77,18 +77,18 @@ class RobotInput:
         One that cannot be read is left away: another may still be on its way. ``strict``: it is
         refused. Of one with links that the robot does not have the rest counts, with a warning.
         """
-        srdf, told = self._srdf, ', pairs of its SRDF left out'
+        srdf, note = self._srdf, ', pairs of its SRDF left out'
         if not srdf or _name_of(srdf) != _name_of(text):
-            srdf, told = '', ''
+            srdf, note = '', ''
         try:
             robot = self._read(text, srdf)
         except RuntimeError as error:
             if not srdf or strict:
                 raise
             robot = self._read(text, '')
-            self._srdf, told = '', f', without its SRDF: {error}'
+            self._srdf, note = '', f', without its SRDF: {error}'
         if robot.warnings:
-            told += f', {counted(len(robot.warnings), "warning")}'
+            note += f', {counted(len(robot.warnings), "warning")}'
         (source,) = robot.sources
         copy = self._make_ready(robot)
         with self._live.editing() as scene:
@@ -101,7 +101,7 @@ class RobotInput:
             self._text, self._source = text, source
         return (
             f'robot {source!r} {done}: {len(robot.frames)} links, {len(robot.geometries)} shapes'
-            f'{told}{hulls_in_words(robot.geometries)}'
+            f'{note}{hulls_in_words(robot.geometries)}'
         )
 
     def _make_ready(self, robot: SceneDescription) -> RegisteredDraft | None:

@@ -1,4 +1,4 @@
-"""The frame that a sensor measured in: one of the scene, or of TF, which hangs on one. No ROS.
+"""The frame that a sensor measured in: one of the scene, or of TF, which hangs on one.
 
 Static transforms of TF hold at any time. Of others the newest is not that of a stamp: they are
 kept from when a message named them first, which is refused while nothing is known of its time.
@@ -38,11 +38,11 @@ class SensorFrames:
         try:
             frame = scene.names.frame(name)
         except UnknownNameError as unknown:
-            told = str(unknown)
+            problem = str(unknown)
         else:
             if frame not in scene.names.of_maps:
                 return frame, RigidTransform()
-            told = f'{name[:80]!r} is the frame of a sensed map, which no sensor is on'
+            problem = f'{name[:80]!r} is the frame of a sensed map, which no sensor is on'
         tf = self._tf()
         ends = _ends(scene)
         here = plain_name(name)
@@ -51,7 +51,7 @@ class SensorFrames:
             edge = None if tf is None else tf.edge(here)
             if tf is None or edge is None:
                 where = f'; nor does TF lead from it to a frame of the scene ({here[:80]!r})'
-                raise ArgumentError(told + (where if tf is not None else '; use_tf is false'))
+                raise ArgumentError(problem + (where if tf is not None else '; use_tf is false'))
             if np.isfinite(edge.stamp):
                 step = tf.at(here, held)
                 if isinstance(step, str):

@@ -1,7 +1,4 @@
-"""Chains of TF: followed by their names once, then multiplied, of one moment or of many at once.
-
-No ROS import.
-"""
+"""Chains of TF: followed by names once, then multiplied, for one moment or for many at once."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 class Placed(NamedTuple):
-    """Where the end of a chain is in the world, and since when."""
+    """The pose of the end of a chain in the world, and since when it holds."""
 
     X_WF: Floats  # (4, 4)
     since: Since
@@ -34,7 +31,7 @@ WORLD = Placed(np.eye(4), ALWAYS)
 
 @dataclass(frozen=True)
 class Posing:
-    """Which frames of a scene some transforms pose, and by which chains: no numbers."""
+    """The frames of a scene that some transforms pose, and their chains; no numbers."""
 
     frames: tuple[FrameId, ...]
     names: tuple[str, ...]  # the TF frame that each follows
@@ -47,7 +44,7 @@ class Posing:
 
     @property
     def is_by_names(self) -> bool:
-        """Whether it is the same whatever the poses of the scene are."""
+        """True if the chains do not depend on the poses of the scene."""
         return not self.unknown and not any(isinstance(p, FrameId) for p in self.parents)
 
     @cached_property
@@ -82,41 +79,41 @@ class Chains:
             if name in self._edges:
                 chain.append(name)
                 name = self._edges[name].parent
-        found = self._leads[name]
+        leads = self._leads[name]
         if name in chain:
             self.loops.append(loop_of(chain[chain.index(name) :]))
-        self._leads |= dict.fromkeys(chain, found)
-        if found:
+        self._leads |= dict.fromkeys(chain, leads)
+        if leads:
             self._steps += [(child, self._edges[child].parent) for child in reversed(chain)]
-        return found
+        return leads
 
     def steps(self, names: Iterable[str]) -> tuple[tuple[str, str], ...]:
         """Return the steps to some TF frames, each parent before its children."""
-        wanted, kept = set(names), []
+        wanted, edges = set(names), []
         for child, parent in reversed(self._steps):
             if child in wanted:
                 wanted.add(parent)
-                kept.append((child, parent))
-        return tuple(reversed(kept))
+                edges.append((child, parent))
+        return tuple(reversed(edges))
 
 
 def hangs_on(
-    name: str, changed: Collection[str], known: dict[str, bool], edges: Mapping[str, Edge]
+    name: str, changed: Collection[str], answers: dict[str, bool], edges: Mapping[str, Edge]
 ) -> bool:
     """Return whether the chain from a TF frame to the world holds a changed transform.
 
-    ``known`` is of which TF frames that was found; it is added to.
+    ``answers`` is of which TF frames that was found; it is added to.
     """
     chain = []
-    while name in edges and name not in known:
+    while name in edges and name not in answers:
         chain.append(name)
         if name in changed:
-            known[name] = True
+            answers[name] = True
             break
         name = edges[name].parent
-    found = known.get(name, False)
-    known |= dict.fromkeys(chain, found)
-    return found
+    hangs = answers.get(name, False)
+    answers |= dict.fromkeys(chain, hangs)
+    return hangs
 
 
 def parts_of(
@@ -178,7 +175,7 @@ def held_since(
     steps: Iterable[tuple[str, str]], ends: Mapping[str, Placed], edges: Mapping[str, Edge]
 ) -> dict[str, Since]:
     """Return since when TF frames are where they are: as the oldest transform of the chain."""
-    found = {name: end.since for name, end in ends.items()}
+    sinces = {name: end.since for name, end in ends.items()}
     for child, parent in steps:
-        found[child] = oldest(found[parent], edges[child].since)
-    return found
+        sinces[child] = oldest(sinces[parent], edges[child].since)
+    return sinces

@@ -1,4 +1,4 @@
-"""TransformStamped messages to edges of the tree of TF, each checked for itself. No ROS import."""
+"""TransformStamped messages to edges of the tree of TF, each checked for itself."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Edge(NamedTuple):
 
 
 class Refusal(NamedTuple):
-    """How many transforms of a message were not taken, and why."""
+    """The number of transforms of a message that were refused, and the reason."""
 
     transforms: int
     reason: str
@@ -59,10 +59,10 @@ def read_edges(
     rows = np.array(numbers, dtype=np.float64).reshape(-1, 7)
     good = are_transforms(rows) & np.array([_are_names(*both) for both in names], dtype=bool)
     since = {s: ALWAYS if static else arrival.since(s) for s in set(stamps)}
-    kept = np.flatnonzero(good).tolist()
+    good_rows = np.flatnonzero(good).tolist()
     edges = [
         (names[k][1], Edge(names[k][0], X_PC, stamps[k], since[stamps[k]]))
-        for k, X_PC in zip(kept, matrices_of(rows[kept]), strict=True)
+        for k, X_PC in zip(good_rows, matrices_of(rows[good_rows]), strict=True)
     ]
     return edges, _refusal(names, rows, np.flatnonzero(~good).tolist())
 
@@ -101,10 +101,10 @@ def _are_names(parent: str, child: str) -> bool:
 def _refusal(names: Sequence[tuple[str, str]], rows: Floats, bad: list[int]) -> Refusal:
     if not bad:
         return Refusal(0, '')
-    told = [_fault(*names[k], rows[k]) for k in bad[:_SHOWN]]
+    faults = [_fault(*names[k], rows[k]) for k in bad[:_SHOWN]]
     more = f' and {len(bad) - _SHOWN} more' if len(bad) > _SHOWN else ''
     words = f'{len(bad)} of {len(names)} transforms were left out: '
-    return Refusal(len(bad), words + '; '.join(told) + more)
+    return Refusal(len(bad), words + '; '.join(faults) + more)
 
 
 def _fault(parent: str, child: str, row: Floats) -> str:

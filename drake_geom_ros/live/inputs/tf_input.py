@@ -6,7 +6,7 @@ to the world frame, or to a frame on it that the scene file or ``~/frame_poses``
 robot's base with the key ``pose``. Nothing is looked up later: the newest transform of each TF
 frame is kept.
 Messages that came together pose the frames of the scene that hang on what they bring; of a message
-what is no transform is left out. No ROS import.
+what is no transform is left out.
 
 A frame that ``~/frame_poses`` posed since is left alone until its own transform comes anew: what
 was let go is not torn away by the gripper that it was in.
@@ -89,14 +89,14 @@ class TfInput:
         changed = set()
         for child, edge in fresh:
             if self._is_news(child, edge):
-                known = self._edges.get(child)
-                if known is not None and known.parent != edge.parent:
+                previous = self._edges.get(child)
+                if previous is not None and previous.parent != edge.parent:
                     now = self._clocks.steady()
-                    self._claims.notice(child, edge.parent, known.parent, now)
-                if known is None or known.parent != edge.parent:
+                    self._claims.notice(child, edge.parent, previous.parent, now)
+                if previous is None or previous.parent != edge.parent:
                     self._tree_has_changed()
-                if known is not None and known.stamp == edge.stamp != 0.0:
-                    edge = edge._replace(since=edge.since.said_again(known.since))
+                if previous is not None and previous.stamp == edge.stamp != 0.0:
+                    edge = edge._replace(since=edge.since.said_again(previous.since))
                 self._edges[child] = edge
                 changed.add(child)
                 if not static:
@@ -178,8 +178,8 @@ class TfInput:
     def _notice_rewind(self, fresh: list[tuple[str, Edge]]) -> None:
         """Forget all moving transforms when time has gone back."""
         for child, edge in fresh:
-            known = self._edges.get(child)
-            if known and known.stamp < math.inf and edge.stamp < known.stamp - _REWIND:
+            previous = self._edges.get(child)
+            if previous and previous.stamp < math.inf and edge.stamp < previous.stamp - _REWIND:
                 self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
                 self._tree_has_changed()
                 self._past.forget()
@@ -197,12 +197,12 @@ class TfInput:
     def frames_on(self, scene: HeldScene, names: Collection[str]) -> set[int]:
         """Return the frames of the scene whose chain holds any of some TF frames."""
         followed = ((f, self._followed(own)) for f, own in self._names_of_frames(scene))
-        edges, changed, known = self._edges, set(names), dict[str, bool]()
-        return {f.get_value() for f, n in followed if n and hangs_on(n, changed, known, edges)}
+        edges, changed, answers = self._edges, set(names), dict[str, bool]()
+        return {f.get_value() for f, n in followed if n and hangs_on(n, changed, answers, edges)}
 
     def _is_news(self, child: str, edge: Edge) -> bool:
-        known = self._edges.get(child)
-        return known is None or known.stamp == math.inf or edge.stamp >= known.stamp
+        previous = self._edges.get(child)
+        return previous is None or previous.stamp == math.inf or edge.stamp >= previous.stamp
 
     def _pose(self, scene: EditableScene, heard: set[str]) -> int:
         """Pose the frames of the scene whose chains hold a changed transform; return how many."""
@@ -229,7 +229,7 @@ class TfInput:
         return len(posing.frames)
 
     def _posing(self, scene: EditableScene, heard: set[str], ends: Mapping[str, Placed]) -> Posing:
-        """Return what the transforms that were heard pose; what names alone tell is kept."""
+        """Return the frames that received transforms pose; results by names alone are cached."""
         moved = self._moved(ends)
         is_new = self._version != scene.model_version
         if is_new:
@@ -259,7 +259,7 @@ class TfInput:
         """Return what changed transforms pose, by following chains."""
         moved = dict.fromkeys(self._moved(ends), True)
         chains = Chains(self._edges, ends)
-        found: dict[FrameId, str] = {}
+        tf_names: dict[FrameId, str] = {}
         affected, left_out = set[FrameId](), []
         for frame, names in self._names_of_frames(scene):
             name = self._followed(names)
@@ -269,24 +269,28 @@ class TfInput:
             if name not in heard and scene.feeders.is_fed_by_others(TF, frame.get_value()):
                 continue
             if name is not None and chains.lead(name):
-                found[frame] = name
+                tf_names[frame] = name
                 if hangs_on(name, changed, moved, self._edges):
                     affected.add(frame)
         # Of a nested frame the pose in its parent changes when either moves; while the parent
         # waits for a pose from elsewhere it is not known.
         affected |= self._unknown
-        in_parents = {f: scene.inspector.GetParentFrame(f) for f in found}
+        in_parents = {f: scene.inspector.GetParentFrame(f) for f in tf_names}
         to_pose = [f for f, P in in_parents.items() if f in affected or P in affected]
         unknown = frozenset(
-            f for f in to_pose if not ((P := in_parents[f]) in found or scene.query.is_placed(P))
+            f
+            for f in to_pose
+            if not ((P := in_parents[f]) in tf_names or scene.query.is_placed(P))
         )
         frames = tuple(f for f in to_pose if f not in unknown)
         world = scene.names.world
-        parents = tuple(None if (P := in_parents[f]) == world else found.get(P, P) for f in frames)
-        names_of = tuple(found[f] for f in frames)
+        parents = tuple(
+            None if (P := in_parents[f]) == world else tf_names.get(P, P) for f in frames
+        )
+        names_of = tuple(tf_names[f] for f in frames)
         steps = chains.steps([*names_of, *(P for P in parents if isinstance(P, str))])
-        told = tuple(chains.loops), tuple(left_out), unknown
-        return Posing(frames, names_of, parents, steps, *told)
+        troubles = tuple(chains.loops), tuple(left_out), unknown
+        return Posing(frames, names_of, parents, steps, *troubles)
 
     def _rows(
         self,
@@ -388,12 +392,12 @@ class TfInput:
         But for one that moved, and of which nothing was heard while another one went on: a robot
         whose prefix was taken away is followed by its plain names.
         """
-        known = [name for name in names if name in self._edges]
-        if len(known) == 2:
-            first, second = (self._edges[name].since for name in known)
+        connected = [name for name in names if name in self._edges]
+        if len(connected) == 2:
+            first, second = (self._edges[name].since for name in connected)
             if ALWAYS not in (first, second) and second.heard - first.heard > _GONE:
-                return known[1]
-        return known[0] if known else None
+                return connected[1]
+        return connected[0] if connected else None
 
 
 def _footing(end: Placed) -> tuple[bytes, Since]:

@@ -1,4 +1,4 @@
-"""What transforms of TF were in the last seconds. No ROS.
+"""The transforms of TF of the last seconds.
 
 Kept are those of chains that pose frames of the scene, and those that somebody asked about.
 """
@@ -30,7 +30,7 @@ class Chain(NamedTuple):
 
 
 class TfPast:
-    """Keeps moving transforms by the name of their child: the parts of poses that TF told."""
+    """Keeps moving transforms by the name of their child: the parts of poses by TF."""
 
     def __init__(self, edge: Callable[[str], Edge | None]) -> None:
         """``edge(child)`` is the newest transform of a TF frame; None: there is none."""
@@ -77,7 +77,7 @@ class TfPast:
         raise ArgumentError(f'of the time of the stamp TF tells no transform of {child[:80]!r}')
 
     def around(self, time: float) -> PoseThen:
-        """Return what tells where frames were at a time [s] that TF poses."""
+        """Return the poses at a time [s] of frames that TF poses."""
         chains = dict(self._chains)
         steps = {
             child: self._step(child, time)

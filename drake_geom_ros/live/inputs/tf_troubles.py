@@ -1,4 +1,4 @@
-"""What is wrong with the tree of TF for the frames of a scene, in words. No ROS import."""
+"""Faults of the tree of TF for the frames of a scene, in words."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class Claims:
         # What is wrong, and since when [s].
         self._claims: dict[str, tuple[str, float]] = {}
 
-    def notice(self, child: str, parent: str, known: str, now: float) -> None:
-        """Notice a transform of a frame whose ``known`` parent is another one."""
+    def notice(self, child: str, parent: str, previous_parent: str, now: float) -> None:
+        """Notice a transform of a frame whose ``previous_parent`` parent is another one."""
         former, left = self._left.get(child, ('', -math.inf))
         if former == parent and now - left < _BY_TURNS:
-            both = ' and '.join(repr(name[:80]) for name in sorted((known, parent)))
-            told = f'the TF frame {child[:80]!r} has two parents in turn: {both}. Stop one sender'
-            self._claims[child] = told, now
-        self._left[child] = known, now
+            both = ' and '.join(repr(name[:80]) for name in sorted((previous_parent, parent)))
+            text = f'the TF frame {child[:80]!r} has two parents in turn: {both}. Stop one sender'
+            self._claims[child] = text, now
+        self._left[child] = previous_parent, now
 
     def told(self, now: float) -> list[str]:
         """Return what is wrong now."""
@@ -90,7 +90,7 @@ def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
 
     Nobody follows such a name, unless TF has the name with the source too.
     """
-    found: dict[tuple[str, ...], list[str]] = defaultdict(list)
+    names_by_sources: dict[tuple[str, ...], list[str]] = defaultdict(list)
     unclear = []
     for name in edges:
         labels = [names.labels[f] for f in names.tf_claims.get(name, ())]
@@ -102,12 +102,12 @@ def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
                 f'the TF frame {name[:80]!r} is not followed: it stands for {both}. Rename one'
             )
         elif not any(f'{source}/{name}' in edges for source, _ in labels):
-            found[tuple(source for source, _ in labels)].append(name[:80])
+            names_by_sources[tuple(source for source, _ in labels)].append(name[:80])
     return unclear[:SHOWN] + [
         f'{counted(len(shorts), "TF frame")} {are(len(shorts))} not followed: '
         f'{some_of([repr(n) for n in shorts], SHOWN)}; '
         f'frames of the sources {" and ".join(map(repr, sources))} have these names. If this '
         "is one robot twice, start the node with robot_description_topic:='' or remove it from "
         f'the scene file; if they are different robots, send TF as {f"{sources[0]}/{shorts[0]}"!r}'
-        for sources, shorts in list(found.items())[:SHOWN]
+        for sources, shorts in list(names_by_sources.items())[:SHOWN]
     ]

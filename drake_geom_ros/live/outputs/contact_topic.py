@@ -1,4 +1,4 @@
-"""~/contact_surfaces: where bodies press each other, of a cycle. No ROS import."""
+"""~/contact_surfaces: where bodies press each other, of a cycle."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ class ContactTopic:
 
     @property
     def is_wanted(self) -> bool:
-        """Whether somebody listens."""
+        """True if the topic has a subscriber."""
         return bool(self._publisher.get_subscription_count() > 0)
 
     @staticmethod
     def has_participants(scene: HeldScene) -> bool:
-        """Tell whether any geometry has hydroelastic properties."""
+        """Return whether any geometry has hydroelastic properties."""
         return len(scene.query.hydroelastic_geometries()) > 0
 
     def close(self) -> None:
@@ -64,7 +64,7 @@ class ContactTopic:
         self._long.close()
 
     def leave_out(self, moment: SceneStamp | None) -> list[Effect]:
-        """Compute nothing; return what is told of that.
+        """Compute nothing; return the row of the report that says so.
 
         Nobody listens, or, at a ``moment``, no geometry takes part, which the message says.
         """

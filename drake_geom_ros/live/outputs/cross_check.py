@@ -2,7 +2,7 @@
 
 A cycle only puts what it answered into a queue that never waits; a thread takes a sample from it
 to a process of its own (``drake_geom_ros.cross_check``) and counts the verdicts. Loaded by a node
-whose parameter ``cross_check`` is not 0, and by no other. No ROS import.
+whose parameter ``cross_check`` is not 0, and by no other.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _LOOKS = 0.1  # [s] between two looks whether it is closed
 
 @dataclass(frozen=True)
 class _Answered:
-    """What a cycle answered, and for which scene."""
+    """The answer of a cycle, and the scene that it is for."""
 
     view: SceneView
     results: SignedDistanceResults
@@ -50,7 +50,7 @@ class _Answered:
 
 
 class Counts(NamedTuple):
-    """How many pairs were asked about, and with which verdict; what was lost, and not asked."""
+    """Counts of checked pairs by verdict, and of samples that were lost or left out."""
 
     pairs: int
     disagreements: int
@@ -121,8 +121,8 @@ class CrossCheck:
     def tell(self) -> list[str]:
         """Return what is to be logged since the last time, in words."""
         with self._lock:
-            told, self._told = self._told, []
-        return told
+            texts, self._told = self._told, []
+        return texts
 
     def _serve(self) -> None:
         while not self._closed.is_set():
@@ -137,10 +137,10 @@ class CrossCheck:
 
     def _check(self, answered: _Answered) -> None:
         """Ask about a sample of what a cycle answered."""
-        results, asked = answered.results, answered.view.query
+        results, query = answered.results, answered.view.query
         indices = self._random.sample(range(len(results)), min(PAIRS, len(results)))
-        questions = questions_of(asked, results, indices)
-        verdicts = self._asker.ask(asked, answered.view.moment.version, questions)
+        questions = questions_of(query, results, indices)
+        verdicts = self._asker.ask(query, answered.view.moment.version, questions)
         if verdicts is None:
             return
         with self._lock:
@@ -150,7 +150,7 @@ class CrossCheck:
                 self._keep(answered, index, verdict)
 
     def _keep(self, answered: _Answered, index: int, verdict: Verdict) -> None:
-        """Tell of the first disagreement of each two shape types, and write its replay file."""
+        """Report the first disagreement of each two shape types, and write its replay file."""
         query, results = answered.view.query, answered.results
         kinds = kinds_of(query, results, index)
         if kinds in self._seen:
@@ -160,13 +160,13 @@ class CrossCheck:
             accuracy, reach = answered.accuracy, answered.max_distance
             return recorded(query, results, index, accuracy, reach, opinion=verdict.opinion)
 
-        told = f'python-fcl disagrees about a result of {kinds} ({verdict.text})'
-        told += kept(replay, kinds, *self._replay_settings())
-        self._tell_once(kinds, told)
+        text = f'python-fcl disagrees about a result of {kinds} ({verdict.text})'
+        text += kept(replay, kinds, *self._replay_settings())
+        self._tell_once(kinds, text)
 
-    def _tell_once(self, about: str, told: str) -> None:
+    def _tell_once(self, about: str, text: str) -> None:
         """Have something logged, unless it was before."""
         with self._lock:
             if about not in self._seen:
                 self._seen.add(about)
-                self._told.append(told)
+                self._told.append(text)

@@ -52,9 +52,9 @@ class Cycle:
     ) -> None:
         """Publish on ``publishers``: penetrations, signed_distances and cycle_report.
 
-        ``contacts`` publishes contact surfaces; ``costs`` are told what was computed, ``replays``
+        ``contacts`` publishes contact surfaces; ``costs`` receive what was computed, ``replays``
         and ``rules`` what was answered.
-        What was done ``beside`` the cycles since the last report is told in the next one.
+        Work ``beside`` the cycles since the last report is in the next one.
         """
         self._beside = beside
         self._costs = costs

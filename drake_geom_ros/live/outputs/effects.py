@@ -1,4 +1,4 @@
-"""What a node does, told with counts, seconds and reasons: the rows of ~/cycle_report."""
+"""Effects of a node with counts, seconds and reasons: the rows of ~/cycle_report."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Effect:
 
 
 class Beside:
-    """What is done beside the cycles, added up from one report to the next.
+    """Work beside the cycles, added up from one report to the next.
 
     Those who do it are in threads of their own.
     """
 
     def __init__(self, name: str, why_not: Callable[[], str]) -> None:
-        """``why_not()`` is the reason to be told when nothing was done."""
+        """``why_not()`` returns the reason when nothing was done."""
         self._name = name
         self._why_not = why_not
         self._lock = threading.Lock()
@@ -35,7 +35,7 @@ class Beside:
 
     @classmethod
     def publishing(cls, topic: str, why_not: Callable[[], str]) -> Beside:
-        """Return what tells of a topic of the node."""
+        """Return the row of a topic of the node."""
         return cls(f'publish ~/{topic}', why_not)
 
     def did(self, count: int, seconds: float) -> None:

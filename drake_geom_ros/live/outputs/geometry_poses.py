@@ -1,4 +1,4 @@
-"""Publishes ~/geometry_poses, where all geometries are, while somebody looks. No ROS import."""
+"""Publishes ~/geometry_poses, where all geometries are, while somebody looks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drake_geom_ros.math.batched import poses_from_matrices
 
 
 class GeometryPoses:
-    """Publishes the poses of now whenever it is told to, from a view: the cycle does not wait."""
+    """Publishes the present poses when called, from a view: the cycle does not wait."""
 
     def __init__(
         self,
@@ -24,7 +24,7 @@ class GeometryPoses:
     ) -> None:
         """``message`` makes a GeometryPoses.
 
-        ``did(count, seconds)`` is told of each message: how many geometries, how long it took.
+        ``did(count, seconds)`` is called for each message: how many geometries, how long it took.
         """
         self._did = did
         self._live = live

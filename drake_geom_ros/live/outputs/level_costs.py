@@ -1,4 +1,4 @@
-"""What each accuracy level would have cost in the last second, for ~/cycle_report. No ROS import.
+"""The cost of each accuracy level in the last second, for ~/cycle_report.
 
 Cycles only count the pairs that they compute. Once a second, while somebody reads the report, a
 sample of the near pairs is computed at every level, on a snapshot of the scene and beside the

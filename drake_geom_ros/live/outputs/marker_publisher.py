@@ -1,4 +1,4 @@
-"""Publishes ~/markers: everything to a new subscriber, then what changed. No ROS import."""
+"""Publishes ~/markers: everything to a new subscriber, then what changed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_SECONDS = 0.2  # [s] for contact surfaces: other answers wait for what is 
 
 
 class MarkerPublisher:
-    """Draws the scene of now whenever it is told to, from a view: the cycle does not wait.
+    """Draws the present scene when called, from a view: the cycle does not wait.
 
     What stands still is sent once, and again to all when somebody new listens.
     """
@@ -38,8 +38,8 @@ class MarkerPublisher:
         """``types`` holds Marker, MarkerArray, Point and ColorRGBA.
 
         Pairs within ``max_distance()`` [m] are drawn.
-        ``did(count, seconds)`` is told of each message: how many markers, how long it took;
-        ``tell(text)`` of what cannot be drawn, once a version of the scene.
+        ``did(count, seconds)`` is called for each message: how many markers, how long it took;
+        ``tell(text)`` for what cannot be drawn, once a version of the scene.
         """
         self._did = did
         self._tell = tell

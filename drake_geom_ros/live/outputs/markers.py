@@ -1,4 +1,4 @@
-"""~/markers: what RViz shows of the scene, as it is really checked. No ROS import.
+"""~/markers: what RViz shows of the scene, as it is really checked.
 
 Namespaces: ``proximity`` (translucent) and ``illustration`` for geometry by its role;
 ``contacts`` (witness points), ``normals`` (out of B into A) and ``distances`` (from witness to

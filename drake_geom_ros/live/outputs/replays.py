@@ -1,4 +1,4 @@
-"""Replay files of results that break a promise: seen in a cycle, written beside it. No ROS import.
+"""Replay files of results that break a promise: seen in a cycle, written beside it.
 
 A cycle only compares the error bounds with what the level promises. For the first pair of each two
 shape types that breaks it the scene is kept as it was, and written down by another thread.
@@ -77,17 +77,17 @@ class Replays:
             return None
         before = self._previous
         ids = results.id_A[index], results.id_B[index]
-        found = ((before.id_A == ids[0]) & (before.id_B == ids[1])).nonzero()[0]
-        return tuple(before.nhat_BA_W[found[0]].tolist()) if len(found) else None
+        rows = ((before.id_A == ids[0]) & (before.id_B == ids[1])).nonzero()[0]
+        return tuple(before.nhat_BA_W[rows[0]].tolist()) if len(rows) else None
 
     def write(self) -> list[str]:
-        """Write what waits; return what happened, in words. Errors are told, not raised."""
+        """Write what waits; return what happened, in words. Errors are returned, not raised."""
         with self._lock:
             waiting, self._waiting = self._waiting, []
         return [self._write(finding) for finding in waiting if self._settings()[0]]
 
     def _write(self, finding: _Finding) -> str:
-        told = f'a result of {finding.kinds} exceeds the tolerance of level {finding.accuracy}'
+        text = f'a result of {finding.kinds} exceeds the tolerance of level {finding.accuracy}'
 
         def replay() -> Replay:
             return recorded(
@@ -99,7 +99,7 @@ class Replays:
                 finding.hint,
             )
 
-        return told + kept(replay, finding.kinds, *self._settings())
+        return text + kept(replay, finding.kinds, *self._settings())
 
 
 def kinds_of(query: QueryObject, results: SignedDistanceResults, index: int) -> str:

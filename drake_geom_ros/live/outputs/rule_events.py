@@ -1,4 +1,4 @@
-"""Publishes what proximity rules decide: events, states, the scale of speed. No ROS import.
+"""Publishes what proximity rules decide: events, states, the scale of speed.
 
 Rules are decided whether anybody listens or not: who comes later must find their states right, and
 numbers of events without a gap.
@@ -37,7 +37,7 @@ class RuleTopics(NamedTuple):
 
 
 class RuleSettings(NamedTuple):
-    """What parameters say of proximity rules."""
+    """The parameters of proximity rules."""
 
     stale_after: float  # [s] age from which on a pose is stale
     time_budget: float = 0.0  # [s] of a narrow phase; 0: it has none
@@ -51,7 +51,7 @@ class _Listed(NamedTuple):
 
 
 class RuleEvents:
-    """Decides about the rules of the live scene and tells what became of them."""
+    """Decides about the rules of the live scene and publishes their states and events."""
 
     def __init__(
         self,
@@ -60,9 +60,9 @@ class RuleEvents:
         settings: Callable[[], RuleSettings],
         did: Callable[[int, float], None],
     ) -> None:
-        """``types`` holds the message classes, ``settings()`` are asked for at each decision.
+        """``types`` holds the message classes, ``settings()`` is called at each decision.
 
-        ``did(pairs, seconds)`` is told of each decision, and of the pairs that it alone needed.
+        ``did(pairs, seconds)`` is called for each decision, with the pairs that it alone needed.
         """
         self._topics, self._types = topics, types
         self._settings, self._did = settings, did
@@ -81,12 +81,12 @@ class RuleEvents:
         rules, settings = scene.rules, self._settings()
         scene.bind_rules()
         seen = None if distances is None else (distances, reach)
-        blind = scene.blind_frames(settings.stale_after)
+        unreliable = scene.blind_frames(settings.stale_after)
         self._decided, twists = scene.clocks.steady(), scene.twists()
         computed = rules.decide(
             self._decided,
             scene.query,
-            blind,
+            unreliable,
             seen,
             twists,
             settings.time_budget,
@@ -112,7 +112,7 @@ class RuleEvents:
         self._tell(scene, rules.take_events())
 
     def forget(self) -> None:
-        """Publish the states anew, to those who were told nothing meanwhile."""
+        """Publish the states anew, for subscribers that received nothing meanwhile."""
         self._told, self._stated = -1, -math.inf
 
     def _tell(self, scene: HeldScene, events: list[Event]) -> None:

@@ -1,4 +1,4 @@
-"""Publishes ~/scene: the table from ids to names, when it has changed. No ROS import.
+"""Publishes ~/scene: the table from ids to names, when it has changed.
 
 Every set of names that an answer refers to is published, in order. A version that none refers to,
 or that differs in shapes only, may be passed over for a later one where a large scene changes all
@@ -39,7 +39,7 @@ class SceneTopic:
     ) -> None:
         """``types`` holds the message classes, ``now()`` returns a builtin_interfaces/Time.
 
-        ``did(count, seconds)`` is told of each message: how many geometries, how long it took.
+        ``did(count, seconds)`` is called for each message: how many geometries, how long it took.
         """
         self._did = did
         self._live = live

@@ -14,7 +14,7 @@ _AGAIN = 5.0
 
 
 class Visualizer:
-    """Draws the scene of now whenever it is told to, from a view: the cycle does not wait."""
+    """Draws the present scene when called, from a view: the cycle does not wait."""
 
     def __init__(self, live: LiveScene, url: str) -> None:
         """Send to an LCM URL; raises GeometryError where that cannot be."""

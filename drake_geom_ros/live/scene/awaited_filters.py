@@ -1,4 +1,4 @@
-"""Filters of a scene file whose robot comes later: they hold from when it is there. No ROS."""
+"""Filters of a scene file whose robot comes later: they hold from when it is there."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""What a node can publish of a camera: how long its name may be, and how large its images.
-
-No ROS import.
-"""
+"""Limits of cameras that a node can publish: length of names, size of images."""
 
 from __future__ import annotations
 

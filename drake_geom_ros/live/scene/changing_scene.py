@@ -1,4 +1,4 @@
-"""The live scene while it is held: sources that go, frames that follow others. No ROS here."""
+"""The live scene while it is held: sources that go, frames that follow others."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from drake_geom_ros.scene_files import LoadedScene, SceneDescription, warm_up
 
 
 class _Kept(NamedTuple):
-    """Where a frame is whose source is replaced, and since when."""
+    """The pose of a frame whose source is replaced, and since when it holds."""
 
     parent: str
     X_PF: RigidTransform
@@ -31,7 +31,7 @@ class _Kept(NamedTuple):
 
 
 class ChangingScene(HeldScene):
-    """What may go, and whom a frame follows. What raises RuntimeError has changed nothing."""
+    """Removes sources, attaches frames. A method that raises RuntimeError changed nothing."""
 
     def remove_source(self, source: SourceId) -> tuple[int, int]:
         """Remove a source and all that is its; return frames, geometries removed.
@@ -99,7 +99,7 @@ class ChangingScene(HeldScene):
         Raises RuntimeError where what is described could not be registered then.
         """
         rehearse_swap(SceneGraph(), self._scene_graph.CreateDefaultContext(), sources, description)
-        kept = {}
+        places = {}
         for frame, label in self.names.labels.items():
             since = self._ages.since(frame.get_value())
             if (
@@ -108,15 +108,15 @@ class ChangingScene(HeldScene):
                 and not self.inspector.IsAttached(frame)
             ):
                 parent = self.inspector.GetName(self.inspector.GetParentFrame(frame))
-                kept[label] = _Kept(parent, self.query.X_PF(frame), since)
+                places[label] = _Kept(parent, self.query.X_PF(frame), since)
         for source in sources:
             self.remove_source(source)
-        return kept
+        return places
 
-    def stay(self, kept: dict[tuple[str, str], _Kept], loaded: LoadedScene) -> None:
+    def stay(self, places: dict[tuple[str, str], _Kept], loaded: LoadedScene) -> None:
         """Let frames stand where those of the same source and name did, until poses come."""
         for label, frame in loaded.frames.items():
-            old = kept.get(label)
+            old = places.get(label)
             parent = self.inspector.GetName(self.inspector.GetParentFrame(frame))
             if old is not None and frame not in loaded.X_PFs and parent == old.parent:
                 self._context.UpdateFramePoses(FramePoseVector({frame: old.X_PF}))
@@ -194,7 +194,7 @@ class ChangingScene(HeldScene):
             self._twists.forget([value])
 
     def leave_out(self, frames: Iterable[FrameId]) -> None:
-        """Note that a pose came for attached frames, which is told of for a while."""
+        """Note that a pose came for attached frames, which is reported for a while."""
         now = self._clocks.steady()
         self._left_out.update((frame.get_value(), now) for frame in frames)
 
@@ -206,9 +206,9 @@ class ChangingScene(HeldScene):
         if not attached:
             return poses, posed
         self.leave_out(map(FrameId, attached))
-        kept = {f: poses.value(f) for f in poses.ids() if f.get_value() not in attached}
+        free_poses = {f: poses.value(f) for f in poses.ids() if f.get_value() not in attached}
         rest = {frames - attached: since for frames, since in posed.items() if frames - attached}
-        return FramePoseVector(kept), rest
+        return FramePoseVector(free_poses), rest
 
 
 def rehearse_swap(

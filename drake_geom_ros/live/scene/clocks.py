@@ -1,10 +1,9 @@
-"""The two clocks that tell how old a pose is, and what becomes of ages when one of them jumps.
+"""The two clocks by which poses have ages, and the ages after one of them jumps.
 
 The node's time is what stamps are in: the time of day, or simulated time, which may rest, run at
 any speed and begin anew. Steady time runs whatever becomes of the other. A pose is as old as the
 one of the two says that says more: since its stamp by the node's time, and since its message came
-by steady time. So a sender that fell silent is noticed although simulated time rests. No ROS
-import.
+by steady time. So a sender that fell silent is noticed although simulated time rests.
 """
 
 from __future__ import annotations
@@ -114,7 +113,7 @@ class Clocks:
         return self.ages()(since)
 
     def ages(self) -> Callable[[Since], float]:
-        """Return what tells ages [s] of now, as ``age`` does; the clocks are read once."""
+        """Return a function of ages [s], like ``age``, for which the clocks are read once."""
         epoch, steady, node = self.epoch, self.steady(), self.node()
 
         def age(since: Since) -> float:

@@ -1,7 +1,4 @@
-"""A robot of the scene that joint values pose: its links, and what is known of its joints.
-
-No ROS import here.
-"""
+"""A robot of the scene that joint values pose: its links, and what is known of its joints."""
 
 from __future__ import annotations
 
@@ -25,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 class JointValue(NamedTuple):
-    """What was heard of a joint last."""
+    """The last value of a joint."""
 
     position: float  # [rad] or [m]
     speed: float  # [1/s]; nan where nobody knows it
@@ -34,14 +31,14 @@ class JointValue(NamedTuple):
 
 
 class Base(NamedTuple):
-    """Where the root link stands in what carries the robot, and since when."""
+    """The pose of the root link in the frame that carries the robot, and since when it holds."""
 
     X_PB: Floats  # (7,)
     since: Since
 
 
 class JointEntry(NamedTuple):
-    """What is to be told of a joint."""
+    """The entry of a joint in messages."""
 
     robot: str
     name: str
@@ -99,8 +96,8 @@ class DrivenRobot:
         self.root = None if self.base_is_world else frames.get((robot.name, names[0]))
         # Rows of all links of the tree: those between the parts of a planar joint have no name.
         self._needs = np.zeros((len(self.tree.parents) + 1, len(self.joint_names)), dtype=np.bool_)
-        found = self.tree.needs()
-        self._needs[:, : found.shape[1]] = found
+        needs = self.tree.needs()
+        self._needs[:, : needs.shape[1]] = needs
         ids = [frames.get((robot.name, name)) for name in names]
         # The root is posed by others, and a link called as the world is no frame.
         self.links = {
@@ -122,14 +119,14 @@ class DrivenRobot:
 
     @cached_property
     def entries(self) -> list[JointEntry]:
-        """What is to be told of the joints."""
-        found = []
+        """The entries of the joints in messages."""
+        entries = []
         for name, low, high in zip(self.joint_names, self.lower, self.upper, strict=True):
             # Of a joint of several values each is called as `joint/value`.
             joint = self._joints.get(name) or self._joints[name.rpartition('/')[0]]
             frame = self._frames[joint.child]
-            found.append(JointEntry(self.name, name, joint.type, float(low), float(high), frame))
-        return found
+            entries.append(JointEntry(self.name, name, joint.type, float(low), float(high), frame))
+        return entries
 
     @cached_property
     def patterns(self) -> dict[tuple[int, ...], frozenset[int]]:
@@ -137,7 +134,7 @@ class DrivenRobot:
         rows = defaultdict(set)
         for row in self.links:
             rows[tuple(np.flatnonzero(self._needs[row]).tolist())].add(row)
-        return {columns: frozenset(found) for columns, found in rows.items()}
+        return {columns: frozenset(links) for columns, links in rows.items()}
 
     def pose_of_base(self, R_PB: Floats, p_PB: Floats) -> Floats:
         """Return the pose of the root link as an array (7,), the same one while it rests."""
@@ -158,9 +155,9 @@ class DrivenRobot:
         posed: dict[Since, set[int]] = defaultdict(set)
         for columns, some in rows.items():
             values = [self.values[column] for column in columns]
-            known = [value.since for value in values if value is not None]
-            if some and len(known) == len(columns):
-                posed[oldest(base.since, *known)] |= some
+            sinces = [value.since for value in values if value is not None]
+            if some and len(sinces) == len(columns):
+                posed[oldest(base.since, *sinces)] |= some
         return posed
 
     def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:

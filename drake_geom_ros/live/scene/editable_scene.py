@@ -1,4 +1,4 @@
-"""The live scene while it is held to be changed. No ROS import."""
+"""The live scene while it is held to be changed."""
 
 from __future__ import annotations
 
@@ -128,12 +128,12 @@ class EditableScene(ChangingScene):
                 f'the scene has a source {MAPS!r}, which is that of sensed maps; give it another '
                 'name'
             )
-        kept = self.make_room(sources, description)  # which rehearses it
+        places = self.make_room(sources, description)  # which rehearses it
         self.replaced += 1
         loaded = register_rehearsed(self._scene_graph, description)
         self._robots += loaded.robots.values()
         added = self._take(loaded)
-        self.stay(kept, loaded)
+        self.stay(places, loaded)
         return added
 
     def add_camera(self, frame: FrameId, camera: CameraDescription) -> None:
@@ -206,16 +206,16 @@ class EditableScene(ChangingScene):
         if self.world_frame == WORLD:
             return {}
         called = self.names.frames_called(self.world_frame)
-        found = {
+        posed = {
             frame: RigidTransform()
             for frame in loaded.frames.values()
             if (called == [frame] or self.names.frame_names[frame] == self.world_frame)
             and self.inspector.GetParentFrame(frame) == self.inspector.world_frame_id()
         }
-        for frame, X_WF in found.items():
+        for frame, X_WF in posed.items():
             if not loaded.X_PFs.get(frame, X_WF).IsExactlyIdentity():
                 self.warned.append(_IS_THE_WORLD.format(self.names.frame_names[frame]))
-        return found
+        return posed
 
     def set_accuracy(self, accuracy: str) -> None:
         """Set the accuracy level of queries that name none."""

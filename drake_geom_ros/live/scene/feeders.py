@@ -1,4 +1,4 @@
-"""Who poses which frame: the last one counts, and who do it by turns are told of."""
+"""The input that poses each frame: the last one counts, and inputs that alternate are reported."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ class Feeders:
             return
         now = self._now()
         self._frames[feeder] |= fresh
-        for other, theirs in self._frames.items():
+        for other, frames_of_other in self._frames.items():
             if other == feeder:
                 continue
-            for frame in theirs & fresh:
+            for frame in frames_of_other & fresh:
                 if now - self._handed.get(frame, -math.inf) < _BY_TURNS:
                     self._contested[frame] = now
                 self._handed[frame] = now
-            theirs -= fresh
+            frames_of_other -= fresh
 
     def fed_by_others(self, feeder: str) -> frozenset[int]:
         """Return the frames that somebody else than a feeder was the last to pose."""
@@ -62,8 +62,8 @@ class Feeders:
         """Have nobody be the last who posed some frames."""
         gone = set(frames)
         self._last.clear()
-        for theirs in self._frames.values():
-            theirs -= gone
+        for fed in self._frames.values():
+            fed -= gone
         for times in (self._handed, self._contested):
             for frame in gone & times.keys():
                 del times[frame]

@@ -1,4 +1,4 @@
-"""What no list of pairs tells: half spaces that overlap. No ROS import."""
+"""Half spaces that overlap, which no list of pairs contains."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The live scene while it is held: what may be seen of it. No ROS import."""
+"""The live scene while it is held: what may be seen of it."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class HeldScene:
     def __init__(
         self, scene_graph: SceneGraph, clocks: Clocks, world_frame: str, version: int
     ) -> None:
-        """``clocks`` tell the ages of poses; ``version`` is that of an empty scene."""
+        """``clocks`` measure the ages of poses; ``version`` is that of an empty scene."""
         self.world_frame = world_frame
         self._clocks = clocks
         self._longest_gap: float | None = None
@@ -263,10 +263,10 @@ class HeldScene:
 
     def contested_frames(self) -> set[int]:
         """Return the frames, by the values of their ids, that two senders pose in turn."""
-        found = self.senders.contested_frames().union(self.feeders.contested())
+        contested = self.senders.contested_frames().union(self.feeders.contested())
         if joints := self.senders.contested_joints():
-            found |= links_of(self.joints.robots.values(), joints)
-        return found
+            contested |= links_of(self.joints.robots.values(), joints)
+        return contested
 
     def lag(self) -> float:
         """Return how far [s] behind the poses that were taken last the node is."""
@@ -306,7 +306,7 @@ class HeldScene:
 
     @property
     def watches_motion(self) -> bool:
-        """Whether twists of frames are kept."""
+        """True if twists of frames are kept."""
         return self._twists is not None
 
     def watch_motion(self, longest_gap: float) -> None:
@@ -324,7 +324,7 @@ class HeldScene:
         return self._twists.in_world(self.query, self._ages.static())
 
     def tell_effects(self, *, detailed: bool) -> None:
-        """Have queries tell the seconds of the cache apart, which costs them microseconds."""
+        """Let queries measure the seconds of the cache apart, which costs them microseconds."""
         self._context.set_detailed_effects(detailed)
 
     def filter_owners(self) -> dict[int, str]:
@@ -349,7 +349,7 @@ class HeldScene:
         return [(each.geometry, each.shell) for each in maps if len(each.shell.centres)]
 
     def finer_than_maps(self, rule: str = '') -> list[str]:
-        """Return which rules, or whether this one, ask for what maps cannot tell, in words."""
+        """Return in words which rules, or whether this one, are finer than maps can resolve."""
         limits = {
             each.geometry: max(self.told_apart(name), each.cells.resolution if each.cells else 0.0)
             for name, each in self.maps.items()
@@ -375,16 +375,16 @@ class HeldScene:
         """Return what is wrong with the poses and twists that come, and with lists, in words."""
         values = self.feeders.contested()
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
-        told = [] if self._twists is None else self._twists.troubles(self.names)
+        troubles = [] if self._twists is None else self._twists.troubles(self.names)
         rules = self.rules.troubles(watches_motion=self.watches_motion)
         rules += [*self.finer_than_maps(), *filter(None, [self._unseen()])]
-        told += self.sender_troubles()
-        told = [*told, *self._told_of_attached(), *self.awaited.troubles(), *rules]
-        told += filter(None, [overlapping_half_spaces(self.query, self.names)])
+        troubles += self.sender_troubles()
+        troubles = [*troubles, *self._told_of_attached(), *self.awaited.troubles(), *rules]
+        troubles += filter(None, [overlapping_half_spaces(self.query, self.names)])
         if not names:
-            return told
+            return troubles
         return [
-            *told,
+            *troubles,
             f'{counted(len(names), "frame")} {are(len(names))} posed by two of {TF}, '
             f'{MESSAGES} and {JOINTS} in turn, and the last one counts: {some_of(names)}; '
             'stop one of the two',
@@ -392,8 +392,8 @@ class HeldScene:
 
     def sender_troubles(self) -> list[str]:
         """Return what is wrong with who sends poses and with their clocks, in words."""
-        told = sender_troubles(self.senders, self.joints, self.names)
-        return told + clock_troubles(self._ages.of_other_clocks(), self.names)
+        troubles = sender_troubles(self.senders, self.joints, self.names)
+        return troubles + clock_troubles(self._ages.of_other_clocks(), self.names)
 
     def _told_of_attached(self) -> list[str]:
         """Return which attached frames somebody goes on posing, in words."""
@@ -416,10 +416,10 @@ class HeldScene:
         filters = self._scene_graph.collision_filter_manager(context)
         owners = self.filter_owners()
         twists = self.twists() if moving else None
-        told = self.moment(), owners, self.unknown_ages(), self.joints.entries, twists
+        parts = self.moment(), owners, self.unknown_ages(), self.joints.entries, twists
         beside = self.beside_bodies()
         stale = self._ages.stale(stale_after)
-        return SceneView(context, filters, self.names, *told, beside, stale)
+        return SceneView(context, filters, self.names, *parts, beside, stale)
 
     def copy(self) -> SceneGraphContext:
         """Return a copy that may be kept and changed."""
@@ -431,11 +431,13 @@ class HeldScene:
         Frames that wait for their first pose go on waiting in it. Sensed maps are left out.
         """
         static = self._ages.static()
-        known = {f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static}
+        is_static = {
+            f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static
+        }
         poses, cameras = poses_in_parents(self.query), self._cameras.values()
         now = {name: robot.configuration() for name, robot in self.joints.robots.items()}
         robots = [replace(r, configuration=now.get(r.name, r.configuration)) for r in self._robots]
-        described = describe(self._scene_graph, poses, robots, known, cameras)
+        described = describe(self._scene_graph, poses, robots, is_static, cameras)
         if self.maps_source is not None:  # what was seen is no model of anything
             described = without_source(described, MAPS)
         return replace(described, awaited=self.awaited.waiting(), rules=self.rules.rules)

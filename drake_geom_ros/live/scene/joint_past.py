@@ -1,6 +1,6 @@
-"""The values of the joints of a robot in the last seconds, and where its links were. No ROS.
+"""The values of the joints of a robot in the last seconds, and where its links were.
 
-Base and joints are told of at times of their own: the links of a time are those of the base and
+Base and joints are received at times of their own: the links of a time are those of the base and
 of each joint of that very time, and not of what came last of each by then.
 """
 
@@ -21,14 +21,14 @@ Floats = NDArray[np.float64]
 
 
 class JointPast:
-    """What joints of a robot were, by name: the parts of the poses of its links."""
+    """Past values of the joints of a robot by name: the parts of the poses of its links."""
 
     def __init__(self, robot: DrivenRobot, before: JointPast | None = None) -> None:
         """``before`` is that of the same robot in an earlier version of the scene."""
         self._robot = robot
-        known = {} if before is None else before._tracks
+        tracks = {} if before is None else before._tracks
         self._tracks: dict[str, Track[float]] = {
-            name: known.get(name) or Track() for name in robot.joint_names
+            name: tracks.get(name) or Track() for name in robot.joint_names
         }
 
     def note(self, columns: Collection[int]) -> None:
@@ -39,7 +39,7 @@ class JointPast:
                 self._tracks[robot.joint_names[column]].note(value.position, value.since)
 
     def around(self, time: float) -> PoseThen:
-        """Return what tells where links were at a time [s]."""
+        """Return the poses of links at a time [s]."""
         robot = self._robot
         brackets = [self._tracks[name].around(time) for name in robot.joint_names]
         rows = {frame: row for row, frame in robot.links.items()}
@@ -50,8 +50,8 @@ class JointPast:
                 _position(robot.entries[column].type, brackets[column])
             if not links:
                 types = [entry.type for entry in robot.entries]
-                known = [_or_nan(t, b) for t, b in zip(types, brackets, strict=True)]
-                positions = or_zero(np.array(known))[np.newaxis]
+                values = [_or_nan(t, b) for t, b in zip(types, brackets, strict=True)]
+                positions = or_zero(np.array(values))[np.newaxis]
                 links.append(robot.tree.link_poses(positions, _base(robot, then))[0])
             row: Floats = links[0][rows[frame]]
             return row

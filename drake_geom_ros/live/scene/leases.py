@@ -1,4 +1,4 @@
-"""Leases of transient filters: who does not renew one loses the filter. No ROS import."""
+"""Leases of transient filters: one that is not renewed expires and removes its filter."""
 
 from __future__ import annotations
 

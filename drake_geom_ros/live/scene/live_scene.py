@@ -1,6 +1,6 @@
 """The one live scene of a node, behind its lock.
 
-No ROS here: times are plain seconds, messages any objects with the right fields.
+Times are plain seconds, messages any objects with the right fields.
 
 Several threads meet here, and there are three ways in::
 
@@ -134,13 +134,13 @@ class LiveScene:
         would refuse, for joints that are none, and for a frame that both pose.
         """
         with self.reading() as scene:
-            asked = None if poses is None else scene.read_poses(poses).poses
+            requested = None if poses is None else scene.read_poses(poses).poses
             by_joints = joints is not None and (len(joints.names) or len(joints.positions))
-            is_now = not (asked or by_joints)
+            is_now = not (requested or by_joints)
             view = scene.view(moving=poses is not None and is_now, stale_after=self.stale_after)
-            posed = replaced = set() if asked is None else set(asked.id_values().tolist())
-            if asked:
-                view.context.UpdateFramePoses(asked)
+            posed = replaced = set() if requested is None else set(requested.id_values().tolist())
+            if requested:
+                view.context.UpdateFramePoses(requested)
                 pose_followers(scene, view, posed)
             if by_joints:
                 positions = np.asarray(joints.positions, dtype=np.float64)
@@ -231,8 +231,8 @@ def registered_copy(live: LiveScene, description: SceneDescription) -> Registere
 def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:
     """Raise ArgumentError for frames, by the values of their ids, that are posed in two ways."""
     if frames:
-        known = scene.names.frame_names.items()
-        names = [name for frame, name in known if frame.get_value() in frames]
+        frame_names = scene.names.frame_names.items()
+        names = [name for frame, name in frame_names if frame.get_value() in frames]
         raise ArgumentError(
             f'joints move {some_of(names)}, and poses pose them, too; leave them out of one'
         )

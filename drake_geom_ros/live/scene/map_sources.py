@@ -1,4 +1,4 @@
-"""Where the sensed maps of a node come from, for services that clear and load them. No ROS."""
+"""The sources of a node's sensed maps, for services that clear and load them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FILE = 'file'  # the map that load_obstacles makes
 
 
 class Forgetful(Protocol):
-    """What makes a map of the messages of a topic."""
+    """An input that makes a map of the messages of a topic."""
 
     def forget(self) -> None:
         """Hold nothing of before, nor what is being made; the scene is held."""
@@ -18,7 +18,7 @@ class Forgetful(Protocol):
 
 @dataclass(frozen=True)
 class MapSources:
-    """What feeds maps, by name; their ``margin`` [m], and ``resolution()`` [m] of new ones."""
+    """The inputs of maps by name, their ``margin`` [m], and ``resolution()`` [m] of new ones."""
 
     fed: Mapping[str, Forgetful] = field(default_factory=dict)
     margin: float = 0.0

@@ -1,4 +1,4 @@
-"""The live scene as it was at a stamp: what is measured then belongs to the poses of then. No ROS.
+"""The live scene at the stamp of a measurement, which belongs to the poses of that time.
 
 The pose of a stamp comes with the next message of its sender, so it is waited for, a little. What
 is not known by then is not guessed.
@@ -36,7 +36,7 @@ _LOOKS = 0.005  # [s] between two looks
 
 
 class Moment(NamedTuple):
-    """What the scene was at a stamp: frames of interest are where they were then."""
+    """The scene at a stamp: frames of interest are where they were then."""
 
     query: QueryObject
     X_WF: RigidTransform  # of the frame that was asked about
@@ -65,7 +65,7 @@ def moment_of(
 ) -> Moment:
     """Return the scene at the stamp of a header, the frame of which may be any.
 
-    ``bodies`` tells which other frames have to be where they were. Raises ArgumentError where
+    ``bodies`` returns the other frames that have to be where they were. Raises ArgumentError where
     the stamp or the frame is none, and where it is not known where they were then.
     """
     stamp = header.stamp
@@ -81,18 +81,18 @@ def moment_of(
                 f'header.stamp is {-ahead:.3f} s before the time of the node; at most '
                 f'{_OLDEST:g} s are taken'
             )
-        found = None if ahead > _AHEAD else _look(live, header, held, hanging, bodies)
-        if isinstance(found, Moment):
-            return found._replace(since=arrival.since(held), stamp=stamp)
+        moment = None if ahead > _AHEAD else _look(live, header, held, hanging, bodies)
+        if isinstance(moment, Moment):
+            return moment._replace(since=arrival.since(held), stamp=stamp)
         if time.monotonic() > deadline:
             break
         time.sleep(_LOOKS)
-    if found is None:
+    if moment is None:
         raise ArgumentError(
             f'header.stamp is {ahead:.3f} s after the time of the node: it is from the future'
         )
     raise ArgumentError(
-        f'where {found} was at the stamp of the message is not known: no pose of then or later '
+        f'where {moment} was at the stamp of the message is not known: no pose of then or later '
         f'came within {PATIENCE:g} s'
     )
 
@@ -123,7 +123,7 @@ def _look(
 
 
 class _Then:
-    """Where frames were at a time, each as far as it is known."""
+    """Poses of frames at a time, each as far as it is known."""
 
     def __init__(self, scene: HeldScene, around: PosesAround) -> None:
         self.view = scene.view()

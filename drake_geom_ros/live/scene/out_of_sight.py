@@ -1,4 +1,4 @@
-"""Bodies that no sensor of a map can see: what is near them is not seen, and not free. No ROS.
+"""Bodies that no sensor of a map can see: the space near them is unknown, not free.
 
 A map shows what is within a sensor's reach, and within a box. A body that is wholly beyond has no
 distance from what is there: rules about it and the map are entered, as where nothing is known.
@@ -20,7 +20,7 @@ Flags = NDArray[np.bool_]
 
 
 class Sight(NamedTuple):
-    """Where a sensor can see what goes into a map."""
+    """The region in which a sensor sees what goes into a map."""
 
     origin: Floats  # (3,) [m] of the sensor, in the world
     reach: float  # [m] from there

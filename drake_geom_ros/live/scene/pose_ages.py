@@ -1,4 +1,4 @@
-"""Since when each frame has its pose, by the node's clocks and by the sender's. No ROS import.
+"""The time since when each frame has its pose, by the node's clocks and by the sender's.
 
 Only the pose of a frame that is expected to move grows old. A pose that a scene file gives, or a
 static transform of TF, holds until another one comes, and so does any pose of a frame that is
@@ -47,7 +47,7 @@ PosedFrames = Mapping[frozenset[int], Since]
 
 @dataclass
 class _Together:
-    """What the frames have in common that were posed together."""
+    """The common data of frames that were posed together."""
 
     since: Since
     stamp: Any  # None: of no message
@@ -129,10 +129,12 @@ class PoseAges:
             return {frames: since} if frames else {}
         if together is not None and together.left == len(frames):
             return {frames: _again(together, since, stamp)}
-        found: dict[Since, set[int]] = {}
+        frames_by_since: dict[Since, set[int]] = {}
         for frame in frames:
-            found.setdefault(_again(self._posed.get(frame), since, stamp), set()).add(frame)
-        return {frozenset(some): each for each, some in found.items()}
+            frames_by_since.setdefault(_again(self._posed.get(frame), since, stamp), set()).add(
+                frame
+            )
+        return {frozenset(some): each for each, some in frames_by_since.items()}
 
     def note(self, posed: PosedFrames, stamp: Any) -> None:
         """Note since when frames have their poses.

@@ -1,4 +1,4 @@
-"""Where frames were: the poses of the last seconds, for what is taken at a stamp. No ROS import.
+"""The poses of frames in the last seconds, for measurements at a stamp.
 
 Between two poses of a frame the position goes straight and the orientation by the shorter arc.
 A pose that was made of parts, each with a time of its own (the base and the joints of a robot, the
@@ -30,7 +30,7 @@ Indices = NDArray[np.int64]
 
 
 class Then(Protocol):
-    """Where other frames were at the same time; what is not known raises UnknownThenError."""
+    """Poses of other frames at the same time; one that is not known raises UnknownThenError."""
 
     @property
     def inspector(self) -> SceneGraphInspector:
@@ -47,10 +47,10 @@ PoseThen = Callable[[int, Then], Floats]  # X_PF (7,) of a frame; may raise Unkn
 
 
 class Parts(Protocol):
-    """What the poses of frames are made of."""
+    """The parts of which the poses of frames are made."""
 
     def around(self, time: float) -> PoseThen:
-        """Return what tells the poses of a time [s], whatever comes later; the scene is held."""
+        """Return the poses around a time [s], unaffected by later messages; the scene is held."""
 
 
 class _Rows(NamedTuple):
@@ -91,18 +91,18 @@ class PoseHistory:
                 self._parts.update(dict.fromkeys(frames, parts))
             return
         ids, rows = poses
-        kept = _Rows(ids, rows.copy())  # senders' arrays are filled anew
+        copied = _Rows(ids, rows.copy())  # senders' arrays are filled anew
         for frames, since in moving.items():
             if frames not in self._tracks:
                 self._make_room(since.held)
-            self._tracks.setdefault(frames, Track()).note(kept, since)
+            self._tracks.setdefault(frames, Track()).note(copied, since)
 
     def _hand_over(self, frames: frozenset[int], feeder: str, now: float) -> None:
         """Note that somebody poses frames whom others posed before, or nobody."""
-        for other, theirs in self._fed.items():
-            if taken := theirs & frames if other != feeder else None:
+        for other, frames_of_other in self._fed.items():
+            if taken := frames_of_other & frames if other != feeder else None:
                 self._begun.update(dict.fromkeys(taken, now))
-                theirs -= taken
+                frames_of_other -= taken
         self._fed[feeder] |= frames
         for frame in frames:
             self._parts.pop(frame, None)
@@ -116,8 +116,8 @@ class PoseHistory:
         """Note that from ``now`` [s] on frames hang on others than before."""
         gone = frozenset(frames)
         self._tracks = {f - gone: track for f, track in self._tracks.items() if f - gone}
-        for theirs in self._fed.values():
-            theirs -= gone
+        for fed in self._fed.values():
+            fed -= gone
         for frame in gone:
             self._parts.pop(frame, None)
         self._begun.update(dict.fromkeys(gone, now))
@@ -132,7 +132,7 @@ class PoseHistory:
 
 
 class PosesAround:
-    """What came before and after a time."""
+    """The poses before and after a time."""
 
     def __init__(
         self,
@@ -156,11 +156,11 @@ class PosesAround:
             raise UnknownThenError(is_later=False)
         if (pose := self._by_parts.get(frame)) is not None:
             return pose(frame, then)
-        found: Bracket[_Rows] = Bracket(math.nan, None, None)
+        joined: Bracket[_Rows] = Bracket(math.nan, None, None)
         for frames, bracket in self._brackets:
             if frame in frames:
-                found = bracket.joined(found)
-        first, last, share = found.between()
+                joined = bracket.joined(joined)
+        first, last, share = joined.between()
         k = np.flatnonzero(first.ids == frame)[-1]
         if not share:
             return np.array(first.rows[k])

@@ -1,4 +1,4 @@
-"""Links follow the base of their robot in "what if" questions as they do live. No ROS import.
+"""Links follow the base of their robot in "what if" questions as they do live.
 
 The links of a robot are posed in the frame that carries it, beside the base and not on it. A
 request that poses the base alone would leave them where they are live: the base would stand there
@@ -64,17 +64,17 @@ def ends_with_followers(
     that is attached to a frame which moves.
     """
     posed = {frame.get_value() for frame in ends.ids()}
-    found = {frame: ends.value(frame) for frame in ends.ids()}
+    X_PFs = {frame: ends.value(frame) for frame in ends.ids()}
     for robot in scene.joints.robots.values():
         rows = _rows_that_follow(scene, robot, posed)
         if robot.root is None or not rows or not query.is_placed(robot.root):
             continue
-        if robot.root in found and robot.root.get_value() not in scene.attached:
-            D = _displacement(robot, query.X_PF(robot.root), found[robot.root], interpolation)
+        if robot.root in X_PFs and robot.root.get_value() not in scene.attached:
+            D = _displacement(robot, query.X_PF(robot.root), X_PFs[robot.root], interpolation)
             placed = [frame for frame in map(FrameId, rows) if query.is_placed(frame)]
-            found.update((frame, D @ query.X_PF(frame)) for frame in placed)
-    refuse_carried_robots(scene, [frame.get_value() for frame in found])
-    return FramePoseVector(found) if len(found) > len(posed) else ends
+            X_PFs.update((frame, D @ query.X_PF(frame)) for frame in placed)
+    refuse_carried_robots(scene, [frame.get_value() for frame in X_PFs])
+    return FramePoseVector(X_PFs) if len(X_PFs) > len(posed) else ends
 
 
 def _displacement(
@@ -104,8 +104,8 @@ def refuse_carried_robots(scene: HeldScene, moving: Collection[int]) -> None:
 
 
 def _attached(scene: HeldScene, robot: DrivenRobot, carriers: set[int]) -> str:
-    known = scene.names.frame_names.items()
-    name = next(name for frame, name in known if frame.get_value() in carriers)
+    frame_names = scene.names.frame_names.items()
+    name = next(name for frame, name in frame_names if frame.get_value() in carriers)
     return (
         f'the base of {robot.name!r} is attached to {name}, which moves, and the links of the '
         'robot follow it: what they meet on the way is not known. Detach it, or ask for the '
@@ -130,20 +130,22 @@ def _following(
 ) -> dict[FrameId, RigidTransform]:
     """Return the poses X_PL of the links of a robot that follow its base."""
     robot, live, base = moved
-    found: dict[FrameId, RigidTransform] = {}
+    X_PFs: dict[FrameId, RigidTransform] = {}
     rows = _rows_that_follow(scene, robot, posed)
     if robot.base is not None or live is None:  # joint values pose them, as soon as it stands
         values = robot.positions()
-        known = [r for f, r in rows.items() if not np.isnan(values[robot.joints_of([r])]).any()]
-        links = robot.link_poses(base, values, known)
+        placed_rows = [
+            r for f, r in rows.items() if not np.isnan(values[robot.joints_of([r])]).any()
+        ]
+        links = robot.link_poses(base, values, placed_rows)
         for value, row in zip(links.ids.tolist(), links.rows, strict=True):
-            found[FrameId(value)] = RigidTransform.FromArray(row)
+            X_PFs[FrameId(value)] = RigidTransform.FromArray(row)
     if live is not None:
         D = RigidTransform.FromArray(base.X_PB) @ RigidTransform.FromArray(live.X_PB).inverse()
         for frame in map(FrameId, rows):
-            if frame not in found and scene.query.is_placed(frame):
-                found[frame] = D @ scene.query.X_PF(frame)
-    return found
+            if frame not in X_PFs and scene.query.is_placed(frame):
+                X_PFs[frame] = D @ scene.query.X_PF(frame)
+    return X_PFs
 
 
 def _rows_that_follow(
@@ -172,11 +174,11 @@ def _carriers_of_base(inspector: SceneGraphInspector, root: FrameId) -> set[int]
 
 
 def _line(inspector: SceneGraphInspector, frame: FrameId) -> set[int]:
-    found, world = set[int](), inspector.world_frame_id()
-    while frame != world and frame.get_value() not in found:
-        found.add(frame.get_value())
+    line, world = set[int](), inspector.world_frame_id()
+    while frame != world and frame.get_value() not in line:
+        line.add(frame.get_value())
         frame = inspector.GetParentFrame(frame)
-    return found
+    return line
 
 
 def _bytes(moved: _Moved) -> bytes:

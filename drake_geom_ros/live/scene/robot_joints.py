@@ -1,7 +1,4 @@
-"""The joints of a scene's robots: what they are called, and which links they move.
-
-No ROS import here.
-"""
+"""The joints of a scene's robots: what they are called, and which links they move."""
 
 from __future__ import annotations
 
@@ -31,7 +28,7 @@ Floats = NDArray[np.float64]
 
 
 class JointPlace(NamedTuple):
-    """Which value of which robot a joint is."""
+    """The robot of a joint, and its index there."""
 
     robot: str
     column: int
@@ -53,8 +50,8 @@ class RobotJoints:
         for robot in robots:
             if robot.tree is None:
                 continue
-            known = None if before is None else before.robots.get(robot.name)
-            values = {} if known is None else _heard_by(known)
+            previous = None if before is None else before.robots.get(robot.name)
+            values = {} if previous is None else _heard_by(previous)
             try:
                 driven = DrivenRobot(robot, frames, values)
             except ValueError as error:
@@ -72,7 +69,7 @@ class RobotJoints:
 
     @cached_property
     def entries(self) -> tuple[JointEntry, ...]:
-        """What is to be told of the joints of all robots."""
+        """The entries of the joints of all robots in messages."""
         return tuple(entry for robot in self.robots.values() for entry in robot.entries)
 
     def base(self, robot: DrivenRobot, query: QueryObject, since: Since | None) -> Base | None:
@@ -104,16 +101,16 @@ class RobotJoints:
 
     def places(self, names: Sequence[str]) -> list[JointPlace]:
         """Return which joints names mean; raises ArgumentError for one that means none."""
-        found = look_up(list(self.robots.values()), names)
-        for name, place in zip(names, found, strict=True):
+        places = look_up(list(self.robots.values()), names)
+        for name, place in zip(names, places, strict=True):
             if place is None:
-                known = [full for robot in self.robots.values() for full in robot.full_names]
+                full_names = [full for robot in self.robots.values() for full in robot.full_names]
                 raise ArgumentError(
                     f'there is no joint {shortened(name)!r} with a value of its own'
-                    f'{nearest(name, known)}. Joints: {some_of(known) or "none"}. '
+                    f'{nearest(name, full_names)}. Joints: {some_of(full_names) or "none"}. '
                     'See the topic ~/scene'
                 )
-        return [place for place in found if place is not None]
+        return [place for place in places if place is not None]
 
     def every_place(self) -> list[JointPlace]:
         """Return all joints, robot by robot."""
@@ -197,13 +194,13 @@ def look_up(robots: Sequence[DrivenRobot], names: Sequence[str]) -> list[JointPl
                 meant.setdefault(alias, []).append(JointPlace(robot.name, column))
     places: list[JointPlace | None] = []
     for name in names:
-        found = meant.get(name, [])
-        if len(found) > 1:
-            both = ' and '.join(repr(f'{p.robot}::{shortened(name)}') for p in found)
+        matches = meant.get(name, [])
+        if len(matches) > 1:
+            both = ' and '.join(repr(f'{p.robot}::{shortened(name)}') for p in matches)
             raise ArgumentError(
-                f'joint {shortened(name)!r} is one of {len(found)} robots: name it as {both}'
+                f'joint {shortened(name)!r} is one of {len(matches)} robots: name it as {both}'
             )
-        places.append(found[0] if found else None)
+        places.append(matches[0] if matches else None)
     if twice := [p for p, n in Counter(filter(None, places)).items() if n > 1]:
         name = names[places.index(twice[0])]
         raise ArgumentError(f'joint {shortened(name)!r} is named twice')

@@ -1,4 +1,4 @@
-"""The states of proximity rules as a message. No ROS import."""
+"""The states of proximity rules as a message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The proximity rules of the live scene, bound to what it holds now. No ROS."""
+"""The proximity rules of the live scene, bound to what it holds now."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class BoundRules(NamedTuple):
 
 
 class SceneRules:
-    """What rules there are, which pairs they watch, and what became of them."""
+    """The proximity rules, the pairs that they watch, and their states."""
 
     def __init__(self) -> None:
         self._monitor = RuleMonitor(_NO_PAIRS)
@@ -97,7 +97,7 @@ class SceneRules:
 
     @property
     def is_measured(self) -> bool:
-        """Whether the distances of the pairs of now were looked at."""
+        """True if the rules were decided by the distances of the present pairs."""
         return self._monitor.is_measured
 
     def add(self, rules: Iterable[ProximityRule]) -> RuleState:
@@ -114,8 +114,8 @@ class SceneRules:
 
         Returns what is wrong with those that can never be entered as the scene is.
         """
-        known = {rule.name: rule for rule in self.rules}
-        others = [rule.name for rule in rules if known.get(rule.name, rule) != rule]
+        present = {rule.name: rule for rule in self.rules}
+        others = [rule.name for rule in rules if present.get(rule.name, rule) != rule]
         if others:
             self._happened += self._monitor.remove(*others)
             self._changed()
@@ -213,7 +213,7 @@ class SceneRules:
         self,
         now: float,
         query: QueryObject,
-        blind: Blind,
+        unreliable: Blind,
         seen: tuple[SignedDistanceResults, float] | None = None,
         twists: Twists | None = None,
         time_budget: float = 0.0,
@@ -247,7 +247,7 @@ class SceneRules:
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
             measured = measured._replace(unpredicted=lost)
-        self._decide(now, blind, measured, farthest)
+        self._decide(now, unreliable, measured, farthest)
         return computed
 
     def unseen(self, query: QueryObject, sights: Sequence[MapSights]) -> str:
@@ -271,18 +271,18 @@ class SceneRules:
             self._balls = Balls.around(query.inspector(), self._pairs, self._frames, maps)
         return self._balls
 
-    def wait(self, now: float, blind: Blind) -> None:
+    def wait(self, now: float, unreliable: Blind) -> None:
         """Decide [s] where nothing moved since, and only time went on."""
-        self._decide(now, blind, None)
+        self._decide(now, unreliable, None)
 
     def _decide(
         self,
         now: float,
-        blind: Blind,
+        unreliable: Blind,
         measured: Measured | None,
         farthest: float = math.inf,
     ) -> None:
-        poses = Poses(*map(self._rows, blind))
+        poses = Poses(*map(self._rows, unreliable))
         changes = self._monitor.changes_of_why
         events = self._monitor.decide(now, poses, measured, farthest)
         self._happened += events
@@ -313,8 +313,8 @@ class SceneRules:
     def troubles(self, *, watches_motion: bool) -> list[str]:
         """Return which rules can never be entered, or not for all that they say, in words."""
         states = self.states()
-        told = [state.trouble for state in states if state.trouble]
-        told += [
+        troubles = [state.trouble for state in states if state.trouble]
+        troubles += [
             f'proximity rule {state.rule.name!r} goes on without {some_of(state.lacking)}: '
             'of what it names, this stands for no geometry any more'
             for state in states
@@ -322,21 +322,21 @@ class SceneRules:
         ]
         lost = [state.rule.name for state in states if state.unpredicted]
         if lost:
-            told.append(
+            troubles.append(
                 'nobody knows how all bodies move whose times to contact count for proximity '
                 f'rules {some_of(lost)}: until that is known they are entered by distance alone, '
                 'and not left; poses need stamps, or twists'
             )
-        blind = [rule.name for rule in self.rules if rule.min_time_to_contact]
-        if blind and not watches_motion:
-            told.append(
+        need_twists = [rule.name for rule in self.rules if rule.min_time_to_contact]
+        if need_twists and not watches_motion:
+            troubles.append(
                 'min_time_to_contact does not count, for nobody watches how bodies move: '
-                f'proximity rules {some_of(blind)}; set the parameter closing_speeds'
+                f'proximity rules {some_of(need_twists)}; set the parameter closing_speeds'
             )
-        return told
+        return troubles
 
     def finer_than(self, limits: Mapping[GeometryId, float], rule: str = '') -> list[str]:
-        """Return in words which rules, or whether this one, are entered nearer than maps can tell.
+        """Return in words which rules, or whether this one, are finer than maps can resolve.
 
         ``limits`` [m] are by map.
         """
@@ -452,20 +452,20 @@ def hanging(
 ) -> dict[int, list[int]]:
     """Return by frame the rows of the geometries on it, and on what hangs on it."""
     world = inspector.world_frame_id()
-    found: dict[int, list[int]] = defaultdict(list)
+    rows_by_frame: dict[int, list[int]] = defaultdict(list)
     for row, geometry in enumerate(geometries):
         frame = inspector.GetFrameId(geometry)
         while frame != world:
-            found[frame.get_value()].append(row)
+            rows_by_frame[frame.get_value()].append(row)
             frame = inspector.GetParentFrame(frame)
-    return dict(found)
+    return dict(rows_by_frame)
 
 
 def _extents(
     inspector: SceneGraphInspector, geometries: Sequence[GeometryId]
 ) -> dict[FrameId, float]:
     """Return by frame how far [m] its geometries reach from its origin."""
-    found: dict[FrameId, float] = defaultdict(float)
+    extents: dict[FrameId, float] = defaultdict(float)
     for geometry in geometries:
         obb = inspector.GetObbInGeometryFrame(geometry)
         extent = math.inf
@@ -473,5 +473,5 @@ def _extents(
             X_FB: RigidTransform = inspector.GetPoseInFrame(geometry) @ obb.pose()
             extent = float(np.linalg.norm(X_FB.translation()) + np.linalg.norm(obb.half_width()))
         frame = inspector.GetFrameId(geometry)
-        found[frame] = max(found[frame], extent)
-    return dict(found)
+        extents[frame] = max(extents[frame], extent)
+    return dict(extents)

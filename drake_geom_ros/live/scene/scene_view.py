@@ -1,4 +1,4 @@
-"""One moment of the live scene, for queries that run while the scene moves on. No ROS import."""
+"""One moment of the live scene, for queries that run while the scene moves on."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _MOST_STALE = 20  # names of frames in an answer
 
 @dataclass(frozen=True)
 class SceneStamp:
-    """Which scene and which poses a result answers for."""
+    """The scene and the poses that a result is for."""
 
     version: int
     names_version: int  # the version since which ids and names hold
@@ -106,9 +106,9 @@ class SceneView:
             return []
         inspector = self.query.inspector()
         hung = hanging(inspector, inspector.GetAllGeometryIds(Role.kProximity))
-        known = {frame.get_value(): name for frame, name in self.names.frame_names.items()}
-        found = sorted((f for f in stale if f in hung), key=lambda f: (-stale[f], known[f]))
-        return [known[frame] for frame in found[:_MOST_STALE]]
+        names = {frame.get_value(): name for frame, name in self.names.frame_names.items()}
+        stale_first = sorted((f for f in stale if f in hung), key=lambda f: (-stale[f], names[f]))
+        return [names[frame] for frame in stale_first[:_MOST_STALE]]
 
     def waiting(self) -> Waiting:
         """Return what an answer leaves out for want of poses."""

@@ -1,7 +1,7 @@
 """Sensed maps in the live scene: each one geometry on a frame of the source ``obstacles``.
 
 A map waits for its first message as any frame does for its first pose: its pairs are left out and
-counted. Its age is that of its frame's pose, so results, diagnostics and rules know it. No ROS.
+counted. Its age is that of its frame's pose, so results, diagnostics and rules know it.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _MARGIN = ('map', 'margin')  # of the geometry, by which each cell is larger on 
 
 @dataclass(frozen=True)
 class Sighting:
-    """What a map holds: cells in its frame M, as a shape, and since when they hold."""
+    """The content of a map: cells in its frame M, as a shape, and since when they hold."""
 
     cells: Cells
     shape: OccupiedCells
@@ -73,9 +73,9 @@ def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
 
     Raises ArgumentError where the scene has a source of its own that is called as that of maps.
     """
-    known = scene.maps.get(name)
-    if known is not None:
-        return known
+    existing = scene.maps.get(name)
+    if existing is not None:
+        return existing
     graph = scene.scene_graph
     source = scene.maps_source
     if source is None:
@@ -92,9 +92,9 @@ def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
     instance.set_proximity_properties(properties)
     geometry = graph.RegisterGeometry(source, frame, instance)
     graph.collision_filter_manager().WeldToWorld([frame])
-    found = SeenMap(frame, geometry, None)
-    scene.maps[name] = found
-    return found
+    seen_map = SeenMap(frame, geometry, None)
+    scene.maps[name] = seen_map
+    return seen_map
 
 
 def begin_with_maps(
@@ -157,12 +157,12 @@ def put(
 
     A ``draft`` of a scene that has not changed since has the shape already.
     """
-    known = stand(scene, name, margin)
-    graph, frame = scene.scene_graph, known.frame
+    seen_map = stand(scene, name, margin)
+    graph, frame = scene.scene_graph, seen_map.frame
     before = scene.version
     if draft is None or not scene.take_over(draft):
         source = scene.inspector.GetOwningSourceId(frame)
-        graph.ChangeShape(source, known.geometry, sighting.shape)
+        graph.ChangeShape(source, seen_map.geometry, sighting.shape)
     scene.map_changes += scene.version - before
     poses = FramePoseVector({frame: sighting.X_WM})
     posed = {frozenset([frame.get_value()]): sighting.since}
@@ -171,7 +171,9 @@ def put(
     if frame not in graph.collision_filter_manager().welded_frames():
         graph.collision_filter_manager().WeldToWorld([frame])
     scene.maps[name] = SeenMap(
-        frame, known.geometry, *(sighting.cells, sighting.shell, sighting.feeds, sighting.sights)
+        frame,
+        seen_map.geometry,
+        *(sighting.cells, sighting.shell, sighting.feeds, sighting.sights),
     )
 
 
@@ -189,7 +191,9 @@ def forget(scene: EditableScene, names: list[str], again: list[str], margin: flo
 
 def sensor_ages(scene: HeldScene) -> dict[str, float]:
     """Return the age [s] of what each sensor showed, of the maps that several feed, by words."""
-    several = {name: known.feeds for name, known in scene.maps.items() if len(known.feeds) > 1}
+    several = {
+        name: seen_map.feeds for name, seen_map in scene.maps.items() if len(seen_map.feeds) > 1
+    }
     if not several:  # as of most scenes
         return {}
     age = scene.clocks.ages()
@@ -200,11 +204,11 @@ def sensor_ages(scene: HeldScene) -> dict[str, float]:
 
 def map_ages(scene: HeldScene) -> dict[str, float]:
     """Return the age [s] of what each map holds; inf for one that waits, 0 of a file."""
-    found = {}
-    for name, known in scene.maps.items():
-        since = scene.posed_since(known.frame)
-        if since is None or known.cells is None:
-            found[name] = math.inf
+    ages = {}
+    for name, seen_map in scene.maps.items():
+        since = scene.posed_since(seen_map.frame)
+        if since is None or seen_map.cells is None:
+            ages[name] = math.inf
         else:
-            found[name] = 0.0 if since == ALWAYS else scene.clocks.age(since)
-    return found
+            ages[name] = 0.0 if since == ALWAYS else scene.clocks.age(since)
+    return ages

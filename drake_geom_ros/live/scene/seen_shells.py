@@ -1,4 +1,4 @@
-"""Points that sensors saw beside bodies, which are in no map: for rules and for answers. No ROS.
+"""Points that sensors saw beside bodies, which are in no map: for rules and for answers.
 
 A rule takes them for near by the distance of their cells, of the poses of each cycle; answers say
 how many there are, for no distance is computed with them.
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 
 class SeenShell(NamedTuple):
-    """What the last message showed beside bodies, and what of earlier ones is held."""
+    """Points beside bodies of the last message, and those of earlier ones that are held."""
 
     centres: Floats  # (n, 3) [m] of cells, in the world
     reach: float  # [m] how far a point of a cell is from its centre at most
@@ -30,7 +30,7 @@ class SeenShell(NamedTuple):
 
 
 class BesideBodies(NamedTuple):
-    """How many points were seen beside bodies, and the least distance [m] of one from a body."""
+    """The number of points beside bodies, and the minimum distance [m] of one from a body."""
 
     points: int
     nearest: float
@@ -116,8 +116,8 @@ def _rows(
     if own == len(pairs.ids) or pairs.ids[own] != its_map.get_value():
         return ()
     partners = pairs.ids[pairs.reported[own]]
-    found = query.ComputeSignedDistanceToPoint(shell.centres, farthest + shell.reach)
-    ids, distances = np.asarray(found.id_G), np.asarray(found.distance)
+    distances_to_bodies = query.ComputeSignedDistanceToPoint(shell.centres, farthest + shell.reach)
+    ids, distances = np.asarray(distances_to_bodies.id_G), np.asarray(distances_to_bodies.distance)
     order = np.lexsort((distances, ids))
     order = order[np.isin(ids[order], partners)]
     _, firsts = np.unique(ids[order], return_index=True)
@@ -125,15 +125,15 @@ def _rows(
     if not len(rows):
         return ()
     ids, distances = ids[rows], distances[rows]
-    p_WQs = shell.centres[found.point_index[rows].astype(np.int64)]
-    p_WNs = p_WQs - distances[:, np.newaxis] * found.grad_W[rows]
+    p_WQs = shell.centres[distances_to_bodies.point_index[rows].astype(np.int64)]
+    p_WNs = p_WQs - distances[:, np.newaxis] * distances_to_bodies.grad_W[rows]
     map_ids = np.full(len(ids), its_map.get_value())
     is_first = (ids < map_ids)[:, np.newaxis]
     return (
         np.minimum(ids, map_ids),
         np.maximum(ids, map_ids),
         distances,
-        found.error_bound[rows] + shell.reach,
+        distances_to_bodies.error_bound[rows] + shell.reach,
         np.where(is_first, p_WNs, p_WQs),
         np.where(is_first, p_WQs, p_WNs),
     )

@@ -1,4 +1,4 @@
-"""Which points lie on bodies that the scene knows, by the distances of our own queries. No ROS."""
+"""The self filter: points on bodies of the scene, by the distances of point queries."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class BodiesThen(NamedTuple):
 
 
 class Zones(NamedTuple):
-    """Which points are on bodies, and which are beside them, in the shell."""
+    """Points on bodies, and points beside them, in the shell."""
 
     on_bodies: Flags  # (n,) no farther from a body than the noise, or inside
     in_shell: Indices  # (m,) numbers of points that are farther, and within the padding
@@ -88,10 +88,10 @@ class KnownBodies:
         """The frames that the bodies are on."""
         return self._frames
 
-    def then(self, query: QueryObject, known: int = 0) -> BodiesThen:
-        """Return the bodies where a query sees them; those of the number ``known`` untold."""
+    def then(self, query: QueryObject, number: int = 0) -> BodiesThen:
+        """Return the bodies where a query sees them; those of the number ``number`` untold."""
         R_WFs, p_WFs, _ = query.X_WFs(self._bodies.frames)
-        bodies = None if self._number == known else self._bodies
+        bodies = None if self._number == number else self._bodies
         return BodiesThen(self._number, bodies, np.array(R_WFs), np.array(p_WFs))
 
     def know(self, query: QueryObject, geometries: Sequence[GeometryId]) -> None:
@@ -152,9 +152,9 @@ class SelfFilter:
         on_bodies[numbers[certain]] = True
         rest = numbers[open_ones]
         lower, upper = np.full((2, len(rest)), np.inf)
-        for found, distances, bounds in self._distances(bodies, p_WQs[rest], padding):
-            np.minimum.at(lower, found, distances - bounds)
-            np.minimum.at(upper, found, distances + bounds)
+        for rows, distances, bounds in self._distances(bodies, p_WQs[rest], padding):
+            np.minimum.at(lower, rows, distances - bounds)
+            np.minimum.at(upper, rows, distances + bounds)
         is_on = upper <= noise
         on_bodies[rest[is_on]] = True
         is_beside = ~is_on & (lower < np.inf)
@@ -190,9 +190,9 @@ class SelfFilter:
         reach = _ROOM * 0.5 * math.sqrt(3.0) * edge
         certain, is_open = np.zeros((2, len(cubes)), dtype=np.bool_)
         centres = (cubes + 0.5) * edge
-        for found, distances, bounds in self._distances(bodies, centres, padding + reach):
-            is_open[found] = True
-            certain[found[distances + bounds + reach <= noise]] = True
+        for rows, distances, bounds in self._distances(bodies, centres, padding + reach):
+            is_open[rows] = True
+            certain[rows[distances + bounds + reach <= noise]] = True
         return certain[cube_of], (is_open & ~certain)[cube_of]
 
     def _distances(
@@ -201,8 +201,8 @@ class SelfFilter:
         """Yield numbers of points, their distances [m] from bodies, and how far off these are."""
         step = max(1, _ROWS // len(self._bodies))
         for k in range(0, len(points), step):
-            found = bodies.ComputeSignedDistanceToPoint(points[k : k + step], threshold)
-            yield k + found.point_index.astype(np.int64), found.distance, found.error_bound
+            results = bodies.ComputeSignedDistanceToPoint(points[k : k + step], threshold)
+            yield k + results.point_index.astype(np.int64), results.distance, results.error_bound
 
     def _query(self, there: BodiesThen) -> QueryObject:
         context = self._graph.CreateDefaultContext()
@@ -246,8 +246,8 @@ class SelfFilter:
         firsts, lasts = _cubes(centres - reach, low, edge), _cubes(centres + reach, low, edge)
         for first, last in zip(firsts, lasts + 1, strict=True):
             cubes[tuple(map(slice, first, last))] = True
-        found = np.empty(len(p_WQs), dtype=np.int64)
-        return found[: find_in_cubes(p_WQs, Cubes(low, edge, cubes), found)]
+        near_rows = np.empty(len(p_WQs), dtype=np.int64)
+        return near_rows[: find_in_cubes(p_WQs, Cubes(low, edge, cubes), near_rows)]
 
 
 def _cubes(p_WPs: Floats, low: Floats, edge: float) -> NDArray[np.int64]:

@@ -1,4 +1,4 @@
-"""What is wrong with who sends poses, and with their clocks, in words. No ROS import."""
+"""Faults of the senders of poses and of their clocks, in words."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ def sender_troubles(senders: Senders, joints: RobotJoints, names: NameTable) -> 
 
 def clock_troubles(offsets: Mapping[int, float], names: NameTable) -> list[str]:
     """Return which frames have stamps of another clock; ``offsets`` [s] by values of ids."""
-    told = []
+    troubles = []
     for side, frames in (
         ('before', {f: s for f, s in offsets.items() if s > 0.0}),
         ('after', {f: -s for f, s in offsets.items() if s < 0.0}),
     ):
         if frames:
             most = max(frames.values())
-            told.append(
+            troubles.append(
                 f'the poses of {counted(len(frames), "frame")} bear stamps of another clock, up '
                 f'to {most:.1f} s {side} the time of the node, so they count as '
                 f'{"that old" if side == "before" else "of unknown age"}: '
                 f'{some_of(_names(names, frames))}; synchronise the clocks, or set use_sim_time '
                 'for a recording'
             )
-    return told
+    return troubles
 
 
 def _names(names: NameTable, frames: Collection[int]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Who sends joint values, frame poses and transforms, and what two senders pose in turn. No ROS.
+"""The senders of joint values, frame poses and transforms, and what two of them pose in turn.
 
 A publisher is known by its identity, where the middleware gives one. A recording does not: there
 two senders of joint values differ in the names that they list, or else a joint jumps to another
@@ -118,13 +118,13 @@ class Senders:
 
 def links_of(robots: Iterable[DrivenRobot], joints: Collection[Joint]) -> set[int]:
     """Return the frames of the links that joints move."""
-    found = set[int]()
+    links = set[int]()
     for robot in robots:
         columns = {column for name, column in joints if name == robot.name}
         for needed, rows in robot.patterns.items():
             if not columns.isdisjoint(needed):
-                found |= {robot.links[row] for row in rows}
-    return found
+                links |= {robot.links[row] for row in rows}
+    return links
 
 
 def may_jump_and_return(

@@ -1,4 +1,4 @@
-"""What came in the last seconds for one thing, each with the time at which it held. No ROS.
+"""The values of one thing in the last seconds, each with the time at which it held.
 
 Between two that came the caller goes from one to the other; beyond the last one, and across a
 long gap, nobody knows.
@@ -21,7 +21,7 @@ T = TypeVar('T')
 
 
 class UnknownThenError(Exception):
-    """What held at a time is not known: not yet (``is_later``), or it never will be."""
+    """The value of a time is unknown: not yet received (``is_later``), or never."""
 
     def __init__(self, *, is_later: bool) -> None:
         super().__init__()
@@ -30,7 +30,7 @@ class UnknownThenError(Exception):
 
 @dataclass(frozen=True)
 class Timed(Generic[T]):
-    """What held at a time [s]."""
+    """A value and the time [s] at which it held."""
 
     held: float
     value: T

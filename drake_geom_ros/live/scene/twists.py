@@ -1,6 +1,6 @@
-"""How frames move: by messages that say so, or by the last two stamped poses. No ROS import.
+"""Twists of frames: from messages, or from the last two stamped poses.
 
-A twist holds for the pose that it belongs to: one that is told, until a pose with a later stamp
+A twist holds for the pose that it belongs to: one of a message, until a pose with a later stamp
 comes; one from two poses, for the later of them. So none is older than the pose it is used with,
 nor is any used that is ahead of it, from before a jump of the clock, or too old by itself.
 """
@@ -27,7 +27,7 @@ _REMEMBERED = 5.0  # [s] for which a twist is told of that was not used
 
 
 class _Posed(NamedTuple):
-    """A pose X_PF and, where the one before tells it, the twist V_PF (6,) that led there."""
+    """A pose X_PF and, if an earlier one is near enough, the twist V_PF (6,) between them."""
 
     stamp: int  # [ns]
     since: Since
@@ -48,7 +48,7 @@ class FrameTwists:
     """The twists of the frames of one scene, by the values of their ids."""
 
     def __init__(self, longest_gap: float, clocks: Clocks) -> None:
-        """Poses farther apart than ``longest_gap`` [s] tell nothing of the motion in between.
+        """Poses farther apart than ``longest_gap`` [s] give no twist.
 
         Nor does a twist that is older, or that is stamped later than its pose by more.
         """
@@ -112,31 +112,31 @@ class FrameTwists:
         """
         inspector, age = query.inspector(), self._clocks.ages()
         world = inspector.world_frame_id()
-        found: dict[FrameId, Floats | None] = {world: np.zeros(6)}
+        V_WFs: dict[FrameId, Floats | None] = {world: np.zeros(6)}
         for frame in inspector.FramesParentsFirst():
             if frame != world and query.is_placed(frame):
                 value = frame.get_value()
-                told = self._told.get(value)
-                if told is not None and self._why_not(value, age):
-                    told = None
-                if told is not None and not told.in_parent:
-                    found[frame] = told.V
+                message = self._told.get(value)
+                if message is not None and self._why_not(value, age):
+                    message = None
+                if message is not None and not message.in_parent:
+                    V_WFs[frame] = message.V
                     continue
                 parent = inspector.GetParentFrame(frame)
                 rests = static.get(value, True)
-                V_PF = self._of_poses(value, rests, age) if told is None else told.V
-                found[frame] = _carried(frame, parent, found.get(parent), V_PF, query)
-        return {frame: V for frame, V in found.items() if V is not None}
+                V_PF = self._of_poses(value, rests, age) if message is None else message.V
+                V_WFs[frame] = _carried(frame, parent, V_WFs.get(parent), V_PF, query)
+        return {frame: V for frame, V in V_WFs.items() if V is not None}
 
     def troubles(self, names: NameTable) -> list[str]:
         """Return in words which twists came of late and are of no use."""
         age = self._clocks.ages()
         unused = defaultdict(list)
         for frame, name in names.frame_names.items():
-            told = self._told.get(value := frame.get_value())
+            message = self._told.get(value := frame.get_value())
             # One that a pose overtook is no trouble, and one of before a jump is until it is told
             # anew, as poses are.
-            since = None if told is None else told.since._replace(offset=0.0)
+            since = None if message is None else message.since._replace(offset=0.0)
             if since is None or _REMEMBERED < age(since) < math.inf:
                 continue
             if (why := self._why_not(value, age)) and why != _OVERTAKEN:
@@ -148,19 +148,19 @@ class FrameTwists:
         ]
 
     def _why_not(self, value: int, age: Callable[[Since], float]) -> str:
-        """Return why the twist that was told of a frame is of no use now; empty where it is."""
-        told, pose = self._told[value], self._poses.get(value)
-        old = age(told.since)
-        if told.since.offset:
+        """Return why the twist of a frame's message cannot be used now; empty if it can."""
+        message, pose = self._told[value], self._poses.get(value)
+        old = age(message.since)
+        if message.since.offset:
             return _OTHER_CLOCK
         if math.isinf(old):
             return _OF_BEFORE
         if pose is None:
-            ahead = told.stamp * _NANOSECONDS - self._clocks.node()
+            ahead = message.stamp * _NANOSECONDS - self._clocks.node()
         elif not pose.stamp:
             return _WITHOUT
         else:
-            ahead = (told.stamp - pose.stamp) * _NANOSECONDS
+            ahead = (message.stamp - pose.stamp) * _NANOSECONDS
             if ahead < 0.0:
                 return _OVERTAKEN
         if ahead > self._longest_gap:
@@ -168,7 +168,7 @@ class FrameTwists:
         return _OLD if old > self._longest_gap else ''
 
     def _of_poses(self, value: int, rests: bool, age: Callable[[Since], float]) -> Floats | None:
-        """Return V_PF (6,) as the last poses of a frame tell it; None where nobody knows."""
+        """Return V_PF (6,) from the last poses of a frame; None if it is unknown."""
         pose = self._poses.get(value)
         if pose is not None and pose.V_PF is not None and age(pose.since) <= self._longest_gap:
             return pose.V_PF

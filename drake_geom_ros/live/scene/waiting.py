@@ -1,4 +1,4 @@
-"""What queries leave out because it waits for a first pose. No ROS import."""
+"""Frames that have never received a pose, and the pairs that queries omit because of them."""
 
 from __future__ import annotations
 

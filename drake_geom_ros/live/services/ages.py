@@ -1,4 +1,4 @@
-"""The service that tells since when frames have their poses. No ROS import."""
+"""The service ``get_pose_ages``: ages of the poses of frames."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 
 
 def get_pose_ages(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell the age of the pose of each frame, the oldest first."""
+    """Report the age of the pose of each frame, the oldest first."""
     with live.reading() as scene:
         names, inspector = scene.names, scene.inspector
         frames = list(dict.fromkeys(map(names.frame, request.frames)))

@@ -1,7 +1,7 @@
 """Services that read or write scene files.
 
 They take long, so they run in the thread of those that bring shapes, and hold the scene only
-while they take it down or put it up. RuntimeError refuses. No ROS import here.
+while they take it down or put it up. RuntimeError refuses.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         raise ArgumentError('path and text are both given or both empty; give exactly one')
     files = live.files
     # A line break tells a text from a path; an ending one changes neither YAML nor URDF.
-    told = str(files.file(request.path, 'path')) if request.path else f'{request.text}\n'
+    text = str(files.file(request.path, 'path')) if request.path else f'{request.text}\n'
     srdf = request.srdf
     if srdf and not srdf.lstrip().startswith('<'):
         srdf = str(files.file(srdf, 'srdf'))
     lost: list[str] = []
     description = read_scene(
-        *(told, request.format, srdf, files.package_roots, files.folders), live.robot_options
+        *(text, request.format, srdf, files.package_roots, files.folders), live.robot_options
     )
     if request.replace and request.replaced_sources:
         raise ArgumentError('replace is true, so replaced_sources must be empty: all is removed')
@@ -58,9 +58,9 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
 def _maps_that_go(live: LiveScene, scene: HeldScene) -> list[str]:
     """Return in words which sensed maps go with a scene and are not waited for."""
     return [
-        f'the map {MAPS}::{name}/{GEOMETRY} of {counted(len(known.cells or ()), "cell")} went '
+        f'the map {MAPS}::{name}/{GEOMETRY} of {counted(len(seen_map.cells or ()), "cell")} went '
         'with the scene of before and is in no answer; call load_obstacles again'
-        for name, known in scene.maps.items()
+        for name, seen_map in scene.maps.items()
         if name not in live.map_sources.fed
     ]
 

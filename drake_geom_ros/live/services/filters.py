@@ -1,6 +1,6 @@
 """Services that change the collision filters: the scene, a request, a response.
 
-As in ``scene``: RuntimeError refuses, no ROS import.
+As in ``scene``: a handler raises RuntimeError to refuse.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Views of the scene for questions about joints: the scene of now, and the joints that names mean.
-
-No ROS import here.
-"""
+"""Views of the scene for questions about joints: the present scene, and joints by name."""
 
 from __future__ import annotations
 
@@ -35,28 +32,28 @@ NO_JOINTS = GivenJoints()
 
 
 class JointsNow(NamedTuple):
-    """Where named joints are."""
+    """The values of named joints."""
 
     now: Floats  # (q,) [rad] or [m]; NaN where nobody knows
     given: list[str]  # those of them that a request gave a value
 
 
 def view_of_joints(
-    live: LiveScene, poses: Any, names: list[str], given: GivenJoints = NO_JOINTS
+    live: LiveScene, poses: Any, names: list[str], chosen: GivenJoints = NO_JOINTS
 ) -> tuple[SceneView, Joints, JointsNow]:
-    """Return the scene of now with poses and ``given`` joints, and the joints that names mean.
+    """Return the scene of now with poses and ``chosen`` joints, and the joints that names mean.
 
     Raises RuntimeError for names and numbers that cannot be meant, and for a frame that is posed
     in two ways.
     """
     with live.reading() as scene:
         robots, places = scene.joints, scene.joints.places(names)
-        values = _values(robots, given)
+        values = _values(robots, chosen)
         named = {place.robot for place in places}
         # The links of the robots that are named follow their joints, see joints_of.
         others = [k for k, place in enumerate(values) if place.robot not in named]
         rest = GivenJoints(
-            [given.names[k] for k in others], [float(given.positions[k]) for k in others]
+            [chosen.names[k] for k in others], [float(chosen.positions[k]) for k in others]
         )
         view = live.view(poses, rest)
         posed = {frame.get_value() for frame in scene.read_poses(poses).poses.ids()}
@@ -72,29 +69,29 @@ def view_of_joints(
     return replace(view, replaced=replaced), joints, JointsNow(np.array(now), both)
 
 
-def _values(robots: RobotJoints, given: GivenJoints) -> dict[JointPlace, float]:
+def _values(robots: RobotJoints, chosen: GivenJoints) -> dict[JointPlace, float]:
     """Return given values by joint, in their order; raises ArgumentError for what is none."""
-    if len(given.names) != len(given.positions):
+    if len(chosen.names) != len(chosen.positions):
         raise ArgumentError(
-            f'positions holds {len(given.positions)} numbers for {len(given.names)} joint names; '
-            'it must hold one for each'
+            f'positions holds {len(chosen.positions)} numbers for {len(chosen.names)} joint '
+            'names; it must hold one for each'
         )
-    if not np.isfinite(given.positions).all():
+    if not np.isfinite(chosen.positions).all():
         raise ArgumentError('positions of joints must be finite')
-    positions = map(float, given.positions)
-    return dict(zip(robots.places(list(given.names)), positions, strict=True))
+    positions = map(float, chosen.positions)
+    return dict(zip(robots.places(list(chosen.names)), positions, strict=True))
 
 
 def joints_of(
     robots: RobotJoints,
     names: list[str],
     view: SceneView,
-    given: Mapping[JointPlace, float] = MappingProxyType({}),
+    chosen: Mapping[JointPlace, float] = MappingProxyType({}),
 ) -> Joints:
     """Return the named joints for batches; the others of their robots stay as they are now.
 
-    Or as they are ``given``. Raises ArgumentError for names that mean no joint, and for a robot of
-    which another joint, or the base, is not known.
+    Or as they are ``chosen``. Raises ArgumentError for names that mean no joint, and for a robot
+    of which another joint, or the base, is not known.
     """
     places = robots.places(names)
     if not places:
@@ -107,7 +104,7 @@ def joints_of(
             if place.robot == name:
                 columns[place.column] = k
         now = robot.positions()
-        for place, value in given.items():
+        for place, value in chosen.items():
             if place.robot == name:
                 now[place.column] = value
         needed = [c for c in robot.joints_of(robot.links) if columns[c] < 0]

@@ -1,4 +1,4 @@
-"""The service that tells where joints are, as far as the node knows. No ROS import."""
+"""The service ``get_joint_positions``: values of joints, as far as the node has them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 
 
 def get_joint_positions(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell of each joint its value, how fast it moves, and how old that is."""
+    """Report the value, the speed and the age of each joint."""
     with live.reading() as scene:
         robots = scene.joints.robots
         places = scene.joints.places(request.names)

@@ -2,7 +2,7 @@
 
 It runs in a thread of its own, on a view of the scene of when it was called. What it answers is
 what ``QueryObject.CheckMotion`` and ``drake_geom_ros.batch.check_path`` answer; here it gets
-names, times in seconds and the form of a message. No ROS import.
+names, times in seconds and the form of a message.
 """
 
 from __future__ import annotations
@@ -104,9 +104,9 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
             f'interpolation is {request.interpolation!r}; it is of a motion of frames: joints go '
             'straight from point to point'
         )
-    given = GivenJoints(request.start_joints.names, request.start_joints.positions)
+    start_joints = GivenJoints(request.start_joints.names, request.start_joints.positions)
     names = list(request.path.joint_names)
-    view, joints, begin = view_of_joints(live, request.start, names, given)
+    view, joints, begin = view_of_joints(live, request.start, names, start_joints)
     path = timed_path(request.path, joints, begin.now)
     if begin.given and len(path.rows) == len(request.path.points):
         raise ArgumentError(

@@ -1,4 +1,4 @@
-"""Services about sensed maps: the live scene, a request, a response. No ROS import."""
+"""Services about sensed maps: the live scene, a request, a response."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def save_obstacles(live: LiveScene, request: Any, response: Any) -> None:
 
 def _named(scene: HeldScene, name: str) -> str:
     """Return the name of a map that holds something; raises ArgumentError for another one."""
-    there = [each for each, known in scene.maps.items() if known.cells is not None]
+    there = [each for each, seen_map in scene.maps.items() if seen_map.cells is not None]
     if name in there or (not name and len(there) == 1):
         return name or there[0]
     waiting = [each for each in scene.maps if each not in there]

@@ -33,6 +33,6 @@ def remove_proximity_rule(scene: EditableScene, request: Any, response: Any) -> 
 
 
 def list_proximity_rules(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell the rules and their states."""
+    """Report the rules and their states."""
     with live.reading() as scene:
         fill_rule_states(response.states, scene)

@@ -2,7 +2,7 @@
 
 They run beside the cycle, in a thread of their own: each takes a view of the scene, which is held
 for a moment, and computes on that. RuntimeError refuses; the message of an answer says what it
-leaves out. No ROS import here.
+leaves out.
 """
 
 from __future__ import annotations
@@ -190,7 +190,7 @@ def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> N
 
 
 def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell whether any pair overlaps."""
+    """Report whether any pair overlaps."""
     view = live.view(request.poses, request.joints)
     response.has_collisions = view.query.HasCollisions()
     _tell(view, response)
@@ -205,7 +205,7 @@ def _tell(view: SceneView, response: Any) -> None:
 
 
 def get_pose(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell the live pose of a frame or a geometry."""
+    """Report the live pose of a frame or a geometry."""
     if bool(request.frame) == bool(request.geometry):
         raise ArgumentError('frame and geometry are both given or both empty; give exactly one')
     if request.relative_to not in (0, 1):
@@ -230,7 +230,7 @@ def get_pose(live: LiveScene, request: Any, response: Any) -> None:
 
 
 def get_filters(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell the state of the filters."""
+    """Report the state of the filters."""
     view = live.view()
     manager = view.filters
     response.has_transient_history = manager.has_transient_history()
@@ -241,7 +241,7 @@ def get_filters(live: LiveScene, request: Any, response: Any) -> None:
 
 
 def explain_filter(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell whether a pair is filtered, and by what."""
+    """Report whether a pair is filtered, and by which declarations."""
     view = live.view()
     a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
     named = {

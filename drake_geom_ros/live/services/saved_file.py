@@ -1,7 +1,7 @@
 """The file that a scene is saved to, on behalf of whoever can call a service.
 
 They may make files that are scenes, and replace those that were made this way: never a script, the
-start of a shell, a mesh, or a scene that somebody wrote by hand. No ROS import.
+start of a shell, a mesh, or a scene that somebody wrote by hand.
 """
 
 from __future__ import annotations

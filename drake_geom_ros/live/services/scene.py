@@ -2,7 +2,7 @@
 
 One function a service; those that bring a shape are in ``shapes``. A handler raises RuntimeError
 to refuse, and has changed nothing then. One whose change of a large scene takes long is handed the
-live scene, and holds it only for the change itself. No ROS import here.
+live scene, and holds it only for the change itself.
 """
 
 from __future__ import annotations

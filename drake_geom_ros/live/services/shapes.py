@@ -2,8 +2,7 @@
 
 They may have to read a mesh and to compile kernels, which takes seconds, so they run in a thread
 of their own: all that takes long is done on a copy of the scene, which is held only to look names
-up and for the change itself. RuntimeError refuses, and nothing has changed then. No ROS import
-here.
+up and for the change itself. RuntimeError refuses, and nothing has changed then.
 """
 
 from __future__ import annotations
@@ -170,15 +169,15 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
 def _is_new(
     inspector: SceneGraphInspector, geometry: GeometryId, shape: Shape | None = None
 ) -> bool:
-    """Tell whether a geometry of the scene, with another shape perhaps, calls for more."""
+    """Return whether a geometry of the scene, with another shape perhaps, needs preparation."""
     anchored = inspector.GetFrameId(geometry) == inspector.world_frame_id()
     return _calls_for_more(inspector, shape or inspector.GetShape(geometry), anchored)
 
 
 def _calls_for_more(inspector: SceneGraphInspector, shape: Shape, anchored: bool) -> bool:
-    """Tell whether queries may have to load or compile something for a shape to come.
+    """Return whether queries may have to load or compile something for a new shape.
 
-    They have not where the scene has such a shape already: it need not be made ready then,
+    They need not where the scene has such a shape already: it need not be made ready then,
     which for many shapes, one after the other, would cost more than registering them.
     """
     if isinstance(shape, Convex | Mesh):

@@ -1,8 +1,7 @@
 """The service ``evaluate_states``: many joint values in one call, as a planner asks.
 
 It runs in a thread of its own, on a view of the scene of when it was called. What it answers is
-that of ``drake_geom_ros.batch``, to the bit; here it gets names and the form of a message. No ROS
-import.
+that of ``drake_geom_ros.batch``, to the bit; here it gets names and the form of a message.
 """
 
 from __future__ import annotations
@@ -48,9 +47,9 @@ def evaluate_states(live: LiveScene, request: Any, response: Any) -> None:
     inside = np.full(len(states), True)
     if not request.ignore_limits:
         inside &= np.all((states >= joints.lower) & (states <= joints.upper), axis=1)
-    count, found = _evaluate(view.context, request, joints, states, inside)
-    _refuse_too_many_pairs(found, live.most_megabytes)
-    _fill(response, request.want, inside[:count], found)
+    count, evaluated = _evaluate(view.context, request, joints, states, inside)
+    _refuse_too_many_pairs(evaluated, live.most_megabytes)
+    _fill(response, request.want, inside[:count], evaluated)
     response.scene_version = view.moment.version
     response.oldest_pose_age = view.moment.oldest_pose_age
     view.beside.fill(response)
@@ -129,7 +128,7 @@ def _to_first(
 
 def _are_free(context: SceneGraphContext, request: Any, joints: Joints, states: Floats) -> Flags:
     """Return of which states (n, q) every pair is certified to be farther apart than clearance."""
-    found = evaluate(
+    collides = evaluate(
         context,
         states=states,
         joints=joints,
@@ -137,7 +136,7 @@ def _are_free(context: SceneGraphContext, request: Any, joints: Joints, states: 
         max_distance=request.clearance,
         accuracy=request.accuracy,
     )
-    return ~np.asarray(found, dtype=np.bool_)
+    return ~np.asarray(collides, dtype=np.bool_)
 
 
 def _answers(
@@ -146,7 +145,7 @@ def _answers(
     """Return the answers of states, all of them inside limits."""
     if request.want == 'collision':
         return _Evaluated(_are_free(context, request, joints, states), None)
-    found = evaluate(
+    answers = evaluate(
         context,
         states=states,
         joints=joints,
@@ -154,31 +153,31 @@ def _answers(
         max_distance=request.max_distance or math.inf,
         accuracy=request.accuracy,
     )
-    if isinstance(found, LeastDistances):
-        return _Evaluated(found.distance - found.error_bound > request.clearance, found)
-    assert isinstance(found, (LeastDistances, PairsOfStates))
-    return _Evaluated(_are_free(context, request, joints, states), found)
+    if isinstance(answers, LeastDistances):
+        return _Evaluated(answers.distance - answers.error_bound > request.clearance, answers)
+    assert isinstance(answers, (LeastDistances, PairsOfStates))
+    return _Evaluated(_are_free(context, request, joints, states), answers)
 
 
-def _refuse_too_many_pairs(found: _Evaluated, most_megabytes: float) -> None:
-    if isinstance(found.pairs, PairsOfStates):
-        megabytes = len(found.pairs.distance) * _PAIR_SIZE / 1e6
+def _refuse_too_many_pairs(answers: _Evaluated, most_megabytes: float) -> None:
+    if isinstance(answers.pairs, PairsOfStates):
+        megabytes = len(answers.pairs.distance) * _PAIR_SIZE / 1e6
         if megabytes > most_megabytes:
             raise ArgumentError(
-                f'an answer of {len(found.pairs.distance)} pairs takes {megabytes:.1f} MB, and '
+                f'an answer of {len(answers.pairs.distance)} pairs takes {megabytes:.1f} MB, and '
                 f'the parameter max_answer_size allows {most_megabytes:g} MB: ask with a smaller '
                 'max_distance, or for fewer states'
             )
 
 
-def _fill(response: Any, want: str, inside: Flags, found: _Evaluated) -> None:
+def _fill(response: Any, want: str, inside: Flags, evaluated: _Evaluated) -> None:
     """Fill an answer with what was found of the states that are inside limits."""
     free, reason = inside.copy(), np.full(len(inside), OUTSIDE_LIMITS, dtype=np.uint8)
-    free[inside] = found.is_free
-    reason[inside] = np.where(found.is_free, FREE, TOO_NEAR)
+    free[inside] = evaluated.is_free
+    reason[inside] = np.where(evaluated.is_free, FREE, TOO_NEAR)
     response.count, response.free, response.reason = len(inside), free.tolist(), uint8s(reason)
     response.first_not_free = -1 if free.all() else int(np.argmin(free))
-    pairs = found.pairs
+    pairs = evaluated.pairs
     if isinstance(pairs, LeastDistances):
         distance, bound = np.full((2, len(inside)), math.nan)
         ids = np.zeros((2, len(inside)), dtype=np.int64)

@@ -5,7 +5,7 @@ With the lock, as rclpy sends it, an answer of 67 MB lets nothing else of the pr
 client held, nothing ever runs again. So it is turned into a message as rclpy does it (which lets
 other threads in between two fields, after at most 9 ms for 67 MB), and sent as ``unlocked`` does.
 
-Whom an answer is for is told by the number that rcl gives with the request. rclpy keeps that to
+The number that rcl gives with a request says whom the answer is for. rclpy keeps that to
 itself, so the request is taken here, too, by the executors of ``spinning``; under another executor
 rclpy takes it, and sends the answer. What has no answer is counted by these numbers.
 """
@@ -35,7 +35,7 @@ class RequestId(ctypes.Structure):
 
 
 class CallCounts(NamedTuple):
-    """What became of the calls of all services."""
+    """Counts of the calls of all services."""
 
     answered: int
     unanswered: int  # never came out of the service's queue, or their answer could not be sent
@@ -53,7 +53,7 @@ class Calls:
 
     @property
     def is_there(self) -> bool:
-        """Whether rcl's functions were found; else rclpy does all."""
+        """True if rcl's functions were found; otherwise rclpy does all."""
         return self._send is not None and self._take is not None
 
     def take(self) -> tuple[Any, RequestId] | None:
@@ -75,13 +75,13 @@ class Calls:
             )
         return message.to_python(), request_id
 
-    def __call__(self, answer: Any, asked: Any) -> None:
-        """Send an answer; ``asked`` is what ``take`` told, or, if it was taken by rclpy, a header.
+    def __call__(self, answer: Any, request_id: Any) -> None:
+        """Send an answer; ``request_id`` is that of ``take``, or rclpy's header of a request.
 
         Raises RuntimeError where rcl refuses it.
         """
-        if not isinstance(asked, RequestId):
-            self._send_by_rclpy(answer, asked)
+        if not isinstance(request_id, RequestId):
+            self._send_by_rclpy(answer, request_id)
             self._note(None, sent=True)
             return
         service = self._service
@@ -89,10 +89,10 @@ class Calls:
             message = CMessage(answer)
             for _ in range(_ATTEMPTS):
                 address = service.handle.pointer
-                result = self._send(address, ctypes.byref(asked), message.address)
+                result = self._send(address, ctypes.byref(request_id), message.address)
                 if result != _TIMEOUT:
                     break
-        self._note(asked, sent=result == _OK)
+        self._note(request_id, sent=result == _OK)
         if result not in (_OK, _TIMEOUT):
             raise RuntimeError(
                 f'an answer of {service.srv_name} was not sent: rcl returned {result}'

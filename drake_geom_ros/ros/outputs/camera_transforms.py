@@ -1,4 +1,4 @@
-"""Where the optical frames of cameras are, for TF: on /tf_static what rests, on /tf what moves."""
+"""The optical frames of cameras for TF: /tf_static for those at rest, /tf for those that move."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drake_geom_ros.scene_files import CameraDescription
 class CameraTransforms:
     """Sends X_WC of cameras, in whose optical frames (REP 103) x is to the right, z ahead.
 
-    They are told in the world, not on the frames that carry them: those are posed by messages
+    Their parent is the world, not the frames that carry them: those are posed by messages
     and need not be in TF. Nothing is opened before there is a camera, and nothing is sent without
     tf2_msgs, which not everybody has.
     """
@@ -29,14 +29,14 @@ class CameraTransforms:
         self._fixed: list[str] = []  # the cameras that were told to rest
 
     def fix(self, cameras: Iterable[CameraDescription]) -> None:
-        """Tell all cameras that are fixed in the world; who comes late is told, too."""
-        given = list(cameras)
-        if given or self._fixed:
-            self._fixed = [camera.name for camera in given]
-            self._send('/tf_static', [self._entry(camera, camera.X_FC) for camera in given])
+        """Send all cameras that are fixed in the world, latched for late subscribers."""
+        fixed = list(cameras)
+        if fixed or self._fixed:
+            self._fixed = [camera.name for camera in fixed]
+            self._send('/tf_static', [self._entry(camera, camera.X_FC) for camera in fixed])
 
     def move(self, camera: CameraDescription, X_WC: RigidTransform, stamp: Any) -> None:
-        """Tell where a camera was when its image was taken."""
+        """Send the pose of a camera when its image was taken."""
         self._send('/tf', [self._entry(camera, X_WC, stamp)])
 
     def _send(self, topic: str, entries: list[TransformStamped]) -> None:

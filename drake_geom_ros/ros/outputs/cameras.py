@@ -63,7 +63,7 @@ class _OpenCamera:
 
 
 class CameraPublisher:
-    """Takes the images that are due whenever it is told to look; in one thread."""
+    """Takes the images that are due, in one thread, each time it is called."""
 
     def __init__(
         self,
@@ -189,7 +189,7 @@ class CameraPublisher:
             self._transforms.fix(camera for frame, camera in cameras.values() if frame == world)
 
     def _refuse(self, camera: CameraDescription, error: Exception) -> None:
-        """Have it told that nothing of a camera is published."""
+        """Warn that nothing of a camera is published."""
         with self._live.editing() as scene:
             scene.warned.append(
                 f'the topics of the camera {camera.name[:80]!r} cannot be opened, so nothing of '

@@ -1,4 +1,4 @@
-"""What the node says about itself on /diagnostics: rate, delay, refusals, stale frames, memory."""
+"""The node's status on /diagnostics: rate, delay, refusals, stale frames, memory."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _STATM = Path('/proc/self/statm')
 
 
 class SceneState(NamedTuple):
-    """What is said of the scene."""
+    """The state of the scene for the status."""
 
     version: int
     ages: dict[str, float]  # [s] of all frames' poses by name
@@ -207,11 +207,11 @@ def _haste(lags: list[float], passed_over: int) -> list[str]:
 
 def _owned(owners: dict[int, str], leases: Mapping[int, float]) -> str:
     """Return the transient filters, who asked for them and how long they hold in words."""
-    told = []
+    named = []
     for number, owner in owners.items():
         lease = f', lease ends in {leases[number]:.1f} s' if number in leases else ''
-        told.append(f'{number} ({owner or "no owner given"}{lease})')
-    return some_of(told, _NAMES_IN_VALUE) or 'none'
+        named.append(f'{number} ({owner or "no owner given"}{lease})')
+    return some_of(named, _NAMES_IN_VALUE) or 'none'
 
 
 def _milliseconds(delays: list[float], part: float) -> str:

@@ -24,8 +24,8 @@ def publish(publisher: Publisher, message: Any) -> None:
         publisher.publish(message)
         return
     with publisher.handle:
-        given = CMessage(message)  # kept until rcl has read it
-        result = send(publisher.handle.pointer, given.address, None)
+        copied = CMessage(message)  # kept until rcl has read it
+        result = send(publisher.handle.pointer, copied.address, None)
     if result != _OK:
         raise RuntimeError(
             f'a message on {publisher.topic_name} was not sent: rcl returned {result}'
@@ -61,8 +61,8 @@ class CMessage:
 
         It keeps the lock, raises what it raises, and its last argument is the C message.
         """
-        given = *arguments, ctypes.c_void_p
-        return _function(self._support, name, result, *given, of_python=True)
+        types = *arguments, ctypes.c_void_p
+        return _function(self._support, name, result, *types, of_python=True)
 
     def __del__(self) -> None:
         self._destroy(self.address)

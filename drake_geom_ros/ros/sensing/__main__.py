@@ -54,18 +54,18 @@ class _MapOfNode:
     def __init__(self, pipe: Connection, name: str) -> None:
         self._pipe, self._name = pipe, name
 
-    def begin(self, header: Any, waited: float, known: int, publisher: str) -> Place:
+    def begin(self, header: Any, waited: float, bodies_number: int, publisher: str) -> Place:
         stamp = Stamp(header.stamp.sec, header.stamp.nanosec)
         its_header = Header(stamp, header.frame_id)
-        place = self._ask(Begin(self._name, its_header, waited, known, publisher))
+        place = self._ask(Begin(self._name, its_header, waited, bodies_number, publisher))
         assert isinstance(place, Place)
         return place
 
-    def finish(self, found: Found) -> None:
-        self._ask(Finish(self._name, found))
+    def finish(self, taken: Found) -> None:
+        self._ask(Finish(self._name, taken))
 
-    def _ask(self, asked: Begin | Finish) -> Any:
-        self._pipe.send(asked)
+    def _ask(self, request: Begin | Finish) -> Any:
+        self._pipe.send(request)
         answer = self._pipe.recv()
         if isinstance(answer, Refusal):
             raise ArgumentError(answer.reason)
@@ -77,11 +77,13 @@ def _cloud_of(raw: bytes) -> Any:
     return cloud_of_bytes(raw) if is_plain(raw) else deserialize_message(raw, PointCloud2)
 
 
-def _listen(node: Node, topic: Topic, taker: PointTaker, pipe: Connection) -> None:
+def _listen(node: Node, topic: Topic, point_taker: PointTaker, pipe: Connection) -> None:
     takes: dict[str, Callable[[Any, float, str], None]] = {
-        CLOUD: lambda raw, *how: taker.take_cloud(_cloud_of(raw), *how),
-        IMAGE: lambda raw, *how: taker.take_depth(deserialize_message(raw, Image), *how),
-        CAMERA: lambda raw, *how: taker.take_camera(deserialize_message(raw, CameraInfo), *how),
+        CLOUD: lambda raw, *how: point_taker.take_cloud(_cloud_of(raw), *how),
+        IMAGE: lambda raw, *how: point_taker.take_depth(deserialize_message(raw, Image), *how),
+        CAMERA: lambda raw, *how: point_taker.take_camera(
+            deserialize_message(raw, CameraInfo), *how
+        ),
     }
     take = takes[topic.kind]
 
@@ -130,11 +132,11 @@ def _work(pipe: Connection) -> None:
     executor.add_node(node)
     if sys.platform.startswith('linux'):  # which has it by thread: not those that receive
         os.nice(_NICER)
-    told = 0.0
+    last_sign = 0.0
     while True:
-        if time.monotonic() - told >= _LONGEST_WAIT:
+        if time.monotonic() - last_sign >= _LONGEST_WAIT:
             pipe.send(ALIVE)
-            told = time.monotonic()
+            last_sign = time.monotonic()
         executor.spin_once(timeout_sec=_LONGEST_WAIT)
 
 

@@ -2,8 +2,7 @@
 
 The bytes of clouds never come into the node's interpreter, whose lock they would hold, and what is
 done with them gives way to poses. A thread waits for what the process says. Where the process
-ends, or says nothing for too long, maps grow old, diagnostics tell it, and another one is started.
-No ROS import.
+ends, or is silent for too long, maps grow old, diagnostics say so, and another one is started.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ _LONG_LIFE = 60.0  # [s] after which the first pause counts again
 
 
 class Listener(Protocol):
-    """Who is told what becomes of messages; a ``Guard`` is one."""
+    """The receiver of counts and refusals of messages; a ``Guard`` is one."""
 
     def refused(self, name: str, reason: str) -> None:
         """Count and log that a message was refused."""
@@ -102,29 +101,29 @@ class SensingProcess:
 
     def _live_once(self) -> str:
         """Start a process and answer it until it ends; return how it did, in words."""
-        ours, theirs = multiprocessing.Pipe()
+        node_end, process_end = multiprocessing.Pipe()
         self._heard, self._limit, self._hung = time.monotonic(), _COMPILING, False
         self._holding = set()
-        with self._lock, theirs:
+        with self._lock, process_end:
             if self._closed.is_set():
-                ours.close()
+                node_end.close()
                 return ''
-            command = [sys.executable, '-m', _MODULE, str(theirs.fileno())]
+            command = [sys.executable, '-m', _MODULE, str(process_end.fileno())]
             # Its input is the line that it hangs on: it ends with this process, however that dies.
             # What a terminal sends to the node is not for it.
             self._process = process = subprocess.Popen(
                 command,
                 stdin=subprocess.PIPE,
-                pass_fds=[theirs.fileno()],
+                pass_fds=[process_end.fileno()],
                 start_new_session=True,
             )
             self.starts += 1
         end = ''
         try:
-            with ours:
-                ours.send(self._task)
+            with node_end:
+                node_end.send(self._task)
                 while True:
-                    self._answer(ours, ours.recv())
+                    self._answer(node_end, node_end.recv())
         except (EOFError, OSError):
             pass
         except Exception as error:  # whatever it is that no process of ours sends
@@ -139,25 +138,25 @@ class SensingProcess:
             end = f'the process that takes what sensors see said nothing for {self._limit:g} s'
         return end or f'the process that takes what sensors see ended {_in_words(code)}'
 
-    def _answer(self, ours: Connection, said: Any) -> None:
+    def _answer(self, node_end: Connection, said: Any) -> None:
         """Do what the process asks for."""
         self.trouble = ''
         self._limit, limit = math.inf, _SILENCE  # it waits for this thread meanwhile
         if isinstance(said, Begin):
-            asked = said.header, said.waited, said.known, said.publisher
+            arguments = said.header, said.waited, said.known, said.publisher
             self._begun = said.input, said.header.frame_id, said.publisher
-            answer = self._done(lambda: self._maps[said.input].begin(*asked))
+            answer = self._done(lambda: self._maps[said.input].begin(*arguments))
             if isinstance(answer, Place):
                 if answer.bodies.bodies is not None:
                     limit = _COMPILING
                 if self._begun in self._holding:
                     answer = answer._replace(before=None)
-            ours.send(answer)
+            node_end.send(answer)
         elif isinstance(said, Finish):
             refusal = self._done(lambda: self._maps[said.input].finish(said.found))
             if refusal is None:
                 self._holding.add(self._begun)
-            ours.send(refusal)
+            node_end.send(refusal)
         elif isinstance(said, Refused):
             self._listener.refused(said.told_as, said.reason)
         elif said != ALIVE:

@@ -1,8 +1,8 @@
-"""What a node and its process of sensors say to each other over a pipe. No ROS import.
+"""Messages between a node and its process of sensors over a pipe.
 
-The process is told its ``Task``. Of each message it sends a ``Begin``, which is answered by a
+The process receives its ``Task``. For each message it sends a ``Begin``, which is answered by a
 ``Place`` or a ``Refusal``, and a ``Finish``, which is answered by None or a ``Refusal``. What it
-refuses itself it tells by ``Refused``, and now and then that it is ``ALIVE``: none is answered.
+refuses itself it reports by ``Refused``, and now and then it sends ``ALIVE``: none is answered.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Topic(NamedTuple):
 
 
 class Task(NamedTuple):
-    """What the process is to do, as a node of ROS of this name."""
+    """The work of the process, as a node of ROS of this name."""
 
     node_name: str
     namespace: str
@@ -49,7 +49,7 @@ class Begin(NamedTuple):
 
 
 class Finish(NamedTuple):
-    """What was made of the message that was begun last."""
+    """The map of the message that was begun last."""
 
     input: str
     found: Found

@@ -34,7 +34,7 @@ def remove_camera(scene: EditableScene, request: Any, response: Any) -> None:
 
 
 def list_cameras(live: LiveScene, request: Any, response: Any) -> None:
-    """Tell the cameras by name."""
+    """Report the cameras by name."""
     with live.reading() as scene:
         cameras, names = scene.cameras, scene.names
     for name in sorted(cameras):
@@ -49,8 +49,8 @@ def render_image(live: LiveScene, request: Any, response: Any) -> None:
         with live.reading() as scene:
             frame, camera = scene.camera(request.camera)
     else:
-        given = camera_from_message(request.given, 'given')
-        frame, camera = _frame(view.names, request.given), given
+        requested = camera_from_message(request.given, 'given')
+        frame, camera = _frame(view.names, request.given), requested
     want = tuple(dict.fromkeys(request.images)) or camera.images
     if unknown := [kind for kind in want if kind not in IMAGES]:
         raise ArgumentError(f'images holds {unknown[:5]}; it must be of {list(IMAGES)}')

@@ -1,4 +1,4 @@
-"""Gathers what a node tells of itself: its topics, its scene, its diagnostics and its filters."""
+"""Gathers the state of a node: its topics, its scene, its diagnostics and its filters."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Topic:
 
 @dataclass
 class Status:
-    """What was gathered."""
+    """The gathered state of a node."""
 
     node: str
     topics: list[Topic]
@@ -71,7 +71,7 @@ class Watcher:
         listen(DiagnosticArray, '/diagnostics', self._take_diagnostics, 10)
 
     def status(self, window: float = _WINDOW) -> Status:
-        """Return what the node tells within ``window`` [s]; NoAnswerError where it is silent."""
+        """Return the node's state within ``window`` [s]; NoAnswerError if it is silent."""
         self._client.wait_for(lambda: 'scene' in self._latest, f'{self._server}/scene')
         # A latched message may come before discovery tells who its node is.
         self._client.wait_for(self._topics, f'{self._server} in the ROS graph')
@@ -99,14 +99,14 @@ class Watcher:
 
         Those that others read or write are counted from now on.
         """
-        if not (found := self._topics_of(self._server)):
+        if not (topics := self._topics_of(self._server)):
             return []
         # What it hears of clouds and depth images, a process of its own does.
-        found += self._topics_of(self._server + SENSORS)
-        return sorted(found, key=lambda each: (not each.published, each.name))
+        topics += self._topics_of(self._server + SENSORS)
+        return sorted(topics, key=lambda each: (not each.published, each.name))
 
     def _topics_of(self, server: str) -> list[Topic]:
-        node, found = self._client.node, []
+        node, topics = self._client.node, []
         namespace, _, name = server.rpartition('/')
         for published, of_node in (
             (True, node.get_publisher_names_and_types_by_node),
@@ -125,10 +125,10 @@ class Watcher:
                     else node.get_publishers_info_by_topic
                 )
                 others = [each for each in listing(topic) if each.node_name != node.get_name()]
-                found.append(Topic(topic, kind, published, len(others)))
+                topics.append(Topic(topic, kind, published, len(others)))
                 if others and kind not in _LARGE and topic not in self._counted:
                     self._count(topic, kind)
-        return found
+        return topics
 
     def _count(self, topic: str, kind: str) -> None:
         """Count the messages of a topic, as they are on the wire."""
@@ -144,8 +144,8 @@ class Watcher:
 
     def _told(self, topics: list[Topic]) -> Status:
         scene, cycle = self._latest['scene'], self._latest.get('cycle')
-        told = self._latest.get('diagnostics')
-        values = {each.key: each.value for each in told.values} if told else {}
+        status = self._latest.get('diagnostics')
+        values = {each.key: each.value for each in status.values} if status else {}
         filters = self._client.ask('get_filters')
         level = {b'\x00': 'ok', b'\x01': 'warn', b'\x02': 'error', b'\x03': 'stale'}
         return Status(
@@ -153,8 +153,8 @@ class Watcher:
             topics=topics,
             scene_version=scene.scene_version,
             sources=_sources(scene),
-            level=level.get(told.level, 'unknown') if told else 'none',
-            summary=told.message if told else 'no diagnostics have come: is the node active?',
+            level=level.get(status.level, 'unknown') if status else 'none',
+            summary=status.message if status else 'no diagnostics have come: is the node active?',
             waiting_frames=list(cycle.waiting_frames)
             if cycle
             else _names(values, 'names of frames that never had a pose'),

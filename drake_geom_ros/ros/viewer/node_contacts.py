@@ -31,7 +31,7 @@ class NodeContacts:
         self._heard = 0.0  # [s] of the steady clock
         self._next = 0.0
 
-    def shown(self, known: int, names: Mapping[int, str]) -> ShownContacts:
+    def shown(self, names_version: int, names: Mapping[int, str]) -> ShownContacts:
         """Return what is known now for names of a version, and ask anew."""
         trouble = self._ask()
         with self._lock:
@@ -42,7 +42,7 @@ class NodeContacts:
             return _nothing(f'waiting for {self._server}/{_NAME}')
         if not answer.success:
             return _nothing(f'{_NAME}: {answer.message}')
-        if answer.result.names_version != known:
+        if answer.result.names_version != names_version:
             return _nothing(f'waiting for {self._server}/{_NAME}, the scene being new')
         return _of_message(answer.result, names)
 

@@ -167,8 +167,11 @@ class NodeScene:
             except RuntimeError as error:
                 troubles.append(f'{name}: {error}')
                 continue
-            for given in entry.roles:
-                role, properties = role_from_number(given.role), properties_from_message(given)
+            for entry_role in entry.roles:
+                role, properties = (
+                    role_from_number(entry_role.role),
+                    properties_from_message(entry_role),
+                )
                 colour = colour_by(properties, role, ranks[entry.source_id], shape)
                 solid = solid_by(properties, role)
                 looks.append(Look(GeometryId(entry.id), role, name, colour, shape, solid))

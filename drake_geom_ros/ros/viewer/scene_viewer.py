@@ -33,8 +33,8 @@ class SceneViewer(Node):
         host = self._declare('host', LOCALHOST)
         port = self._declare('port', PORT, IntegerRange(from_value=1, to_value=65535))
         max_distance = self._declare('max_distance', 0.1)
-        for told in unknown_parameters(self):
-            self.get_logger().warning(told)
+        for text in unknown_parameters(self):
+            self.get_logger().warning(text)
         self.scene = NodeScene(self, server)
         self.page = Page(
             open_server(host, port),
@@ -43,8 +43,8 @@ class SceneViewer(Node):
             log=self.get_logger().error,
         )
         self.get_logger().info(f'http://{self.page.host}:{self.page.port} shows {server}')
-        if told := warning(host):
-            self.get_logger().warning(told)
+        if text := warning(host):
+            self.get_logger().warning(text)
             # Not to the log, which goes to files and to every ROS process that listens.
             print(self.page.url, flush=True)
 
