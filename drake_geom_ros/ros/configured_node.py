@@ -3,37 +3,36 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg as messages
-from rclpy.callback_groups import CallbackGroup
 from rclpy.lifecycle import LifecycleNode
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.timer import Timer
-from sensor_msgs.msg import PointCloud2
-from std_msgs.msg import String
+from std_msgs.msg import Float64
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.inputs.point_queries import PointQueries
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.namesakes import Namesakes
 from drake_geom_ros.live.outputs import level_costs, replays, rule_events
+from drake_geom_ros.live.outputs.contact_topic import COMPUTED, ContactTopic
+from drake_geom_ros.live.outputs.cycle import TOPICS as CYCLE_TOPICS
 from drake_geom_ros.live.outputs.cycle import Cycle
 from drake_geom_ros.live.outputs.effects import Beside, unheard
 from drake_geom_ros.live.outputs.level_costs import LevelCosts
 from drake_geom_ros.live.outputs.replays import Replays
+from drake_geom_ros.live.outputs.rule_events import RuleEvents, RuleMessages, RuleTopics
 from drake_geom_ros.live.outputs.scene_topic import SceneTopic
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.ros import rule_topics
+from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
-from drake_geom_ros.ros.contact_topics import contact_topic
 from drake_geom_ros.ros.joint_listening import JointListening
 from drake_geom_ros.ros.obstacle_listening import ObstacleListening
 from drake_geom_ros.ros.outputs import cameras
@@ -62,8 +61,6 @@ from drake_geom_ros.ros.surface import (
     calls,
     images,
     latched,
-    results,
-    sensor_data,
     transforms,
 )
 from drake_geom_ros.ros.tf_listening import listen_to_tf
@@ -98,44 +95,63 @@ class ConfiguredNode:
         self._settings = settings
         self._guard = guard
         self._diagnostics = diagnostics
-        publishers = {
-            name: surface.publisher(kind, f'~/{name}', results())
-            for name, kind in (
-                ('penetrations', messages.PenetrationPairs),
-                ('signed_distances', messages.SignedDistancePairs),
-                ('cycle_report', messages.CycleReport),
-            )
-        }
-        contacts = contact_topic(surface, settings, guard, self._must_stop)
-        self._costs = LevelCosts(live, publishers['cycle_report'])
+        publishers = topics.publishers(surface)
+        contacts = ContactTopic(
+            publishers['~/contact_surfaces'],
+            messages.ContactSurfaces,
+            lambda: settings.values.contact_polygons,
+            self._must_stop,
+            partial(guard.failed, COMPUTED),
+        )
+        self._costs = LevelCosts(live, publishers['~/cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = Shown(
-            live, surface, settings, lambda: self._stream.active, node.get_logger().warning
+            live, publishers, settings, lambda: self._stream.active, node.get_logger().warning
         )
-        self._beside = {**self._told_beside(), **self._shown.beside}
-        decided = rule_topics.effect()
-        self._rules = rule_topics.rule_events(surface, self._rule_settings, decided.did)
+        self._beside = {**_beside(publishers), **self._shown.beside}
+        decided = rule_events.effect()
+        self._rules = RuleEvents(
+            RuleTopics(
+                events=publishers['~/proximity_events'],
+                states=publishers['~/proximity_states'],
+                speed_scale=publishers['~/speed_scale'],
+            ),
+            RuleMessages(
+                messages.ProximityEvents,
+                messages.ProximityRules,
+                messages.ProximityStates,
+                Float64,
+            ),
+            self._rule_settings,
+            decided.did,
+        )
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
         beside = (*self._beside.values(), self._cameras.beside, decided)
         self._cycle = Cycle(
-            messages, publishers, self._costs, self._replays, self._rules, contacts, beside
+            messages,
+            {name: publishers[f'~/{name}'] for name in CYCLE_TOPICS},
+            self._costs,
+            self._replays,
+            self._rules,
+            contacts,
+            beside,
         )
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,
-            surface.publisher(messages.Scene, '~/scene', latched()),
+            publishers['~/scene'],
             messages,
             lambda: node.get_clock().now().to_msg(),
             self._beside['scene'].did,
         )
-        self._diagnostics_publisher = surface.publisher(DiagnosticArray, '/diagnostics', results())
+        self._diagnostics_publisher = publishers['/diagnostics']
         with live.editing() as scene:
             scene.filters_per_owner = settings.values.filters_per_owner
         self._namesakes = Namesakes(node)
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
-        self._open_inputs(settings.values)
+        self._open_inputs(settings.values, publishers['~/point_distances'])
         if settings.values.use_tf:
             self._stream.inputs.tf = listen_to_tf(
                 surface, self._stream, guard, groups.stream, live.clocks
@@ -218,63 +234,22 @@ class ConfiguredNode:
 
     # What is opened.
 
-    def _told_beside(self) -> dict[str, Beside]:
-        """Open the topics published beside the cycles, and return their rows of the report."""
-        surface = self._surface
-        points = surface.publisher(messages.PointDistances, '~/point_distances', results())
-        self._point_publisher = points
-        reasons = {
-            'point_distances': lambda: unheard(points, _NOT_DUE.format('cloud of points')),
-            'scene': lambda: _NOT_DUE.format('change of the scene'),
-        }
-        return {name: Beside.publishing(name, why_not) for name, why_not in reasons.items()}
-
-    def _open_inputs(self, values: NodeParameters) -> None:
+    def _open_inputs(self, values: NodeParameters, point_distances: Publisher) -> None:
         """Listen to poses, points and robot descriptions."""
-        groups = self._groups
-
-        def take_poses(message: Any, info: MessageInfo) -> None:
-            take, sender = self._stream.take_poses, publisher_of(info)
-            self._guard.take('frame_poses', take, message, waited(info), sender)
-
-        def take_twists(message: Any, info: MessageInfo) -> None:
-            self._guard.take('frame_twists', self._stream.take_twists, message, waited(info))
-
-        hear, how = self._surface.subscription, (sensor_data(), groups.stream)
-        hear(messages.FramePoses, '~/frame_poses', take_poses, *how)
         if values.closing_speeds:
             with self.live.editing() as scene:
                 scene.watch_motion(values.stale_after)
-            hear(messages.FrameTwists, '~/frame_twists', take_twists, *how)
         points = PointQueries(
             self.live,
-            self._point_publisher,
+            point_distances,
             messages.PointDistances,
             lambda: self._settings.values.point_threshold,
             lambda: self._stream.active,
             self._beside['point_distances'].did,
         )
-        self._listen(PointCloud2, '~/query_points', points.take, sensor_data(), groups.beside)
-        robot = RobotInput(self.live)
-        for topic, take in (
-            (values.robot_description_topic, robot.take),
-            (values.robot_description_semantic_topic, robot.take_semantics),
-        ):
-            if topic:
-                taken = partial(self._take_robot, take)
-                self._listen(String, topic, taken, latched(), groups.loading)
-
-    def _listen(
-        self,
-        kind: Any,
-        topic: str,
-        take: Callable[[Any], object],
-        profile: QoSProfile,
-        group: CallbackGroup,
-    ) -> None:
-        """Listen to a topic whose messages ``take`` may refuse by an exception."""
-        guarded = partial(self._guard.take, topic.removeprefix('~/'), take)
-        self._surface.subscription(kind, topic, guarded, profile, group)
+        log = self._node.get_logger().info
+        receivers = topics.Receivers(self._stream, points, RobotInput(self.live), log)
+        topics.subscribe(self._surface, self._guard, self._groups, values, receivers)
 
     def _open_services(self, profile: QoSProfile) -> None:
         """Open all services."""
@@ -319,10 +294,6 @@ class ConfiguredNode:
         self._camera_timer = self._surface.timer(cameras.PERIOD, take, self._groups.images)
 
     # What comes in.
-
-    def _take_robot(self, take: Callable[[str], str], message: String) -> None:
-        if done := take(message.data):
-            self._node.get_logger().info(done)
 
     def _change(self, change: Change, request: Any, response: Any) -> Any:
         """Answer a service call that changes the scene."""
@@ -421,3 +392,13 @@ class ConfiguredNode:
             self._node.get_logger().warning(_NO_CLOCK, once=True)
         message.header.stamp = now.to_msg()
         self._diagnostics_publisher.publish(message)
+
+
+def _beside(publishers: Mapping[str, Publisher]) -> dict[str, Beside]:
+    """Return the rows of the report about what is published beside the cycles."""
+    points = publishers['~/point_distances']
+    reasons = {
+        'point_distances': lambda: unheard(points, _NOT_DUE.format('cloud of points')),
+        'scene': lambda: _NOT_DUE.format('change of the scene'),
+    }
+    return {name: Beside.publishing(name, why_not) for name, why_not in reasons.items()}

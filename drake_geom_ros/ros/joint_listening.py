@@ -7,7 +7,6 @@ from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import JointState
 
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.live.guard import Guard
@@ -16,9 +15,8 @@ from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.ros.parameters import NodeParameters
-from drake_geom_ros.ros.surface import Surface, sensor_data
-
-DEFAULT_TOPIC = 'joint_states'
+from drake_geom_ros.ros.surface import Surface
+from drake_geom_ros.ros.topics import JOINT_STATES
 
 
 class JointListening:
@@ -40,7 +38,7 @@ class JointListening:
         stream.inputs.joints = self._input
         self._open: dict[str, Subscription[Any]] = {}
         if by_default:
-            self._listen('', DEFAULT_TOPIC)
+            self._listen('', JOINT_STATES.topic)
 
     def follow(self, scene: HeldScene) -> None:
         """Listen to the topics that the robots of a scene name, and to no others."""
@@ -55,4 +53,5 @@ class JointListening:
             hear = partial(self._stream.take_joint_states, robots)
             self._guard.take(topic, hear, message, waited(info), publisher_of(info))
 
-        return self._surface.subscription(JointState, topic, take, sensor_data(), self._group)
+        row = JOINT_STATES
+        return self._surface.subscription(row.kind, topic, take, row.profile(), self._group)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
-
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.live.guard import Guard
@@ -18,6 +15,7 @@ from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.seen_maps import stand_fed
+from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
@@ -64,9 +62,8 @@ class ObstacleListening:
                 scene.stand_maps(scene)
         self._process = self._sensing(names)
         if OCTOMAP in names:
-            Octomap = importlib.import_module('octomap_msgs.msg').Octomap
-            octomap = self.inputs[OCTOMAP]
-            self._listen(Octomap, f'~/obstacles/{OCTOMAP}', octomap.take_octomap)
+            row, octomap = topics.OCTOMAP, self.inputs[OCTOMAP]
+            self._listen(row.type(), row.topic, octomap.take_octomap)
 
     def tell(self, status: Any) -> None:
         """Add to a status of diagnostics what became of messages."""
@@ -130,12 +127,12 @@ class ObstacleListening:
             who = publisher_of(info)
             self._guard.take(topic.removeprefix('~/'), take, message, waited(info), who)
 
-        self._surface.subscription(kind, topic, hear, _newest(), self._group)
+        self._surface.subscription(kind, topic, hear, topics.newest(), self._group)
 
 
 def _topic(surface: Surface, its_map: str, kind: str, topic: str) -> Topic:
     """Return what a process has to know to listen to a topic of this node."""
-    name, profile = surface.heard_elsewhere(topic, _newest())
+    name, profile = surface.heard_elsewhere(topic, topics.newest())
     how = int(profile.history), profile.depth, int(profile.reliability)
     return Topic(its_map, kind, topic.removeprefix('~/'), name, *how)
 
@@ -154,8 +151,3 @@ def obstacle_settings(values: NodeParameters) -> ObstacleSettings:
         margin=values.obstacle_margin,
         box=values.obstacle_box,
     )
-
-
-def _newest() -> QoSProfile:
-    """Return the profile of what sensors see: what is old by then is not worth its time."""
-    return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -16,25 +16,17 @@ import sys
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
+from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.sensing.protocol import SENSORS
 from drake_geom_ros.ros.services.table import BESIDE, IMAGES, MOTIONS, PLANNING, SERVICES
+from drake_geom_ros.ros.topics import OUTPUTS
 
 VERSION = '0.2.0'  # of the format
 # What the node has, by names as it gives them: ~ is its own.
-RESULTS = tuple(
-    f'~/{name}'
-    for name in (
-        *('contact_surfaces', 'cycle_report', 'geometry_poses', 'markers', 'penetrations'),
-        *('point_distances', 'scene', 'signed_distances', 'transition_event'),
-        *('proximity_events', 'proximity_states', 'speed_scale'),
-        'cameras/*',  # topics of cameras come and go: the star stands for any of them
-    )
-)
-SHARED_RESULTS = ('/diagnostics', '/tf', '/tf_static')  # TF: of cameras
-INPUTS = (
-    *('~/frame_poses', '~/frame_twists', '~/query_points', '~/obstacles/octomap'),
-    *('joint_states', '/tf', '/tf_static'),
-)
+# Topics of cameras come and go: the star stands for any of them.
+RESULTS = (*OUTPUTS, '~/transition_event', '~/cameras/*')
+SHARED_RESULTS = ('/tf', '/tf_static')  # of cameras
+INPUTS = tuple(row.topic for row in topics.INPUTS if '{' not in row.topic)
 # What its process of sensors hears, a node of its own.
 SENSED = (
     '~/obstacles/points',

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from drake_geom_msgs.msg import GeometryPoses as GeometryPosesMessage
 from geometry_msgs.msg import Point
+from rclpy.publisher import Publisher
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -16,7 +17,6 @@ from drake_geom_ros.live.outputs.geometry_poses import GeometryPoses
 from drake_geom_ros.live.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.ros.parameters import ParameterStore
-from drake_geom_ros.ros.surface import Surface, results
 
 if TYPE_CHECKING:  # a node that is asked for no visualiser loads nothing of it
     from drake_geom_ros.live.outputs.visualizer import Visualizer
@@ -31,19 +31,19 @@ class Shown:
     def __init__(
         self,
         live: LiveScene,
-        surface: Surface,
+        publishers: Mapping[str, Publisher],
         settings: ParameterStore,
         active: Callable[[], bool],
         tell: Callable[[str], None],
     ) -> None:
-        """Open the topics on ``surface``; ``tell(text)`` logs what cannot be drawn.
+        """Draw on ``publishers``, by topic; ``tell(text)`` logs what cannot be drawn.
 
         Raises GeometryError where ``lcm_url`` cannot be used.
         """
         self._settings = settings
         self._active = active
-        markers = surface.publisher(MarkerArray, '~/markers', results())
-        poses = surface.publisher(GeometryPosesMessage, '~/geometry_poses', results())
+        markers = publishers['~/markers']
+        poses = publishers['~/geometry_poses']
 
         def why_no_markers() -> str:
             if not settings.values.publish_markers:

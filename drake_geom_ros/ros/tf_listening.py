@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.serialization import deserialize_message
@@ -11,8 +12,9 @@ from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.clocks import Clocks
-from drake_geom_ros.ros.surface import Surface, transforms
+from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.together import Together
+from drake_geom_ros.ros.topics import TF, TF_STATIC, Input
 
 
 def listen_to_tf(
@@ -22,25 +24,24 @@ def listen_to_tf(
 
     Raises ImportError without tf2_msgs, which not every installation has.
     """
-    from tf2_msgs.msg import TFMessage
-
     tf = TfInput(clocks)
-    for static, topic in ((True, '/tf_static'), (False, '/tf')):
+    for row in (TF_STATIC, TF):
+        kind, static = row.type(), row is TF_STATIC
 
         def hear(
-            raw: bytes, waited: float, sender: str, static: bool = static, topic: str = topic
+            raw: bytes, waited: float, sender: str, row: Input = row, kind: Any = kind
         ) -> None:
-            message = deserialize_message(raw, TFMessage)
-            refusal = stream.hear_transforms(tf, static, message, waited, sender)
+            message = deserialize_message(raw, kind)
+            refusal = stream.hear_transforms(tf, row is TF_STATIC, message, waited, sender)
             if refusal.transforms:
-                guard.refuse(topic, refusal.reason, refusal.transforms)
+                guard.refuse(row.topic, refusal.reason, refusal.transforms)
 
         together = Together(
-            partial(guard.take, topic, hear),
-            partial(guard.take, topic, stream.pose_by_transforms),
+            partial(guard.take, row.topic, hear),
+            partial(guard.take, row.topic, stream.pose_by_transforms),
             may_pass_over=not static,
         )
         together.subscription = surface.subscription(
-            TFMessage, topic, together, transforms(static=static), group, raw=True
+            kind, row.topic, together, row.profile(), group, raw=True
         )
     return tf

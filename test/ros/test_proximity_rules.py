@@ -19,7 +19,7 @@ from std_msgs.msg import Float64
 
 from drake_geom_ros.client import ProximityMonitor
 from drake_geom_ros.replay import Finding, Judge, read_events
-from drake_geom_ros.ros.rule_topics import DEADLINE, LEASE
+from drake_geom_ros.ros.topics import DEADLINE, LEASE
 
 pytestmark = pytest.mark.topics
 

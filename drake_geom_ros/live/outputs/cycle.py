@@ -34,6 +34,8 @@ _ALL_COMPILED = 'every kernel of the scene is compiled'
 _NONE_KEPT = 'no pair of two resting bodies'
 _NOTHING_LEFT = 'no pair left to compute'
 _OF_A_CYCLE = ('publish ~/penetrations', 'publish ~/signed_distances', PUBLISHED)
+# Published below the node's name by each cycle; ~/contact_surfaces has a publisher of its own.
+TOPICS = ('penetrations', 'signed_distances', 'cycle_report')
 _OF_PAIRS = ('penetrations', 'signed_distances', 'contact_surfaces')
 
 

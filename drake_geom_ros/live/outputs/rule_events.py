@@ -17,10 +17,12 @@ from drake_geom_ros.live.conversions.proximity_rules import (
     fill_rules,
     fill_what_decided,
 )
+from drake_geom_ros.live.outputs.effects import Beside
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.rule_states import fill_rule_states
 from drake_geom_ros.proximity_rules import Event, ProximityRule
 
+_NO_RULE = 'no proximity rule'
 # [s] at most between two decisions, and two values of the scale: poses may stop to come.
 PERIOD = 0.05
 # [s] at least between two messages of states: they bear all rules, and who comes late hears the
@@ -34,6 +36,15 @@ class RuleTopics(NamedTuple):
     events: Any
     states: Any
     speed_scale: Any
+
+
+class RuleMessages(NamedTuple):
+    """The classes of the messages of proximity rules."""
+
+    ProximityEvents: Any
+    ProximityRules: Any
+    ProximityStates: Any
+    Float64: Any
 
 
 class RuleSettings(NamedTuple):
@@ -50,13 +61,18 @@ class _Listed(NamedTuple):
     message: Any
 
 
+def effect() -> Beside:
+    """Return the row of ~/cycle_report with the pairs that were computed for rules alone."""
+    return Beside('decide proximity rules', lambda: _NO_RULE)
+
+
 class RuleEvents:
     """Decides about the rules of the live scene and publishes their states and events."""
 
     def __init__(
         self,
         topics: RuleTopics,
-        types: Any,
+        types: RuleMessages,
         settings: Callable[[], RuleSettings],
         did: Callable[[int, float], None],
     ) -> None:

@@ -1,0 +1,196 @@
+"""The table of topics: name, type, QoS profile, and for inputs the thread and the handler.
+
+A topic is a row: the node opens it, and ``policy`` allows it.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+from diagnostic_msgs.msg import DiagnosticArray
+from drake_geom_msgs import msg
+from rclpy.duration import Duration
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import JointState, PointCloud2
+from std_msgs.msg import Float64, String
+from visualization_msgs.msg import MarkerArray
+
+from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.point_queries import PointQueries
+from drake_geom_ros.live.inputs.robot_description import RobotInput
+from drake_geom_ros.live.pose_stream import PoseStream
+from drake_geom_ros.ros.callback_groups import CallbackGroups
+from drake_geom_ros.ros.parameters import NodeParameters
+from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, transforms
+
+# What is offered; a listener may ask for as much or for longer. A machine that others load may
+# keep a thread of the node waiting for some tenths of a second.
+DEADLINE = 0.5  # [s] between two values of ~/speed_scale
+LEASE = 1.0  # [s] after which a node without a sign of life counts as dead
+_MOST_EVENTS = 1000  # messages, each of one cycle, that are kept for slow subscribers
+
+
+class Output(NamedTuple):
+    """A topic that the node publishes."""
+
+    kind: Any
+    profile: Callable[[], QoSProfile] = results
+
+
+class Receivers(NamedTuple):
+    """The objects that take messages."""
+
+    stream: PoseStream
+    points: PointQueries
+    robot: RobotInput
+    log: Callable[[str], object]
+
+
+class Arrival(NamedTuple):
+    """How long [s] a message waited for its callback, and its publisher."""
+
+    waited: float
+    sender: str
+
+
+Handler = Callable[[Receivers, Any, Arrival], object]
+
+
+@dataclass(frozen=True)
+class Input:
+    """A topic that the node subscribes to.
+
+    ``topic`` may hold names of parameters in braces; where they are empty it is not opened.
+    ``kind`` may be text (``package/Type``) for a package that not every installation has.
+    ``group`` is a field of ``CallbackGroups``. Without a handler another file opens the topic.
+    """
+
+    topic: str
+    kind: Any
+    profile: Callable[[], QoSProfile]
+    group: str
+    handler: Handler | None = None
+    is_open: Callable[[NodeParameters], bool] = lambda _: True
+
+    def type(self) -> Any:
+        """Return the class of messages; raises ImportError where its package is missing."""
+        if not isinstance(self.kind, str):
+            return self.kind
+        package, name = self.kind.split('/')
+        return getattr(importlib.import_module(f'{package}.msg'), name)
+
+
+def _alive(profile: QoSProfile) -> QoSProfile:
+    """Add a lease, by which a listener notices a dead node."""
+    profile.liveliness = LivelinessPolicy.AUTOMATIC
+    profile.liveliness_lease_duration = Duration(seconds=LEASE)
+    return profile
+
+
+def _events() -> QoSProfile:
+    return _alive(QoSProfile(depth=_MOST_EVENTS))
+
+
+def _states() -> QoSProfile:
+    return _alive(QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+
+
+def _speed_scale() -> QoSProfile:
+    return _alive(QoSProfile(depth=1, deadline=Duration(seconds=DEADLINE)))
+
+
+def newest() -> QoSProfile:
+    """Return the profile of sensors: an old measurement is not worth its time."""
+    return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+OUTPUTS: Mapping[str, Output] = {
+    '~/penetrations': Output(msg.PenetrationPairs),
+    '~/signed_distances': Output(msg.SignedDistancePairs),
+    '~/cycle_report': Output(msg.CycleReport),
+    '~/contact_surfaces': Output(msg.ContactSurfaces),
+    '~/point_distances': Output(msg.PointDistances),
+    '~/proximity_events': Output(msg.ProximityEvents, _events),
+    '~/proximity_states': Output(msg.ProximityStates, _states),
+    '~/speed_scale': Output(Float64, _speed_scale),
+    '~/scene': Output(msg.Scene, latched),
+    '~/markers': Output(MarkerArray),
+    '~/geometry_poses': Output(msg.GeometryPoses),
+    '/diagnostics': Output(DiagnosticArray),
+}
+
+
+def _take_robot(to: Receivers, message: Any, _: Arrival) -> None:
+    if done := to.robot.take(message.data):
+        to.log(done)
+
+
+def _take_semantics(to: Receivers, message: Any, _: Arrival) -> None:
+    if done := to.robot.take_semantics(message.data):
+        to.log(done)
+
+
+# Opened with others by the files that are named beside them.
+JOINT_STATES = Input('joint_states', JointState, sensor_data, 'stream')  # joint_listening
+TF = Input('/tf', 'tf2_msgs/TFMessage', lambda: transforms(static=False), 'stream')  # tf_listening
+TF_STATIC = Input(
+    '/tf_static', 'tf2_msgs/TFMessage', lambda: transforms(static=True), 'stream'
+)  # tf_listening
+OCTOMAP = Input(
+    '~/obstacles/octomap', 'octomap_msgs/Octomap', newest, 'obstacles'
+)  # obstacle_listening
+
+INPUTS: tuple[Input, ...] = (
+    Input(
+        *('~/frame_poses', msg.FramePoses, sensor_data, 'stream'),
+        lambda to, message, arrival: to.stream.take_poses(message, *arrival),
+    ),
+    Input(
+        *('~/frame_twists', msg.FrameTwists, sensor_data, 'stream'),
+        lambda to, message, arrival: to.stream.take_twists(message, arrival.waited),
+        lambda values: values.closing_speeds,
+    ),
+    Input(
+        *('~/query_points', PointCloud2, sensor_data, 'beside'),
+        lambda to, message, _: to.points.take(message),
+    ),
+    Input('{robot_description_topic}', String, latched, 'loading', _take_robot),
+    Input('{robot_description_semantic_topic}', String, latched, 'loading', _take_semantics),
+    *(JOINT_STATES, TF, TF_STATIC, OCTOMAP),
+)
+
+
+def publishers(surface: Surface) -> dict[str, Publisher]:
+    """Open all outputs, and return their publishers by topic."""
+    return {
+        topic: surface.publisher(row.kind, topic, row.profile()) for topic, row in OUTPUTS.items()
+    }
+
+
+def subscribe(
+    surface: Surface,
+    guard: Guard,
+    groups: CallbackGroups,
+    values: NodeParameters,
+    to: Receivers,
+) -> None:
+    """Open the inputs that have a handler; ``guard`` counts what a handler refuses."""
+    for row in INPUTS:
+        topic = row.topic.format_map(asdict(values))
+        if row.handler is None or not topic or not row.is_open(values):
+            continue
+
+        def take(
+            message: Any, info: MessageInfo, handler: Handler = row.handler, topic: str = topic
+        ) -> None:
+            arrival = Arrival(waited(info), publisher_of(info))
+            guard.take(topic.removeprefix('~/'), partial(handler, to), message, arrival)
+
+        group = getattr(groups, row.group)
+        surface.subscription(row.type(), topic, take, row.profile(), group)
