@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,17 @@ def int32s(values: NDArray[Any]) -> array.array[int]:
 def uint8s(values: NDArray[Any]) -> array.array[int]:
     """Return a uint8[] field."""
     return _array('B', np.asarray(values).astype(np.uint8, copy=False))
+
+
+def fill_arrays(message: Any, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Fill fields by name: bool[], uint8[] from bytes, uint64[] from integers, else float64[]."""
+    for name, values in arrays.items():
+        if values.dtype == np.bool_:
+            setattr(message, name, values.tolist())
+        elif values.dtype.kind == 'f':
+            setattr(message, name, floats(values))
+        else:
+            setattr(message, name, (uint8s if values.itemsize == 1 else unsigned)(values))
 
 
 def seconds_of(stamp: Any) -> float:

@@ -14,7 +14,7 @@ from drake_geom_ros.geometry import (
     PointDistanceResults,
     SignedDistanceResults,
 )
-from drake_geom_ros.live.conversions.fields import floats, uint8s, uint32s, unsigned
+from drake_geom_ros.live.conversions.fields import fill_arrays, floats, uint8s, uint32s, unsigned
 
 # What a row of each takes in a message [bytes].
 PENETRATION_SIZE = 105
@@ -25,31 +25,35 @@ CANDIDATE_SIZE = 16
 
 def fill_penetrations(message: Any, results: PenetrationResults) -> None:
     """Fill the arrays of a PenetrationPairs message."""
-    _fill_pairs(message, results)
-    message.p_wca = floats(results.p_WCa)
-    message.p_wcb = floats(results.p_WCb)
-    message.depth = floats(results.depth)
+    arrays = {'p_wca': results.p_WCa, 'p_wcb': results.p_WCb, 'depth': results.depth}
+    fill_arrays(message, _arrays_of_pairs(results) | arrays)
 
 
 def fill_signed_distances(
     message: Any, results: SignedDistanceResults, max_distance: float
 ) -> None:
     """Fill the arrays of a SignedDistancePairs message."""
-    _fill_pairs(message, results)
     message.max_distance = max_distance
-    message.p_aca = floats(results.p_ACa)
-    message.p_bcb = floats(results.p_BCb)
-    message.distance = floats(results.distance)
-    message.is_nhat_ba_w_unique = results.is_nhat_BA_W_unique.tolist()
+    arrays = {
+        'p_aca': results.p_ACa,
+        'p_bcb': results.p_BCb,
+        'distance': results.distance,
+        'is_nhat_ba_w_unique': results.is_nhat_BA_W_unique,
+    }
+    fill_arrays(message, _arrays_of_pairs(results) | arrays)
 
 
-def _fill_pairs(message: Any, results: PenetrationResults | SignedDistanceResults) -> None:
-    """Fill what all messages of pairs have."""
-    message.id_a = unsigned(results.id_A)
-    message.id_b = unsigned(results.id_B)
-    message.nhat_ba_w = floats(results.nhat_BA_W)
-    message.error_bound = floats(results.error_bound)
-    message.method = uint8s(results.method)
+def _arrays_of_pairs(
+    results: PenetrationResults | SignedDistanceResults,
+) -> dict[str, NDArray[Any]]:
+    """Return the fields that all messages of pairs have."""
+    return {
+        'id_a': results.id_A,
+        'id_b': results.id_B,
+        'nhat_ba_w': results.nhat_BA_W,
+        'error_bound': results.error_bound,
+        'method': results.method,
+    }
 
 
 def fill_closing_speeds(message: Any, speeds: ClosingSpeeds | None) -> None:

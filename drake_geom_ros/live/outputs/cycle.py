@@ -98,8 +98,7 @@ class Cycle:
             self.rules.look_at(scene, None, 0.0)
             return
         moment, waiting = scene.moment(), scene.waiting()
-        for message in (*self._messages.values(), self.contacts.message):
-            waiting.tell_pairs(message)
+        waiting.tell_pairs(*self._messages.values(), self.contacts.message)
         scene.tell_effects(detailed=wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None

@@ -36,9 +36,10 @@ class BesideBodies(NamedTuple):
     nearest: float
     cells: int  # with these, and with those that are held from before
 
-    def fill(self, message: Any) -> None:
-        """Fill the fields of an answer, or of the report of a cycle."""
-        message.shell_points, message.least_shell_distance = self.points, self.nearest
+    def fill(self, *messages: Any) -> None:
+        """Fill the fields of answers, and of the report of a cycle."""
+        for message in messages:
+            message.shell_points, message.least_shell_distance = self.points, self.nearest
 
     def in_words(self) -> str:
         """Return a sentence about it; empty where there are none."""

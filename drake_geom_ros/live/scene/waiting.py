@@ -27,10 +27,11 @@ class Waiting(NamedTuple):
             f'{counted(len(self.frames), "frame")} never had a pose: {some_of(self.frames)}'
         )
 
-    def tell_pairs(self, message: Any) -> None:
-        """Say it in an answer about pairs, or in the report of a cycle."""
-        message.waiting_frames, message.waiting_pairs = self.frames, self.pairs
-        self.beside.fill(message)
+    def tell_pairs(self, *messages: Any) -> None:
+        """Say it in answers about pairs, and in the report of a cycle."""
+        for message in messages:
+            message.waiting_frames, message.waiting_pairs = self.frames, self.pairs
+        self.beside.fill(*messages)
 
     def tell_geometries(self, message: Any) -> None:
         """Say it in an answer about geometries."""
