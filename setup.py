@@ -74,7 +74,7 @@ setup(
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
         # What no console script is, for these would stand in every user's PATH.
-        (f'lib/{NAME}', ['scripts/compile', 'scripts/status']),
+        (f'lib/{NAME}', ['scripts/compile', 'scripts/record', 'scripts/status']),
         *(shared(folder) for folder in ('config', 'launch', 'scenes') if Path(folder).is_dir()),
     ],
     # The package may be installed read-only: compiled kernels are kept elsewhere (compiled.py).

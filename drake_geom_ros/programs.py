@@ -68,3 +68,10 @@ def status() -> int:
         from drake_geom_ros.ros.status.program import main
 
         return main()
+
+
+def record() -> int:
+    """Record a run of a node."""
+    with _ending_at_once(_INTERRUPTED):
+        from drake_geom_ros.ros.recorder.program import main
+    return main()

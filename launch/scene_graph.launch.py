@@ -16,6 +16,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.ros.parameters import TEXTS, NodeParameters
+from drake_geom_ros.ros.recorder.topics import topics_of
 
 TEXT_LIST = typing.List[str]  # noqa: UP006 - launch does not know list[str]
 # Arguments that are parameters of the node, all of them: type, description.
@@ -35,12 +36,6 @@ ARGUMENTS = {
     'log_level': ('info', 'debug, info, warn, error or fatal.'),
 }
 OWN_TF = [('/tf', 'tf'), ('/tf_static', 'tf_static')]
-# What a report and its audit take, where it is sent: docs/recordings.md.
-RECORDED = ('joint_states', 'robot_description', 'robot_description_semantic')
-RECORDED_OF_NODE = (
-    *('frame_poses', 'scene', 'signed_distances', 'penetrations'),
-    *('proximity_events', 'proximity_states'),
-)
 # Clients that are killed leave mutexes in shared memory locked: a node waits for them for ever.
 TRANSPORTS = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
 
@@ -79,14 +74,13 @@ def recording(context: LaunchContext) -> ExecuteProcess:
     """Return what records the node's run."""
     given = context.launch_configurations
     space = given['namespace'].strip('/')
-    space = f'/{space}' if space else ''
-    tf = space if given['own_tf'] == 'true' else ''
-    topics = ['/clock', f'{tf}/tf', f'{tf}/tf_static']
-    for name in RECORDED:
-        topic = given.get(f'{name}_topic') or name
-        topics.append(topic if topic.startswith('/') else f'{space}/{topic}')
-    topics += [f'{space}/{given["name"]}/{topic}' for topic in RECORDED_OF_NODE]
-    command = ['ros2', 'bag', 'record', '--storage', 'mcap', *dict.fromkeys(topics)]
+    names = 'joint_states', 'robot_description', 'robot_description_semantic'
+    topics = topics_of(
+        f'{f"/{space}" if space else ""}/{given["name"]}',
+        own_tf=given['own_tf'] == 'true',
+        **{name: given.get(f'{name}_topic') or '' for name in names},
+    )
+    command = ['ros2', 'bag', 'record', '--storage', 'mcap', *topics]
     return ExecuteProcess(cmd=command, output='screen')
 
 

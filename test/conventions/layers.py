@@ -132,6 +132,7 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'live/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
+    'ros/recorder': (('common', 'ros', 'ros/recorder'), ('ROS', 'rosbags')),
     'ros/status': (('common', 'client', 'ros/sensing', 'ros', 'ros/status'), ('ROS',)),
     'ros': (
         (
@@ -146,7 +147,7 @@ ROS_ROOMS = {
 LAYERS = {
     '': (('programs',), ()),
     # What is started, each of which imports the rest of itself.
-    'programs': (('command_line', 'ros', 'ros/viewer', 'ros/status'), ()),
+    'programs': (('command_line', 'ros', 'ros/recorder', 'ros/viewer', 'ros/status'), ()),
     'math': (('math',), ('numpy',)),
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),

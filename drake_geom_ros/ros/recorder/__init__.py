@@ -1,0 +1,1 @@
+"""Records the topics that reports need as MCAP, for installations without ``ros2 bag``."""

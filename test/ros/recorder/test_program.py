@@ -1,0 +1,108 @@
+"""The program ``record`` beside a node: what it writes is what a report reads."""
+
+import signal
+
+import pytest
+from drake_geom_msgs import msg
+from ros.harness import ROOT, Process, start_node, wait_until_ready
+from ros.scene_calls import poses
+from std_msgs.msg import String
+
+pytest.importorskip('rosbags')
+pytest.importorskip('mcap')
+
+from rosbags.rosbag2 import Reader
+
+from drake_geom_ros.command_line.program import main as drake_geom_ros
+from drake_geom_ros.ros.recorder.program import MISUSED, NOTHING_RECORDED, main
+
+pytestmark = pytest.mark.topics
+
+NAME = 'recorded_by_program'
+
+
+@pytest.fixture
+def node(tmp_path):
+    process = start_node(
+        tmp_path / 'node.log', name=NAME, scene_file='scenes/minimal.yaml', max_distance=1.0
+    )
+    yield process
+    assert process.end() == 0, process.output()
+
+
+def counts_of(folder):
+    """Return the number of recorded messages by topic."""
+    with Reader(folder) as reader:
+        return {each.topic: each.msgcount for each in reader.connections}
+
+
+def test_a_run_is_recorded_and_a_report_reads_it(node, tmp_path, lone_client, capsys):
+    folder = tmp_path / 'run'
+    lone_client.server = f'/{NAME}'
+    wait_until_ready(lone_client)
+    publisher = lone_client.publisher(msg.FramePoses, 'frame_poses')
+    extra = lone_client.node.create_publisher(String, '/note_of_the_test', 1)
+    record = ['--node', NAME, '--out', str(folder), '--topic', '/note_of_the_test']
+    recorder = Process(tmp_path / 'record.log', ROOT / 'scripts/record', *record)
+    try:
+        wanted = (f'/{NAME}/scene', f'/{NAME}/frame_poses', f'/{NAME}/signed_distances')
+        lone_client.wait_for(
+            lambda: all(f'record: {t}\n' in recorder.output() for t in (*wanted, extra.topic)),
+            'subscriptions of the recorder',
+        )
+        heard = lone_client.listen(msg.SignedDistancePairs, 'signed_distances')
+
+        def both_hear():
+            extra.publish(String(data='here'))
+            publisher.publish(poses(['ball'], [(0.5, 0.0, 0.3)]))
+            return len(heard) > 20
+
+        lone_client.wait_for(both_hear, 'results')
+        recorder.popen.send_signal(signal.SIGINT)
+        lone_client.wait_for(lambda: recorder.popen.poll() is not None, 'the end of the recorder')
+    finally:
+        assert recorder.end() == 0, recorder.output()
+    counts = counts_of(folder)
+    assert counts[f'/{NAME}/scene'] >= 1  # latched, from before the recorder came
+    assert min(counts[topic] for topic in (*wanted[1:], extra.topic)) >= 1
+    assert f'{counts[wanted[1]]:9}  {wanted[1]}' in recorder.output()
+    assert 'no message of /clock, ' in recorder.output()
+
+    report = ['report', str(folder), '--scene', 'scenes/minimal.yaml', '--max-distance', '1']
+    assert drake_geom_ros([*report, '--audit', '--pictures', '0']) == 0
+    out = capsys.readouterr().out
+    assert 'all: distance 0.2 m within' in out
+    assert 'refuted' not in out.lower() or '0 refuted' in out.lower()
+
+
+def test_without_a_message_it_says_so(tmp_path, capsys):
+    command = ['--node', 'nobody_at_all', '--out', str(tmp_path / 'run'), '--seconds', '0.1']
+    assert main(command) == NOTHING_RECORDED
+    out = capsys.readouterr()
+    assert '0 messages' in out.out
+    assert '/nobody_at_all/scene' in out.err
+
+
+@pytest.mark.parametrize(
+    ('words', 'reason'),
+    [
+        (['--out', '{tmp}'], 'is there already'),
+        (['--out', '{tmp}/none/run'], 'there is no folder'),
+        (['--seconds', '0'], 'must be positive'),
+    ],
+)
+def test_what_cannot_be_is_refused(words, reason, tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([word.format(tmp=tmp_path) for word in words])
+    assert ended.value.code == MISUSED
+    assert reason in capsys.readouterr().err
+
+
+def test_a_type_that_is_not_installed_is_not_recorded_and_others_are(tmp_path):
+    from drake_geom_ros.ros.recorder.definitions import Definitions, UnknownTypeError
+
+    definitions = Definitions()
+    with pytest.raises(UnknownTypeError, match='nowhere_msgs/msg/Thing'):
+        definitions.add('nowhere_msgs/msg/Thing')
+    types = definitions.add('drake_geom_msgs/msg/Scene')
+    assert {'drake_geom_msgs/msg/SceneFrame', 'geometry_msgs/msg/Pose'} < set(types.fielddefs)
