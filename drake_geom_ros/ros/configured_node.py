@@ -71,6 +71,9 @@ _NO_CLOCK = (
     'use_sim_time is set, but no message of /clock has arrived: ages are unknown, and with a '
     'rate no cycle runs'
 )
+_RULE_MESSAGES = RuleMessages(
+    messages.ProximityEvents, messages.ProximityRules, messages.ProximityStates, Float64
+)
 _NOT_DUE = 'no {} since the last report'
 
 
@@ -96,13 +99,6 @@ class ConfiguredNode:
         self._guard = guard
         self._diagnostics = diagnostics
         publishers = topics.publishers(surface)
-        contacts = ContactTopic(
-            publishers['~/contact_surfaces'],
-            messages.ContactSurfaces,
-            lambda: settings.values.contact_polygons,
-            self._must_stop,
-            partial(guard.failed, COMPUTED),
-        )
         self._costs = LevelCosts(live, publishers['~/cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._shown = Shown(
@@ -111,19 +107,7 @@ class ConfiguredNode:
         self._beside = {**_beside(publishers), **self._shown.beside}
         decided = rule_events.effect()
         self._rules = RuleEvents(
-            RuleTopics(
-                events=publishers['~/proximity_events'],
-                states=publishers['~/proximity_states'],
-                speed_scale=publishers['~/speed_scale'],
-            ),
-            RuleMessages(
-                messages.ProximityEvents,
-                messages.ProximityRules,
-                messages.ProximityStates,
-                Float64,
-            ),
-            self._rule_settings,
-            decided.did,
+            RuleTopics.of(publishers), _RULE_MESSAGES, self._rule_settings, decided.did
         )
         tf = transforms(static=False)
         self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
@@ -134,7 +118,13 @@ class ConfiguredNode:
             self._costs,
             self._replays,
             self._rules,
-            contacts,
+            ContactTopic(
+                publishers['~/contact_surfaces'],
+                messages.ContactSurfaces,
+                lambda: settings.values.contact_polygons,
+                self._must_stop,
+                partial(guard.failed, COMPUTED),
+            ),
             beside,
         )
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)

@@ -38,6 +38,7 @@ ROS_PACKAGES = {
     'diagnostic_msgs',
     'geometry_msgs',
     'launch',
+    'ament_index_python',
     'launch_ros',
     'lifecycle_msgs',
     'rcl_interfaces',

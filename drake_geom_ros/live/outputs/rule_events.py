@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import SignedDistanceResults
@@ -36,6 +36,15 @@ class RuleTopics(NamedTuple):
     events: Any
     states: Any
     speed_scale: Any
+
+    @classmethod
+    def of(cls, publishers: Mapping[str, Any]) -> RuleTopics:
+        """Return those among the publishers of a node, by topic."""
+        return cls(
+            events=publishers['~/proximity_events'],
+            states=publishers['~/proximity_states'],
+            speed_scale=publishers['~/speed_scale'],
+        )
 
 
 class RuleMessages(NamedTuple):
