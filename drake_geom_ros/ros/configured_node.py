@@ -142,14 +142,7 @@ class ConfiguredNode:
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values, publishers['~/point_distances'])
-        if settings.values.use_tf:
-            self._stream.inputs.tf = listen_to_tf(
-                surface, self._stream, guard, groups.stream, live.clocks
-            )
-        self._joints = JointListening(
-            surface, self._stream, guard, groups.stream, live.clocks, settings.values
-        )
-        self._obstacles = ObstacleListening(surface, live, self._stream, guard, groups, settings)
+        self._listen(settings.values)
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None
@@ -240,6 +233,17 @@ class ConfiguredNode:
         log = self._node.get_logger().info
         receivers = topics.Receivers(self._stream, points, RobotInput(self.live), log)
         topics.subscribe(self._surface, self._guard, self._groups, values, receivers)
+
+    def _listen(self, values: NodeParameters) -> None:
+        """Listen to TF, joint states and sensors, whose topics depend on parameters and robots."""
+        surface, stream, guard = self._surface, self._stream, self._guard
+        group, clocks = self._groups.stream, self.live.clocks
+        if values.use_tf:
+            stream.inputs.tf = listen_to_tf(surface, stream, guard, group, clocks)
+        self._joints = JointListening(surface, stream, guard, group, clocks, values)
+        self._obstacles = ObstacleListening(
+            surface, self.live, stream, guard, self._groups, self._settings
+        )
 
     def _open_services(self, profile: QoSProfile) -> None:
         """Open all services."""
