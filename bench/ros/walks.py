@@ -95,7 +95,9 @@ class _Node:
         topics = RuleTopics(_Publisher(), _Publisher(), _Publisher())
         types = SimpleNamespace(**vars(msg), Float64=Float64)
         rules = RuleEvents(topics, types, lambda: RuleSettings(1.0), lambda *_: None)
-        contacts = ContactTopic(silent, msg.ContactSurfaces(), lambda: False)
+        contacts = ContactTopic(
+            silent, msg.ContactSurfaces, lambda: False, lambda: False, lambda _: None
+        )
         costs, replays = LevelCosts(self.live, silent), Replays(lambda: ('', 20))
         cycle = Cycle(msg, publishers, costs, replays, rules, contacts)
         values = SimpleNamespace(stale_after=1.0, rate=0.0, max_distance=0.3, time_budget=0.0)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 # [s] a stamp that is earlier than the node's time by more is of another clock, or the message is
@@ -59,6 +59,11 @@ def oldest(*moments: Since) -> Since:
     ahead = min(offsets)
     offset = ahead if ahead < 0.0 else max(offsets)
     return UNKNOWN if UNKNOWN in distinct else Since(min(epochs), min(heard), min(held), offset)
+
+
+def oldest_of_each(groups: Iterable[Iterable[Since]]) -> list[Since]:
+    """Return the ``oldest`` moment of each group."""
+    return [oldest(*group) for group in groups]
 
 
 ALWAYS = Since(math.inf, math.inf, math.inf)  # of a pose that does not grow old

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
-from drake_geom_ros.live.scene.clocks import UNKNOWN, Since, oldest
+from drake_geom_ros.live.scene.clocks import UNKNOWN, Since, oldest_of_each
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.scene_files import WORLD, RobotDescription
 from drake_geom_ros.trajectories.kinematics import Kinematics
@@ -152,12 +152,12 @@ class DrivenRobot:
 
         Left out are links with a joint of which nothing was heard.
         """
+        values = self.values
+        heard = [c for c, some in rows.items() if some and all(values[k] for k in c)]
+        moments = [(base.since, *(v.since for k in c if (v := values[k]))) for c in heard]
         posed: dict[Since, set[int]] = defaultdict(set)
-        for columns, some in rows.items():
-            values = [self.values[column] for column in columns]
-            sinces = [value.since for value in values if value is not None]
-            if some and len(sinces) == len(columns):
-                posed[oldest(base.since, *sinces)] |= some
+        for columns, since in zip(heard, oldest_of_each(moments), strict=True):
+            posed[since] |= rows[columns]
         return posed
 
     def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:

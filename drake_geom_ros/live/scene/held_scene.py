@@ -108,6 +108,7 @@ class HeldScene:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
         self._scene_graph = scene_graph
         self._context = scene_graph.CreateSharedContext(partial=True)
+        self.query: QueryObject = scene_graph.get_query_output_port().Eval(self._context)  # live
         self._version_base = version
         self._named_version = -1
         self._ages, self._leases = PoseAges(self._clocks), Leases(self._clocks.steady)
@@ -156,11 +157,6 @@ class HeldScene:
     def inspector(self) -> SceneGraphInspector:
         """The inspector of the scene."""
         return self._scene_graph.model_inspector()
-
-    @property
-    def query(self) -> QueryObject:
-        """The live query object."""
-        return self._scene_graph.get_query_output_port().Eval(self._context)
 
     @property
     def names(self) -> NameTable:

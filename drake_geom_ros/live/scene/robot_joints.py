@@ -46,6 +46,7 @@ class RobotJoints:
         """``frames`` by source and name; values of ``before`` go on where names are the same."""
         self.robots: dict[str, DrivenRobot] = {}
         self.pasts: dict[str, JointPast] = {}  # of these, filled where somebody has to know
+        self._homes: dict[str, tuple[FrameId | None, bool]] = {}
         self.refused: dict[str, str] = {}  # robots that no joint values can pose, and why
         for robot in robots:
             if robot.tree is None:
@@ -81,23 +82,35 @@ class RobotJoints:
             return Base(robot.described_X_PB, ALWAYS)
         if robot.root is None:
             return None
-        inspector = query.inspector()
-        home, parent = inspector.GetHomeFrame(robot.root), inspector.GetParentFrame(robot.root)
+        home, is_attached = self._home(robot.name, robot.root, query)
         try:
-            if home == inspector.world_frame_id():  # as arrays: it is asked for with each message
+            if home is None:  # as arrays: it is asked for with each message
                 (R_PB,), (p_PB,), (is_placed,) = query.X_WFs([robot.root.get_value()])
                 if not is_placed:
                     return None
             else:
                 X_PB = (
                     query.X_PF(robot.root)
-                    if home == parent
+                    if not is_attached
                     else query.X_WF(home).InvertAndCompose(query.X_WF(robot.root))  # attached
                 )
                 R_PB, p_PB = X_PB.rotation().matrix(), X_PB.translation()
         except PoseError:
             return None
         return Base(robot.pose_of_base(R_PB, p_PB), since or UNKNOWN)
+
+    def _home(self, name: str, root: FrameId, query: QueryObject) -> tuple[FrameId | None, bool]:
+        """Return the frame that carries a robot, None for the world, and whether it is attached.
+
+        Looked up once: a change of either makes another version of the scene.
+        """
+        if name not in self._homes:
+            inspector = query.inspector()
+            home = inspector.GetHomeFrame(root)
+            is_attached = home != inspector.GetParentFrame(root)
+            carrier = None if home == inspector.world_frame_id() else home
+            self._homes[name] = carrier, is_attached
+        return self._homes[name]
 
     def places(self, names: Sequence[str]) -> list[JointPlace]:
         """Return which joints names mean; raises ArgumentError for one that means none."""
