@@ -13,7 +13,8 @@ import numpy as np
 
 from bench.accuracy.cases import PairSubject
 from bench.accuracy.samples import CONFIGURATIONS, farthest_point, known
-from drake_geom_ros.cross_check.bodies import Body, Floats
+from drake_geom_ros.cross_check.bodies import Body
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.mesh_bodies import CUTS, mesh_body
 from truth.bodies.random_bodies import random_body, random_rotation
 from truth.hard_cases.cases import Case

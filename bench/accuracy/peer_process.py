@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.cross_check.lost_process import ANSWER, LostProcess, Outcome
+from drake_geom_ros.math.array_types import Floats
 from truth import peers
 
 LIMIT = 5.0  # [s] for one pair to be made and asked: milliseconds, usually

@@ -12,7 +12,8 @@ from zlib import crc32
 
 import numpy as np
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.random_bodies import random_directions, random_rotations
 from truth.hard_cases.cases import Case
 from truth.references import convex

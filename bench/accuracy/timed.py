@@ -14,7 +14,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros import geometry
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.math.array_types import Floats
 from truth.judging.asking import POINTS, SIGNED_DISTANCE, BodyScene, asked_for
 
 SPACING = 4.0  # [m] between the pairs of a scene of samples: none of them meets its neighbours

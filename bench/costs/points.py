@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from drake_geom_ros.cross_check.bodies import Floats
 from drake_geom_ros.geometry import (
     FramePoseVector,
     GeometryFrame,
@@ -32,6 +31,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
 )
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 
 SECTIONS = ((32, 16), (64, 32), (256, 128))
 BITS = 10  # a coordinate's, in the order of the curve

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.ros.scenes import scene_text, two_arms
-from drake_geom_ros.cross_check.bodies import Floats
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.random_bodies import random_directions
 
 SCENE, FRAMES, POSES = 'scene.yaml', 'frames.json', 'poses.npy'  # the files of a rung

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.cross_check.bodies import Floats
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.arms import SWING, link_poses
 
 PACES = ('slow', 'robot', 'jump')

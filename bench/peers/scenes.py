@@ -9,7 +9,8 @@ from functools import partial
 import numpy as np
 
 from bench.peers.motion import Motion, Walk, swinging
-from drake_geom_ros.cross_check.bodies import BOUNDED, Body, Floats
+from drake_geom_ros.cross_check.bodies import BOUNDED, Body
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies import arms
 from truth.bodies.random_bodies import random_directions, random_rotations
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.autodiffutils.autodiff import AutoDiffXd, is_autodiff
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Objects = NDArray[np.object_]
 
 

@@ -33,8 +33,8 @@ from drake_geom_ros.geometry.queries.joint_queries import (
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
 from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 _DOUBLES = np.dtype(np.float64)
 _BLOCK = 1024  # states between two checks for Ctrl-C
 

@@ -12,9 +12,7 @@ from drake_geom_ros.batch.names import PairNames
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.geometry.queries.contact_bodies import NoSurface
 from drake_geom_ros.geometry.queries.contact_queries import Contacts
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 # Columns, and the corresponding arrays of the surfaces of a state.
 _OF_SURFACES = {

@@ -9,11 +9,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.lib import format as npy
-from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import SceneFileError
 
-Floats = NDArray[np.float64]
 _PIECE = 1024  # rows that are hashed, and so read, at once: memory stays flat
 
 

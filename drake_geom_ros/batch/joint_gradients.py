@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch.joints import Arm
 from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.batched import matrices_from_poses
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 class _Posed(NamedTuple):

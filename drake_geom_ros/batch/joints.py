@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError, FrameId
 from drake_geom_ros.geometry.queries.joint_trees import JointChain, JointTree, side_by_side
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.scene_files import LoadedScene
 from drake_geom_ros.trajectories.kinematics import Kinematics
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import GeometryError
-
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Indices
 
 
 class Names:

@@ -7,15 +7,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
 from drake_geom_ros.batch.results import LeastDistances
 from drake_geom_ros.geometry import MotionCheck, SceneGraph, SceneGraphContext
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class PathProfile(NamedTuple):

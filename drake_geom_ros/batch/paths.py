@@ -31,9 +31,9 @@ from drake_geom_ros.geometry.queries.motion_queries import (
 )
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
 from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
-Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 _PART = 256  # edges that are checked in one call, which Ctrl-C and other threads wait for
 

@@ -6,7 +6,6 @@ from collections.abc import Hashable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.batch.joints import Joints, chain_of_arms, still_poses
 from drake_geom_ros.geometry import SceneGraphContext
@@ -14,8 +13,7 @@ from drake_geom_ros.geometry.queries.context import state_of
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
-
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Indices
 
 
 class PreparedPaths(NamedTuple):

@@ -28,8 +28,8 @@ from drake_geom_ros.geometry.queries.state_queries import (
     StateError,
     StateQueries,
 )
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Columns = dict[str, NDArray[Any]]
 
 WANTS = ('collision', 'least', 'nearest', 'within', 'points', 'contacts')

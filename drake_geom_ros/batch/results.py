@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.contacts import ContactsOfStates
 from drake_geom_ros.batch.names import Names, PairNames
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
 
 class _LeastDistances(NamedTuple):

@@ -25,14 +25,12 @@ from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.batch import worker
 from drake_geom_ros.batch.questions import Columns, Job
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.geometry.queries.state_queries import StateQueries
 
-Floats = NDArray[np.float64]
 Block = tuple[int, int]  # the first state, and the one after the last
 Done = tuple[Block, Columns]
 _KILLED = 'KilledWorker'  # Dask: a block whose workers died several times; others are unaffected

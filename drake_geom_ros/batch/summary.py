@@ -9,13 +9,12 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.batch.questions import Columns
 from drake_geom_ros.batch.running import BatchError
+from drake_geom_ros.math.array_types import Floats
 
 BINS = 60
-Floats = NDArray[np.float64]
 
 
 class Summary:

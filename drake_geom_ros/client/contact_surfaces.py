@@ -9,8 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drake_geom_ros.client.left_out import IncompleteError
-from drake_geom_ros.client.results import Floats, Pair, PairResults
+from drake_geom_ros.client.results import Pair, PairResults
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.math.array_types import Floats
 
 OUT_OF_TIME = 7  # NoSurface.OUT_OF_TIME
 _SHOWN = 3  # pairs in a sentence

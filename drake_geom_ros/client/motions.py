@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from rclpy.duration import Duration
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
+
 _OUTCOMES = ('refused', 'clear', 'contact', 'unknown')
 
 

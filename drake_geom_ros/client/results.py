@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.client.left_out import LeftOut
 from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
 Record = TypeVar('Record')
 Rows = TypeVar('Rows', bound='Results[Any]')

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Progress = Callable[[int, int], object]  # states done, and all
 # Size of one request: below any limit of responses, and small enough for regular progress.
 _MOST_NUMBERS = 200_000

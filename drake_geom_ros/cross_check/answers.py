@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drake_geom_ros.geometry import Convex, Mesh, Shape
 from drake_geom_ros.math import RigidTransform
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 SIGNED_DISTANCE, PENETRATION = QUERIES = ('signed_distance', 'penetration')
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from drake_geom_ros import geometry
 from drake_geom_ros.cross_check.answers import ACCESSORS, HALVES, SolidMesh
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 # Type number as in the Shape message; half sizes, or the number of vertices and their x, y, z.
 Form = tuple[int, Floats]
 Pose = tuple[Any, Any]  # R (3, 3), p (3,) [m]

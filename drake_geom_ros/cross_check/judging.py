@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.cross_check.answers import PairAnswer
-from drake_geom_ros.cross_check.bodies import Floats, Pair
+from drake_geom_ros.cross_check.bodies import Pair
 from drake_geom_ros.cross_check.question import (
     AGREED,
     DISAGREED,
@@ -30,6 +30,7 @@ from drake_geom_ros.cross_check.question import (
 )
 from drake_geom_ros.cross_check.surfaces import height, off_surfaces, width
 from drake_geom_ros.cross_check.tolerances import JUDGED_PART, JUDGED_ROUNDING, NO_DIRECTION
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.replay import Opinion
 
 _BEYOND = 1e300  # [m]; FCL leaves distances that it did not compute at the largest number

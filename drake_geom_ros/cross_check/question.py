@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import (
     GeometryId,
@@ -20,9 +19,9 @@ from drake_geom_ros.geometry import (
     Shape,
     SignedDistanceResults,
 )
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.replay import Opinion
 
-Floats = NDArray[np.float64]
 Pose = tuple[Floats, Floats]  # R_WG (3, 3), p_WG (3,) [m]
 
 AGREED = 'agreed'

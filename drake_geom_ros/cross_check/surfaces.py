@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Form, Pair
+from drake_geom_ros.cross_check.bodies import Body, Form, Pair
 from drake_geom_ros.cross_check.tolerances import ALIGNED
 from drake_geom_ros.geometry import ShapeKind
+from drake_geom_ros.math.array_types import Floats
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, *_ = ShapeKind
 _EPS = float(np.finfo(np.float64).eps)

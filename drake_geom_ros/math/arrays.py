@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import ORTHOGONAL
-
-Floats = NDArray[np.float64]
 
 _IDENTITY = np.eye(3)
 

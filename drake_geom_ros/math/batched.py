@@ -14,9 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import QUATERNION_NORM
-
-Floats = NDArray[np.float64]
 
 
 def matrices_from_poses(poses: ArrayLike, what: str = 'poses') -> tuple[Floats, Floats]:

@@ -6,13 +6,12 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import rotation_error
 from drake_geom_ros.math.batched import quaternions_from_rotations, rotations_from_quaternions
 from drake_geom_ros.math.tolerances import ALMOST_ROTATION, UNIT_NORM
-
-Floats = NDArray[np.float64]
 
 
 class Quaternion:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import as_vector, orthogonal
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.math.quaternions import AngleAxis
 from drake_geom_ros.math.rotations import RollPitchYaw, RotationMatrix
-
-Floats = NDArray[np.float64]
 
 
 class RigidTransform:

@@ -6,14 +6,13 @@ import math
 from typing import Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import as_vector, orthogonal, rotation_error
 from drake_geom_ros.math.batched import quaternions_from_rotations, rotations_from_quaternions
 from drake_geom_ros.math.quaternions import AngleAxis, Quaternion
 from drake_geom_ros.math.tolerances import ALMOST_ROTATION, DIRECTION_NORM, ROTATION
-
-Floats = NDArray[np.float64]
 
 
 class RotationMatrix:

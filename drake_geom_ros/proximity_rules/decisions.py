@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.compiling import compiled
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.proximity_rules.nearest_pairs import NearestPairs, no_pairs
 from drake_geom_ros.proximity_rules.rule import ProximityRule, Why
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Ids = NDArray[np.int64]
 Whys = NDArray[np.uint8]
 _NEAR, _SOON = int(Why.NEAR), int(Why.SOON)

@@ -9,13 +9,13 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules.decisions import Entered, Poses
 from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.nearest_pairs import NearestPairs
 from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
 from drake_geom_ros.proximity_rules.watched_pairs import WatchedPairs
 
-Flags = NDArray[np.bool_]
 Ids = NDArray[np.int64]
 _NOBODY = np.full(3, math.nan)
 

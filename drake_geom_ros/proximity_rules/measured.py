@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from drake_geom_ros.math.array_types import Flags, Floats
+
 Ids = NDArray[np.int64]
 
 

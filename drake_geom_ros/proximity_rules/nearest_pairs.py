@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.compiling import Entry, given, like
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.proximity_rules.measured import Measured
 
-Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
 Words = NDArray[np.uint64]
 WORD = 64  # bits

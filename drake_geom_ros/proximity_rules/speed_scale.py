@@ -6,13 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules.decisions import Limits, Reasons
 from drake_geom_ros.proximity_rules.rule import Level, ProximityRule, Why
 from drake_geom_ros.proximity_rules.watched_pairs import WatchedPairs
-
-Flags = NDArray[np.bool_]
 
 
 class SpeedScale:

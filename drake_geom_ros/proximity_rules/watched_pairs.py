@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.geometry_names import GeometryNames, is_plain, matches
 from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.proximity_rules.measured import NOTHING, Measured
 from drake_geom_ros.proximity_rules.nearest_pairs import (
     WORD,
@@ -28,8 +29,6 @@ from drake_geom_ros.proximity_rules.nearest_pairs import (
 from drake_geom_ros.proximity_rules.rule import ProximityRule
 
 Ids = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 _COLUMNS = 1024  # of a matrix of pairs that are counted at once: four bytes each
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
 

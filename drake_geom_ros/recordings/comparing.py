@@ -6,16 +6,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
 from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import SetClearance
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 WAYS = ('time', 'phase')
 _PARTS = 1000  # into which a run is cut
 

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.recordings.results import RunAnalysis, States
 from drake_geom_ros.recordings.set_clearance import Moment, SetClearance, Span, joined
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 MOST_CONTACTS = 100  # in a report
 AGES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # [s] upper limits of bins of states
 _BINS = 3000  # of time; only the nearest state of each is drawn

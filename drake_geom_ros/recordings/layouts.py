@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Indices
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF, store_of
 from drake_geom_ros.recordings.raw_messages import Topic
 
 Bytes = NDArray[np.uint8]
-Indices = NDArray[np.int64]
 
 # Fields that may differ, by path in the message, and their types; `*` is each of a sequence.
 _STAMP = {'header.stamp.sec': '<i4', 'header.stamp.nanosec': '<u4'}

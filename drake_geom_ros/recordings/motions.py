@@ -17,11 +17,11 @@ from drake_geom_ros.batch import LeastDistances
 from drake_geom_ros.batch.running import cores
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
 from drake_geom_ros.recordings.states import Block
 
-Floats = NDArray[np.float64]
 Codes = NDArray[np.int8]
 UNKNOWN, CLEAR, CONTACT = 0, 1, 2
 _CODES = {'unknown': UNKNOWN, 'clear': CLEAR, 'contact': CONTACT}

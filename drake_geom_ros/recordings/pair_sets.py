@@ -7,14 +7,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.common.geometry_names import GeometryNames, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.live.scene.scene_rules import geometry_names, hanging
+from drake_geom_ros.math.array_types import Flags
 
-Flags = NDArray[np.bool_]
 ALL = 'all'
 _BETWEEN = re.compile('(?<!:):(?!:)')  # a colon that is not one of `source::frame`
 

@@ -14,6 +14,7 @@ import numpy as np
 from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.inputs.pose_runs import PoseRun, Sender, run_of, subjects_of
 from drake_geom_ros.live.scene import feeders
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.layouts import Layouts
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
@@ -21,7 +22,7 @@ from drake_geom_ros.recordings.opened import Opened
 from drake_geom_ros.recordings.playback import Moment
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Topic
 from drake_geom_ros.recordings.recording import Recorded, recorded
-from drake_geom_ros.recordings.repeats import Batch, Floats, Indices, Stamp, Stretch
+from drake_geom_ros.recordings.repeats import Batch, Stamp, Stretch
 from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
 
 _SHORTEST = 8  # messages of a run, since finding one takes as long as a few messages

@@ -8,15 +8,13 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import GeometryId, QueryObject
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.recordings.message_types import DISTANCES
 from drake_geom_ros.recordings.witnesses import Judged, Witnesses, fault_of
 from drake_geom_ros.replay import RecordedEvent
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 _BOUND_ONLY = 4  # METHOD_BOUND_ONLY of the messages
 Names = Mapping[int, str]  # full names of geometries by id
 

@@ -8,10 +8,10 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.inputs.tf_edges import are_transforms
+from drake_geom_ros.math.array_types import Flags, Floats, Indices
 from drake_geom_ros.recordings.layouts import (
     TRANSFORM_NUMBERS,
     TRANSFORMS,
@@ -24,9 +24,6 @@ from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.playback import is_jump
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Raw, Topic
 
-Indices = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 _STAMP = {
     CLOCK: 'clock',
     JOINTS: 'header.stamp',

@@ -9,9 +9,9 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
 from drake_geom_ros.recordings.maps import maps_remark
@@ -26,8 +26,6 @@ from drake_geom_ros.recordings.set_clearance import (
     joined,
 )
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _MOST_NAMES = 8
 
 

@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 # Columns by state; those of motions exist only if motions are certified.
 COLUMNS = (
     *('known_distance', 'known_error_bound', 'geometry_A', 'geometry_B'),

@@ -9,18 +9,16 @@ from hashlib import sha256
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
 from drake_geom_ros.live.inputs.pose_runs import PoseRun
 from drake_geom_ros.live.scene.clocks import Since
 from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.recordings.pair_sets import PairSet, SelectedPairs, selected_pairs
 from drake_geom_ros.recordings.playback import Playback
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _NUMBERS = 2**20  # in a block's poses: 8 MB
 _MOST_STATES = 16384
 

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import GeometryId, Mesh, QueryObject, SceneGraphInspector
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.recordings.tolerances import NEAR
-
-Floats = NDArray[np.float64]
 
 
 class Witnesses(NamedTuple):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.sensed_maps.passes import (
     BITS,
     MOST_STEPS,
@@ -22,7 +23,6 @@ MOST_CELLS = 5_000_000  # of a map: 120 MB as centres
 _FIRST_TABLE = 1 << 17  # rows of the hash table for counting, filled at most by half
 LEAST_RESOLUTION, LARGEST_RESOLUTION = 1.0 / 8192.0, 1024.0  # [m]
 
-Floats = NDArray[np.float64]
 Keys = NDArray[np.int64]
 
 

@@ -12,11 +12,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError
 
-Floats = NDArray[np.float64]
 _STEP = 0.5  # between samples of a ray, in cells; it may miss the corner of a cell, which stays
 _MOST_SAMPLES = 2_000_000  # of rays at once
 

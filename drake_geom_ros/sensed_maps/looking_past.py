@@ -9,13 +9,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.compiling import compiled
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.sensed_maps.passes import Columns, as_columns
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _STEP = 0.05  # edge of a bucket of unit vectors
 _WIDEST = 0.2  # greatest width of a place as a difference of unit vectors, to limit its buckets
 _BASE = 1 << 10  # buckets along an axis, in a key

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy_format
-from numpy.typing import NDArray
 
 from drake_geom_ros.common.stand_ins import stand_in
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.geometry.meshes.ply_points import ply_points
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.sensed_maps.cells import Cells, MapError
 from drake_geom_ros.sensed_maps.octree_file import octree_file, parse_octree_file
 from drake_geom_ros.sensed_maps.pcd_file import MOST_POINTS, parse_pcd, pcd_file
@@ -25,7 +25,6 @@ CELL_SUFFIXES = ('.bt', '.ot')
 POINT_SUFFIXES = ('.pcd', '.ply', '.xyz', '.npy')
 MAP_SUFFIXES = (*CELL_SUFFIXES, *POINT_SUFFIXES)
 _MOST_BYTES = 512_000_000
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.compiling import compiled
+from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
-Floats = NDArray[np.float64]
 Columns = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 BITS = 21  # of a key along each axis, so that all three fit into 64 bits
 MOST_STEPS = 1 << (BITS - 1)  # cells from the origin along an axis

@@ -10,8 +10,8 @@ import io
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.sensed_maps.cells import MapError
 
 MOST_POINTS = 20_000_000  # of a file
@@ -20,7 +20,6 @@ _MOST_NUMBERS = 10_000  # of a field in a row
 _KINDS = {'F': {4, 8}, 'I': {1, 2, 4, 8}, 'U': {1, 2, 4, 8}}
 _LISTS = ('FIELDS', 'SIZE', 'TYPE')
 _PAGES = (4096, 16384, 65536)  # bytes of memory
-Floats = NDArray[np.float64]
 
 
 def parse_pcd(data: bytes) -> Floats:

@@ -12,13 +12,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.sensed_maps.cells import Cells, Keys, keys_of
 from drake_geom_ros.sensed_maps.keeping import KeptCells
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 class Shell(NamedTuple):

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.autodiffutils.arrays import autodiff_array, derivatives_of, values_of
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 def is_of_autodiff(*arrays: Any) -> bool:

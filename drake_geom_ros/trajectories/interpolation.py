@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class MonotoneCubic:

@@ -5,16 +5,15 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drake_geom_ros.common.frame_names import Frame, full_name
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
 from drake_geom_ros.trajectories.pose_matrices import inverse, matrices_of_poses, poses_of_matrices
 from drake_geom_ros.trajectories.timed_poses import TimedPoses
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

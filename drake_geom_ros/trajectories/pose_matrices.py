@@ -1,11 +1,10 @@
 """Homogeneous matrices (..., 4, 4) of poses (..., 7) x y z qx qy qz qw, and back."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
-
-Floats = NDArray[np.float64]
 
 
 def poses_of_matrices(X: ArrayLike) -> Floats:

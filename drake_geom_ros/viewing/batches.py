@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import compose, quaternions_from_rotations
 from drake_geom_ros.viewing.looks import LAYERS, Look
 from drake_geom_ros.viewing.surfaces import ROUND, DrawnSurface, Part, facets_around, parts_of
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.viewing.looks import PAIR_COLOURS
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.patches import Patches, colours_of, in_pascals
 
-Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 MOST_PAIRS = 200  # lines in a picture, of the nearest pairs

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import SignedDistanceResults
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 _MILLIMETRE = 1000.0
 _MOST = 20  # characters of a name in a row
 

@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ContactSurfaceResults
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 # From no pressure to the greatest: dark blue, teal, yellow, which also differ in lightness.
 _COLOURS = ((0.10, 0.10, 0.45), (0.10, 0.55, 0.60), (1.00, 0.90, 0.15))

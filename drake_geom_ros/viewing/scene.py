@@ -10,13 +10,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.viewing.looks import Look
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.patches import Patches
 from drake_geom_ros.viewing.rules import ShownRule
 from drake_geom_ros.viewing.short_names import short_names
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,6 +34,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
 from drake_geom_ros.sensors import CameraInfo
 from drake_geom_ros.viewing.looks import colour_of, is_solid
@@ -41,7 +42,6 @@ from drake_geom_ros.viewing.overlays import with_pairs, with_patches
 from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.patches import Patches
 
-Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 _STEEP = 0.999  # cosine to the vertical beyond which +y, not +z, is up

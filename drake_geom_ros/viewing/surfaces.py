@@ -24,9 +24,9 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.viewing.looks import mesh_surface
 
-Floats = NDArray[np.float64]
 # Facets around a round surface, a multiple of 4 so that its width is exact.
 FINEST, _COARSEST = 32, 8
 _POINT = 0.01  # a ring of a smaller radius, relative to 1, is a point

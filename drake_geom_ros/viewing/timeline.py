@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import (
@@ -16,10 +15,10 @@ from drake_geom_ros.geometry import (
     QueryObject,
     SceneGraphContext,
 )
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.trajectories.motion import Motion
 from drake_geom_ros.trajectories.timed_poses import slerp
 
-Floats = NDArray[np.float64]
 _MOST_LOOKS = 400  # moments of a motion at which the minimum distance is computed
 _FIRST_REACH = 0.1  # [m]
 _LOOKS_BETWEEN = (0.25, 0.5, 0.75)  # sampled fractions of the time of a piece

@@ -8,8 +8,9 @@ import numpy as np
 from mpmath import mp, mpf
 from oracles import closed_forms
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.cross_check.surfaces import CONVEX, HALF_SPACE
+from drake_geom_ros.math.array_types import Floats
 from truth.references import convex
 from truth.references.meshes import ball_distance
 from truth.references.supports import offset_between, posed

@@ -10,7 +10,8 @@ from bench.searches.hunting import judge
 from bench.searches.hunting.chains import ChainedScene
 from bench.searches.hunting.judge import Judged, Ratios
 from bench.searches.hunting.scene import PairsScene
-from drake_geom_ros.cross_check.bodies import Floats, Pair
+from drake_geom_ros.cross_check.bodies import Pair
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.random_bodies import random_rotation
 from truth.references import convex
 from truth.tolerances import ROUNDING, SEARCH

@@ -14,8 +14,9 @@ import numpy as np
 
 from bench.searches.hunting import planes
 from bench.searches.hunting.scene import Distances, Replies
-from drake_geom_ros.cross_check.bodies import Floats, Pair
+from drake_geom_ros.cross_check.bodies import Pair
 from drake_geom_ros.cross_check.surfaces import off_surfaces
+from drake_geom_ros.math.array_types import Floats
 from truth.judging import laws
 from truth.tolerances import (
     AS_TOUCHING,

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.cross_check.bodies import Floats
 from drake_geom_ros.geometry import Mesh, MeshData
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies import grids
 from truth.bodies.grids import Cell
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from bench.searches.hunting.asking import Scenes, merged
 from bench.searches.hunting.starts import valid
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.math.array_types import Floats
 from truth.tolerances import ROUNDED_SKEW
 
 DIGITS = (1, 2, 3, 6, 9)

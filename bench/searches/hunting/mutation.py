@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from bench.searches.hunting import starts
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair, as_tuples
+from drake_geom_ros.cross_check.bodies import Body, Pair, as_tuples
 from drake_geom_ros.math import RotationMatrix
+from drake_geom_ros.math.array_types import Floats
 from truth.tolerances import (
     ACCEPTED_SKEW,
     ENTRY_SKEW,

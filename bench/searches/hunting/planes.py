@@ -19,7 +19,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.random_bodies import even_directions
 from truth.references.supports import posed
 from truth.tolerances import ALIKE, NARROWEST, ON_AXIS

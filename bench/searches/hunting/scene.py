@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     METHODS,
@@ -18,6 +18,7 @@ from drake_geom_ros.geometry import (
     PenetrationResults,
     SignedDistanceResults,
 )
+from drake_geom_ros.math.array_types import Floats
 from truth.judging.asking import BodyScene
 
 

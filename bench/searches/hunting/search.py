@@ -10,7 +10,8 @@ from bench.searches.hunting import starts
 from bench.searches.hunting.asking import CHAIN, GIVEN, Scenes, merged
 from bench.searches.hunting.judge import LAWS, Judged
 from bench.searches.hunting.mutation import Last, mutated_pose, mutated_size
-from drake_geom_ros.cross_check.bodies import Floats, Pair
+from drake_geom_ros.cross_check.bodies import Pair
+from drake_geom_ros.math.array_types import Floats
 from truth.tolerances import ROUNDED_SKEW
 
 SLOTS = 48  # pairs that evolve beside each other

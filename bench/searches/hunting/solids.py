@@ -12,7 +12,6 @@ import numpy as np
 
 from bench.searches.hunting.lattice import SIDE, Lattice, random_lattice, truth
 from drake_geom_ros.batch import evaluate
-from drake_geom_ros.cross_check.bodies import Floats
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     FrameId,
@@ -26,6 +25,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 
 LAWS = {
     'certificate': 'the true distance lies within `error_bound`, at every level',

@@ -8,8 +8,9 @@ import numpy as np
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, Body, Floats, Pair, as_tuples
+from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, Body, Pair, as_tuples
 from drake_geom_ros.cross_check.surfaces import height
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.random_bodies import (
     box_corners,
     random_directions,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry._proximity.world.world import World
@@ -16,8 +15,8 @@ from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.context_state import ContextState
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Poses = FramePoseVector | FramePoseVectorAutoDiffXd
 
 

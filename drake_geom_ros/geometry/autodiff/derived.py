@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.autodiffutils.arrays import autodiff_array
 from drake_geom_ros.geometry._proximity.derivatives.gradients import (
@@ -41,8 +40,8 @@ from drake_geom_ros.geometry.queries.query_results import (
     PointDistanceResults,
     SignedDistanceResults,
 )
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 _BORDER = 'a nearest point lies on the border of an edge or face, where its motion has a kink'
 
 _OF_MAP = (

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.autodiffutils.arrays import (
     autodiff_array,
@@ -20,8 +19,7 @@ from drake_geom_ros.geometry.errors import ArgumentTypeError, UnknownIdError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RotationMatrix
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class FramePoseVectorAutoDiffXd:

@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.autodiffutils.arrays import (
     autodiff_array,
@@ -34,6 +33,7 @@ from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
 from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
 from drake_geom_ros.geometry.queries.query_object import QueryObject
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.missing import refuse_missing_member
 
 if TYPE_CHECKING:
@@ -42,8 +42,6 @@ if TYPE_CHECKING:
         PenetrationResults,
         SignedDistanceResults,
     )
-
-Floats = NDArray[np.float64]
 
 
 class QueryObjectAutoDiffXd:

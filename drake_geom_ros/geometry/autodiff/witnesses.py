@@ -19,11 +19,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.features import FACE, SEGMENT
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class Side(NamedTuple):

@@ -6,13 +6,11 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh, signed_volumes
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Loop = Sequence[int]  # the corners of a flat face, in order around it
 
 

@@ -6,13 +6,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.hydroelastic.tolerances import SAME_HALF, SAME_HINT
 from drake_geom_ros.geometry.shapes.primitives import Capsule, Cylinder, Ellipsoid, Shape, Sphere
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 # Of one body, tetrahedra or triangles: a ball cut seven times. It takes 0.1 GB of memory, and
 # seconds to pack; one cut once more takes four times as much of both.

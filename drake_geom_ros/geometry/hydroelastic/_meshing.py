@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.hydroelastic._cells import CutBody, Loop, body_of_cells, oriented
 from drake_geom_ros.geometry.hydroelastic._counts import (
@@ -19,9 +18,7 @@ from drake_geom_ros.geometry.hydroelastic._counts import (
     vertices_around_capsule,
     vertices_around_cylinder,
 )
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 _OCTAHEDRON = np.vstack((np.eye(3), -np.eye(3)))
 _EIGHTHS = [(x, y, z) for x in (0, 3) for y in (1, 4) for z in (2, 5)]

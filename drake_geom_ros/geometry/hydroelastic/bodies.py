@@ -43,8 +43,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class HydroelasticType(enum.Enum):

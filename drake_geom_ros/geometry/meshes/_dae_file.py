@@ -11,13 +11,12 @@ from collections.abc import Iterator
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.meshes._gltf_file import fan, strip
 from drake_geom_ros.geometry.meshes._obj_file import triangulate
-from drake_geom_ros.geometry.meshes._parsed_mesh import Indices, ParsedMesh, Pieces
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh, Pieces
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
 Element = ElementTree.Element
 MOST_INSTANCES = 100_000  # nodes that name one another multiply
 

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _F = TypeVar('_F', bound='FacetMesh')
 
 

@@ -14,11 +14,10 @@ from typing import Any
 from urllib.parse import unquote_to_bytes
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drake_geom_ros.geometry.meshes._parsed_mesh import Indices, ParsedMesh, Pieces
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh, Pieces
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942  # the types of chunks
 _COMPONENTS = {5120: '<i1', 5121: '<u1', 5122: '<i2', 5123: '<u2', 5125: '<u4', 5126: '<f4'}
 _WIDTHS = {'SCALAR': 1, 'VEC2': 2, 'VEC3': 3, 'VEC4': 4}

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.tolerances import COPLANAR, EPS, SAME_VOLUME
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 def united(vertices: Floats, triangles: Indices) -> list[list[int]]:

@@ -17,11 +17,9 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     FLAT_HULL,
 )
 from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.math.array_types import Floats, Indices
 
 HULL_EXPONENT = 24  # points are scaled to about 2^24 for hulls
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 def tight_box(points: Floats) -> Floats:

@@ -14,12 +14,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Point = tuple[float, ...]
 _Flat = tuple[float, float]
 

@@ -11,9 +11,7 @@ from drake_geom_ros.geometry._proximity.tolerances import NO_VOLUME
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._library import connected_pieces
 from drake_geom_ros.geometry.meshes._welding import closed_surface, merged
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 _SAMPLES = 32  # vertices of a piece that are tested for being inside another
 # Winding number above which a vertex is inside: it is 1 inside another piece, 0 outside, and where

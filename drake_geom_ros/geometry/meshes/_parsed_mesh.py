@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 class ParsedMesh(NamedTuple):

@@ -8,12 +8,11 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.meshes._obj_file import triangulate
-from drake_geom_ros.geometry.meshes._parsed_mesh import Indices, ParsedMesh
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
 _KINDS = {
     name: kind
     for kind, names in {

@@ -49,9 +49,7 @@ from drake_geom_ros.geometry.meshes.source import (
     triangles_of,
     turned,
 )
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 # Faces of the hull that are tried as separating directions: each visits all vertices of the hull.
 MOST_PLANES = 64

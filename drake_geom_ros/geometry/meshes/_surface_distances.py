@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 _AT_ONCE = 2_000_000  # spheres around triangles that are processed together: some 50 MB
 

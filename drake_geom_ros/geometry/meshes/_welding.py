@@ -10,14 +10,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._library import near_one_another
 from drake_geom_ros.geometry.meshes.tolerances import WELDED_APART
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.errors import ArgumentError
-from drake_geom_ros.geometry.meshes._facet_mesh import Facet, FacetMesh, Floats, Indices, positions
+from drake_geom_ros.geometry.meshes._facet_mesh import Facet, FacetMesh, positions
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 class SurfacePolygon(Facet):

@@ -18,14 +18,12 @@ from drake_geom_ros.geometry.meshes._library import convex_hull
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
 from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import FARTHEST
 
 # A file is read at once, and its numbers need some ten times its size; a scan of 2 million
 # triangles as binary STL has 100 MB.
 MAX_MESH_BYTES = 200_000_000
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 class MeshData:

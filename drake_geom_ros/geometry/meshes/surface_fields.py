@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.errors import ArgumentError
-from drake_geom_ros.geometry.meshes._facet_mesh import Floats
 from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import as_vector
 
 

@@ -12,15 +12,9 @@ from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError
-from drake_geom_ros.geometry.meshes._facet_mesh import (
-    Facet,
-    FacetMesh,
-    Floats,
-    Indices,
-    positions,
-    vertices_of,
-)
+from drake_geom_ros.geometry.meshes._facet_mesh import Facet, FacetMesh, positions, vertices_of
 from drake_geom_ros.geometry.meshes._obj_file import read_obj
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.arrays import as_vector
 
 _T = TypeVar('_T', bound='_TriangleMesh')

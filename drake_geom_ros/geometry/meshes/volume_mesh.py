@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError
-from drake_geom_ros.geometry.meshes._facet_mesh import Facet, Floats, Indices, positions
+from drake_geom_ros.geometry.meshes._facet_mesh import Facet, positions
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.arrays import as_vector
 
 # The corners of the face opposite to each corner of a tetrahedron, counter-clockwise from outside.

@@ -23,11 +23,10 @@ from drake_geom_ros.geometry.checks import checked_pose, checked_type
 from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.math.tolerances import FARTHEST
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _INT64, _FLOAT64 = np.dtype(np.int64), np.dtype(np.float64)
 # Local names for a hot path, see ``FromArrays``.
 _new, _empty, _Array = object.__new__, np.empty, np.ndarray

@@ -12,8 +12,7 @@ from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults, SignedDistanceResults
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class ClosingSpeeds(NamedTuple):

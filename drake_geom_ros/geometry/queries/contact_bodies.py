@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     LATE,
@@ -36,12 +35,10 @@ from drake_geom_ros.geometry.model._records import GeometryRecord, is_solid
 from drake_geom_ros.geometry.queries.padding import Paddings
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
 from drake_geom_ros.geometry.shapes.primitives import Capsule, Cylinder, Ellipsoid, Sphere
+from drake_geom_ros.math.array_types import Floats, Indices
 
 if TYPE_CHECKING:  # with its kernels
     from drake_geom_ros.geometry._contact_surfaces.asking import Posed
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 # Packed bodies, as long as the bodies live: the contexts of a scene share them.

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import UNABLE
 from drake_geom_ros.geometry._contact_surfaces.limits import UNLIMITED, Limit
@@ -26,11 +25,10 @@ from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.half_space_pairs import EndlessOverlaps, with_endless
 from drake_geom_ros.geometry.queries.query_records import PenetrationAsPointPair
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
+from drake_geom_ros.math.array_types import Indices
 
 if TYPE_CHECKING:  # with its kernels
     from drake_geom_ros.geometry._contact_surfaces.asking import Answer
-
-Indices = NDArray[np.int64]
 
 
 class Contacts(NamedTuple):

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._contact_surfaces.arrays import (
     AREA,
@@ -35,12 +34,10 @@ from drake_geom_ros.geometry.meshes.surface_fields import (
     TriangleSurfaceMeshFieldLinear,
 )
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.math.array_types import Floats, Indices
 
 if TYPE_CHECKING:  # with its kernels
     from drake_geom_ros.geometry._contact_surfaces.asking import Answer
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 class HydroelasticContactRepresentation(enum.Enum):

@@ -15,8 +15,8 @@ from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_content import SceneHolder
 from drake_geom_ros.geometry.queries.context_state import ContextState
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 _Context = TypeVar('_Context', bound='SceneGraphContext')
 
 

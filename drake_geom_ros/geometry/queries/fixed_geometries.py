@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import compose
-
-Floats = NDArray[np.float64]
 
 
 class FixedGeometries:

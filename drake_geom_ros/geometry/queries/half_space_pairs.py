@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
@@ -31,9 +30,7 @@ from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.queries.padding import Paddings
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 class HalfSpaceGaps(NamedTuple):

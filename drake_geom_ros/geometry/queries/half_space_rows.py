@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -28,9 +27,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps
 from drake_geom_ros.geometry.queries.padding import Paddings, lower_ends
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 def rows_of_gaps(gaps: HalfSpaceGaps, world: World, paddings: Paddings | None) -> PairBatch:

@@ -17,9 +17,8 @@ from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps, gaps
 from drake_geom_ros.geometry.queries.half_space_rows import rows_of_gaps
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import Paddings
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 

@@ -19,11 +19,10 @@ from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
 from drake_geom_ros.geometry.queries.half_space_states import HalfSpaceStates
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.math.array_types import Floats
 
 # Verdicts on a state; see ``JointQueries.verdict``.
 __all__ = ['FREE', 'NEAR', 'NO_POSE', 'NO_STATE', 'OUTSIDE', 'JointQueries', 'Least']
-
-Floats = NDArray[np.float64]
 
 
 class Least(NamedTuple):

@@ -16,12 +16,10 @@ from drake_geom_ros.geometry._proximity.world.joint_poses import (
     JointChain,
     pose_links,
 )
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.batched import rotations_from_quaternions
 
 __all__ = ['JointChain', 'JointKind', 'JointTree', 'side_by_side']
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 class JointKind(IntEnum):

@@ -21,10 +21,8 @@ from drake_geom_ros.geometry.queries.motion_queries import (
     MotionQuestion,
 )
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

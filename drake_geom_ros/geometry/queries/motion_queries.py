@@ -38,10 +38,9 @@ from drake_geom_ros.geometry.queries.half_space_states import (
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 INTERPOLATIONS = {'slerp': SLERP, 'screw': SCREW}

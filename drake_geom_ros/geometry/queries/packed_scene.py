@@ -30,10 +30,8 @@ from drake_geom_ros.geometry.queries.padding import (
     Paddings,
 )
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import WELDED_STAYS
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,9 +53,8 @@ from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import is_map, padding_of
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _ROUNDED = 8.0  # sums and products, each rounded by EPS of what is added
 
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.world.world import PointShapes, World
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.shapes.primitives import PackedShape
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 def pooled(packed: list[PackedShape]) -> tuple[Indices, Indices, Floats]:

@@ -17,10 +17,8 @@ from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arr
 from drake_geom_ros.geometry.model.scene_content import SceneContent
 from drake_geom_ros.geometry.queries.tables import tables_of
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import WELDED_STAYS
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 _Scene = TypeVar('_Scene', bound='PosedScene')
 _MAX_FRAME_LISTS = 64  # a limit, since callers may pose different frames each time

@@ -18,9 +18,8 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import PointBatch
 from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses, PosedWorld
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.ids import FrameId
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 

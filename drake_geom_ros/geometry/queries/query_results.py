@@ -43,6 +43,7 @@ from drake_geom_ros.geometry.queries.query_records import (
     SignedDistanceToPoint,
 )
 from drake_geom_ros.geometry.queries.result_sequence import Record, ResultSequence
+from drake_geom_ros.math.array_types import Floats
 
 # Slices of columns, made once, since making them takes a third of the time of a view.
 _FIRST, _SECOND, _IDS = np.s_[:, 0], np.s_[:, 1], np.s_[:, IDS:]
@@ -52,7 +53,6 @@ _POINTS_A, _POINTS_B = np.s_[:, WITNESS_A : WITNESS_A + 3], np.s_[:, WITNESS_B :
 _IN_A, _IN_B = np.s_[:, P_ACA : P_ACA + 3], np.s_[:, P_BCB : P_BCB + 3]
 _DEPTHS, _DISTANCES = np.s_[:, DEPTH], np.s_[:, DISTANCE]
 
-Floats = NDArray[np.float64]
 Ids = NDArray[np.int64]
 
 

@@ -10,12 +10,9 @@ import operator
 from collections.abc import Callable, Sequence
 from typing import Any, Generic, TypeVar, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import PairBatch, PointBatch
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Record = TypeVar('Record')
 Batch = TypeVar('Batch', PairBatch, PointBatch)
 

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.model.scene_content import SceneHolder, content_of
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
-
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Indices
 
 
 class SceneMark:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.world.world import Named
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
@@ -23,9 +22,7 @@ from drake_geom_ros.geometry.queries.half_space_pairs import endless_overlaps
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import Paddings
 from drake_geom_ros.geometry.queries.query_results import PenetrationResults
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 class StateContacts:

@@ -33,9 +33,8 @@ from drake_geom_ros.geometry.queries.query_results import (
     SignedDistanceResults,
 )
 from drake_geom_ros.geometry.queries.state_contacts import StateContacts
+from drake_geom_ros.math.array_types import Floats, Indices
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 # Answers about a block of states: the number that each state has (N,), and all of them.
 BlockAnswers = tuple[Indices, SignedDistanceResults | PointDistanceResults]
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.world.pose_rounding import TURN, shift_of, taken_roundings
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.queries.point_shapes import pooled
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:

@@ -22,12 +22,12 @@ from drake_geom_ros.geometry.render.render_label import RenderLabel
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
 from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape, Sphere, for_queries
 from drake_geom_ros.geometry.shapes.sensed import OccupiedCells, PointCloud
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import compose
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
 
-Floats = NDArray[np.float64]
 
 # Default colours of frames, of equal lightness; that of the world is the palest.
 _PALETTE = tuple(

@@ -6,15 +6,15 @@ import itertools
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
 from drake_geom_ros.geometry.shapes.plane import Plane
 from drake_geom_ros.geometry.shapes.primitives import HalfSpace
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import as_vector
 
-Floats = NDArray[np.float64]
 _B = TypeVar('_B', bound='_BoundingBox')
 
 

@@ -38,8 +38,8 @@ from drake_geom_ros.geometry.meshes.source import (
 )
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 _M = TypeVar('_M', bound='_FromMesh')
 
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry.checks import checked_type
@@ -28,8 +27,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
 )
 from drake_geom_ros.geometry.shapes.sensed import SensedMap
 from drake_geom_ros.math import RigidTransform, RotationMatrix
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 def CalcVolume(shape: Shape) -> float:

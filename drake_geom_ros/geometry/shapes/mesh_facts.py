@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._solids import have_area
 from drake_geom_ros.geometry.meshes._welding import closed_surface
 from drake_geom_ros.geometry.meshes.source import remarks_on, surface
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh, mesh_of
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class MeshFacts(NamedTuple):

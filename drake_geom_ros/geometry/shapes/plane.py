@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.math import RotationMatrix
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
-
-Floats = NDArray[np.float64]
 
 
 class Plane:

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -24,10 +24,10 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM, FARTHEST
 
-Floats = NDArray[np.float64]
 _S = TypeVar('_S', bound='Shape')
 
 

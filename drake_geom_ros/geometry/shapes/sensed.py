@@ -10,8 +10,7 @@ from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_CELL
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
 from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
 from drake_geom_ros.geometry.shapes.sensed_surfaces import surface_of_balls, surface_of_cells
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 MOST_CELLS = 2**23  # 8 388 608: 0.6 GB with their tree
 FARTHEST_CELL = 1e9  # [m] the largest cell, and how far one may be

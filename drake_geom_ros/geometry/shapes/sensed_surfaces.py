@@ -5,12 +5,9 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.tolerances import ON_GRID
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 _FEW = 10_000  # balls that are drawn with 32 triangles each; of more with 8
 _SIDES = [np.array(s) * np.eye(3, dtype=np.int64)[k] for k in range(3) for s in (1, -1)]

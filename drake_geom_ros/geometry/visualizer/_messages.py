@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import GeometryId
@@ -32,8 +31,8 @@ from drake_geom_ros.geometry.shapes.primitives import (
 from drake_geom_ros.geometry.shapes.sensed import SensedMap
 from drake_geom_ros.geometry.visualizer._lcm_types import LcmType, TypeMember
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Fields = dict[str, Any]
 
 GEOMETRY_DATA = LcmType(

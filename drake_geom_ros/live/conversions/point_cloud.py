@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 Columns = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
 
 _MOST_FIELDS = 1000

@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.live.scene.self_filter import BodiesThen
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.sensed_maps.keeping import KeptCells
 from drake_geom_ros.sensed_maps.shell import Shell
 
 POINTS, DEPTH, OCTOMAP = 'points', 'depth', 'octomap'
 INPUTS = (POINTS, DEPTH, OCTOMAP)
 SELF_FILTERS = ('none', 'robots', 'scene')
-Floats = NDArray[np.float64]
 
 
 class ObstacleSettings(NamedTuple):

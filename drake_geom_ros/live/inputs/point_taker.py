@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.depth_image import points_from_depth
@@ -23,14 +22,13 @@ from drake_geom_ros.live.inputs.obstacle_records import (
     Place,
 )
 from drake_geom_ros.live.scene.self_filter import SelfFilter, Zones
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.sensed_maps.cells import Cells, Keys, keys_of
 from drake_geom_ros.sensed_maps.keeping import KeptCells, seen_through
 from drake_geom_ros.sensed_maps.looking_past import rays_past
 from drake_geom_ros.sensed_maps.passes import Reached, as_columns, keep_in_box, put_within_reach
 from drake_geom_ros.sensed_maps.shell import Shell
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 MOST_POINTS = 5_000_000  # of a message
 _MOST_CAMERAS = MOST_FEEDS  # whose camera_info is kept
 

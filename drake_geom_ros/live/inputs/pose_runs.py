@@ -19,7 +19,6 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId, FramePoseVector
 from drake_geom_ros.live.inputs.joint_input import JointInput, base_of
@@ -32,9 +31,7 @@ from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.feeders import JOINTS, MESSAGES, TF
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.senders import may_jump_and_return
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 class Sender(NamedTuple):

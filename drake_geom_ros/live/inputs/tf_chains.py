@@ -14,9 +14,8 @@ from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.live.inputs.tf_edges import Edge
 from drake_geom_ros.live.inputs.tf_troubles import loop_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, Since, oldest
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import poses_from_matrices
-
-Floats = NDArray[np.float64]
 
 
 class Placed(NamedTuple):

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.conversions.misread_numbers import is_misread, why_misread
 from drake_geom_ros.live.scene.clocks import ALWAYS, Arrival, Since
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import are_poses, matrices_from_poses
 
 # [m] longest translation: chains of so many stay within what a scene takes, 2**1004 m.
 _FARTHEST = 2.0**900
 _SHOWN = 5  # transforms that are named in a refusal
-
-Floats = NDArray[np.float64]
 
 
 class Edge(NamedTuple):

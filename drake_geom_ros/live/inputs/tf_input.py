@@ -28,7 +28,6 @@ from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.live.inputs.tf_chains import (
     WORLD,
     Chains,
-    Floats,
     Placed,
     PosedByRun,
     Posing,
@@ -47,6 +46,7 @@ from drake_geom_ros.live.scene.feeders import TF
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.pose_ages import time_of
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 
 _GONE = 1.0  # [s] a name of which nothing is heard so much longer than of the other is not in use
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back

@@ -8,18 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drake_geom_ros.geometry import ArgumentError, FrameId
 from drake_geom_ros.live.inputs.tf_edges import Edge
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.pose_history import PoseThen, Then, between
 from drake_geom_ros.live.scene.tracks import Bracket, Track, UnknownThenError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import poses_from_matrices
-
-Floats = NDArray[np.float64]
 
 
 class Chain(NamedTuple):

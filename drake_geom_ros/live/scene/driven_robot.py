@@ -15,10 +15,9 @@ from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
 from drake_geom_ros.live.scene.clocks import UNKNOWN, Since, oldest_of_each
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import WORLD, RobotDescription
 from drake_geom_ros.trajectories.kinematics import Kinematics
-
-Floats = NDArray[np.float64]
 
 
 class JointValue(NamedTuple):

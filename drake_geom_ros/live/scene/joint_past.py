@@ -10,14 +10,13 @@ import math
 from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.live.scene.driven_robot import DrivenRobot, or_zero
 from drake_geom_ros.live.scene.pose_history import PoseThen, Then
 from drake_geom_ros.live.scene.tracks import Bracket, Track, UnknownThenError
+from drake_geom_ros.math.array_types import Floats
 
 _OF_SEVERAL_VALUES = ('planar', 'floating')  # some are angles
-Floats = NDArray[np.float64]
 
 
 class JointPast:

@@ -13,10 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId, GeometryId, QueryObject, SceneGraphInspector
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.proximity_rules import Measured, ScenePairs
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 class Sight(NamedTuple):

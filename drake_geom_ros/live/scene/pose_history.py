@@ -13,20 +13,17 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId, SceneGraphInspector
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.pose_ages import PosedFrames
 from drake_geom_ros.live.scene.tracks import KEPT, Bracket, Track, UnknownThenError
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.trajectories.timed_poses import slerp
 
 _MOST_TRACKS = 64  # sets of frames that came together; more are looked through for old ones
 _REMEMBERED = 60.0  # [s] for which it is known since when somebody poses a frame
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 class Then(Protocol):

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
@@ -22,9 +21,8 @@ from drake_geom_ros.live.conversions.names import shortened, some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN, Since
 from drake_geom_ros.live.scene.driven_robot import Base, DrivenRobot, JointEntry, JointValue
 from drake_geom_ros.live.scene.joint_past import JointPast
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import RobotDescription
-
-Floats = NDArray[np.float64]
 
 
 class JointPlace(NamedTuple):

@@ -25,6 +25,7 @@ from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.out_of_sight import Balls, MapSights, unseen, with_unseen
 from drake_geom_ros.live.scene.seen_shells import SeenShell, with_shells
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules import (
     Event,
     Measured,
@@ -37,7 +38,6 @@ from drake_geom_ros.proximity_rules import (
     WatchedPairs,
 )
 
-Flags = NDArray[np.bool_]
 Twists = Mapping[FrameId, NDArray[np.float64]]
 _NO_PAIRS = ScenePairs(np.zeros(0, dtype=np.int64), [], np.zeros((0, 0), dtype=np.bool_))
 

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import GeometryId, QueryObject
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.proximity_rules import Measured, ScenePairs
-
-Floats = NDArray[np.float64]
 
 
 class SeenShell(NamedTuple):

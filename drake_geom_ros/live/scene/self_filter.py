@@ -26,11 +26,9 @@ from drake_geom_ros.geometry import (
     SourceId,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.array_types import Flags, Floats, Indices
 from drake_geom_ros.sensed_maps.passes import Cubes, find_in_cubes
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 _CUBE, _MOST_CUBES = 0.1, 100  # [m] edge of a cube, and how many there are along an axis at most
 _SMALL, _SMALLEST = 0.3, 0.005  # edge of a small cube: of the noise, and [m]
 _MOST_SMALL = 2.0**62  # small cubes, numbered by whole numbers

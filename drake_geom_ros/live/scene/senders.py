@@ -12,10 +12,10 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.live.scene.driven_robot import DrivenRobot, JointValue
 from drake_geom_ros.live.scene.feeders import Feeders
+from drake_geom_ros.math.array_types import Floats
 
 _REMEMBERED = 5.0  # [s] for which a jump is remembered, and two senders after the last one
 _NANOSECONDS = 1e-9  # [s]
@@ -26,7 +26,6 @@ _BACK = 0.05  # of a jump: nearer to where it began is back
 _MANY_JUMPS = 3
 
 Joint = tuple[str, int]  # robot and column
-Floats = NDArray[np.float64]
 
 
 class _Course(NamedTuple):

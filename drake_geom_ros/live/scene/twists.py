@@ -20,8 +20,8 @@ from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject
 from drake_geom_ros.live.conversions.names import NameTable, some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 
-Floats = NDArray[np.float64]
 _NANOSECONDS = 1e-9  # [s]
 _REMEMBERED = 5.0  # [s] for which a twist is told of that was not used
 

@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.batch.joints import Arm, Joints
 from drake_geom_ros.geometry import ArgumentError
@@ -17,8 +16,7 @@ from drake_geom_ros.live.scene.live_scene import LiveScene, refuse_twice_posed
 from drake_geom_ros.live.scene.robot_following import refuse_carried_robots
 from drake_geom_ros.live.scene.robot_joints import JointPlace, RobotJoints
 from drake_geom_ros.live.scene.scene_view import SceneView
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
 
 
 class GivenJoints(NamedTuple):

@@ -11,7 +11,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
@@ -24,11 +23,10 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.robot_following import ends_with_followers
 from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.live.services.joint_views import GivenJoints, view_of_joints
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 OUTCOMES = {'clear': 1, 'contact': 2, 'unknown': 3}  # CLEAR, CONTACT and UNKNOWN of the answer
-
-Floats = NDArray[np.float64]
 
 
 class TimedPath(NamedTuple):

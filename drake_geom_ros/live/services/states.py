@@ -10,7 +10,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
@@ -20,6 +19,7 @@ from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, SceneGraphCo
 from drake_geom_ros.live.conversions.fields import floats, uint8s, uint32s, unsigned
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services.joint_views import view_of_joints
+from drake_geom_ros.math.array_types import Flags, Floats
 
 FREE, TOO_NEAR, OUTSIDE_LIMITS = range(3)
 WANTS = {'collision': 'collision', 'least': 'least', 'near': 'within'}  # and as batches call it
@@ -27,9 +27,6 @@ _SIZES = {'collision': 2, 'least': 34, 'near': 38}  # [bytes] of a state, at lea
 _PAIR_SIZE = 32  # [bytes] of a pair of `near`
 # Of states that end at the first that is not free so many are evaluated first, then twice as many.
 _FIRST_BLOCK, _LAST_BLOCK = 64, 8192
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 class _Evaluated(NamedTuple):

@@ -12,8 +12,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import quaternions_from_rotations
 from drake_geom_ros.viewing.batches import Batch, batches_of
 from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS
@@ -22,7 +22,6 @@ from drake_geom_ros.viewing.patches import Patches, colours_of
 from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
 from drake_geom_ros.viewing.scene import Moment, ShownGeometries
 
-Floats = NDArray[np.float64]
 # Lines of the nearest pairs; each costs a browser without a GPU as much as a body.
 _MOST_PAIRS = 1000
 MOST_NAMES = 300  # labels: a browser lays each of them out

@@ -12,9 +12,9 @@ from html import escape
 from urllib.parse import quote
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from drake_geom_ros.math.array_types import Floats
+
 _SLIDER = 'div:has(> .least-distances) + div .mantine-Slider-'
 # mantine-Slider-* are the public names by which Mantine, which draws viser's panels, is styled.
 _RULES = """

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.cross_check.bodies import Body, Floats
+from drake_geom_ros.cross_check.bodies import Body
+from drake_geom_ros.math.array_types import Floats
 from truth.tolerances import EASY
 
 LENGTHS = (0.22, 0.24, 0.22, 0.2, 0.2, 0.14, 0.12)  # [m] from each joint to the next

@@ -10,7 +10,8 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from drake_geom_ros.cross_check.bodies import Body, Floats
+from drake_geom_ros.cross_check.bodies import Body
+from drake_geom_ros.math.array_types import Floats
 
 Cell = tuple[int, int, int]
 Lines = Sequence[Floats]  # along x, y, z [m]

@@ -16,7 +16,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.cross_check.bodies import Body, Floats
+from drake_geom_ros.cross_check.bodies import Body
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies import grids
 
 UNIT = 0.1  # [m] the width of the L's arms

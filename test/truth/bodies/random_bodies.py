@@ -5,14 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.cross_check.bodies import (
-    BOUNDED,
-    COUNTS,
-    FROM_VERTICES,
-    Body,
-    Floats,
-    as_tuples,
-)
+from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, FROM_VERTICES, Body, as_tuples
+from drake_geom_ros.math.array_types import Floats
 
 
 def random_directions(rng: np.random.Generator, count: int) -> Floats:

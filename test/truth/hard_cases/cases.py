@@ -24,7 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.math.array_types import Floats
 from truth.tolerances import EPS
 
 CATALOGUE = Path(__file__).resolve().parent / 'catalogue'

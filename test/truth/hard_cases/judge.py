@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.cross_check.bodies import Floats
 from drake_geom_ros.cross_check.judging import allowed_to_others
 from drake_geom_ros.cross_check.lost_process import ANSWER, EXCEPTION, Outcome
 from drake_geom_ros.cross_check.surfaces import off_surfaces
+from drake_geom_ros.math.array_types import Floats
 from truth.hard_cases.cases import Case
 from truth.judging import laws
 from truth.peers import PENETRATION, PairAnswer, Unsupported

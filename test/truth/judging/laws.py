@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.cross_check.surfaces import width
 from drake_geom_ros.geometry import ACCURACY_GAPS
+from drake_geom_ros.math.array_types import Floats
 
 WIDE = 'wider than promised'
 

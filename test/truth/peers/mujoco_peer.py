@@ -10,7 +10,6 @@ from drake_geom_ros.cross_check.answers import (
     HALVES,
     SIGNED_DISTANCE,
     Ask,
-    Floats,
     PairAnswer,
     checked,
     kind_of,
@@ -18,6 +17,7 @@ from drake_geom_ros.cross_check.answers import (
 )
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 
 FARTHEST = 1e10  # [m] beyond which mj_geomDistance need not look; infinity is not understood
 

@@ -25,8 +25,9 @@ import numpy as np
 from mpmath import mp
 from scipy.spatial import ConvexHull, QhullError
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.cross_check.surfaces import HALF_SPACE
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.random_bodies import even_directions
 from truth.references.digits import dot, vector
 from truth.references.polish import polished

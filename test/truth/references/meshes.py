@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpf
 
-from drake_geom_ros.cross_check.bodies import Body, Floats, Pose
+from drake_geom_ros.cross_check.bodies import Body, Pose
 from drake_geom_ros.cross_check.surfaces import nearest_points, winding
+from drake_geom_ros.math.array_types import Floats
 from truth.references import convex
 from truth.references.digits import columns, dot, vector
 from truth.references.supports import DIGITS, offset_between

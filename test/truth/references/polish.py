@@ -17,7 +17,7 @@ import numpy as np
 from mpmath import mpf
 from numpy.typing import NDArray
 
-from drake_geom_ros.cross_check.bodies import Floats
+from drake_geom_ros.math.array_types import Floats
 from truth.references.digits import combine, cross, dot, vector
 from truth.references.supports import MinkowskiDifference, MinkowskiSum
 from truth.tolerances import EQUAL, GAIN, LAST_STEP, LEAST_CURVATURE, PARALLEL

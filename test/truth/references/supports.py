@@ -18,7 +18,7 @@ from mpmath import mpf
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.cross_check.bodies import Floats, Form
+from drake_geom_ros.cross_check.bodies import Form
 from drake_geom_ros.cross_check.surfaces import (
     BOX,
     CAPSULE,
@@ -27,6 +27,7 @@ from drake_geom_ros.cross_check.surfaces import (
     ELLIPSOID,
     SPHERE,
 )
+from drake_geom_ros.math.array_types import Floats
 from truth.bodies.random_bodies import box_corners
 from truth.references.digits import columns, combine, dot, norm, vector
 from truth.tolerances import TIE

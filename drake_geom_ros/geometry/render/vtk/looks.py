@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from vtkmodules.vtkIOGeometry import vtkOBJReader
 from vtkmodules.vtkIOImage import vtkImageReader2Factory
 from vtkmodules.vtkIOImport import vtkGLTFImporter, vtkOBJImporter
@@ -24,11 +23,11 @@ from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh, MeshSource
 from drake_geom_ros.geometry.render.vtk.surfaces import painted
 from drake_geom_ros.geometry.render.vtk.windows import hidden_window
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
+from drake_geom_ros.math.array_types import Floats
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.render._packing import Packed
 
-Floats = NDArray[np.float64]
 _GLTF = ('.gltf', '.glb')
 _Y_UP_TO_Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
 

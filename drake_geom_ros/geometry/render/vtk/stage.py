@@ -15,11 +15,11 @@ from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.render.vtk.looks import actor_of, looks_of
 from drake_geom_ros.geometry.render.vtk.surfaces import surface_of_shape, surface_of_triangles
 from drake_geom_ros.geometry.render.vtk.windows import hidden_window
+from drake_geom_ros.math.array_types import Floats
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.render._packing import Packed
 
-Floats = NDArray[np.float64]
 
 # Depths come as 24 bits of a colour, in equal steps from the camera to the farthest surface.
 _STEPS = 2**24 - 1
