@@ -346,7 +346,10 @@ def _many_with_rule() -> str:
 
 
 def _arm() -> str:
-    return urdf(3)
+    robot = (
+        '{name: arm, urdf: arm.urdf, pose: {position: [5, 0, 0]}, configuration: {j1: 0, j2: 0}}'
+    )
+    return scene_of().replace('sources: [', 'sources: [arm, ') + f'robots:\n- {robot}\n'
 
 
 KINDS = (
@@ -356,8 +359,8 @@ KINDS = (
     Kind('robot_description, padded', _robot, parameters={'paddings': "['*=0.01']"}),
     Kind('removal of the robot', _remove_robot, lambda: scene_of(rules=RULE)),
     Kind('load_scene', _load, lambda: scene_of(rules=RULE)),
-    Kind('evaluate_states', _states),
-    Kind('check_motion', _motion),
+    Kind('evaluate_states', _states, _arm),
+    Kind('check_motion', _motion, _arm),
     Kind('OctoMap', _octomap, parameters={'obstacles': '[octomap]'}),
     Kind('PointCloud2', _cloud, parameters={'obstacles': '[points]'}),
     Kind('depth image', _depth, parameters={'obstacles': '[depth]'}),
@@ -378,6 +381,7 @@ KINDS = (
 
 def write(kind: Kind, folder: Path) -> Path:
     """Write the scene of a kind into a folder, and return its path."""
+    (folder / 'arm.urdf').write_text(urdf(3))
     path = folder / 'scene.yaml'
     path.write_text(kind.scene())
     return path
