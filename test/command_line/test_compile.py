@@ -56,5 +56,5 @@ def test_ros2_run_finds_the_programs_that_are_no_console_scripts(tmp_path):
     command += ['install_data', '-d', str(tmp_path)]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     programs = tmp_path / 'lib/drake_geom_ros'
-    assert {path.name for path in programs.iterdir()} == {'compile', 'status'}
+    assert {path.name for path in programs.iterdir()} == {'compile', 'record', 'status'}
     assert all(os.access(path, os.X_OK) for path in programs.iterdir())
