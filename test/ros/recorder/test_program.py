@@ -69,7 +69,8 @@ def test_a_run_is_recorded_and_a_report_reads_it(node, tmp_path, lone_client, ca
     assert 'no message of /clock, ' in recorder.output()
 
     report = ['report', str(folder), '--scene', 'scenes/minimal.yaml', '--max-distance', '1']
-    assert drake_geom_ros([*report, '--audit', '--pictures', '0']) == 0
+    report += ['--audit', '--pictures', '0', '--out', str(tmp_path / 'report')]
+    assert drake_geom_ros(report) == 0
     out = capsys.readouterr().out
     assert 'all: distance 0.2 m within' in out
     assert 'refuted' not in out.lower() or '0 refuted' in out.lower()
