@@ -47,13 +47,11 @@ from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_a
 from drake_geom_ros.ros.services.table import (
     BESIDE,
     CHANGES,
-    DRAFTS,
     IMAGES,
     LOADING,
     MOTIONS,
     PLANNING,
     Change,
-    Handler,
 )
 from drake_geom_ros.ros.shown import Shown
 from drake_geom_ros.ros.surface import (
@@ -249,8 +247,6 @@ class ConfiguredNode:
         """Open all services."""
         for name, kind, change in CHANGES:
             self._surface.service(kind, f'~/{name}', partial(self._change, change), profile)
-        for name, kind, handler in DRAFTS:
-            self._surface.service(kind, f'~/{name}', partial(self._draft, handler), profile)
         groups = self._groups
         for services, group in (
             *((BESIDE, groups.beside), (LOADING, groups.loading)),
@@ -293,14 +289,6 @@ class ConfiguredNode:
         """Answer a service call that changes the scene."""
         with self.live.editing() as scene:
             self._guard.answer(change, scene, request, response)
-        return self._changed(response)
-
-    def _draft(self, handler: Handler, request: Any, response: Any) -> Any:
-        """Answer a service call that changes the scene, and holds it when it has to."""
-        self._guard.answer(handler, self.live, request, response)
-        return self._changed(response)
-
-    def _changed(self, response: Any) -> Any:
         self._log_what_is_told()
         if self._stream.active:
             self._guard.attempt(self._scene_topic.publish)

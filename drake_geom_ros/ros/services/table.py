@@ -44,19 +44,17 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('remove_proximity_rule', srv.RemoveProximityRule, proximity_rules.remove_proximity_rule),
 )
 
-# What changes the scene as well, of a large one on a draft beside the cycles.
-DRAFTS: tuple[tuple[str, Any, Handler], ...] = (
-    ('register_frame', srv.RegisterFrame, scene.register_frame),
-    ('remove_role', srv.RemoveRole, scene.remove_role),
-    ('remove_geometry', srv.RemoveGeometry, scene.remove_geometry),
-    ('remove_source', srv.RemoveSource, scene.remove_source),
-)
-
 # What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
 # (Measured with two arms at 100 Hz and a solid mesh whose kernels were not compiled yet: in the
 # thread of the queries has_collisions waited 98 s, in one of their own 0.4 s; cycles do not
 # notice which, with or without load.)
+# Or what prepares a change of a large scene, which in the main thread would keep leases from
+# ending, and look like a stuck node to the watchdog.
 LOADING: tuple[tuple[str, Any, Handler], ...] = (
+    ('register_frame', srv.RegisterFrame, scene.register_frame),
+    ('remove_role', srv.RemoveRole, scene.remove_role),
+    ('remove_geometry', srv.RemoveGeometry, scene.remove_geometry),
+    ('remove_source', srv.RemoveSource, scene.remove_source),
     ('register_geometry', srv.RegisterGeometry, shapes.register_geometry),
     ('register_geometries', srv.RegisterGeometries, shapes.register_geometries),
     ('assign_role', srv.AssignRole, shapes.assign_role),
@@ -129,4 +127,4 @@ MOTIONS: tuple[tuple[str, Any, Handler], ...] = (
     ('check_motion', srv.CheckMotion, motions.check_motion),
 )
 
-SERVICES = (*CHANGES, *DRAFTS, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS)
+SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING, *MOTIONS)
