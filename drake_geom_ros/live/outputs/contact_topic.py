@@ -97,9 +97,8 @@ class ContactTopic:
                 computed = Effect(COMPUTED, len(contacts.surfaces), time.perf_counter() - start)
                 return [computed, self._publish(self.message, moment)]
             self._takes_long = True
-        self._long.ask(
-            ContactRequest(scene.view(), moment, scene.waiting(), overlaps, time_budget)
-        )
+        request = scene.view(), moment, scene.waiting(), overlaps, time_budget
+        self._long.ask(ContactRequest(*request, began=time.monotonic()))
         return [beside.take() for beside in self._beside]
 
     def _publish_beside(self, request: ContactRequest, contacts: Contacts, seconds: float) -> None:
@@ -107,7 +106,9 @@ class ContactTopic:
         message = self._message_beside
         request.waiting.tell_pairs(message)
         self._fill(message, request.view.query, contacts)
-        published = self._publish(message, request.moment)
+        # The poses have grown older since the cycle.
+        moment = request.moment.after(time.monotonic() - request.began)
+        published = self._publish(message, moment)
         self._beside[0].did(len(contacts.surfaces), seconds)
         self._beside[1].did(published.count, published.seconds)
         self._takes_long = seconds > _SHORT

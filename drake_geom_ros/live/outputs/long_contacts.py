@@ -22,6 +22,7 @@ class ContactRequest:
     waiting: Waiting
     overlaps: PenetrationResults
     time_budget: float  # [s]; 0: none
+    began: float  # [s] of time.monotonic(), when the cycle asked
 
 
 class LongContacts:

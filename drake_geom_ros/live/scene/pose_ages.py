@@ -40,6 +40,10 @@ class Oldest(NamedTuple):
     age: float
     frame: int
 
+    def after(self, seconds: float) -> Oldest:
+        """Return the same pose some seconds later."""
+        return self._replace(age=self.age + seconds) if self.frame else self
+
 
 # Since when frames have their poses: those of a message have them since the same moment.
 PosedFrames = Mapping[frozenset[int], Since]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,10 @@ class SceneStamp:
     newest_stamp: Any  # builtin_interfaces/Time; None before the first pose
     oldest: Oldest  # the pose that is the oldest
     world_frame: str
+
+    def after(self, seconds: float) -> SceneStamp:
+        """Return the stamp of the same poses for a message that is sent some seconds later."""
+        return replace(self, oldest=self.oldest.after(seconds))
 
     def stamp(self, message: Any) -> None:
         """Say in a result which poses and which scene it answers for, and whose ids it holds."""
