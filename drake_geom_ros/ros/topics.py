@@ -5,7 +5,6 @@ A topic is a row: the node opens it, and ``policy`` allows it.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -26,8 +25,15 @@ from drake_geom_ros.live.inputs.point_queries import PointQueries
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.ros.callback_groups import CallbackGroups
+from drake_geom_ros.ros.message_types import message_class
 from drake_geom_ros.ros.parameters import NodeParameters
-from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, transforms
+from drake_geom_ros.ros.surface import (
+    Surface,
+    latched,
+    results,
+    sensor_data,
+    transforms,
+)
 
 # What is offered; a listener may ask for as much or for longer. A machine that others load may
 # keep a thread of the node waiting for some tenths of a second.
@@ -51,6 +57,11 @@ class Receivers(NamedTuple):
     robot: RobotInput
     log: Callable[[str], object]
 
+    def log_done(self, done: str) -> None:
+        """Log what was done, in words; empty where nothing was."""
+        if done:
+            self.log(done)
+
 
 class Arrival(NamedTuple):
     """How long [s] a message waited for its callback, and its publisher."""
@@ -67,7 +78,7 @@ class Input:
     """A topic that the node subscribes to.
 
     ``topic`` may hold names of parameters in braces; where they are empty it is not opened.
-    ``kind`` may be text (``package/Type``) for a package that not every installation has.
+    ``kind`` may be text (``package/msg/Type``) for a package that not every installation has.
     ``group`` is a field of ``CallbackGroups``. Without a handler another file opens the topic.
     """
 
@@ -80,10 +91,7 @@ class Input:
 
     def type(self) -> Any:
         """Return the class of messages; raises ImportError where its package is missing."""
-        if not isinstance(self.kind, str):
-            return self.kind
-        package, name = self.kind.split('/')
-        return getattr(importlib.import_module(f'{package}.msg'), name)
+        return message_class(self.kind) if isinstance(self.kind, str) else self.kind
 
 
 def _alive(profile: QoSProfile) -> QoSProfile:
@@ -127,23 +135,23 @@ OUTPUTS: Mapping[str, Output] = {
 
 
 def _take_robot(to: Receivers, message: Any, _: Arrival) -> None:
-    if done := to.robot.take(message.data):
-        to.log(done)
+    to.log_done(to.robot.take(message.data))
 
 
 def _take_semantics(to: Receivers, message: Any, _: Arrival) -> None:
-    if done := to.robot.take_semantics(message.data):
-        to.log(done)
+    to.log_done(to.robot.take_semantics(message.data))
 
 
 # Opened with others by the files that are named beside them.
 JOINT_STATES = Input('joint_states', JointState, sensor_data, 'stream')  # joint_listening
-TF = Input('/tf', 'tf2_msgs/TFMessage', lambda: transforms(static=False), 'stream')  # tf_listening
+TF = Input(
+    '/tf', 'tf2_msgs/msg/TFMessage', lambda: transforms(static=False), 'stream'
+)  # tf_listening
 TF_STATIC = Input(
-    '/tf_static', 'tf2_msgs/TFMessage', lambda: transforms(static=True), 'stream'
+    '/tf_static', 'tf2_msgs/msg/TFMessage', lambda: transforms(static=True), 'stream'
 )  # tf_listening
 OCTOMAP = Input(
-    '~/obstacles/octomap', 'octomap_msgs/Octomap', newest, 'obstacles'
+    '~/obstacles/octomap', 'octomap_msgs/msg/Octomap', newest, 'obstacles'
 )  # obstacle_listening
 
 INPUTS: tuple[Input, ...] = (

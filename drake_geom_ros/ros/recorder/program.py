@@ -17,7 +17,7 @@ from drake_geom_ros.ros.recorder.recorder import Recorder
 from drake_geom_ros.ros.recorder.topics import topics_of
 from drake_geom_ros.ros.spinning import StopSignals
 
-NOTHING_RECORDED, MISUSED = 1, 2
+INCOMPLETE, MISUSED = 1, 2
 _LOOK = 0.1  # [s] between two looks whether to stop
 
 
@@ -52,7 +52,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Record until a signal comes; return 0, or 1 if no message was recorded."""
+    """Record until a signal comes; return 0, or 1 if the recording is empty or incomplete."""
     options = _arguments(sys.argv[1:] if words is None else words)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('record', start_parameter_services=False)
@@ -64,7 +64,7 @@ def main(words: Sequence[str] | None = None) -> int:
     print(f'record: {counted(len(topics), "topic")} to {options.out}; Ctrl-C ends', flush=True)
     with StopSignals(once=True) as signals:
         reported: set[str] = set()
-        while not signals.received and time.monotonic() < end:
+        while not (signals.received or recorder.failure) and time.monotonic() < end:
             executor.spin_once(timeout_sec=_LOOK)
             for topic in sorted(recorder.heard - reported):
                 print(f'record: {topic}', flush=True)
@@ -88,6 +88,8 @@ def _report(recorder: Recorder, folder: Path) -> int:
         _warn(f'{counted(count, "message")} of {topic} did not arrive')
     if silent := [topic for topic in recorder.topics if not recorder.counts[topic]]:
         _warn(f'no message of {", ".join(silent)}')
+    if recorder.failure is not None:
+        _warn(f'stopped, because {folder} cannot be written: {recorder.failure}')
     total = counted(sum(recorder.counts.values()), 'message')
     print(f'record: {total} in {folder}; `drake_geom_ros report {folder} --scene FILE` reads it')
-    return 0 if recorder.counts else NOTHING_RECORDED
+    return 0 if recorder.is_complete else INCOMPLETE

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -17,6 +16,7 @@ from rclpy.subscription import Subscription
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer
 
+from drake_geom_ros.ros.message_types import message_class
 from drake_geom_ros.ros.recorder.definitions import Definitions, UnknownTypeError
 
 LOOK_PERIOD = 0.2  # [s] between two looks for publishers
@@ -49,7 +49,8 @@ class Recorder:
         self.topics = tuple(node.resolve_topic_name(topic) for topic in topics)
         self._definitions = Definitions()
         self._heard: dict[str, _Heard] = {}
-        self._refused: set[str] = set()
+        self.refused: set[str] = set()  # topics that cannot be recorded
+        self.failure: OSError | None = None  # for which nothing more is written
         self.counts: Counter[str] = Counter()
         self.lost: Counter[str] = Counter()  # messages that the middleware dropped
         self._writer = Writer(folder, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
@@ -67,7 +68,7 @@ class Recorder:
         for topic in self.topics:
             publishers = self._node.get_publishers_info_by_topic(topic)
             kinds = sorted({each.topic_type for each in publishers})
-            if not kinds or topic in self._refused:
+            if not kinds or topic in self.refused:
                 continue
             heard = self._heard.get(topic)
             profile = _fitting([each.qos_profile for each in publishers])
@@ -78,12 +79,20 @@ class Recorder:
                 heard.profile = profile
                 heard.subscription = self._subscribe(topic, heard)
 
+    @property
+    def is_complete(self) -> bool:
+        """True if messages were recorded, and as far as is known none that came is missing."""
+        return bool(self.counts) and not (self.failure or self.refused or any(self.lost.values()))
+
     def close(self) -> None:
         """Stop, and write the index and ``metadata.yaml``."""
         self._node.destroy_timer(self._timer)
         for heard in self._heard.values():
             self._unsubscribe(heard)
-        self._writer.close()
+        try:
+            self._writer.close()
+        except OSError as error:
+            self.failure = self.failure or error
 
     def _open(self, topic: str, kinds: list[str], profile: QoSProfile) -> None:
         if len(kinds) > 1:
@@ -91,7 +100,7 @@ class Recorder:
             return
         (kind,) = kinds
         try:
-            _class_of(kind)
+            message_class(kind)
             types = self._definitions.add(kind)
         except (ImportError, AttributeError, UnknownTypeError) as error:
             self._refuse(topic, f'{topic} is not recorded: {error}')
@@ -102,7 +111,7 @@ class Recorder:
         self._heard[topic] = heard
 
     def _refuse(self, topic: str, reason: str) -> None:
-        self._refused.add(topic)
+        self.refused.add(topic)
         self._warn(reason)
 
     def _unsubscribe(self, heard: _Heard) -> None:
@@ -111,26 +120,25 @@ class Recorder:
 
     def _subscribe(self, topic: str, heard: _Heard) -> Subscription[Any]:
         def write(data: bytes) -> None:
-            self._writer.write(heard.connection, time.time_ns(), data)
-            self.counts[topic] += 1
+            if self.failure is not None:
+                return
+            try:
+                self._writer.write(heard.connection, time.time_ns(), data)
+                self.counts[topic] += 1
+            except OSError as error:  # the disk is full, or gone
+                self.failure = error
 
         def count_lost(status: Any) -> None:
             self.lost[topic] += status.total_count_change
 
         return self._node.create_subscription(
-            _class_of(heard.kind),
+            message_class(heard.kind),
             topic,
             write,
             heard.profile,
             raw=True,
             event_callbacks=SubscriptionEventCallbacks(message_lost=count_lost),
         )
-
-
-def _class_of(kind: str) -> Any:
-    """Return the class of a message type; raises ImportError or AttributeError for none."""
-    package, _, name = kind.split('/')
-    return getattr(importlib.import_module(f'{package}.msg'), name)
 
 
 def _fitting(offered: list[QoSProfile]) -> QoSProfile:

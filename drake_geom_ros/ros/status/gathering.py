@@ -6,7 +6,6 @@ import math
 import time
 from collections import Counter
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -16,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from drake_geom_ros.client import NoAnswerError, SceneGraphClient
 from drake_geom_ros.common.geometry_names import WORLD
+from drake_geom_ros.ros.message_types import message_class
 from drake_geom_ros.ros.sensing.protocol import SENSORS
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -132,14 +132,12 @@ class Watcher:
 
     def _count(self, topic: str, kind: str) -> None:
         """Count the messages of a topic, as they are on the wire."""
-        package, _, name = kind.split('/')
-        type_of = getattr(import_module(f'{package}.msg'), name)
 
         def take(message: bytes) -> None:
             self._counts[topic] += 1
 
         self._counted[topic] = self._client.node.create_subscription(
-            type_of, topic, take, _ANY, raw=True
+            message_class(kind), topic, take, _ANY, raw=True
         )
 
     def _told(self, topics: list[Topic]) -> Status:

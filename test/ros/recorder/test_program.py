@@ -11,10 +11,11 @@ from std_msgs.msg import String
 pytest.importorskip('rosbags')
 pytest.importorskip('mcap')
 
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, Writer
 
 from drake_geom_ros.command_line.program import main as drake_geom_ros
-from drake_geom_ros.ros.recorder.program import MISUSED, NOTHING_RECORDED, main
+from drake_geom_ros.ros.recorder.program import INCOMPLETE, MISUSED, main
+from drake_geom_ros.ros.recorder.recorder import Recorder
 
 pytestmark = pytest.mark.topics
 
@@ -78,10 +79,43 @@ def test_a_run_is_recorded_and_a_report_reads_it(node, tmp_path, lone_client, ca
 
 def test_without_a_message_it_says_so(tmp_path, capsys):
     command = ['--node', 'nobody_at_all', '--out', str(tmp_path / 'run'), '--seconds', '0.1']
-    assert main(command) == NOTHING_RECORDED
+    assert main(command) == INCOMPLETE
     out = capsys.readouterr()
     assert '0 messages' in out.out
     assert '/nobody_at_all/scene' in out.err
+
+
+def test_a_disk_that_is_full_ends_it_and_what_was_written_stays(
+    tmp_path, lone_client, monkeypatch, capsys
+):
+    publisher = lone_client.node.create_publisher(String, '/to_a_full_disk', 10)
+    writes = []
+
+    def write(writer, connection, stamp, data):
+        writes.append(data)
+        publisher.publish(String(data='next'))
+        if len(writes) > 3:
+            raise OSError(28, 'No space left on device')
+        return whole_write(writer, connection, stamp, data)
+
+    whole_write = Writer.write
+    monkeypatch.setattr(Writer, 'write', write)
+    monkeypatch.setattr(Recorder, 'look', looking(publisher))
+    command = ['--node', 'nobody_at_all', '--out', str(tmp_path / 'run')]
+    assert main([*command, '--topic', publisher.topic_name]) == INCOMPLETE
+    assert 'No space left on device' in capsys.readouterr().err
+    assert counts_of(tmp_path / 'run')[publisher.topic_name] == 3
+
+
+def looking(publisher):
+    """Return ``Recorder.look`` that also publishes: a message before the first is lost."""
+    look = Recorder.look
+
+    def look_and_publish(recorder):
+        look(recorder)
+        publisher.publish(String(data='first'))
+
+    return look_and_publish
 
 
 @pytest.mark.parametrize(

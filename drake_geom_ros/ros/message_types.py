@@ -1,0 +1,15 @@
+"""Classes of messages by the names of their types."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+
+def message_class(kind: str) -> Any:
+    """Return the class of a message type, ``package/msg/Type``.
+
+    Raises ImportError where its package is not installed, AttributeError where that lacks it.
+    """
+    package, _, name = kind.split('/')
+    return getattr(import_module(f'{package}.msg'), name)
