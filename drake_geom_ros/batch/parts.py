@@ -70,7 +70,7 @@ class Parts:
     def begin(self, resume: bool, tell: Callable[[str], None] = lambda text: None) -> list[Block]:
         """Return the blocks that are not finished.
 
-        Parts that a crash or a full disk damaged are reported by ``tell``, removed, and computed
+        Parts that a crash or a full disk damaged are reported, removed, and computed
         again. Raises BatchError if there are parts without ``resume`` or of another task, and if
         the folder exists and is not one of parts; such a folder is not touched.
         """

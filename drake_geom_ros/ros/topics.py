@@ -64,7 +64,7 @@ class Receivers(NamedTuple):
 
 
 class Arrival(NamedTuple):
-    """How long [s] a message waited for its callback, and its publisher."""
+    """Time [s] that a message waited for its callback, and its publisher."""
 
     waited: float
     sender: str

@@ -100,7 +100,7 @@ def first_in_leaf(bodies: Bodies, body: int, leaf: int) -> int:
 
 
 class Geometries(NamedTuple):
-    """Which bodies geometries (n,) are, and where."""
+    """The bodies of geometries (n,), and their poses."""
 
     ids: Integers  # (n,), ascending
     body_of: Integers  # (n,): the row of a geometry's body; -1: it has none
@@ -150,7 +150,7 @@ class Surfaces(NamedTuple):
 
 
 class Counts(NamedTuple):
-    """How many there are of what came out: see the places in ``Surfaces.counts``."""
+    """Numbers of what an answer holds: see the places in ``Surfaces.counts``."""
 
     polygons: int
     corners: int

@@ -54,12 +54,12 @@ class Answer(NamedTuple):
 
     @property
     def left(self) -> int:
-        """How many pairs have no surface, and overlap or may."""
+        """Number of pairs that have no surface, and overlap or may overlap."""
         return self.counts.left
 
     @property
     def states(self) -> Indices:
-        """What there is of each pair (k,)."""
+        """State of each pair (k,)."""
         return self.store[self.layout.states : self.layout.faces].view(np.int64)
 
     def surfaces(self) -> Surfaces:

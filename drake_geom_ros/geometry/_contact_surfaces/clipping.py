@@ -107,7 +107,7 @@ def clipped_by_each(
 
 @inlined
 def _are_above_one(work: Floats, at: int, count: int, planes: int) -> bool:
-    """Tell whether a plane has no corner below it, and not all of them on it."""
+    """Return whether a plane has no corner below it, and not all of them on it."""
     for k in range(planes):
         lowest = highest = work[at, HEIGHT + k]
         for i in range(at + 1, at + count):

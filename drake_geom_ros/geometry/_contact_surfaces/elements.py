@@ -45,13 +45,13 @@ COSINE = math.cos(5.0 * math.pi / 8.0)
 
 @inlined
 def agrees(nhat: Vector, gradient: Vector, length: float) -> bool:
-    """Tell whether a pressure grows along a normal, or not far from it."""
+    """Return whether a pressure grows along a normal, or not far from it."""
     return length == 0.0 or dot(nhat, gradient) > (COSINE + SAME_COSINE) * length
 
 
 @inlined
 def differ(length: float, g_length: float, h_length: float) -> bool:
-    """Tell whether the difference of two gradients, of this length, is more than rounding."""
+    """Return whether the difference of two gradients, of this length, is more than rounding."""
     return length > SAME_GRADIENT * (g_length + h_length)
 
 
@@ -63,11 +63,11 @@ def snapped(height: float, rounding: float) -> float:
 
 @inlined
 def difference(one: float, other: float, near: float, near_other: float) -> float:
-    """Return by how much two pressures differ [Pa], 0 where that is nothing but rounding.
+    """Return the difference of two pressures [Pa], 0 where that is nothing but rounding.
 
     A pressure that is nothing but rounding is none, as where a body ends, and then the other one
-    tells: where a body ends that is 1e12 times as hard as the other they are equal so little
-    within it that no position tells it from its face.
+    decides: where a body ends that is 1e12 times as hard as the other they are equal so little
+    within it that no position separates it from its face.
     """
     one, other = snapped(one, near), snapped(other, near_other)
     if one == 0.0 or other == 0.0:
@@ -99,7 +99,7 @@ def pressure_at(field: Field, point: Vector) -> float:
 
 @inlined
 def is_pressed(work: Floats, first: int, count: int, field: Field, rounding: float) -> bool:
-    """Tell whether there is a pressure, more than rounding, anywhere at a polygon's corners."""
+    """Return whether there is a pressure, more than rounding, anywhere at a polygon's corners."""
     pressed = False
     for i in range(first, first + count):
         pressed |= pressure_at(field, vector_in(work, i)) > rounding * field.length
@@ -184,7 +184,7 @@ def put_heights(bodies: Bodies, e: int, count: int, rounding: float, work: Float
 def _are_beyond_a_face(
     bodies: Bodies, e: int, corners: tuple[Vector, Vector, Vector, Vector], near: float
 ) -> bool:
-    """Tell whether corners are all farther than ``near`` outside one face of a tetrahedron."""
+    """Return whether corners are all farther than ``near`` outside one face of a tetrahedron."""
     for k in range(4):
         if lowest(vector_at_plane(bodies, e, k), corners) > bodies.planes[e, k, 3] + near:
             return True
@@ -229,7 +229,7 @@ def is_cut(
     heights: tuple[float, float, float, float],
     work: Floats,
 ) -> bool:
-    """Tell whether tetrahedron e is cut by the plane that its corners are so high above.
+    """Return whether tetrahedron e is cut by the plane that its corners are so high above.
 
     Then they and their heights, which may be differences of pressures, are in ``work``. One that
     is above the plane, and has a face on it, is cut there, if something is beyond that face.

@@ -1,4 +1,4 @@
-"""Where each part of an answer is in the one array that it comes in."""
+"""Layout of the parts of an answer in one array."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from drake_geom_ros.geometry._contact_surfaces.compiled import compiled
 
 
 class Layout(NamedTuple):
-    """Where parts of ``Surfaces`` begin, by numbers of 64 bits; ``sums`` begin the array."""
+    """Starts of the parts of ``Surfaces``, in numbers of 64 bits; ``sums`` begin the array."""
 
     found: int
     states: int

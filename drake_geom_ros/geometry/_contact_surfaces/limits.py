@@ -1,4 +1,4 @@
-"""How long contact surfaces may take."""
+"""Limits on the work for contact surfaces."""
 
 from __future__ import annotations
 

@@ -163,7 +163,7 @@ def _is_known_without_surface(
     sign all over each piece of what is in both. On the surface of each, inside the other, its own
     pressure is the lower one: so that piece is bounded by the surface of one of them alone, which
     is all of that body, with its innermost point. A rigid surface that does not enter the other
-    body has all of it inside or outside. So the innermost points tell.
+    body has all of it inside or outside. So the innermost points decide.
     """
     counts, b = out.counts, between
     if counts[STAGE] == MEETS:
@@ -185,7 +185,7 @@ def _is_known_without_surface(
 
 @inlined
 def _is_compliant(bodies: Bodies, body: int) -> bool:
-    """Tell whether there is pressure in a body."""
+    """Return whether there is pressure in a body."""
     kind = bodies.table[body, KIND]
     compliant: bool = kind == VOLUME or (kind == HALF_SPACE and bodies.numbers[body, 1] > 0.0)
     return compliant
@@ -193,7 +193,7 @@ def _is_compliant(bodies: Bodies, body: int) -> bool:
 
 @inlined
 def _can_press(bodies: Bodies, M: int, N: int) -> bool:
-    """Tell whether two bodies, -1 for none, can have a surface."""
+    """Return whether two bodies, -1 for none, can have a surface."""
     if M < 0 or N < 0 or not (_is_compliant(bodies, M) or _is_compliant(bodies, N)):
         return False
     able: bool = bodies.table[M, KIND] != HALF_SPACE or bodies.table[N, KIND] != HALF_SPACE
@@ -202,10 +202,10 @@ def _can_press(bodies: Bodies, M: int, N: int) -> bool:
 
 @inlined
 def _comes_before(bodies: Bodies, geometries: Geometries, a: int, b: int) -> bool:
-    """Tell whether geometry a comes before b: tetrahedra before a surface before a half space.
+    """Return whether geometry a comes before b: tetrahedra before a surface before a half space.
 
-    Of two with tetrahedra it is told by what they are, and of like ones by where they are, not by
-    which is M: so that is nothing to the surface, however rounding or ties are decided.
+    Two with tetrahedra are ordered by their meshes, and equal ones by their poses, not by which is
+    M: so M has no effect on the surface, however rounding or ties are decided.
     """
     first, second = geometries.body_of[a], geometries.body_of[b]
     for column in (KIND, DIGEST):

@@ -63,7 +63,7 @@ def _spread(n: Vector, half: Vector) -> float:
 def is_beyond_box(
     bodies: Bodies, first_node: int, k: int, other: Floats, between: Between
 ) -> bool:
-    """Tell whether no element under node k of the first body, whose nodes begin there, meets it.
+    """Return whether no element under node k of the first body, whose nodes begin there, meets it.
 
     Either its box is kept apart from that, or the pressures are nowhere the same in it.
     """
@@ -95,7 +95,7 @@ def corner_of(other: Floats, k: int) -> Vector:
 
 @inlined
 def is_beyond(other: Floats, corners: tuple[Vector, Vector, Vector, Vector], near: float) -> bool:
-    """Tell whether corners are all farther than ``near`` outside one face of the posed one."""
+    """Return whether corners are all farther than ``near`` outside one face of the posed one."""
     for k in range(PLANES):
         if lowest(vector_in(other, PLANE + k), corners) > other[PLANE + k, 3] + near:
             return True

@@ -36,9 +36,9 @@ from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 
 @compiled
 def one_is_swallowed(bodies: Bodies, between: Between, scratch: Scratch) -> bool:
-    """Tell whether a point inside one of two bodies without a surface is in the other.
+    """Return whether a point inside one of two bodies without a surface is in the other.
 
-    The points are the innermost of compliant bodies, and a corner of rigid ones. Why they tell:
+    The points are the innermost of compliant bodies, and a corner of rigid ones. For the reason
     see ``pairs``.
     """
     a, b = between.a, between.b
@@ -54,7 +54,7 @@ def one_is_swallowed(bodies: Bodies, between: Between, scratch: Scratch) -> bool
 
 @compiled
 def _is_in(bodies: Bodies, body: int, point: Vector, near: float, stack: Indices) -> bool:
-    """Tell whether a point in a body's frame is in it, and deeper than ``near``."""
+    """Return whether a point in a body's frame is in it, and deeper than ``near``."""
     if bodies.table[body, KIND] == HALF_SPACE:
         return point[2] < -near
     if bodies.table[body, KIND] == SURFACE:
@@ -87,7 +87,7 @@ def _is_in(bodies: Bodies, body: int, point: Vector, near: float, stack: Indices
 
 @compiled
 def _is_wound_around(bodies: Bodies, body: int, point: Vector) -> bool:
-    """Tell whether a rigid surface goes around a point; one that is open does not."""
+    """Return whether a rigid surface goes around a point; one that is open does not."""
     first, corner = bodies.table[body, FIRST_ELEMENT], bodies.table[body, FIRST_POINT]
     halves = 0.0
     for e in range(first, first + bodies.table[body, ELEMENTS]):

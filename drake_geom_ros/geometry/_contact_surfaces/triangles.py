@@ -1,4 +1,4 @@
-"""Where a triangle of a rigid surface is in tetrahedra.
+"""Intersection of a rigid triangle with the tetrahedra of a compliant mesh.
 
 A long triangle of a fine surface meets most of a coarse body's tetrahedra: so the boxes of many of
 them are compared with it in one loop, which LLVM does four at a time.
@@ -100,7 +100,7 @@ def posed_triangle(bodies: Bodies, f: int, between: Between) -> Triangle:
 
 @inlined
 def _is_apart(middle: Vector, half: Vector, triangle: Triangle, near: float) -> bool:
-    """Tell whether a box is kept apart from a triangle by a side of its box, or by its plane.
+    """Return whether a box is kept apart from a triangle by a side of its box, or by its plane.
 
     Without a branch: which of them it is nobody can guess.
     """

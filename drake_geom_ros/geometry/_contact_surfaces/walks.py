@@ -1,4 +1,4 @@
-"""Which elements of two bodies may meet: a walk over both trees, or over one and a plane.
+"""Candidate pairs of elements of two bodies: a walk over both trees, or over one and a plane.
 
 A walk stops where it has used up its steps or the room for polygons, and goes on in the next call.
 """
@@ -70,7 +70,7 @@ def _spread_back(R: Floats, k: int, half: Vector) -> float:
 
 @inlined
 def _apart(bodies: Bodies, a: int, i: int, b: int, j: int, between: Between) -> bool:
-    """Tell whether the boxes of two nodes are kept apart by a side of either."""
+    """Return whether the boxes of two nodes are kept apart by a side of either."""
     middle, half = box_of(bodies, a, i)
     other, other_half = box_of(bodies, b, j)
     R, near = between.R, between.rounding

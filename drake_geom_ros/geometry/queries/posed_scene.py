@@ -37,7 +37,7 @@ class ModelMark(NamedTuple):
 
 
 class _WaitingFrames(NamedTuple):
-    """Which frames wait for a pose, and when that was so."""
+    """The frames that wait for a pose, and the moment when they did."""
 
     moment: object
     frames: tuple[FrameId, ...]

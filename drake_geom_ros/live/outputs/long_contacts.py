@@ -50,7 +50,7 @@ class LongContacts:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a moment is computed, or waits."""
+        """True if a moment is computed, or waits."""
         with self._changed:
             return self._is_busy or self._next is not None
 

@@ -288,7 +288,7 @@ class HeldScene:
 
     @property
     def is_large(self) -> bool:
-        """Whether tables of all that there is take longer than a cycle may wait."""
+        """True if making all tables of the scene takes longer than a cycle may wait."""
         return is_large(self.inspector)
 
     def robot_names(self) -> set[str]:

@@ -1,4 +1,4 @@
-"""A change of the live scene on a copy, with all that cycles need of the changed scene. No ROS.
+"""A change of the live scene on a copy, with all that cycles need of the changed scene.
 
 What takes long is done here, beside the cycles, which go on with the scene as it was. The live
 scene then becomes the draft in a moment: see ``EditableScene.take_over``.
@@ -21,7 +21,7 @@ Tell = Callable[[str, int, int], None]
 
 
 class Named(NamedTuple):
-    """What is called how, and what follows from it."""
+    """Names of a scene, and the tables that follow from them."""
 
     names: NameTable
     reader: FramePosesReader

@@ -52,7 +52,7 @@ class Blind(NamedTuple):
 
 
 class BoundRules(NamedTuple):
-    """What rules are about in one version of a scene: it takes long, and changes nothing."""
+    """The pairs of rules in one version of a scene: slow to make, and without side effects."""
 
     version: GeometryVersion
     frames_version: int  # -1: of a copy, which has no version among those of the live scene

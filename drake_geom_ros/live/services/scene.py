@@ -28,7 +28,7 @@ from drake_geom_ros.math import RigidTransform
 
 
 class _Removed(NamedTuple):
-    """What went with a source."""
+    """The frames and geometries that were removed with a source."""
 
     frames: Sequence[FrameId]
     geometries: int

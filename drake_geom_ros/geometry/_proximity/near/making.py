@@ -96,7 +96,7 @@ def bring_up_to_date(
 
 @inlined
 def _is_at_once(near: ListArrays, list_cutoff: float) -> bool:
-    """Tell whether every pair of boxes is looked at, of bodies that wait for a pose, too."""
+    """Return whether every pair of boxes is looked at, of bodies that wait for a pose, too."""
     return math.isinf(list_cutoff) or near.is_plane.size <= FEW
 
 

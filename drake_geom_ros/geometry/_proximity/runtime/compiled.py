@@ -1,6 +1,6 @@
 """The decorators of all compiled code: their options, and a cache on disk that is never stale.
 
-Numba tells whether a cached function is out of date by the stamp of the one file that holds it; a
+Numba judges whether a cached function is out of date by the stamp of the one file that holds it; a
 change of a function that it calls, in another file, goes unseen. So the cache lives in a folder
 named after the content of all our sources, outside the package, which may be read-only.
 ``NUMBA_CACHE_DIR`` moves it, ``NUMBA_DISABLE_JIT=1`` leaves everything uncompiled. That folder may
@@ -141,7 +141,7 @@ Tell: TypeAlias = Callable[[str, int, int], None]
 
 
 class _First(event.Listener):  # type: ignore[misc]
-    """Tells of the first function that is compiled, and not of what the cache has."""
+    """Reports the first function that is compiled, not those that the cache has."""
 
     def __init__(self, action: Callable[[], None]) -> None:
         self._action: Callable[[], None] | None = action
@@ -157,7 +157,7 @@ class _First(event.Listener):  # type: ignore[misc]
 
 @contextmanager
 def compilation(tell: Tell | None, name: str, number: int, last: int) -> Iterator[None]:
-    """Tell, once, when something in here has to be compiled; without ``tell``: ``Progress``."""
+    """Report, once, when something in here has to be compiled; without ``tell``: ``Progress``."""
     if tell is None:
         yield
         return

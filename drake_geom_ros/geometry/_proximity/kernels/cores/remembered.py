@@ -81,7 +81,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     THIN,
 )
 
-# Of the first polytope: number of corners between its tips, and their angle [rad] from a tip.
+# The first polytope: number of corners between its tips, and their angle [rad] from a tip.
 SIDES = 5
 COS_TILT, SIN_TILT = math.cos(0.8), math.sin(0.8)
 _ANGLES = 2.0 * np.pi / SIDES * np.arange(SIDES)

@@ -130,6 +130,6 @@ def nearest(pair: SolidPair, n: Vector, limit: float, touch: float) -> Nearest:
                 limit = min(limit, best + noise)
                 if nearer:
                     n_best, a, b = n, x, y
-    # What was left out is farther than the cutoff; the best pair may be farther too.
+    # Omitted pairs are farther than the cutoff; the best pair may be farther too.
     end = CLOSED if best < math.inf and least <= cutoff else BEYOND_CUTOFF
     return Nearest(end, best, min(least, best), n_best, a, b, unique)
