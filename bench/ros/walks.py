@@ -105,8 +105,12 @@ class _Node:
         self.stream = PoseStream(self.live, SimpleNamespace(values=values), counts, cycle)
         self.stream.active = True
         self.stream.inputs.joints = JointInput(self.live.clocks, 1.0, by_default=True)
-        logger = SimpleNamespace(warning=print, error=print, info=print)
+        logger = SimpleNamespace(warning=_refused, error=_refused, info=print)
         self.guard = Guard(logger, lambda *_: None)
+
+
+def _refused(text: str) -> None:
+    raise AssertionError(text)  # the walk of a refusal is another one
 
 
 def _stamped(message: Any) -> Any:
@@ -134,7 +138,9 @@ def _check_motion(node: _Node) -> None:
     names = ['left::panda_joint1']
     request.path.joint_names = names
     request.path.points = [_point(0.0), _point(0.2)]
-    node.guard.answer(motions.check_motion, node.live, request, srv.CheckMotion.Response())
+    response = srv.CheckMotion.Response()
+    node.guard.answer(motions.check_motion, node.live, request, response)
+    assert response.success, response.message
 
 
 def _point(value: float) -> Any:

@@ -31,8 +31,13 @@ LIMIT = 50.0  # [ms] that cycles may wait for anything
 
 
 def longest(arrivals: NDArray[np.float64], start: float, end: float) -> float:
-    """Return the longest gap [ms] between two results that reaches into a span [s]."""
-    begun, ended = arrivals[:-1], arrivals[1:]
+    """Return the longest gap [ms] between two results that reaches into a span [s].
+
+    One after which nothing came ends with the span. Raises RuntimeError without any result.
+    """
+    if not arrivals.size:
+        raise RuntimeError('no result came: is the hand posed, and the node active?')
+    begun, ended = arrivals, np.append(arrivals[1:], max(end, arrivals[-1]))
     return float(np.max((ended - begun)[(ended > start) & (begun < end)], initial=0.0)) * 1e3
 
 
