@@ -65,6 +65,7 @@ from drake_geom_ros.geometry.meshes.volume_surface import (
     ConvertVolumeToSurfaceMesh,
     RefineVolumeMesh,
 )
+from drake_geom_ros.geometry.model.candidate_pairs import CandidatePairs
 from drake_geom_ros.geometry.model.collision_filter_declaration import (
     CollisionFilterDeclaration,
     CollisionFilterScope,
@@ -210,6 +211,7 @@ __all__ = [
     'DefaultProximityProperties',
     'SceneGraphInspector',
     'GeometryVersion',
+    'CandidatePairs',
     'CollisionFilterManager',
     'CollisionFilterDeclaration',
     'CollisionFilterScope',

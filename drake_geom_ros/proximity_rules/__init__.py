@@ -8,6 +8,7 @@ from drake_geom_ros.proximity_rules.decisions import Poses
 from drake_geom_ros.proximity_rules.events import Event
 from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.monitor import RuleMonitor, RuleState, RuleStates
+from drake_geom_ros.proximity_rules.named_geometries import NamedGeometries
 from drake_geom_ros.proximity_rules.rule import (
     Level,
     ProximityRule,
@@ -15,12 +16,13 @@ from drake_geom_ros.proximity_rules.rule import (
     Why,
     scale_points,
 )
-from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPairs
+from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedKinds, WatchedPairs
 
 __all__ = [
     'Event',
     'Level',
     'Measured',
+    'NamedGeometries',
     'Poses',
     'ProximityRule',
     'RuleError',
@@ -28,6 +30,7 @@ __all__ = [
     'RuleState',
     'RuleStates',
     'ScenePairs',
+    'WatchedKinds',
     'WatchedPairs',
     'Why',
     'scale_points',

@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from itertools import islice
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.geometry_names import GeometryNames, is_plain, matches
-from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.geometry import CandidatePairs
 from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.proximity_rules.measured import NOTHING, Measured
+from drake_geom_ros.proximity_rules.named_geometries import NamedGeometries
 from drake_geom_ros.proximity_rules.nearest_pairs import (
     WORD,
     NearestPairs,
@@ -29,20 +29,34 @@ from drake_geom_ros.proximity_rules.nearest_pairs import (
 from drake_geom_ros.proximity_rules.rule import ProximityRule
 
 Ids = NDArray[np.int64]
-_COLUMNS = 1024  # of a matrix of pairs that are counted at once: four bytes each
-_MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
 
 
-class ScenePairs(NamedTuple):
+@dataclass(frozen=True)
+class ScenePairs:
     """Geometries and pairs of a scene that queries may report."""
 
-    ids: Ids  # (n,), ascending
-    names: Sequence[GeometryNames]  # (n,)
-    reported: Flags  # (n, n), symmetric: pairs that may be reported
+    geometries: NamedGeometries  # (n,) by ascending ids
+    reported: CandidatePairs  # pairs that may be reported
 
-    def are(self, ids: Ids, reported: Flags) -> bool:
-        """Return whether this object has these geometries and pairs."""
-        return np.array_equal(ids, self.ids) and np.array_equal(reported, self.reported)
+    @property
+    def ids(self) -> Ids:
+        """The id values (n,) of the geometries, ascending."""
+        return self.reported.ids
+
+
+class WatchedKinds(NamedTuple):
+    """Watched pairs by kinds of geometries: those of one kind are in the same sets of rules.
+
+    It takes memory for each geometry and for each pair of kinds, of which there are few.
+    """
+
+    kinds: Ids  # (n,) of the geometries
+    watched: Flags  # (k, k), symmetric: pairs of these kinds are watched
+
+    def partners(self, places: Flags) -> Flags:
+        """Return which geometries (n,) are in a watched pair with one of some (n,)."""
+        kinds: Flags = np.logical_or.reduce(self.watched[self.kinds[places]], axis=0)
+        return np.asarray(kinds[self.kinds])
 
 
 class WatchedPairs:
@@ -66,7 +80,7 @@ class WatchedPairs:
             [numbers.setdefault(key, len(numbers)) for key in keys], dtype=np.int64
         )
         firsts = np.unique(self.groups, return_index=True)[1].tolist()
-        finder = _Finder(scene)
+        finder = scene.geometries
         sets = [finder.sets_of(rules[n], may_lack=keys[n][2]) for n in firsts]
         shape = len(firsts), len(scene.ids)
         self._in_a = np.array([each.in_a for each in sets], dtype=np.bool_).reshape(shape)
@@ -90,26 +104,23 @@ class WatchedPairs:
         if rules:
             self.nearest(NOTHING)  # compiles the search now instead of in a cycle
 
-    def _count(self, reported: Flags) -> None:
+    def _count(self, reported: CandidatePairs) -> None:
         """Count pairs {i, j} with i in A and j in B: ordered pairs minus those counted twice."""
-        in_a, in_b = self._in_a.astype(np.float32), self._in_b.astype(np.float32)
-        both = in_a * in_b
-        # Whole numbers to 2 ** 24 are exact here; their sums need not be so small.
-        near_a, near_b, near_both = (np.empty_like(in_a) for _ in range(3))
-        for first in range(0, len(reported), _COLUMNS):
-            columns = slice(first, first + _COLUMNS)
-            partners = reported[:, columns].astype(np.float32)
-            near_a[:, columns], near_b[:, columns] = in_a @ partners, in_b @ partners
-            near_both[:, columns] = both @ partners
-        ordered = (near_a * in_b).sum(axis=1, dtype=np.float64)
-        twice = (near_both * both).sum(axis=1, dtype=np.float64) / 2.0
-        pairs = (ordered - twice).astype(np.int64)
-        a, b, c = (self._in_a.sum(axis=1), self._in_b.sum(axis=1), both.sum(axis=1))
-        every = a * b - c - c * (c - 1) / 2  # without a geometry and itself
+        in_a, in_b = self._in_a, self._in_b
+        both = in_a & in_b
+        ofs = zip(in_a, in_b, both, strict=True)
+        counts = [
+            [reported.partners(*sets) for sets in ((a, b), (b, a), (c, c))] for a, b, c in ofs
+        ]
+        near = np.array(counts, dtype=np.int64).reshape(len(in_a), 3, len(self.ids))
+        of_a, of_b, of_both = near[:, 0], near[:, 1], near[:, 2]
+        pairs = of_a.sum(axis=1) - of_both.sum(axis=1) // 2
+        a, b, c = (sets.sum(axis=1) for sets in (in_a, in_b, both))
+        every = a * b - c - c * (c - 1) // 2  # without a geometry and itself
         self.pairs: Ids = pairs[self.groups]  # (r,) that may be reported
-        self.left_out: Ids = (every.astype(np.int64) - pairs)[self.groups]  # (r,) that never are
+        self.left_out: Ids = (every - pairs)[self.groups]  # (r,) that never are
         # (g, n) geometries with a partner in the other set; the poses of others do not matter.
-        self._needed: Flags = (self._in_a & (near_b > 0.0)) | (self._in_b & (near_a > 0.0))
+        self._needed: Flags = (of_a > 0) | (of_b > 0)
 
     def needed(self, rule: int) -> Flags:
         """Return the geometries (n,) whose poses a rule needs."""
@@ -130,10 +141,16 @@ class WatchedPairs:
         """Return the nearest pairs of each group; ``groups`` (r,) maps rules to groups."""
         return nearest_pairs(measured, farthest, self._bits, len(self._in_a))
 
-    def watched(self) -> Flags:
-        """Return a symmetric mask (n, n) of the pairs that any rule watches."""
-        one_way = np.matmul(self._in_a.T.astype(np.float32), self._in_b.astype(np.float32)) > 0.0
-        return np.asarray(one_way | one_way.T)
+    def watched(self) -> WatchedKinds:
+        """Return the pairs that any rule watches; filters are ignored."""
+        nothing = np.zeros((1, len(self.ids)), dtype=np.bool_)  # for scenes without rules
+        sets = np.packbits(np.concatenate((self._in_a, self._in_b, nothing)), axis=0).T
+        # As bytes: NumPy compares rows of numbers one by one, in the interpreter's lock.
+        rows = np.ascontiguousarray(sets).view(np.dtype((np.void, sets.shape[1])))
+        _, firsts, kinds = np.unique(rows.ravel(), return_index=True, return_inverse=True)
+        in_a, in_b = (each[:, firsts].astype(np.float32) for each in (self._in_a, self._in_b))
+        one_way = in_a.T @ in_b > 0.0
+        return WatchedKinds(kinds.ravel(), one_way | one_way.T)
 
     def greatest_shared(
         self, numbers: Sequence[int], others: Sequence[int], values: Floats
@@ -173,72 +190,6 @@ def _words(flags: Flags) -> NDArray[np.uint64]:
     filled = np.zeros((len(flags), -(-flags.shape[1] // WORD) * (WORD // 8)), dtype=np.uint8)
     filled[:, : bits.shape[1]] = bits
     return filled.view(np.uint64)
-
-
-class _Sets(NamedTuple):
-    """Masks (n,) of a rule's two sets, and the names that match nothing."""
-
-    in_a: Flags
-    in_b: Flags
-    unknown: str = ''  # the first name that matches nothing, if the rule may not lack it
-    lacking: tuple[str, ...] = ()
-
-
-class _Finder:
-    """Finds the geometries that patterns match, cached because rules repeat patterns."""
-
-    def __init__(self, scene: ScenePairs) -> None:
-        self._count = len(scene.names)
-        self._rows: dict[str, list[int]] = {}  # by name; most have one or a few
-        for row, names in enumerate(scene.names):
-            for name in dict.fromkeys(names.found_by):
-                self._rows.setdefault(name, []).append(row)
-        self._masks: dict[str, Flags] = {}  # by pattern
-        self._like: dict[str, str] = {}  # suggestions for patterns that match nothing
-
-    def sets_of(self, rule: ProximityRule, *, may_lack: bool) -> _Sets:
-        """Return the sets of a rule, both empty if a pattern matches nothing.
-
-        A rule that ``may_lack`` patterns goes on with the others if neither set becomes empty.
-        """
-        in_a, in_b = self._members(rule.set_a), self._members(rule.set_b)
-        patterns = (*rule.set_a, *rule.set_b)
-        lacking = [pattern for pattern in patterns if not self._members([pattern]).any()]
-        is_whole = bool(in_a.any()) and (not rule.set_b or bool(in_b.any()))
-        if lacking and not (may_lack and is_whole):
-            nothing = self._members([])
-            return _Sets(nothing, nothing, lacking[0])
-        return _Sets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
-
-    def _members(self, patterns: Sequence[str]) -> Flags:
-        members = np.zeros(self._count, dtype=np.bool_)
-        for pattern in patterns:
-            if pattern not in self._masks:
-                self._masks[pattern] = self._members_of(pattern)
-            members |= self._masks[pattern]
-        return members
-
-    def _members_of(self, pattern: str) -> Flags:
-        """Return a mask (n,) of the geometries that match a pattern."""
-        members = np.zeros(self._count, dtype=np.bool_)
-        if is_plain(pattern):
-            members[self._rows.get(pattern, [])] = True
-            return members
-        for name, rows in self._rows.items():
-            if matches([name], pattern):
-                members[rows] = True
-        return members
-
-    def unknown(self, rule: ProximityRule, pattern: str) -> str:
-        """Return the error text for a rule with a pattern that matches nothing."""
-        if pattern not in self._like:
-            self._like[pattern] = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
-        like = self._like[pattern]
-        return (
-            f'proximity rule {rule.name[:80]!r}: {pattern[:80]!r} stands for no geometry that '
-            f'queries report{like}. The scene has {counted(self._count, "geometry")} with '
-            'the proximity role; see ~/scene'
-        )
 
 
 def _why_never(rule: ProximityRule, pairs: int, left_out: int) -> str:

@@ -38,7 +38,7 @@ PYDRAKES = """
 # What is ours: a context can be named, results are sequences, errors are a tree, and the rest.
 OURS = """
     SceneGraphContext PenetrationResults SignedDistanceResults PointDistanceResults
-    MotionCheck ClosingSpeeds closing_speeds
+    CandidatePairs MotionCheck ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
     HydroelasticType ContactSurfaceResults OccupiedCells PointCloud
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError

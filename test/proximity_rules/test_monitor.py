@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from proximity_rules.referee import Referee
 
 from drake_geom_ros.common.geometry_names import GeometryNames, matches
+from drake_geom_ros.geometry import CandidatePairs
 from drake_geom_ros.proximity_rules import (
     Level,
     Measured,
+    NamedGeometries,
     Poses,
     ProximityRule,
     RuleError,
@@ -42,7 +44,9 @@ def scene(filtered=(), names=NAMES, first_id=11):
     for a, b in itertools.product(range(n), repeat=2):
         same = names[a].body == names[b].body or (names[a].is_anchored and names[b].is_anchored)
         reported[a, b] &= not same and (a, b) not in filtered and (b, a) not in filtered
-    return ScenePairs(np.arange(first_id, first_id + n), names, reported)
+    every, excluded = np.arange(n), np.packbits(~reported, axis=1, bitorder='little')
+    pairs = CandidatePairs(np.arange(first_id, first_id + n), every, every, every, excluded)
+    return ScenePairs(NamedGeometries(names), pairs)
 
 
 def measured(*pairs, speeds=None):
@@ -377,12 +381,45 @@ def test_one_compiled_version_serves_all_rules():
 
 @given(st.text('hand*?l/:[]', min_size=1, max_size=6) | st.sampled_from(PATTERNS))
 def test_a_set_is_all_that_its_pattern_matches(pattern):
-    where = scene()._replace(reported=np.ones((6, 6), bool))
-    watched = WatchedPairs([rule(set_a=(pattern,), set_b=('*',))], where)
+    watched = WatchedPairs([rule(set_a=(pattern,), set_b=('*',))], scene())
     found = [matches(names.found_by, pattern) for names in NAMES]
     assert bool(watched.unknown[0]) == (not any(found))
     if any(found):
-        assert (watched.watched() == np.logical_or.outer(found, found)).all()
+        assert (mask(watched) == np.logical_or.outer(found, found)).all()
+
+
+def mask(watched):
+    """Return the pairs that rules watch as a matrix (n, n)."""
+    pairs = watched.watched()
+    return pairs.watched[np.ix_(pairs.kinds, pairs.kinds)]
+
+
+sets = st.lists(st.sampled_from(PATTERNS), min_size=1, max_size=2)
+
+
+@given(st.lists(st.tuples(sets, sets | st.just([])), min_size=1, max_size=9), st.data())
+def test_pairs_by_kinds_are_those_of_each_rule_pair_by_pair(drawn, data):
+    filtered = data.draw(st.sets(st.tuples(st.integers(0, 5), st.integers(0, 5)), max_size=4))
+    where = scene(filtered)
+    rules = [rule(f'{k}', tuple(a), tuple(b)) for k, (a, b) in enumerate(drawn)]
+    watched = WatchedPairs(rules, where)
+    expected = np.zeros((6, 6), dtype=bool)
+    for number, each in enumerate(rules):
+        sides = [
+            np.array([any(matches(names.found_by, p) for p in patterns) for names in NAMES])
+            for patterns in (each.set_a, each.set_b)
+        ]
+        in_a, in_b = sides if each.set_b else (sides[0], ~sides[0])
+        one_way = np.logical_and.outer(in_a, in_b)
+        pairs = (one_way | one_way.T) & ~np.eye(6, dtype=bool)
+        of_rule = pairs & where.reported.matrix()
+        assert watched.pairs[number] == of_rule.sum() // 2
+        assert watched.left_out[number] == pairs.sum() // 2 - of_rule.sum() // 2
+        assert watched.needed(number).tolist() == of_rule.any(axis=0).tolist()
+        expected |= one_way | one_way.T
+    assert (mask(watched) == expected).all()
+    some = np.arange(6) < 2
+    assert watched.watched().partners(some).tolist() == expected[some].any(axis=0).tolist()
 
 
 def test_bits_of_many_rules_are_told_apart():
@@ -441,7 +478,8 @@ def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
     for number, fields in enumerate(rules):
         made = ProximityRule(str(number), **fields)
         referee = Referee(made, members)
-        reported = list(zip(*np.nonzero(where.reported), strict=True))
+        matrix = where.reported.matrix()
+        reported = list(zip(*np.nonzero(matrix), strict=True))
         if any(referee.concerns(*p) for p in reported):
             watch.add([made])
             referees.append(referee)
@@ -451,7 +489,7 @@ def test_a_referee_finds_every_decision_and_no_other(rules, story, data):
     now, sequence = 0.0, 1
     for seconds, pairs, stale, absent, lost in story:
         now += seconds
-        seen = [p for p in pairs if where.reported[p[0]]]
+        seen = [p for p in pairs if matrix[p[0]]]
         args = [(*p[0], p[1], p[2]) for p in seen]
         speeds = [p[3] for p in seen]
         saw = measured(*args, speeds=speeds) if seen else NOTHING
@@ -505,7 +543,7 @@ def test_the_greatest_enter_of_what_shares_a_pair_is_that_of_all_pairs_of_rules(
     def members(patterns):
         return {
             k
-            for k, names in enumerate(where.names)
+            for k, names in enumerate(where.geometries.names)
             if any(matches(names.found_by, p) for p in patterns)
         }
 

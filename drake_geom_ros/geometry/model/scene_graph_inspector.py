@@ -18,6 +18,7 @@ from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
 from drake_geom_ros.geometry.meshes.volume_mesh import VolumeMesh
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import FrameRecord, GeometryRecord, named
+from drake_geom_ros.geometry.model.candidate_pairs import CandidatePairs
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.geometry_version import GeometryVersion, version_of
 from drake_geom_ros.geometry.model.instances import GeometryInstance
@@ -370,11 +371,12 @@ class SceneGraphInspector:
 
         The ids are those of all geometries with the proximity role, ascending.
         """
-        ids = self.GetAllGeometryIds(Role.kProximity)
-        values = np.array([id.get_value() for id in ids], dtype=np.int64)
-        slots = self._filters.slots(values)
-        rows = [self._filters.mask(np.full_like(slots, slot), slots) for slot in slots]
-        return values, np.array(rows, dtype=np.bool_).reshape(len(ids), len(ids))
+        candidates = self.candidate_pairs()
+        return candidates.ids, candidates.matrix()
+
+    def candidate_pairs(self) -> CandidatePairs:
+        """Return GetCollisionCandidates of now as an object without a matrix, for large scenes."""
+        return CandidatePairs.of_filters(self._filters)
 
     def _record(self, id: FrameId | GeometryId) -> FrameRecord | GeometryRecord:
         """Return the record of a frame or a geometry."""

@@ -15,7 +15,7 @@ from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_content import SceneHolder
 from drake_geom_ros.geometry.queries.context_state import ContextState
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.array_types import Floats, Indices
 
 _Context = TypeVar('_Context', bound='SceneGraphContext')
 
@@ -58,9 +58,13 @@ class SceneGraphContext(SceneHolder):
         other._state = state
         return other
 
-    def narrowed(self: _Context, considered: NDArray[np.bool_]) -> _Context:
+    def narrowed(
+        self: _Context, considered: NDArray[np.bool_], kinds: Indices | None = None
+    ) -> _Context:
         """Return a context that considers some pairs only, see ``QueryObject.narrowed``."""
-        return self._of(self._state.narrowed(considered))
+        if kinds is None:
+            kinds = np.arange(len(considered))
+        return self._of(self._state.narrowed(considered, kinds))
 
     def set_default_accuracy(self, accuracy: str) -> None:
         """Set the default accuracy of queries: bound, fast, balanced or exact."""

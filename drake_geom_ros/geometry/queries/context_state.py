@@ -32,6 +32,7 @@ from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
 from drake_geom_ros.geometry.queries.prepared_motions import PreparedMotions
+from drake_geom_ros.math.array_types import Indices
 
 if TYPE_CHECKING:  # with its kernels
     from drake_geom_ros.geometry._contact_surfaces.asking import Posed
@@ -126,10 +127,13 @@ class ContextState(PosedScene):
             self._snapshot = self.model.copy()
         return self._about(self._snapshot)
 
-    def narrowed(self: _State, considered: NDArray[np.bool_]) -> _State:
-        """Return a state of the same model and poses, for the pairs of a mask (n, n) only."""
-        other, ids = copy(self), self.up_to_date_world().geometries.ids
-        other.filters = self.filters.narrowed(ids, considered)
+    def narrowed(self: _State, considered: NDArray[np.bool_], kinds: Indices) -> _State:
+        """Return a state of the same model and poses, for pairs of some kinds (k, k) only.
+
+        ``kinds`` (n,) are those of the geometries.
+        """
+        other = copy(self)
+        other.filters = self.filters.narrowed(kinds, considered)
         other.engine, other._prepared = Engine(), {}
         other.prepared_motions = PreparedMotions()
         return other

@@ -79,20 +79,25 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         world = state.posed_world()
         return seconds_a_pair(world, state.filters, reach, samples, seed)
 
-    def narrowed(self, considered: ArrayLike) -> QueryObject:
+    def narrowed(self, considered: ArrayLike, kinds: ArrayLike | None = None) -> QueryObject:
         """Return a query object that considers only the pairs of a matrix (n, n).
 
-        Its rows are those of ``inspector().candidate_matrix()``; filters apply, too. It sees later
-        poses, as this one does. After a change of shapes or filters, make another one.
+        Its rows are those of ``inspector().candidate_matrix()``; filters apply, too. With
+        ``kinds`` (n,), whole numbers, the matrix (k, k) is that of kinds of geometries, which
+        takes little memory in large scenes. The object sees later poses, as this one does. After
+        a change of shapes or filters, make another one.
         """
         flags = np.asarray(considered, dtype=np.bool_)
         count = len(self._state.up_to_date_world().geometries.ids)
-        if flags.shape != (count, count):
+        kind_of = np.arange(count) if kinds is None else np.asarray(kinds, dtype=np.int64)
+        size = count if kinds is None else int(kind_of.max(initial=-1)) + 1
+        if flags.shape != (size, size) or kind_of.shape != (count,) or (kind_of < 0).any():
             raise ArgumentError(
-                f'narrowed was given a matrix {flags.shape}; it must be {(count, count)}, '
-                'as inspector().candidate_matrix() is.'
+                f'narrowed was given a matrix {flags.shape}; it must be {(size, size)}, '
+                'as inspector().candidate_matrix() is, or as many rows as there are kinds, and '
+                f'kinds {kind_of.shape}, from 0 on, must be {(count,)}.'
             )
-        return QueryObject(self._context and self._context.narrowed(flags | flags.T))
+        return QueryObject(self._context and self._context.narrowed(flags | flags.T, kind_of))
 
     # Pairs.
 

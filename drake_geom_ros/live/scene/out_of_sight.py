@@ -51,7 +51,8 @@ class Balls(NamedTuple):
         """
         centres, radii = np.zeros((len(frames), 3)), np.full(len(frames), np.inf)
         of_maps = np.isin(pairs.ids, [its_map.get_value() for its_map in maps])
-        for k in np.flatnonzero(pairs.reported[of_maps].any(axis=0) & ~of_maps):
+        partners = pairs.reported.rows(np.flatnonzero(of_maps)).any(axis=0)
+        for k in np.flatnonzero(partners & ~of_maps):
             geometry = GeometryId(int(pairs.ids[k]))
             obb = inspector.GetObbInGeometryFrame(geometry)
             if obb is not None:
@@ -96,7 +97,7 @@ def with_unseen(
     ids = []
     for its_map, _ in maps:
         own = np.flatnonzero(pairs.ids == its_map.get_value())
-        for row in np.flatnonzero(flags & pairs.reported[own].any(axis=0)):
+        for row in np.flatnonzero(flags & pairs.reported.rows(own).any(axis=0)):
             ids.append(sorted((int(pairs.ids[row]), its_map.get_value())))
     if not ids:
         return measured

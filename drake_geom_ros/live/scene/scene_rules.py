@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.geometry_names import GeometryNames, carrier_names
 from drake_geom_ros.geometry import (
+    CandidatePairs,
     FrameId,
     GeometryId,
     GeometryVersion,
@@ -29,6 +30,7 @@ from drake_geom_ros.math.array_types import Flags
 from drake_geom_ros.proximity_rules import (
     Event,
     Measured,
+    NamedGeometries,
     Poses,
     ProximityRule,
     RuleMonitor,
@@ -39,7 +41,7 @@ from drake_geom_ros.proximity_rules import (
 )
 
 Twists = Mapping[FrameId, NDArray[np.float64]]
-_NO_PAIRS = ScenePairs(np.zeros(0, dtype=np.int64), [], np.zeros((0, 0), dtype=np.bool_))
+_NO_PAIRS = ScenePairs(NamedGeometries([]), CandidatePairs.of_all(np.zeros(0, dtype=np.int64)))
 
 
 class Blind(NamedTuple):
@@ -154,52 +156,54 @@ class SceneRules:
         have_same_names = frames_version == self._frames_version
         self._version, self._frames_version = version, frames_version
         self._extents = self._balls = None
-        ids, reported = inspector.candidate_matrix()
-        if have_same_names and self._pairs.are(ids, reported):
+        candidates = inspector.candidate_pairs()
+        if have_same_names and self._pairs.reported.matches(candidates):
             # Shapes changed, as those of sensed maps do many times a second: rules are about the
             # same pairs.
             self._narrowed = None
             self.measure_again()
             return
-        self._be(self._bound(query, frames_version, ids, reported))
+        self._be(self._bound(query, frames_version, candidates, have_same_names))
 
     def prepared(self, query: QueryObject, *, same_names: bool) -> BoundRules:
         """Return what ``bind`` would be about, for a copy of the scene that is going to be it.
 
-        With the ``same_names`` as the scene of now where only shapes are others.
+        With the ``same_names`` as the scene of now where only shapes and filters are others.
         """
-        ids, reported = query.inspector().candidate_matrix()
-        if same_names and self._pairs.are(ids, reported):
+        candidates = query.inspector().candidate_pairs()
+        if same_names and self._pairs.reported.matches(candidates):
             version, rules = query.inspector().geometry_version(), self.rules
             known = self._pairs, self._monitor.watched, self._hanging, self._frames
             bound = BoundRules(version, -1, rules, *known, query)
         else:
-            bound = self._bound(query, -1, ids, reported)
-        narrowed = query.narrowed(bound.watched.watched())
-        return bound._replace(narrowed=narrowed)
+            bound = self._bound(query, -1, candidates, same_names)
+        return bound._replace(narrowed=_narrowed(query, bound.watched))
 
     def offer(self, prepared: BoundRules | None) -> None:
         """Have what was ``prepared`` for the scene as it is now, until the next ``bind``."""
         self._prepared = prepared
 
     def _bound(
-        self, query: QueryObject, frames_version: int, ids: NDArray[np.int64], reported: Flags
+        self,
+        query: QueryObject,
+        frames_version: int,
+        candidates: CandidatePairs,
+        same_names: bool,
     ) -> BoundRules:
+        """Return what rules are about, by names and frames of now where these are the same."""
         inspector, rules = query.inspector(), self.rules
         version = inspector.geometry_version()
-        geometries = [GeometryId(value) for value in ids.tolist()]
-        names = [geometry_names(inspector, geometry) for geometry in geometries]
-        pairs = ScenePairs(ids, names, reported)
-        return BoundRules(
-            version,
-            frames_version,
-            rules,
-            pairs,
-            self._monitor.watching(rules, pairs),
-            hanging(inspector, geometries),
-            [inspector.GetFrameId(geometry) for geometry in geometries],
-            query,
-        )
+        if same_names and np.array_equal(candidates.ids, self._pairs.ids):
+            pairs, on, frames = self._pairs, self._hanging, self._frames
+            pairs = ScenePairs(pairs.geometries, candidates)
+        else:
+            geometries = [GeometryId(value) for value in candidates.ids.tolist()]
+            names = [geometry_names(inspector, geometry) for geometry in geometries]
+            pairs = ScenePairs(NamedGeometries(names), candidates)
+            on = hanging(inspector, geometries)
+            frames = [inspector.GetFrameId(geometry) for geometry in geometries]
+        watched = self._monitor.watching(rules, pairs)
+        return BoundRules(version, frames_version, rules, pairs, watched, on, frames, query)
 
     def _be(self, bound: BoundRules) -> None:
         """Be about a version of the scene."""
@@ -256,10 +260,10 @@ class SceneRules:
         flags = unseen(query, self._balls_of(query, sights), everywhere)
         watched = self._monitor.watched.watched()
         of_maps = np.isin(self._pairs.ids, [its_map.get_value() for its_map, _ in sights])
-        rows = np.flatnonzero(flags & watched[of_maps].any(axis=0)).tolist()
+        rows = np.flatnonzero(flags & watched.partners(of_maps)).tolist()
         if not rows:
             return ''
-        names = [self._pairs.names[row].full_name for row in rows]
+        names = [self._pairs.geometries.names[row].full_name for row in rows]
         return (
             f'no sensor sees {some_of(names)}: beyond obstacle_reach of all of them, or '
             'beyond obstacle_box; what is near is not seen, and rules about that are entered'
@@ -366,9 +370,9 @@ class SceneRules:
         return self._monitor.speed_scale()
 
     def _narrow(self, query: QueryObject) -> QueryObject:
-        """Return a query object that considers the pairs of rules, and no other."""
+        """Return the query object of the pairs of rules, made anew after changes."""
         if self._narrowed is None:
-            self._narrowed = query.narrowed(self._monitor.watched.watched())
+            self._narrowed = _narrowed(query, self._monitor.watched)
         return self._narrowed
 
     def _rows(self, frames: Collection[int]) -> Flags:
@@ -393,6 +397,12 @@ class SceneRules:
                 turn, straight = np.linalg.norm(twists[frame].reshape(2, 3), axis=1)
                 speeds.append(float(straight + (turn * extent if turn else 0.0)))
         return sum(sorted(speeds)[-2:])
+
+
+def _narrowed(query: QueryObject, watched: WatchedPairs) -> QueryObject:
+    """Return a query object that considers the pairs that rules watch, and no other."""
+    pairs = watched.watched()
+    return query.narrowed(pairs.watched, pairs.kinds)
 
 
 def _measured(

@@ -115,7 +115,7 @@ def _rows(
     own = int(np.searchsorted(pairs.ids, its_map.get_value()))
     if own == len(pairs.ids) or pairs.ids[own] != its_map.get_value():
         return ()
-    partners = pairs.ids[pairs.reported[own]]
+    partners = pairs.ids[pairs.reported.rows(np.array([own]))[0]]
     distances_to_bodies = query.ComputeSignedDistanceToPoint(shell.centres, farthest + shell.reach)
     ids, distances = np.asarray(distances_to_bodies.id_G), np.asarray(distances_to_bodies.distance)
     order = np.lexsort((distances, ids))

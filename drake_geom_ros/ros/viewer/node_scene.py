@@ -17,14 +17,14 @@ from drake_geom_ros.client.listening import LATCHED
 from drake_geom_ros.client.scene_table import carriers_of
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.geometry_names import GeometryNames
-from drake_geom_ros.geometry import GeometryError, GeometryId, Role
+from drake_geom_ros.geometry import CandidatePairs, GeometryError, GeometryId, Role
 from drake_geom_ros.live.conversions.file_access import FileAccess
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.conversions.proximity_rules import rules_from_message
 from drake_geom_ros.live.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.live.conversions.shapes import shape_from_message
 from drake_geom_ros.math.batched import matrices_from_poses
-from drake_geom_ros.proximity_rules import ScenePairs, WatchedPairs, Why
+from drake_geom_ros.proximity_rules import NamedGeometries, ScenePairs, WatchedPairs, Why
 from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
 from drake_geom_ros.viewing.contacts import ShownContacts
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
@@ -220,11 +220,10 @@ class NodeScene:
             return []
         rules = rules_from_message(message.rules)
         if self._watched is None:
-            ids, count = np.array(list(self._bodies), dtype=np.int64), len(self._bodies)
-            every = np.ones((count, count), dtype=np.bool_)
-            names = list(self._bodies.values())
+            every = CandidatePairs.of_all(np.array(list(self._bodies), dtype=np.int64))
+            names = NamedGeometries(list(self._bodies.values()))
             met = [rule.name for rule in rules]
-            self._watched = WatchedPairs(rules, ScenePairs(ids, names, every), met)
+            self._watched = WatchedPairs(rules, ScenePairs(names, every), met)
         nearest = nearest_by_rule(self._watched, pairs)
         return [
             ShownRule(

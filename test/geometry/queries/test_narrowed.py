@@ -82,11 +82,35 @@ def test_it_answers_about_its_pairs_as_the_whole_does_while_both_are_asked(some,
             assert all(reported[row[a], row[b]] for a, b, _ in whole)
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    pairs,
+    st.lists(st.integers(0, 2), min_size=COUNT, max_size=COUNT),
+    st.lists(st.booleans(), min_size=9, max_size=9),
+)
+def test_pairs_of_kinds_are_those_of_the_matrix_that_they_stand_for(filtered, kinds, flags):
+    graph, context, frames = scene(filtered)
+    query = pose(graph, context, frames, np.random.default_rng(0).uniform(-1, 1, (COUNT, 3)))
+    between = np.reshape(flags, (3, 3))[: max(kinds) + 1, : max(kinds) + 1]
+    by_kinds = query.narrowed(between, kinds)
+    by_pairs = query.narrowed(between[np.ix_(kinds, kinds)])
+    answers = [
+        told(each.ComputeSignedDistancePairwiseClosestPoints(np.inf))
+        for each in (by_kinds, by_pairs)
+    ]
+    assert answers[0] == answers[1]
+    some = by_kinds.inspector(), by_pairs.inspector()
+    assert some[0].GetCollisionCandidates() == some[1].GetCollisionCandidates()
+
+
 def test_a_matrix_of_another_size_is_refused():
     graph, context, frames = scene()
     query = pose(graph, context, frames, np.zeros((COUNT, 3)))
     with pytest.raises(ArgumentError, match=r'matrix \(2, 2\); it must be \(7, 7\)'):
         query.narrowed(np.eye(2))
+    for kinds in ([0] * 6, [0, 1, 2, 0, 0, 0, 0], [-1, 1, 0, 0, 0, 0, 0]):
+        with pytest.raises(ArgumentError, match=r'kinds \(\d,\), from 0 on, must be \(7,\)'):
+            query.narrowed(np.eye(2), kinds)
 
 
 def test_the_matrix_of_candidates_is_the_set_of_candidates():

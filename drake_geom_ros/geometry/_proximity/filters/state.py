@@ -65,15 +65,18 @@ class FilterState:
 
     def copy(self) -> FilterState:
         """Return an independent copy of the state."""
+        return self._with_bits(self._bits.copy(), self._bit_rows.copy())
+
+    def _with_bits(self, bits: filter_matrix.Bits, bit_rows: BitRows) -> FilterState:
+        """Return an independent copy with other bits."""
         other = FilterState()
         other.version = self.version
         other.groups = self.groups.copy()
         other._log = self._log.copy()
         other._slot_of = dict(self._slot_of)
         other._free = list(self._free)
-        other._bits = self._bits.copy()
+        other._bits, other._bit_rows = bits, bit_rows
         other._bodies = self._bodies.copy()
-        other._bit_rows = self._bit_rows.copy()
         other._free_rows = list(self._free_rows)
         other._table = self._table
         other.welded = dict(self.welded)
@@ -88,23 +91,27 @@ class FilterState:
         self.__dict__.update(other.__dict__)
         self.welded = welded
 
-    def narrowed(self, keys: NDArray[np.int64], considered: Flags) -> FilterState:
-        """Return a copy that excludes all pairs of keys (n,) but those ``considered`` (n, n).
+    def narrowed(self, kinds: NDArray[np.int64], considered: Flags) -> FilterState:
+        """Return a copy that excludes all pairs but those of kinds that are ``considered`` (k, k).
 
-        The copy is for queries only: it does not see later statements.
+        ``kinds`` (n,) are those of the geometries, by ascending keys. The copy is for queries
+        only: it does not see later statements. Geometries of one kind share a row, unless they
+        have filters of their own.
         """
-        other = self.copy()
-        slots = other.slots(keys)
-        other._give_rows(slots)
-        # As bytes: NumPy compares rows of flags one by one, in the interpreter's lock.
-        packed = np.packbits(considered, axis=1)
-        whole = packed.view(np.dtype((np.void, packed.shape[1]))) if packed.size else packed
-        _, firsts, pattern_of = np.unique(whole.ravel(), return_index=True, return_inverse=True)
-        for k, pattern in enumerate(considered[firsts]):
-            filter_matrix.write_pairs(
-                *(other._bits, other._bit_rows, CURRENT),
-                *(slots[pattern_of == k], slots[~pattern], True),
-            )
+        slots = self.table()[1]
+        excluded = np.zeros((len(considered), len(self._bodies)), dtype=np.bool_)
+        excluded[:, slots] = ~considered[:, kinds]
+        shared = np.packbits(excluded, axis=1, bitorder='little')
+        filtered = np.flatnonzero(self._bit_rows[slots] != NO_ROW)
+        bits = np.zeros((2, len(shared) + len(filtered), shared.shape[1]), dtype=np.uint8)
+        bits[CURRENT, : len(shared)] = shared
+        own = bits[CURRENT, len(shared) :]
+        np.take(shared, kinds[filtered], axis=0, out=own)
+        own |= self._bits[CURRENT, self._bit_rows[slots[filtered]]]
+        bit_rows = np.full_like(self._bit_rows, NO_ROW)
+        bit_rows[slots] = kinds
+        bit_rows[slots[filtered]] = len(shared) + np.arange(len(filtered))
+        other = self._with_bits(bits, bit_rows)
         other.version += 1
         return other
 
@@ -163,12 +170,16 @@ class FilterState:
 
     # Reads by queries.
 
-    def slots(self, keys: NDArray[np.int64]) -> Slots:
-        """Return the slot of each geometry."""
+    def table(self) -> tuple[NDArray[np.int64], Slots]:
+        """Return the keys of all geometries, ascending, and the slot of each."""
         if self._table is None:
             sorted_keys = np.array(self.all_keys(), dtype=np.int64)
             self._table = sorted_keys, self._slots_of(sorted_keys.tolist())
-        sorted_keys, slots = self._table
+        return self._table
+
+    def slots(self, keys: NDArray[np.int64]) -> Slots:
+        """Return the slot of each geometry."""
+        sorted_keys, slots = self.table()
         return slots[np.searchsorted(sorted_keys, keys)]
 
     def mask(self, slots_a: Slots, slots_b: Slots) -> Flags:

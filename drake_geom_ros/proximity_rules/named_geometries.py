@@ -1,0 +1,84 @@
+"""Geometries that the patterns of a rule's sets match, cached because rules repeat patterns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.common.counting import counted
+from drake_geom_ros.common.geometry_names import GeometryNames, is_plain, matches
+from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.math.array_types import Flags
+from drake_geom_ros.proximity_rules.rule import ProximityRule
+
+_MOST_LOOKED_AT = 5000  # names that are compared with an unknown one
+
+
+class RuleSets(NamedTuple):
+    """Masks (n,) of a rule's two sets, and the names that match nothing."""
+
+    in_a: Flags
+    in_b: Flags
+    unknown: str = ''  # the first name that matches nothing, if the rule may not lack it
+    lacking: tuple[str, ...] = ()
+
+
+class NamedGeometries:
+    """Geometries (n,) by the names that patterns match."""
+
+    def __init__(self, names: Sequence[GeometryNames]) -> None:
+        self.names = names
+        self._count = len(names)
+        self._rows: dict[str, list[int]] = {}  # by name; most have one or a few
+        for row, names_of_one in enumerate(names):
+            for name in dict.fromkeys(names_of_one.found_by):
+                self._rows.setdefault(name, []).append(row)
+        self._masks: dict[str, Flags] = {}  # by pattern
+        self._like: dict[str, str] = {}  # suggestions for patterns that match nothing
+
+    def sets_of(self, rule: ProximityRule, *, may_lack: bool) -> RuleSets:
+        """Return the sets of a rule, both empty if a pattern matches nothing.
+
+        A rule that ``may_lack`` patterns goes on with the others if neither set becomes empty.
+        """
+        in_a, in_b = self._members(rule.set_a), self._members(rule.set_b)
+        patterns = (*rule.set_a, *rule.set_b)
+        lacking = [pattern for pattern in patterns if not self._members([pattern]).any()]
+        is_whole = bool(in_a.any()) and (not rule.set_b or bool(in_b.any()))
+        if lacking and not (may_lack and is_whole):
+            nothing = self._members([])
+            return RuleSets(nothing, nothing, lacking[0])
+        return RuleSets(in_a, in_b if rule.set_b else ~in_a, lacking=tuple(lacking))
+
+    def _members(self, patterns: Sequence[str]) -> Flags:
+        members = np.zeros(self._count, dtype=np.bool_)
+        for pattern in patterns:
+            if pattern not in self._masks:
+                self._masks[pattern] = self._members_of(pattern)
+            members |= self._masks[pattern]
+        return members
+
+    def _members_of(self, pattern: str) -> Flags:
+        """Return a mask (n,) of the geometries that match a pattern."""
+        members = np.zeros(self._count, dtype=np.bool_)
+        if is_plain(pattern):
+            members[self._rows.get(pattern, [])] = True
+            return members
+        for name, rows in self._rows.items():
+            if matches([name], pattern):
+                members[rows] = True
+        return members
+
+    def unknown(self, rule: ProximityRule, pattern: str) -> str:
+        """Return the error text for a rule with a pattern that matches nothing."""
+        if pattern not in self._like:
+            self._like[pattern] = nearest(pattern, islice(self._rows, _MOST_LOOKED_AT))
+        like = self._like[pattern]
+        return (
+            f'proximity rule {rule.name[:80]!r}: {pattern[:80]!r} stands for no geometry that '
+            f'queries report{like}. The scene has {counted(self._count, "geometry")} with '
+            'the proximity role; see ~/scene'
+        )
