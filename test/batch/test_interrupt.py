@@ -21,7 +21,7 @@ PROGRAM = 'from drake_geom_ros.command_line.program import main; raise SystemExi
 def test_an_interrupted_command_keeps_what_is_done(tmp_path, cell):
     np.save(tmp_path / 'states.npy', cell.states(3_000_000))
     command = [sys.executable, '-c', PROGRAM, 'batch', str(Cell.path)]
-    command += [str(tmp_path / 'states.npy'), '--output', str(tmp_path / 'out.npz')]
+    command += [str(tmp_path / 'states.npy'), '--out', str(tmp_path / 'out.npz')]
     running = subprocess.Popen(
         command,
         cwd=tmp_path,
@@ -33,7 +33,7 @@ def test_an_interrupted_command_keeps_what_is_done(tmp_path, cell):
     while running.poll() is None and len(list(parts.glob('*.npz'))) < 2:
         time.sleep(0.05)
     running.send_signal(signal.SIGINT)
-    _, errors = running.communicate(timeout=60)
+    _, errors = running.communicate(timeout=800)
     assert running.returncode == 130, errors
     assert 'interrupted; --resume goes on' in errors
     done = list(parts.glob('*.npz'))

@@ -56,7 +56,7 @@ def start(folder, script, **variables):
 def shell(folder, script, **variables):
     """Return (exit code, output, errors) of a script after `run` was sourced."""
     process = start(folder, script, **variables)
-    output, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=800)
     return process.returncode, output, errors
 
 
@@ -234,7 +234,7 @@ def test_an_interrupt_ends_both_steps(folder):
         assert process.poll() is None
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=800)
     assert process.returncode == 130
     assert 'the next ./run goes on from here' in errors
     assert ended(folder)
@@ -382,7 +382,7 @@ def test_a_killed_set_up_is_taken_up_again(folder):
 
 def test_of_two_at_once_one_sets_up_and_the_other_waits(folder):
     both = [start(folder, FAKE_STEPS + 'set_up') for _ in range(2)]
-    errors = [process.communicate(timeout=60)[1] for process in both]
+    errors = [process.communicate(timeout=800)[1] for process in both]
     assert [process.returncode for process in both] == [0, 0], errors
     assert calls(folder) == ['venv', 'packages', 'messages']
 

@@ -67,7 +67,7 @@ def run(*command, cwd, **variables):
         env={**kept, 'PATH': os.defpath, **variables},
         capture_output=True,
         text=True,
-        timeout=280,
+        timeout=800,
         check=False,
     )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]

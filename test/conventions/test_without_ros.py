@@ -41,7 +41,7 @@ def run_without_ros(script):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=800,
         check=False,
     )
 

@@ -14,7 +14,7 @@ from drake_geom_ros.cross_check import asker as asker_module
 from drake_geom_ros.cross_check.asker import Asker, missing
 from drake_geom_ros.cross_check.question import AGREED, LOST
 
-pytestmark = pytest.mark.processes
+pytestmark = [pytest.mark.processes, pytest.mark.everything]
 
 # A library that python-fcl is replaced by, which does one thing with every pair.
 FCL = """

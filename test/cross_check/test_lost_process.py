@@ -11,7 +11,7 @@ import pytest
 
 from drake_geom_ros.cross_check.lost_process import outcomes
 
-pytestmark = pytest.mark.processes
+pytestmark = [pytest.mark.processes, pytest.mark.everything]
 
 
 def ask(question):

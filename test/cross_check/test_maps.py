@@ -20,7 +20,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from truth.bodies.random_bodies import random_rotation
 
-pytestmark = pytest.mark.processes
+pytestmark = [pytest.mark.processes, pytest.mark.everything]
 
 NAMES = [name for name in SHAPES if name != 'half_space']
 EDGE = 0.05

@@ -25,7 +25,7 @@ from truth.hard_cases import cases
 from truth.judging.asking import BodyScene
 from truth.peers import PairAnswer
 
-pytestmark = pytest.mark.processes
+pytestmark = [pytest.mark.processes, pytest.mark.everything]
 
 CORNERS = np.array([[0.0, 0.0, 0.3], [0.2, 0.0, 0.3], [0.0, 0.2, 0.3], [0.0, 0.0, 0.5]])
 BODIES = [

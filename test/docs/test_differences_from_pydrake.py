@@ -84,7 +84,7 @@ def test_the_port_that_is_shown_runs():
         env={**os.environ, 'PYTHONPATH': paths},
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=800,
     )
     assert done.returncode == 0, done.stderr
     assert ' m between ur5/' in done.stdout

@@ -20,7 +20,7 @@ def built(tmp_path_factory):
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        timeout=120,
+        timeout=800,
     )
     assert done.returncode == 0, done.stdout
     return folder, done.stdout

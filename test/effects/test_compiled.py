@@ -44,7 +44,7 @@ def compiled(tmp_path_factory):
         env={**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path_factory.mktemp('cache'))},
         stdout=subprocess.PIPE,
         text=True,
-        timeout=240,
+        timeout=800,
         check=True,
     )
     kernels, functions = json.loads(done.stdout)

@@ -44,7 +44,7 @@ def modules(code, *arguments):
         env={**os.environ, 'NUMBA_DISABLE_JIT': '1'},
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=800,
         check=False,
     )
     assert done.returncode == 0, done.stderr

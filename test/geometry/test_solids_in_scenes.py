@@ -227,7 +227,7 @@ print([name for name in sys.modules if 'drake_geom_ros' in name and 'solid' in n
 @pytest.mark.processes
 def test_a_scene_without_solids_loads_nothing_of_theirs():
     found = subprocess.run(
-        [sys.executable, '-c', LOADED], cwd=ROOT, capture_output=True, text=True, timeout=120,
+        [sys.executable, '-c', LOADED], cwd=ROOT, capture_output=True, text=True, timeout=800,
         env={**os.environ, 'PYTHONPATH': str(ROOT)},
     )  # fmt: skip
     assert found.stdout == '[]\n', found.stderr

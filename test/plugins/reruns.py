@@ -17,7 +17,7 @@ import pytest
 from plugins.marks import RACY
 
 MOST = 5  # more tests than that have a reason in common
-PATIENCE = 600.0  # [s] for one test with its node
+PATIENCE = 1000.0  # [s] for one test with its node
 NO_RERUNS = '--no-reruns'
 
 

@@ -39,7 +39,7 @@ def answer(code, package):
 def of_pydrake(path, key):
     """Return the answers of pydrake to all examples, by their code."""
     command = [sys.executable, __file__, str(path), key, 'pydrake']
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=800)
     assert done.returncode == 0, done.stderr
     codes = [entry['code'] for entry in examples(path, key)]
     return dict(zip(codes, json.loads(done.stdout), strict=True))

@@ -183,7 +183,7 @@ def test_an_unforeseen_error_has_a_code_of_its_own_and_ends_no_other_run(
 def refused(*arguments):
     """Return what ``report`` says of a recording that it refuses, in a process that may hang."""
     asked = [sys.executable, '-m', 'drake_geom_ros', 'report', *map(str, arguments)]
-    done = subprocess.run(asked, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(asked, capture_output=True, text=True, timeout=800, check=False)
     assert done.returncode == 2, done.stderr
     return done.stderr
 

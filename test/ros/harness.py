@@ -46,7 +46,7 @@ def without_shared_memory(monkeypatch):
     monkeypatch.setenv('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
 
 
-def run_python(*arguments, timeout=120):
+def run_python(*arguments, timeout=800):
     """Return what became of Python with arguments, in the environment of the tests."""
     return subprocess.run(
         [sys.executable, *map(str, arguments)],

@@ -17,7 +17,7 @@ from drake_geom_ros.command_line.program import main
 from drake_geom_ros.cross_check.second_opinion import MOST_LOST
 from drake_geom_ros.replay import read
 
-pytestmark = pytest.mark.topics
+pytestmark = [pytest.mark.topics, pytest.mark.everything]
 
 # [s] of a busy machine, on which the kernels are compiled first.
 LONG = 250.0

@@ -246,7 +246,7 @@ def test_help_says_what_it_takes_and_starts_nothing():
             [sys.executable, '-m', 'drake_geom_ros.ros.pose_player', *asked],
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=800,
             check=False,
         )
         assert done.returncode == 0

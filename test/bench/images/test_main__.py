@@ -20,7 +20,7 @@ def test_images_are_those_of_pydrake_but_at_silhouettes(tmp_path):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=800,
         check=False,
     )
     if done.returncode < 0:

@@ -59,7 +59,7 @@ def _check_files(out):
 
 def test_it_ends_by_itself_and_leaves_its_files(files):
     arguments = '--scene', files / 'arm.yaml', '--seconds', 4, '--out', files / 'out'
-    run = run_python('-m', DEMO, *arguments, timeout=280)
+    run = run_python('-m', DEMO, *arguments, timeout=800)
     assert run.returncode == 0, run.stdout + run.stderr
     rows = _check_files(files / 'out')
     for word in ('closest pairs', 'arm::panda_hand - things::ball', 'filtered pairs', 'p99'):
@@ -94,7 +94,7 @@ def test_a_robot_without_geometries_ends_it_with_the_reason_and_no_files(files):
     scene = files / 'bare.yaml'
     scene.write_text('robots: [{name: bare, urdf: bare.urdf}]\n' + SCENE[SCENE.index('frames:') :])
     arguments = '--scene', scene, '--seconds', 4, '--out', files / 'out'
-    run = run_python('-m', DEMO, *arguments, timeout=280)
+    run = run_python('-m', DEMO, *arguments, timeout=800)
     assert run.returncode == 1, run.stdout + run.stderr
     assert "say nothing of a robot of the scene file: no source 'bare'" in run.stderr
     assert 'Traceback' not in run.stderr

@@ -116,7 +116,7 @@ def test_a_program_without_images_imports_none_of_the_renderer():
         env={**os.environ, 'NUMBA_DISABLE_JIT': '1'},
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=800,
         check=False,
     )
     assert done.stdout.strip() == '[]', done.stderr

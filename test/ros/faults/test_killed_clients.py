@@ -12,7 +12,7 @@ from ros.scene_calls import accepted
 
 from bench.ros.killed_clients import scene_file
 
-pytestmark = pytest.mark.topics
+pytestmark = [pytest.mark.topics, pytest.mark.everything]
 
 BODIES = 300
 PAIRS = BODIES * (BODIES - 1) // 2  # an answer of 4.8 MB

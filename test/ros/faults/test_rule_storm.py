@@ -8,7 +8,7 @@ import re
 import pytest
 from ros.harness import Process
 
-pytestmark = pytest.mark.processes
+pytestmark = [pytest.mark.processes, pytest.mark.everything]
 
 SECONDS, PATIENCE = 24.0, 900.0  # the node may compile its kernels first
 

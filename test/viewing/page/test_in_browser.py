@@ -17,6 +17,7 @@ from drake_geom_ros.command_line.program import main
 
 pytestmark = [
     pytest.mark.processes,
+    pytest.mark.everything,
     pytest.mark.timeout(600),
     pytest.mark.skipif(
         importlib.util.find_spec('viser') is None,
