@@ -1,9 +1,11 @@
+import runpy
 from pathlib import Path
 
 from setuptools import find_packages, setup
 
 NAME = 'drake_geom_ros'
 SHARE = f'share/{NAME}'
+VERSION = runpy.run_path(f'{NAME}/version.py')['VERSION']
 
 # What the core and the command line import. The lower bounds are the oldest versions that the
 # tests of the core were seen to pass with; nothing is bound from above, for what a later version
@@ -30,6 +32,7 @@ EXTRAS = {
     'volume_meshes': ['meshio>=5.3'],  # tetrahedra in .vtk files
     'view': ['imageio>=2.20', 'viser>=1.1', 'websockets>=14'],  # the page
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
+    'completion': ['shtab>=1.6'],  # of the shell
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
     'examples': ['ompl>=2.0'],  # plan_an_arm.py and plan_with_proof.py
 }
@@ -51,6 +54,7 @@ EXTRAS['test'] = [
     'pytest>=8.2',
     'pytest-timeout>=2.3',
     'pytest-xdist>=3.5',
+    'shtab>=1.6',  # completion of the shell
     'yourdfpy>=0.0.56',  # a second opinion on forward kinematics
 ]
 
@@ -62,7 +66,7 @@ def shared(folder):
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version=VERSION,
     description='Geometry service for ROS 2: signed distances, penetrations, collision filters.',
     license='Apache-2.0',
     maintainer='drake_geom_ros maintainers',

@@ -6,3 +6,7 @@ Start with ``drake_geom_ros.geometry``, which has the names of ``pydrake.geometr
 recorded. None of these needs ROS. ``ros`` is the node, and ``client`` serves programs that use
 one.
 """
+
+from drake_geom_ros.version import VERSION
+
+__version__ = VERSION

@@ -189,7 +189,7 @@ class Parts:
         if not isinstance(task, dict) or task.get('format') != _FORMAT:
             raise BatchError(
                 f'{self.folder} is there, and no folder of parts that a batch has made: it stays '
-                'as it is. Give another --output, or remove it'
+                'as it is. Give another --out, or remove it'
             )
         return task
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,7 +15,8 @@ from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.client.requests import request_of
+from drake_geom_ros.client.requests import RequestError, request_of
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import SMALLEST_SENT
 
@@ -64,10 +66,19 @@ class Services:
 
 
 def service_type(name: str) -> Any:
-    """Return the type of a service: its name in CamelCase."""
+    """Return the type of a service: its name in CamelCase; RequestError for an unknown one."""
     if name == 'flatten_filters':
         return Trigger
-    return getattr(srv, ''.join(map(str.capitalize, name.split('_'))))
+    kind = getattr(srv, ''.join(map(str.capitalize, name.split('_'))), None)
+    if kind is None:
+        names = [_snake(each) for each in dir(srv) if each[0].isupper() and '_' not in each]
+        raise RequestError(f'the node has no service {name!r}{nearest(name, names)}')
+    return kind
+
+
+def _snake(name: str) -> str:
+    """Return the name of a service by its type's: ``SaveScene`` is ``save_scene``."""
+    return re.sub('(?<!^)(?=[A-Z])', '_', name).lower()
 
 
 def accepted(name: str, response: Any) -> Any:

@@ -7,7 +7,7 @@ written with all digits.
 
 import csv
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, TextIO
 
 import numpy as np
@@ -109,7 +109,26 @@ def _methods(numbers: NDArray[Any]) -> list[str]:
 
 def write_csv(answers: Iterable[tuple[float | None, Table]], timed: bool, file: TextIO) -> None:
     """Write the tables of moments below one header, with a column ``time`` if ``timed``."""
-    writer = csv.writer(file, lineterminator='\n')
+    csv.writer(file, lineterminator='\n').writerows(_lines(answers, timed))
+
+
+def write_table(answers: Iterable[tuple[float | None, Table]], timed: bool, file: TextIO) -> None:
+    """Write what ``write_csv`` writes for people: in columns, numbers with six digits."""
+    lines = [[_short(value) for value in line] for line in _lines(answers, timed)]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        cells = (cell.ljust(width) for cell, width in zip(line, widths, strict=True))
+        file.write('  '.join(cells).rstrip() + '\n')
+
+
+def _short(value: object) -> str:
+    return f'{value:.6g}' if isinstance(value, float) else str(value)
+
+
+def _lines(
+    answers: Iterable[tuple[float | None, Table]], timed: bool
+) -> Iterator[Sequence[object]]:
+    """Yield a header and the rows of tables; a point is three columns."""
     header: list[str] = []
     for time, table in answers:
         columns = [('time', [time] * len(_first(table)))] if timed else []
@@ -121,11 +140,11 @@ def write_csv(answers: Iterable[tuple[float | None, Table]], timed: bool, file: 
                 columns.append((name, array.tolist()))
         if not header:
             header = [name for name, _ in columns]
-            writer.writerow(header)
-        writer.writerows(zip(*(values for _, values in columns), strict=True))
+            yield header
+        yield from zip(*(values for _, values in columns), strict=True)
 
 
-def write_json(answers: Iterable[tuple[float | None, Table]], file: TextIO) -> None:
+def write_json(answers: Iterable[tuple[float | None, Table]], timed: bool, file: TextIO) -> None:
     """Write a list of one object a moment, with its ``time`` (or null) and its ``rows``."""
     file.write('[')
     for number, (time, table) in enumerate(answers):
@@ -136,6 +155,7 @@ def write_json(answers: Iterable[tuple[float | None, Table]], file: TextIO) -> N
     file.write('\n]\n')
 
 
+FORMATS = {'csv': write_csv, 'json': write_json, 'table': write_table}
 _AXES = tuple(enumerate('xyz'))
 
 

@@ -22,6 +22,8 @@ from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, size_for_all
 from drake_geom_ros.batch.state_files import States, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
+from drake_geom_ros.command_line.exit_codes import INTERRUPTED
+from drake_geom_ros.command_line.option_values import count, distance
 from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_warn
 from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
@@ -29,14 +31,11 @@ from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
 
-INTERRUPTED = 130  # exit code, as shells report SIGINT
-
 
 def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'batch',
-        help='ask about many states of a scene, on all cores or a cluster',
         description='Answers one question about each of many states of a scene: joint values of '
         'its robots, or poses of frames. What is done is kept beside the output until all is.',
     )
@@ -49,11 +48,11 @@ def add_to(commands: Any) -> None:
     parser.add_argument('--what', choices=WANTS, default='least', help='(default: least)')
     parser.add_argument('--points', metavar='FILE', help='points for --what points, as for query')
     parser.add_argument(
-        '--count', type=int, default=1, metavar='K', help='pairs for --what nearest (default: 1)'
+        '--count', type=count, default=1, metavar='K', help='pairs for --what nearest (default: 1)'
     )
     parser.add_argument(
         '--max-distance',
-        type=float,
+        type=distance,
         default=math.inf,
         metavar='D',
         help='leave out what is farther apart [m] (default: inf); with --what collision it is a '
@@ -75,10 +74,16 @@ def add_to(commands: Any) -> None:
         action='store_true',
         help='leave the states out of the results, which have them beside their answers',
     )
-    parser.add_argument('--output', required=True, metavar='FILE', help='.npz or .parquet')
+    parser.add_argument(
+        '--out', '--output', dest='out', required=True, metavar='FILE', help='.npz or .parquet'
+    )
     parser.add_argument('--picture', metavar='FILE', help='a histogram of the distances')
     parser.add_argument(
-        '--scheduler', metavar='ADDRESS', help="of Dask's workers, as tcp://host:8786"
+        '--cluster',
+        '--scheduler',
+        dest='cluster',
+        metavar='ADDRESS',
+        help='compute on a Dask cluster, as tcp://host:8786',
     )
     parser.add_argument('--resume', action='store_true', help='go on with a run that was cut off')
     parser.set_defaults(run=run)
@@ -86,10 +91,10 @@ def add_to(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compute, write and return the exit code; GeometryError or OSError for bad input."""
-    output = Path(options.output)
+    output = Path(options.out)
     check_suffix(output)
     inputs = [options.scene, options.srdf, options.states, options.points]
-    outputs = {'--output': output, '--picture': options.picture}
+    outputs = {'--out': output, '--picture': options.picture}
     check_outputs(outputs, inputs)
     check_place(output)
     scene_graph = SceneGraph()
@@ -116,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
         'question': question.words,
     }
     parts = Parts(output, task, blocks_of(len(states.rows), size) or [(0, 0)])
-    scheduler = options.scheduler
+    scheduler = options.cluster
     with cluster_executor(scheduler) if scheduler else nullcontext() as executor:
         missing = parts.begin(options.resume, lambda text: print(text, file=sys.stderr))
         done = len(parts.blocks) - len(missing)

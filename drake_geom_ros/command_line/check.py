@@ -9,9 +9,10 @@ from typing import Any
 
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
 from drake_geom_ros.command_line.contact_report import contact_lines, half_space_lines
+from drake_geom_ros.command_line.exit_codes import DONE, NO
 from drake_geom_ros.command_line.mesh_report import file_name, is_solid, mesh_lines
 from drake_geom_ros.command_line.posed_scene import PosedScene
-from drake_geom_ros.command_line.scene_input import add_scene_options
+from drake_geom_ros.command_line.scene_input import add_scene_options, check_readable
 from drake_geom_ros.command_line.second_opinion import cross_checked
 from drake_geom_ros.geometry import Convex, GeometryId, Mesh, Role, Shape
 from drake_geom_ros.scene_files import Member, SceneFileError, poses_in_parents
@@ -22,7 +23,6 @@ from drake_geom_ros.scene_files.description import (
     GroupDescription,
 )
 
-BAD_SCENE = DISAGREED = 1  # exit codes
 # Reasons that hold in every scene: such pairs are counted, not listed.
 _ALWAYS = {'anchored', 'same frame'}
 _ROLE_NAMES = {
@@ -36,7 +36,6 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'check',
-        help='check a scene file and list what is in it',
         description='Loads a scene and lists its frames, geometries, filters and the pairs that '
         'are filtered. Exit code 1 and file, line and reason on standard error where it is bad.',
     )
@@ -56,19 +55,20 @@ def add_to(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Check, list, and return the exit code."""
+    check_readable(options.scene, options.srdf)
     try:
         scene = PosedScene(options.scene, options.srdf, options.package_root)
-        pose_joints(scene, options.joints)
     except SceneFileError as error:
-        print(error, file=sys.stderr)
-        return BAD_SCENE
+        print(f'drake_geom_ros: {error}', file=sys.stderr)
+        return NO
+    pose_joints(scene, options.joints)
     for line in _report(scene, options.scene, options.all_pairs):
         print(line)
     if not options.cross_check:
-        return 0
+        return DONE
     lines, agreed = cross_checked(scene)
     print(*lines, sep='\n')
-    return 0 if agreed else DISAGREED
+    return DONE if agreed else NO
 
 
 def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:

@@ -9,19 +9,24 @@ from typing import Any
 
 from drake_geom_ros.batch.path_profile import PathProfile, draw_profile
 from drake_geom_ros.command_line.checked_motions import CLEAR_IN_PIECES, of_motion, of_path
+from drake_geom_ros.command_line.exit_codes import DONE, NO, NOT_PROVED
+from drake_geom_ros.command_line.option_values import (
+    count,
+    count_or_none,
+    distance,
+    finite,
+    positive,
+)
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, MotionCheck
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
-
-NOT_CLEAR, IN_PIECES = 1, 3  # exit codes; 2 is that of bad input
 
 
 def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'check-motion',
-        help='whether a whole path or motion is clear, certified for all times',
         description='Checks a path of joint values, straight in joint space from row to row, or '
         'the poses of a motion, straight from moment to moment: clear for all times, the first '
         'contact, or from when on nothing is proved. Exit code 0 where it is clear, 1 where it is '
@@ -35,17 +40,21 @@ def add_to(commands: Any) -> None:
     moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
     parser.add_argument('--names', nargs='+', metavar='NAME', help='joints of the columns')
     parser.add_argument(
-        '--min-distance', type=float, default=0.0, metavar='D', help='[m] (default: 0)'
+        '--min-distance', type=finite, default=0.0, metavar='D', help='[m] (default: 0)'
     )
     parser.add_argument(
         '--time-tolerance',
-        type=float,
+        type=positive,
         default=TIME_TOLERANCE,
         metavar='T',
         help='the longest span that may hold the first contact, in rows (default: 1e-6)',
     )
     parser.add_argument(
-        '--max-evaluations', type=int, default=0, metavar='N', help='0: no limit (default)'
+        '--max-evaluations',
+        type=count_or_none,
+        default=0,
+        metavar='N',
+        help='0: no limit (default)',
     )
     parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
     parser.add_argument(
@@ -58,7 +67,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         '--bound-tolerance',
-        type=float,
+        type=distance,
         default=math.inf,
         metavar='D',
         help='prove more of a clear path, until its bound is so close to the distances seen [m]',
@@ -67,7 +76,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument('--picture', metavar='FILE', help='distances and proved bounds over time')
     parser.add_argument(
         '--pieces',
-        type=int,
+        type=count,
         default=200,
         metavar='N',
         help='of --csv and --picture, and into which a motion is cut (default: 200)',
@@ -92,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
         title = f'{Path(options.scene).stem}: {checked.outcome}'
         file = Path(options.picture)
         draw_profile(profile, check, options.min_distance, title, file, checked.unit)
-    return {'clear': 0, CLEAR_IN_PIECES: IN_PIECES}.get(checked.outcome, NOT_CLEAR)
+    return {'clear': DONE, CLEAR_IN_PIECES: NOT_PROVED}.get(checked.outcome, NO)
 
 
 def _lines(check: MotionCheck, name_of: Callable[[GeometryId], str]) -> list[str]:

@@ -13,7 +13,6 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'compile',
-        help='compile what queries run, before anybody waits for it',
         description='Compiles the kernels of all shapes, or those of one scene, into the cache '
         'on disk: programs and nodes of this user start without compiling from then on. '
         'NUMBA_CACHE_DIR names another folder for the cache.',

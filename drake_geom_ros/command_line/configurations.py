@@ -13,6 +13,7 @@ import numpy as np
 from drake_geom_ros.batch import Joints
 from drake_geom_ros.batch.state_files import read_states
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FramePoseVector
 from drake_geom_ros.scene_files import SceneFileError
 
@@ -21,12 +22,12 @@ def add_joints_to(parser: argparse.ArgumentParser) -> None:
     """Add ``--joints`` to the arguments of a command."""
     parser.add_argument(
         '--joints',
-        nargs='+',
+        action='append',
         default=[],
         metavar='NAME=VALUE',
-        help='joint values [rad] or [m], as left::panda_joint4=-1.5; a name that one robot alone '
-        'has needs no robot. Others stand as the scene file says, or at 0, or at their limit '
-        'nearest to it',
+        help='joint values [rad] or [m], as left::panda_joint4=-1.5; several may follow; a name '
+        'that one robot alone has needs no robot. Others stand as the scene file says, or at 0, '
+        'or at their limit nearest to it',
     )
 
 
@@ -120,8 +121,10 @@ def _full_name(name: str, joint_names: Sequence[str]) -> str:
         return name
     if len(matches) != 1:
         problem = f'{" and ".join(matches)} are called so' if matches else 'no joint is called so'
+        short = [full.rpartition('::')[2] for full in joint_names]
+        meant = nearest(name, [*joint_names, *short]) if not matches else ''
         names = ', '.join(joint_names)
-        raise SceneFileError(f'{name!r}: {problem}; there are {names}', '--joints')
+        raise SceneFileError(f'{name!r}: {problem}{meant}; there are {names}', '--joints')
     return matches[0]
 
 

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.command_line.option_values import finite
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
 from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_warn
@@ -20,7 +21,6 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'convert',
-        help='convert a URDF to a scene file, a pose file or a sensed map to another format',
         description=(
             'A URDF, whatever it is called, or .yaml to .yaml; .csv to .json and back; '
             'cells (.bt, .ot) and points (.pcd, .ply, .xyz, .npy) to each other.'
@@ -30,7 +30,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument('output', metavar='OUT')
     parser.add_argument(
         '--resolution',
-        type=float,
+        type=finite,
         metavar='R',
         help='edge length [m] of the cells that a map becomes; of points, they are thinned by it',
     )

@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
+from drake_geom_ros.command_line.standard_input import STANDARD_INPUT, bytes_of, is_json
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import Location, SceneFileError
 from drake_geom_ros.scene_files.yaml_text import text_of
@@ -43,17 +44,17 @@ class PoseSet:
 def read_poses(path: str | Path) -> list[PoseSet]:
     """Return the moments of a pose file in its order.
 
-    Raises SceneFileError, naming file and line (CSV) or key (JSON), for another format, numbers
-    that are no pose, and a frame that is posed twice at the same time.
+    ``-`` is the standard input. Raises SceneFileError, naming file and line (CSV) or key (JSON),
+    for another format, numbers that are no pose, and a frame that is posed twice at the same time.
     """
-    path = Path(path)
-    if path.suffix not in SUFFIXES:
-        raise SceneFileError(f'a pose file ends with one of {", ".join(SUFFIXES)}', str(path))
+    file = str(path)
+    if file != STANDARD_INPUT and Path(file).suffix not in SUFFIXES:
+        raise SceneFileError(f'a pose file ends with one of {", ".join(SUFFIXES)}', file)
     try:
-        text = text_of(path.read_bytes(), str(path))
+        text = text_of(bytes_of(file), file)
     except OSError as error:
-        raise SceneFileError(f'cannot be read: {error.strerror}', str(path)) from None
-    sets = list((_from_csv if path.suffix == '.csv' else _from_json)(text, str(path)))
+        raise SceneFileError(f'cannot be read: {error.strerror}', file) from None
+    sets = list((_from_json if is_json(file, text) else _from_csv)(text, file))
     for moment in sets:
         seen: dict[str, Location] = {}
         for pose in moment.poses:

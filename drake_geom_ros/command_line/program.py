@@ -1,84 +1,135 @@
-"""Program ``drake_geom_ros``, or ``python -m drake_geom_ros``; each subcommand is a module."""
+"""Program ``drake_geom_ros``, or ``python -m drake_geom_ros``; each subcommand is a module.
+
+Only the module of the command that runs is imported: help and completion take no geometry.
+"""
 
 import argparse
+import errno
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, NoReturn
 
-from drake_geom_ros.command_line import (
-    batch,
-    check,
-    check_motion,
-    compile,
-    convert,
-    query,
-    render,
-    replay,
-    report,
-    suggest_filters,
-    view,
+from drake_geom_ros.command_line.exit_codes import (
+    BAD_INPUT,
+    INTERRUPTED,
+    READER_LEFT,
+    UNFORESEEN,
 )
-from drake_geom_ros.command_line.unforeseen import UNFORESEEN, print_unforeseen
-from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.command_line.spread_options import spread
+from drake_geom_ros.command_line.unforeseen import print_unforeseen
+from drake_geom_ros.version import VERSION
 
-BAD_INPUT = 2  # exit code of wrong arguments, as of argparse
-_READER_LEFT = 141  # exit code, as shells report SIGPIPE
+COMMANDS = {
+    'query': 'ask about a scene',
+    'batch': 'ask about many states of a scene, on all cores or a cluster',
+    'check': 'load a scene and list what it has',
+    'check-motion': 'whether a whole path or motion is clear, certified for all times',
+    'suggest-filters': 'find out which pairs of links of a robot to filter',
+    'convert': 'convert a URDF to a scene file, a pose file or a sensed map to another format',
+    'render': 'take images of a scene',
+    'view': 'show a scene in the browser',
+    'replay': 'compute again what a node wrote to a file for that',
+    'report': 'report the distances of a recorded run',
+    'compile': 'compile what queries run, before anybody waits for it',
+    'completion': 'print the completion script for bash, zsh or tcsh',
+}
 
 
-def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -> int:
-    """Run the subcommand that the arguments name and return the exit code.
+class _Parser(argparse.ArgumentParser):
+    """Reports a wrong argument under the name of the program, and names what was meant."""
 
-    ``prog`` is the name of the program in its help. Exit codes are
+    def error(self, message: str) -> NoReturn:
+        self.print_usage(sys.stderr)
+        self.exit(BAD_INPUT, f'drake_geom_ros: {message}\n')
 
-    - 0: done;
-    - 1: ``check`` finds the scene invalid or python-fcl disagrees, ``replay`` still exceeds the
-      tolerance or still disagrees, ``report`` has reservations;
-    - 2: invalid arguments or input, reported in one line on standard error;
-    - 3: ``report --audit`` refutes a node;
-    - 4: ``report --compare`` finds the run nearer than the other one;
-    - 70: an internal error, with its traceback on standard error;
-    - 130: interrupted.
+
+def load(words: Sequence[str]) -> None:
+    """Import what the command among the arguments needs, which takes longest."""
+    if words and words[0] in COMMANDS:
+        _module_of(words[0])
+
+
+def main(
+    arguments: Sequence[str] | None = None,
+    prog: str = 'drake_geom_ros',
+    others: Mapping[str, str] | None = None,
+) -> int:
+    """Run the subcommand that the arguments name and return one of ``exit_codes``.
+
+    ``prog`` is the name of the program in its help, ``others`` are further commands in it, with
+    their help, which the caller runs.
     """
+    words = spread(sys.argv[1:] if arguments is None else arguments)
     try:
-        options = _parser(prog).parse_args(arguments)
+        options = parser_of(prog, others or {}, words[:1]).parse_args(words)
         code = int(options.run(options))
         sys.stdout.flush()
         return code
     except BrokenPipeError:
         # The reader closed the pipe. Python flushes once more at exit, so give it another file.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _READER_LEFT
+        return READER_LEFT
     except KeyboardInterrupt:
         print('drake_geom_ros: interrupted', file=sys.stderr)
-        return batch.INTERRUPTED
-    except (GeometryError, OSError) as error:
-        reason = ' '.join(str(error).split())
-        print(f'drake_geom_ros: {reason}', file=sys.stderr)
+        return INTERRUPTED
+    except Exception as error:
+        if not _is_of_input(error):
+            print_unforeseen()
+            return UNFORESEEN
+        print(f'drake_geom_ros: {_reason(error)}', file=sys.stderr)
         return BAD_INPUT
-    except Exception:
-        print_unforeseen()
-        return UNFORESEEN
 
 
-def _parser(prog: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser_of(
+    prog: str, others: Mapping[str, str], chosen: Sequence[str]
+) -> argparse.ArgumentParser:
+    """Return the parser of the program, with the arguments of the chosen commands alone."""
+    parser = _Parser(
         prog=prog,
-        description='Answers about a scene file, without ROS.',
+        description='Answers about a scene file, without ROS; with ROS 2 the node, and what looks '
+        'at it.',
         epilog=f'Each command explains itself: {prog} query --help.',
     )
-    commands = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
-    for module in (
-        query,
-        batch,
-        check,
-        check_motion,
-        suggest_filters,
-        convert,
-        render,
-        view,
-        replay,
-        report,
-        compile,
-    ):
-        module.add_to(commands)
+    parser.add_argument('--version', action='version', version=f'drake_geom_ros {VERSION}')
+    known = {**COMMANDS, **others}
+    if chosen and chosen[0] not in known and not chosen[0].startswith('-'):
+        from drake_geom_ros.common.nearest import nearest
+
+        meant = nearest(chosen[0], known) or f'; there are {", ".join(known)}'
+        parser.error(f'there is no command {chosen[0]!r}{meant}')
+    commands: Any = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
+    for name, words in known.items():
+        if name in chosen and name in COMMANDS:
+            # Shells complete commands that have a help.
+            _module_of(name).add_to(
+                SimpleNamespace(add_parser=partial(commands.add_parser, help=words))
+            )
+        else:
+            commands.add_parser(name, help=words)
     return parser
+
+
+def _module_of(command: str) -> Any:
+    return import_module(f'drake_geom_ros.command_line.{command.replace("-", "_")}')
+
+
+def _reason(error: Exception) -> str:
+    """Return what an error says, in one line; of a file the name first, and its missing folder."""
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        folder = Path(error.filename).parent
+        if error.errno == errno.ENOENT and not folder.exists():
+            return f'{error.filename}: there is no folder {folder}'
+        return f'{error.filename}: {error.strerror[0].lower()}{error.strerror[1:]}'
+    return ' '.join(str(error).split())
+
+
+def _is_of_input(error: Exception) -> bool:
+    """Return whether an error is about what the user gave, and no fault of the program."""
+    from drake_geom_ros.geometry import GeometryError
+
+    return isinstance(error, (GeometryError, OSError))

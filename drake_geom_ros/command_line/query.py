@@ -7,25 +7,25 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, nullcontext
-from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.command_line.answers import (
+    FORMATS,
     KINDS,
     LIMITED,
     OF_PAIRS,
     Table,
     half_spaces_beside,
-    write_csv,
-    write_json,
 )
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
+from drake_geom_ros.command_line.option_values import distance
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
+from drake_geom_ros.command_line.standard_input import bytes_of, is_json
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.scene_files import SceneFileError
@@ -36,7 +36,6 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'query',
-        help='ask about a scene',
         description='Answers one question about a scene, for each moment of the pose file.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
@@ -55,14 +54,16 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         '--max-distance',
-        type=limit,
+        type=distance,
         default=math.inf,
         metavar='D',
         help='with --what distance or points: leave out what is farther apart [m] (default: inf)',
     )
     parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
-    parser.add_argument('--format', choices=('csv', 'json'), default='csv')
-    parser.add_argument('--output', metavar='FILE', help='default: standard output')
+    parser.add_argument('--format', choices=tuple(FORMATS), default='csv')
+    parser.add_argument(
+        '--out', '--output', dest='out', metavar='FILE', help='default: standard output'
+    )
     parser.set_defaults(run=run)
 
 
@@ -81,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
     scene = PosedScene(options.scene, options.srdf, options.package_root)
     pose_joints(scene, options.joints)
     inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
-    check_outputs({'--output': options.output}, inputs)
+    check_outputs({'--out': options.out}, inputs)
 
     beside: dict[str, None] = {}
 
@@ -97,11 +98,8 @@ def run(options: argparse.Namespace) -> int:
     # Everything is computed before the file is opened, so that bad input keeps an old file.
     done = list(answers())
     timed = any(time is not None for time, _ in done)
-    with _target(options.output) as file:
-        if options.format == 'json':
-            write_json(done, file)
-        else:
-            write_csv(done, timed, file)
+    with _target(options.out) as file:
+        FORMATS[options.format](done, timed, file)
     for remark in beside:
         print(remark, file=sys.stderr)
     return 0
@@ -112,19 +110,11 @@ def _target(path: str | None) -> AbstractContextManager[TextIO]:
     return whole_file(path) if path else nullcontext(sys.stdout)
 
 
-def limit(text: str) -> float:
-    """Return the distance [m] of an argument; ArgumentTypeError unless it is >= 0."""
-    value = float(text)
-    if not value >= 0.0:
-        raise argparse.ArgumentTypeError(f'{text} must be a distance >= 0 [m]')
-    return value
-
-
 def points_of_file(path: str) -> NDArray[np.float64]:
     """Return the points (m, 3) [m] of a file; raises SceneFileError for another format."""
-    text = text_of(Path(path).read_bytes(), path)
+    text = text_of(bytes_of(path), path)
     try:
-        if Path(path).suffix == '.json':
+        if is_json(path, text):
             points = np.array(json.loads(text), dtype=np.float64).reshape(-1, 3)
         else:
             rows = list(csv.DictReader(text.splitlines()))

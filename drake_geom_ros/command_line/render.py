@@ -13,9 +13,9 @@ from drake_geom_ros.command_line.configurations import (
     pose_joints,
     poses_of_states,
 )
+from drake_geom_ros.command_line.option_values import count, distance, finite, positive
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
-from drake_geom_ros.command_line.query import limit
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, Role
@@ -43,49 +43,30 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'render',
-        help='take images of a scene',
         description='Takes images of a scene by its cameras, or by one that is placed here, and '
         'writes colour, depth (16 bits, millimetres) and labels as PNG, with depth and labels '
         'also as pictures with a scale and a legend.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
     add_scene_options(parser)
-    parser.add_argument('--camera', metavar='NAME', help='only this camera of the scene file')
-    for name, where in (('--from', 'where it is'), ('--at', 'what it looks at')):
-        parser.add_argument(
-            *(name,),
-            dest=f'{name[2:]}_W',
-            nargs=3,
-            type=float,
-            metavar=('X', 'Y', 'Z'),
-            help=f'a camera of its own: {where} in the world [m]',
-        )
-    parser.add_argument(
-        '--size', nargs=2, type=int, default=(640, 480), metavar=('WIDTH', 'HEIGHT')
-    )
-    parser.add_argument(
-        '--fov-y', type=float, default=0.8, metavar='A', help='of --from [rad] (default: 0.8)'
-    )
-    parser.add_argument(
-        '--shows',
-        choices=('perception', 'proximity'),
-        help='the role of what --from sees (default: perception where any geometry has it)',
-    )
+    _add_camera(parser)
     moving = parser.add_mutually_exclusive_group()
     moving.add_argument('--poses', metavar='FILE', help='an image for each moment: CSV or JSON')
     add_states_to(moving)
     add_joints_to(parser)
-    parser.add_argument('--time', type=float, metavar='T', help='only the moment T of --poses [s]')
+    parser.add_argument(
+        '--time', type=finite, metavar='T', help='only the moment T of --poses [s]'
+    )
     parser.add_argument(
         '--nearest',
-        type=limit,
+        type=distance,
         metavar='D',
         help='a picture CAMERA_view.png, too, with lines between the nearest points of pairs up '
         'to D [m], red where they overlap',
     )
     parser.add_argument(
         '--see-through',
-        type=float,
+        type=positive,
         nargs='?',
         const=0.4,
         metavar='C',
@@ -98,8 +79,35 @@ def add_to(commands: Any) -> None:
         help='a picture CAMERA_view.png, too, with the contact surfaces of geometries that have '
         'hydroelastic properties, coloured by pressure',
     )
-    parser.add_argument('--output', required=True, metavar='DIR', help='folder to write to')
+    parser.add_argument(
+        '--out', '--output', dest='out', required=True, metavar='DIR', help='folder to write to'
+    )
     parser.set_defaults(run=run)
+
+
+def _add_camera(parser: argparse.ArgumentParser) -> None:
+    """Add the options that select a camera of the scene, or place one."""
+    parser.add_argument('--camera', metavar='NAME', help='only this camera of the scene file')
+    for name, where in (('--from', 'where it is'), ('--at', 'what it looks at')):
+        parser.add_argument(
+            *(name,),
+            dest=f'{name[2:]}_W',
+            nargs=3,
+            type=finite,
+            metavar=('X', 'Y', 'Z'),
+            help=f'a camera of its own: {where} in the world [m]',
+        )
+    parser.add_argument(
+        '--size', nargs=2, type=count, default=(640, 480), metavar=('WIDTH', 'HEIGHT')
+    )
+    parser.add_argument(
+        '--fov-y', type=positive, default=0.8, metavar='A', help='of --from [rad] (default: 0.8)'
+    )
+    parser.add_argument(
+        '--shows',
+        choices=('perception', 'proximity'),
+        help='the role of what --from sees (default: perception where any geometry has it)',
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -118,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
         moments = poses_of_states(scene, options.states).poses
     cameras = _cameras(scene, options)
     add_renderers(scene.scene_graph)
-    folder = Path(options.output)
+    folder = Path(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     paths = (options.scene, options.srdf, options.poses, options.states)
     inputs = [Path(each) for each in paths if each]

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.command_line.exit_codes import DONE, NO
 from drake_geom_ros.replay import (
     Answer,
     Finding,
@@ -17,14 +18,11 @@ from drake_geom_ros.replay import (
     reproduce,
 )
 
-STILL_BROKEN = 1  # exit code
-
 
 def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'replay',
-        help='reproduce an answer that exceeded its tolerance, or recorded proximity events',
         description='Rebuilds the scene of a replay file (parameter replay_dir of the node), asks '
         'for the pair again and compares. Exit code 1 where the answer still '
         'exceeds its tolerance, or still differs from the other opinion in the file. With '
@@ -49,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     for line in _report(replay, now):
         print(line)
     differs = replay.opinion is not None and replay.opinion.differs(now)
-    return STILL_BROKEN if now.breaks_promise or differs else 0
+    return NO if now.breaks_promise or differs else DONE
 
 
 def _judge(file: str, scene: Path) -> int:
@@ -79,7 +77,7 @@ def _judge(file: str, scene: Path) -> int:
                 print(f'    {title} [m]: recorded {then!r}, now {now!r}')
     counts = [f'{verdicts[finding]} {finding.value}' for finding in Finding]
     print(', '.join([*counts, f'{missing} MISSING'] if missing else counts))
-    return STILL_BROKEN if verdicts[Finding.UNFOUNDED] or missing else 0
+    return NO if verdicts[Finding.UNFOUNDED] or missing else 0
 
 
 def _report(replay: Replay, now: Answer) -> Iterator[str]:

@@ -6,10 +6,19 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.command_line.exit_codes import (
+    BAD_INPUT,
+    DONE,
+    NEARER,
+    NO,
+    NOT_PROVED,
+    UNFORESEEN,
+)
+from drake_geom_ros.command_line.option_values import count_or_none, distance, finite, positive
 from drake_geom_ros.command_line.recording_input import add_topics_to
-from drake_geom_ros.command_line.report_making import THRESHOLDS, UNREADABLE, make_report
+from drake_geom_ros.command_line.report_making import THRESHOLDS, make_report
 from drake_geom_ros.command_line.scene_input import read_and_warn
-from drake_geom_ros.command_line.unforeseen import UNFORESEEN, print_unforeseen
+from drake_geom_ros.command_line.unforeseen import print_unforeseen
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.recordings.comparing import WAYS
 from drake_geom_ros.recordings.files import runs_in
@@ -17,14 +26,13 @@ from drake_geom_ros.recordings.report import PAGE
 from drake_geom_ros.recordings.run import STALE_AFTER
 from drake_geom_ros.recordings.tolerances import CERTIFIED, NEARER_BY
 
-_BY_GRAVITY = 3, 4, UNFORESEEN, 2, 1, 0  # exit codes
+_BY_GRAVITY = NOT_PROVED, NEARER, UNFORESEEN, BAD_INPUT, NO, DONE
 
 
 def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'report',
-        help='how near things came in a recording of ROS (MCAP or sqlite3)',
         description='Plays a recording as a node would have taken it, computes the least '
         'distances over its time, and writes clearance.csv, clearance.npz, clearance.png and '
         'report.html. Exit code 0: every state tells of all pairs; 1: something is stale, left '
@@ -41,6 +49,8 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         '--out',
+        '--output',
+        dest='out',
         metavar='FOLDER',
         help="made where it is missing (default: RUN's name and _report, in the current folder)",
     )
@@ -52,18 +62,18 @@ def add_to(commands: Any) -> None:
         help='pairs of two names or patterns of sources, frames or geometries; may be repeated',
     )
     parser.add_argument(
-        '--max-distance', type=float, default=math.inf, metavar='D', help='[m] (default: inf)'
+        '--max-distance', type=distance, default=math.inf, metavar='D', help='[m] (default: inf)'
     )
     parser.add_argument(
         '--rate',
-        type=float,
+        type=distance,
         default=0.0,
         metavar='HZ',
         help='states a second; 0: with each message that poses something (default)',
     )
     parser.add_argument(
         '--threshold',
-        type=float,
+        type=finite,
         action='append',
         metavar='D',
         help=f'[m]; may be repeated (default: {", ".join(f"{d:g}" for d in THRESHOLDS)})',
@@ -77,7 +87,7 @@ def _add_judgements(parser: argparse.ArgumentParser) -> None:
     """Add options for certification, comparison, audit, pictures and the cluster."""
     parser.add_argument(
         '--certify',
-        type=float,
+        type=positive,
         nargs='?',
         const=CERTIFIED,
         default=0.0,
@@ -95,14 +105,14 @@ def _add_judgements(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--tolerance',
-        type=float,
+        type=distance,
         default=NEARER_BY,
         metavar='D',
         help=f'how much nearer this run may come than the other [m] (default: {NEARER_BY:g})',
     )
     parser.add_argument(
         '--pictures',
-        type=int,
+        type=count_or_none,
         default=3,
         metavar='N',
         help='pictures of the closest moments of each set of pairs; 0: none (default: 3)',
@@ -126,7 +136,7 @@ def _add_judgements(parser: argparse.ArgumentParser) -> None:
 def _add_options_of_a_node(parser: argparse.ArgumentParser) -> None:
     """Add the options that a node has as parameters and remapped topics."""
     parser.add_argument(
-        '--stale-after', type=float, default=STALE_AFTER, metavar='S', help='[s] (default: 1)'
+        '--stale-after', type=positive, default=STALE_AFTER, metavar='S', help='[s] (default: 1)'
     )
     add_topics_to(parser)
     parser.add_argument(
@@ -167,7 +177,7 @@ def run(options: argparse.Namespace) -> int:
                 ' (the report that is there is an earlier one)' if (out / PAGE).exists() else ''
             )
             print(f'{place.name}: {error}{older}', file=sys.stderr)
-            codes.append(UNREADABLE)
+            codes.append(BAD_INPUT)
         except Exception:  # an internal error in one run must not prevent the other reports
             print_unforeseen(place.name)
             codes.append(UNFORESEEN)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drake_geom_ros.batch import cluster_executor
+from drake_geom_ros.command_line.exit_codes import DONE, NEARER, NO, NOT_PROVED
 from drake_geom_ros.command_line.recording_input import topics_of
 from drake_geom_ros.command_line.report_output import (
     print_audit,
@@ -30,7 +31,6 @@ from drake_geom_ros.recordings.run import Run, RunOptions
 from drake_geom_ros.recordings.stored_states import StoredClearances, StoredStates
 from drake_geom_ros.scene_files import SceneDescription, SceneFileError, files_of, save_scene
 
-NOT_WHOLE, UNREADABLE, REFUTED, NEARER = 1, 2, 3, 4  # exit codes
 THRESHOLDS = (0.0, 0.01, 0.05)  # [m]
 _NO_MATTER = 'run', 'out', 'resume', 'cluster'  # options that do not change a report
 _UNFINISHED = 'unfinished'  # folder of computed states, until the report is complete
@@ -221,11 +221,11 @@ def _print(options: argparse.Namespace, results: _Results) -> None:
 def _exit_code(options: argparse.Namespace, results: _Results) -> int:
     counts = {} if results.audited is None else results.audited.counts()
     if counts.get(Outcome.REFUTED):
-        return REFUTED
+        return NOT_PROVED
     compared = results.compared or ()
     if any(each.nearer(allow_incomplete=True)[0] > options.tolerance for each in compared):
         return NEARER
     is_whole = not results.run.reservations() and not counts.get(Outcome.NOT_REPRODUCIBLE)
     is_whole &= results.audited is None or not results.audited.reservations()
     is_whole &= all(each.is_known for each in compared)
-    return 0 if is_whole else NOT_WHOLE
+    return DONE if is_whole else NO

@@ -3,9 +3,12 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
+from drake_geom_ros.command_line.standard_input import STANDARD_INPUT, bytes_of
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, read_scene, register
+from drake_geom_ros.scene_files.yaml_text import text_of
 
 
 def add_scene_options(parser: argparse.ArgumentParser) -> None:
@@ -21,11 +24,24 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def check_readable(*paths: str) -> None:
+    """Raise OSError unless each of the files that are named can be opened."""
+    for path in paths:
+        if path and path != STANDARD_INPUT:
+            Path(path).open('rb').close()
+
+
 def read_and_warn(
     path: str, srdf: str = '', package_roots: Sequence[str] = ()
 ) -> SceneDescription:
-    """Return the description of a scene file and print its warnings; errors of ``read_scene``."""
-    description = read_scene(path, srdf=srdf, package_roots=package_roots)
+    """Return the description of a scene file and print its warnings; errors of ``read_scene``.
+
+    ``-`` is the standard input.
+    """
+    text = path
+    if path == STANDARD_INPUT:
+        text = text_of(bytes_of(path), path) + '\n'  # a line break: no path
+    description = read_scene(text, srdf=srdf, package_roots=package_roots)
     for warning in description.warnings:
         print(f'warning: {warning}', file=sys.stderr)
     return description

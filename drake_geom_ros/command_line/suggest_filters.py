@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
+from drake_geom_ros.command_line.option_values import count, count_or_none
 from drake_geom_ros.command_line.scene_input import add_scene_options, read_and_warn
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
@@ -49,7 +50,6 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'suggest-filters',
-        help='find out which pairs of links of a robot to filter',
         description='Samples configurations of a robot within its joint limits, and writes the '
         'pairs of its links that are always, by default (at rest), or never in collision, and '
         'those that a joint connects, as SRDF or as filters of a scene file. That a pair was '
@@ -59,29 +59,33 @@ def add_to(commands: Any) -> None:
     add_scene_options(parser)
     parser.add_argument('--robot', metavar='NAME', help='which, where the scene has several')
     parser.add_argument(
-        '--states', type=_count, default=10_000, metavar='N', help='samples (default: 10000)'
+        '--states', type=count, default=10_000, metavar='N', help='samples (default: 10000)'
     )
-    parser.add_argument('--seed', type=int, default=0, metavar='N', help='default: 0')
+    parser.add_argument('--seed', type=count_or_none, default=0, metavar='N', help='default: 0')
     parser.add_argument(
         '--without-never', action='store_true', help='go on looking at pairs that never collided'
     )
     parser.add_argument(
-        '--output', metavar='FILE', help='.srdf, or .yaml for filters; default: SRDF on the screen'
+        '--out',
+        '--output',
+        dest='out',
+        metavar='FILE',
+        help='.srdf, or .yaml for filters; default: SRDF on the screen',
     )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Sample, write, and return the exit code; raises GeometryError or OSError for bad input."""
-    output = Path(options.output) if options.output else None
+    output = Path(options.out) if options.out else None
     if output is not None and output.suffix not in ('.srdf', '.yaml', '.yml'):
-        raise SceneFileError('--output ends with .srdf, .yaml or .yml', str(output))
-    check_outputs({'--output': output}, [options.scene, options.srdf])
+        raise SceneFileError('--out ends with .srdf, .yaml or .yml', str(output))
+    check_outputs({'--out': output}, [options.scene, options.srdf])
     description = read_and_warn(options.scene, options.srdf, options.package_root)
     robot = _chosen(description, options.robot, options.scene)
     scene_graph = SceneGraph()
     loaded = register(scene_graph, _alone(description, robot))
-    check_outputs({'--output': output}, files_of(scene_graph, description.robots))
+    check_outputs({'--out': output}, files_of(scene_graph, description.robots))
     links = {frame for _, frame, _ in loaded.geometries}
     joined = _adjacent(loaded.robots[robot].tree.joints, links)  # type: ignore[union-attr]
     counts, at_rest = sampled(scene_graph, loaded, options.states, options.seed)
@@ -185,18 +189,18 @@ def _srdf(robot: str, suggestions: list[Suggestion], note: str) -> Iterator[str]
     yield '<?xml version="1.0"?>'
     yield f'<!-- {note} -->'
     yield f'<robot name={quoteattr(robot)}>'
-    for (a, b), reason, count in suggestions:
+    for (a, b), reason, collided in suggestions:
         links = f'link1={quoteattr(a)} link2={quoteattr(b)}'
-        yield f'  <disable_collisions {links} reason="{reason}"/> <!-- {count} -->'
+        yield f'  <disable_collisions {links} reason="{reason}"/> <!-- {collided} -->'
     yield '</robot>'
 
 
 def _yaml(robot: str, suggestions: list[Suggestion], note: str) -> Iterator[str]:
     yield f'# {note}'
     yield 'filters:' if suggestions else 'filters: []'
-    for links, reason, count in suggestions:
+    for links, reason, collided in suggestions:
         a, b = (f'{{source: {_quoted(robot)}, frame: {_quoted(link)}}}' for link in links)
-        yield f'- exclude_between: [[{a}], [{b}]]  # {reason.lower()}, in {count} states'
+        yield f'- exclude_between: [[{a}], [{b}]]  # {reason.lower()}, in {collided} states'
 
 
 def _quoted(text: str) -> str:
@@ -240,10 +244,3 @@ def _alone(description: SceneDescription, robot: str) -> SceneDescription:
 
 def _ordered(a: str, b: str) -> LinkPair:
     return (a, b) if a <= b else (b, a)
-
-
-def _count(text: str) -> int:
-    """Return the positive integer of an argument; ArgumentTypeError for others."""
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f'{text} must be a whole number > 0')
-    return int(text)

@@ -3,8 +3,6 @@
 import sys
 import traceback
 
-UNFORESEEN = 70  # exit code of an internal error, as in sysexits.h
-
 
 def print_unforeseen(name: str = 'drake_geom_ros') -> None:
     """Print the handled exception with its traceback on standard error."""

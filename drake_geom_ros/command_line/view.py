@@ -11,9 +11,9 @@ from drake_geom_ros.command_line.configurations import (
     pose_joints,
     poses_of_states,
 )
+from drake_geom_ros.command_line.option_values import count, distance, positive
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
-from drake_geom_ros.command_line.query import limit
 from drake_geom_ros.command_line.recording_input import add_topics_to, topics_of
 from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, FramePoseVector
@@ -31,7 +31,6 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'view',
-        help='show a scene in the browser',
         description='Serves a page on this machine until it is interrupted: the scene, its '
         'nearest pairs, its filters; joints, frames and motions that can be moved.',
     )
@@ -46,7 +45,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         '--rate',
-        type=float,
+        type=positive,
         default=20.0,
         metavar='HZ',
         help='moments a second of a recording (default: 20)',
@@ -60,7 +59,7 @@ def add_to(commands: Any) -> None:
     add_joints_to(parser)
     parser.add_argument(
         '--max-distance',
-        type=limit,
+        type=distance,
         default=0.1,
         metavar='D',
         help='pairs farther apart are left out [m], until the slider is moved (default: 0.1)',
@@ -72,7 +71,7 @@ def add_to(commands: Any) -> None:
         help='compute and show contact surfaces from the beginning, coloured by pressure',
     )
     parser.add_argument('--host', default=LOCALHOST, help=f'default: {LOCALHOST}, this machine')
-    parser.add_argument('--port', type=int, default=PORT, help=f'default: {PORT}')
+    parser.add_argument('--port', type=count, default=PORT, help=f'default: {PORT}')
     parser.set_defaults(run=run)
 
 

@@ -33,6 +33,7 @@ from drake_geom_ros.ros.joint_sending import JointSender
 from drake_geom_ros.ros.parameters import ParameterRefusedError, declared, unknown_parameters
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.tf_sending import TransformSender
+from drake_geom_ros.ros.usage import is_help, usage
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion import Grasp, Motion
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -176,28 +177,19 @@ def _statement(grasp: Grasp) -> CollisionFilterStatement:
     )
 
 
-def usage() -> str:
-    """Return what the player takes."""
-    width = max(map(len, _TEXTS)) + 2
-    return '\n'.join(
-        [
-            'usage: pose_player --ros-args -p scene_file:=FILE [-p trajectory_file:=FILE] ...',
-            '',
-            'Plays a motion of a scene as FramePoses messages, on /tf, or as joint states.',
-            '',
-            'parameters, each as -p NAME:=VALUE behind --ros-args:',
-            *(f'  {name:{width}}{text}' for name, text in _TEXTS.items()),
-            '',
-            'docs/motions.md describes motion files; ~/restart (std_srvs/Trigger) begins anew.',
-        ]
-    )
-
-
 def main(args: list[str] | None = None) -> int:
     """Run the player until it is interrupted; return 2 where it is given what it cannot play."""
-    arguments = sys.argv[1:] if args is None else args
-    if {'-h', '--help'} & set(arguments):
-        print(usage())
+    if is_help(args):
+        print(
+            usage(
+                'pose_player',
+                '-p scene_file:=FILE [-p trajectory_file:=FILE]',
+                'Plays a motion of a scene as FramePoses messages, on /tf, or as joint states.',
+                _TEXTS,
+                'docs/motions.md describes motion files; ~/restart (std_srvs/Trigger) begins '
+                'anew.',
+            )
+        )
         return 0
     return run_node(PosePlayer, _REFUSALS, args)
 

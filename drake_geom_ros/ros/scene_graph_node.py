@@ -39,6 +39,7 @@ from drake_geom_ros.ros.configured_node import ConfiguredNode
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.parameters import (
     QOS_OVERRIDES,
+    TEXTS,
     NodeParameters,
     ParameterRefusedError,
     ParameterStore,
@@ -48,6 +49,7 @@ from drake_geom_ros.ros.parameters import (
 from drake_geom_ros.ros.services.parameters import answer_always
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
+from drake_geom_ros.ros.usage import is_help, usage
 from drake_geom_ros.scene_files import RobotOptions, hulls_in_words, read_scene
 from drake_geom_ros.sensed_maps.passes import compile_passes
 
@@ -227,6 +229,18 @@ def _seconds_now(node: LifecycleNode) -> float:
 
 def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; return 2 where its parameters cannot be."""
+    if is_help(args):
+        print(
+            usage(
+                'scene_graph_node',
+                '[-p scene_file:=FILE]',
+                'Keeps a scene, takes poses from topics, and publishes which of its shapes touch, '
+                'how deep and how far apart.',
+                TEXTS,
+                'docs/reference.md lists topics, services and parameters.',
+            )
+        )
+        return 0
     give_back_large_blocks()
     return run_node(SceneGraphNode, (ParameterRefusedError,), args)
 

@@ -93,7 +93,10 @@ def looking(from_W: Sequence[float], at_W: Sequence[float]) -> RigidTransform:
     ahead = np.subtract(at_W, from_W, dtype=np.float64)
     length = float(np.linalg.norm(ahead))
     if not length > DIRECTION_NORM:
-        raise ArgumentError(f'from {list(from_W)} and at {list(at_W)} must be two points')
+        raise ArgumentError(
+            f'the camera is at {list(from_W)} and looks at {list(at_W)}, the same point: it needs '
+            'a direction'
+        )
     ahead /= length
     up = [0.0, 1.0, 0.0] if abs(ahead[2]) > _STEEP else [0.0, 0.0, 1.0]
     aside = np.cross(ahead, up)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.command_line.answers import KINDS, write_csv, write_json
+from drake_geom_ros.command_line.answers import KINDS, write_csv, write_json, write_table
 from drake_geom_ros.command_line.posed_scene import PosedScene
 
 
@@ -63,7 +63,7 @@ def test_csv_has_a_column_an_axis_and_the_time_where_there_is_one():
 
 def test_json_has_an_object_a_moment():
     file = io.StringIO()
-    write_json([(None, TABLE), (0.5, TABLE)], file)
+    write_json([(None, TABLE), (0.5, TABLE)], True, file)
     first, second = json.loads(file.getvalue())
     assert first == {
         'time': None,
@@ -79,3 +79,13 @@ def test_every_number_is_written_with_all_its_digits():
     file = io.StringIO()
     write_csv([(None, {'d': np.array([1 / 3])})], False, file)
     assert float(file.getvalue().splitlines()[1]) == 1 / 3
+
+
+def test_a_table_for_people_has_aligned_columns_and_short_numbers():
+    file = io.StringIO()
+    write_table([(None, TABLE)], False, file)
+    assert file.getvalue().splitlines() == [
+        'name  p_x  p_y  p_z  d',
+        'a     1    2    3    5',
+        'b     0.1  0.2  0.3  6',
+    ]

@@ -46,9 +46,7 @@ def ask(tmp_path, poses, output, *options):
     frames = np.array(['scene::ball', 'scene::bare'])
     np.savez(tmp_path / 'states.npz', poses=poses, frames=frames)
     files = [str(tmp_path / name) for name in ('scene.yaml', 'states.npz')]
-    return main(
-        ['batch', *files, '--what', 'contacts', '--output', str(tmp_path / output), *options]
-    )
+    return main(['batch', *files, '--what', 'contacts', '--out', str(tmp_path / output), *options])
 
 
 def test_the_file_has_the_surfaces_of_evaluate_and_the_pairs_without(

@@ -53,13 +53,13 @@ def test_the_states_are_not_written_over(folder, capsys):
     os.link(folder / 'mine.npz', folder / 'hard.npz')
     (folder / 'sub').mkdir()
     for name in ('mine.npz', 'sub/../mine.npz', str(folder / 'mine.npz'), 'link.npz', 'hard.npz'):
-        refused(folder, capsys, 'that is read', 'cell.yaml', 'mine.npz', '--output', name)
-    refused(folder, capsys, 'that is read', 'cell.yaml', 'link.npz', '--output', 'mine.npz')
+        refused(folder, capsys, 'that is read', 'cell.yaml', 'mine.npz', '--out', name)
+    refused(folder, capsys, 'that is read', 'cell.yaml', 'link.npz', '--out', 'mine.npz')
 
 
 def test_no_other_input_is_written_over(folder, capsys):
     (folder / 'points.npz').write_text('[[0, 0, 1]]')
-    asked = ['cell.yaml', 'mine.npz', '--output', 'out.npz']
+    asked = ['cell.yaml', 'mine.npz', '--out', 'out.npz']
     for option in (
         ['--picture', 'mine.npz'],
         ['--picture', 'cell.yaml'],
@@ -71,7 +71,7 @@ def test_no_other_input_is_written_over(folder, capsys):
 
 
 def test_results_take_the_place_of_results_and_of_nothing_else(folder, capsys):
-    asked = ['cell.yaml', 'mine.npz', '--output', 'out.npz']
+    asked = ['cell.yaml', 'mine.npz', '--out', 'out.npz']
     assert ask(*asked) == 0
     first = dict(np.load('out.npz'))
     assert ask(*asked, '--max-distance', '0.01') == 0
@@ -82,13 +82,13 @@ def test_results_take_the_place_of_results_and_of_nothing_else(folder, capsys):
     (folder / 'dangling.npz').symlink_to(folder / 'nowhere')
     for name in ('other', 'text', 'folder', 'dangling'):
         words = 'is there, and not as results of a batch'
-        refused(folder, capsys, words, 'cell.yaml', 'mine.npz', '--output', f'{name}.npz')
+        refused(folder, capsys, words, 'cell.yaml', 'mine.npz', '--out', f'{name}.npz')
         assert not (folder / f'{name}.npz.parts').exists()
 
 
 def test_parquet_takes_the_place_of_results_alone(folder, capsys):
     pytest.importorskip('pyarrow')
-    asked = ['cell.yaml', 'mine.npz', '--output', 'out.parquet']
+    asked = ['cell.yaml', 'mine.npz', '--out', 'out.parquet']
     assert ask(*asked) == 0
     assert ask(*asked) == 0
     (folder / 'out.parquet').write_text('mine')
@@ -102,12 +102,12 @@ def test_a_folder_of_somebody_else_is_left_alone(folder, capsys, task, resume):
     (folder / 'k.npz.parts/thesis.txt').write_text('years of work')
     if task is not None:
         (folder / 'k.npz.parts/task.json').write_text(task)
-    asked = ['cell.yaml', 'mine.npz', '--output', 'k.npz', *resume]
+    asked = ['cell.yaml', 'mine.npz', '--out', 'k.npz', *resume]
     refused(folder, capsys, 'no folder of parts that a batch has made', *asked)
 
 
 def test_a_link_or_a_file_in_the_place_of_parts_is_left_alone(folder, capsys):
-    asked = ['cell.yaml', 'mine.npz', '--output', 'k.npz', '--resume']
+    asked = ['cell.yaml', 'mine.npz', '--out', 'k.npz', '--resume']
     (folder / 'k.npz.parts').write_text('mine')
     refused(folder, capsys, 'no folder of parts', *asked)
     (folder / 'k.npz.parts').unlink()
@@ -124,7 +124,7 @@ def test_what_somebody_puts_among_the_parts_stays(folder, monkeypatch, capsys):
         (self.folder / 'notes.txt').write_text('mine')
 
     monkeypatch.setattr(Parts, 'put', with_a_guest)
-    asked = ['cell.yaml', 'mine.npz', '--output', 'k.npz']
+    asked = ['cell.yaml', 'mine.npz', '--out', 'k.npz']
     assert ask(*asked) == 0
     assert 'holds what is not of this run' in capsys.readouterr().err
     assert os.listdir('k.npz.parts') == ['notes.txt']
@@ -133,7 +133,7 @@ def test_what_somebody_puts_among_the_parts_stays(folder, monkeypatch, capsys):
 
 def test_no_other_unfinished_file_is_touched(folder):
     (folder / 'out.npz.unfinished').write_text('mine')
-    assert ask('cell.yaml', 'mine.npz', '--output', 'out.npz') == 0
+    assert ask('cell.yaml', 'mine.npz', '--out', 'out.npz') == 0
     assert (folder / 'out.npz.unfinished').read_text() == 'mine'
     assert np.load('out.npz')['distance'].shape == (64,)
 
@@ -150,13 +150,13 @@ def test_states_that_are_rewritten_meanwhile_end_the_run(folder, monkeypatch, ca
         return computed(job, rows, blocks, *more, **options)
 
     monkeypatch.setattr(batch, 'computed', and_rewritten)
-    assert ask('cell.yaml', 'mine.npy', '--output', 'out.npz') == 2
+    assert ask('cell.yaml', 'mine.npy', '--out', 'out.npz') == 2
     assert 'written over, or cut short' in capsys.readouterr().err
     assert not (folder / 'out.npz').exists()
 
 
 def test_an_error_while_results_are_written_leaves_the_old_and_the_parts(folder, monkeypatch):
-    asked = ['cell.yaml', 'mine.npz', '--output', 'out.npz']
+    asked = ['cell.yaml', 'mine.npz', '--out', 'out.npz']
     assert ask(*asked) == 0
     before = (folder / 'out.npz').read_bytes()
 
@@ -193,7 +193,7 @@ def test_a_result_explains_itself_and_is_a_file_of_states_again(tmp_path, suffix
     rows = np.random.default_rng(2).uniform(-0.5, 0.5, (30, joints.count))
     np.save(tmp_path / 'rows.npy', rows)
     out = tmp_path / f'out.{suffix}'
-    given = ['batch', str(CELL), str(tmp_path / 'rows.npy'), '--output', str(out)]
+    given = ['batch', str(CELL), str(tmp_path / 'rows.npy'), '--out', str(out)]
     assert main([*given, '--joint-gradients', '--what', 'within', '--max-distance', '0.2']) == 0
     expected = evaluate(
         *(scene_graph, None, None, 'within', 0.2), states=rows, joints=joints, by_joints=True
@@ -228,7 +228,7 @@ def test_a_result_explains_itself_and_is_a_file_of_states_again(tmp_path, suffix
 def test_states_may_be_left_out(tmp_path):
     np.save(tmp_path / 'rows.npy', np.zeros((3, 4)))
     given = ['batch', str(CELL), str(tmp_path / 'rows.npy'), '--what', 'collision']
-    assert main([*given, '--without-states', '--output', str(tmp_path / 'out.npz')]) == 0
+    assert main([*given, '--without-states', '--out', str(tmp_path / 'out.npz')]) == 0
     with np.load(tmp_path / 'out.npz') as file:
         assert 'states' not in file.files
         assert len(file['joints']) == 4
@@ -237,5 +237,5 @@ def test_states_may_be_left_out(tmp_path):
 def test_gradients_by_joints_of_what_has_none_are_refused(tmp_path, capsys):
     np.save(tmp_path / 'rows.npy', np.zeros((3, 4)))
     given = ['batch', str(CELL), str(tmp_path / 'rows.npy'), '--what', 'collision']
-    assert main([*given, '--joint-gradients', '--output', str(tmp_path / 'out.npz')]) == 2
+    assert main([*given, '--joint-gradients', '--out', str(tmp_path / 'out.npz')]) == 2
     assert 'by_joints' in capsys.readouterr().err

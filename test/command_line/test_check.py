@@ -205,5 +205,5 @@ def test_what_is_no_tree_is_refused_by_check(capsys, tmp_path, joints, reason):
     path.write_text(URDF.format(joints=''.join(JOINT.format(*joint) for joint in joints)))
     assert main(['check', str(path)]) == 1
     error = capsys.readouterr().err
-    assert error.startswith(f'{path}:6: joint[')
+    assert error.startswith(f'drake_geom_ros: {path}:6: joint[')
     assert reason in error

@@ -74,7 +74,7 @@ def test_states_of_a_file_are_rows_of_all_joints_or_of_those_it_names(scene, tmp
 def test_render_draws_each_state_with_nearest_points_and_through_bodies(tmp_path, capsys):
     np.save(tmp_path / 'states.npy', np.array([[0.1, 0.2, 0.3, 0.05], [0.9, 0.5, 0.6, 0.0]]))
     out = tmp_path / 'out'
-    given = ['render', str(SCENE), *CAMERA, '--output', str(out)]
+    given = ['render', str(SCENE), *CAMERA, '--out', str(out)]
     states = ['--states', str(tmp_path / 'states.npy')]
     assert main([*given, *states, '--nearest', '0.2', '--see-through']) == 0
     names = {path.name for path in out.iterdir()}

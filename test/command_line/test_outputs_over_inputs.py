@@ -40,7 +40,7 @@ def contents(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
-QUERY = ['query', 'scene.yaml', '--output']
+QUERY = ['query', 'scene.yaml', '--out']
 
 
 @pytest.mark.parametrize(
@@ -67,15 +67,15 @@ def test_an_input_is_not_written_over(folder, capsys, arguments):
 def test_an_image_is_not_written_over_a_texture_of_its_scene(folder, capsys):
     pytest.importorskip('PIL')
     before = contents(folder)
-    assert main(['render', 'scene.yaml', '--output', '.']) == 2
+    assert main(['render', 'scene.yaml', '--out', '.']) == 2
     assert 'up_color.png that is read' in capsys.readouterr().err
     assert contents(folder) == before
-    assert main(['render', 'scene.yaml', '--output', 'out']) == 0
+    assert main(['render', 'scene.yaml', '--out', 'out']) == 0
 
 
 @pytest.mark.parametrize(
     'arguments',
-    [['query', 'scene.yaml', '--output', 'new.csv'], ['convert', 'scene.yaml', 'new.yaml']],
+    [['query', 'scene.yaml', '--out', 'new.csv'], ['convert', 'scene.yaml', 'new.yaml']],
 )
 def test_an_error_while_it_is_written_leaves_the_old(folder, capsys, monkeypatch, arguments):
     target = folder / arguments[-1]

@@ -2,12 +2,15 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 from conventions.source_tree import ROOT
 
+import drake_geom_ros
+from drake_geom_ros import programs
 from drake_geom_ros.command_line import query
-from drake_geom_ros.command_line.program import main
+from drake_geom_ros.command_line.program import COMMANDS, main
 
 SCENE = str(ROOT / 'scenes/minimal.yaml')
 
@@ -18,7 +21,7 @@ def start(*arguments):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=800,
     )
 
 
@@ -44,7 +47,7 @@ def test_what_a_scene_needs_is_compiled_beforehand():
 def test_a_reader_that_leaves_early_is_no_error():
     script = f'{sys.executable} -m drake_geom_ros check {SCENE} | true; echo "${{PIPESTATUS[0]}}"'
     done = subprocess.run(
-        ['bash', '-c', script], cwd=ROOT, capture_output=True, text=True, timeout=240
+        ['bash', '-c', script], cwd=ROOT, capture_output=True, text=True, timeout=800
     )
     assert done.stdout.strip() in ('0', '141')
     assert done.stderr == ''
@@ -59,7 +62,9 @@ def test_a_reader_that_leaves_early_is_no_error():
         (['query', SCENE, '--what', 'points'], ['--points']),
         (['query', SCENE, '--points', 'p.csv'], ['--what points']),
         (['query', SCENE, '--what', 'points', '--points', '/nowhere.csv'], ['/nowhere.csv']),
-        (['query', SCENE, '--output', '/nowhere/out.csv'], ['/nowhere/out.csv']),
+        (['query', SCENE, '--out', '/nowhere/out.csv'], ['/nowhere/out.csv: there is no folder']),
+        (['check', '/nowhere.yaml'], ['/nowhere.yaml: no such file']),
+        (['check', SCENE, '--joints', 'a=1'], ['no robot with joints']),
         (['convert', SCENE, 'out.txt'], ['out.txt', '.yaml']),
         (['convert', SCENE, '/nowhere/out.yaml'], ['/nowhere/out.yaml']),
     ],
@@ -92,6 +97,8 @@ def test_an_interrupt_is_no_traceback(capsys, monkeypatch):
         ['query', SCENE, '--max-distance', '-1'],
         ['query', SCENE, '--max-distance', 'nan'],
         ['query', SCENE, '--max-distance', 'far'],
+        ['query', SCENE, '--max-distance', '0.5m'],
+        ['batch', SCENE, 'x.npy', '--out', 'x.npz', '--max-distance', '-0.01'],
         ['query', SCENE, '--accuracy', 'superb'],
     ],
 )
@@ -100,3 +107,97 @@ def test_wrong_usage_is_exit_code_2(capsys, arguments):
         main(arguments)
     assert stop.value.code == 2
     assert 'usage:' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'),
+    [
+        (['qery'], "there is no command 'qery'; nearest: 'query'"),
+        (['query', SCENE, '--max-distance', '0.5m'], "'0.5m' has a unit; write a number alone"),
+        (['query', SCENE, '--max-distance', 'far'], "'far' is no number"),
+        (['query', SCENE, '--max-distance', '-1'], "'-1' must be a distance >= 0 [m]"),
+        (['suggest-filters', SCENE, '--states', '0'], "'0' must be a whole number > 0"),
+    ],
+)
+def test_wrong_usage_ends_with_what_was_meant(capsys, arguments, words):
+    with pytest.raises(SystemExit):
+        main(arguments)
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith('drake_geom_ros: ')
+    assert words in last
+
+
+def test_output_has_two_names(tmp_path, capsys):
+    for name in ('--out', '--output'):
+        assert main(['query', SCENE, name, str(tmp_path / f'{name}.csv')]) == 0
+    one, other = sorted(tmp_path.iterdir())
+    assert one.read_text() == other.read_text() != ''
+
+
+def test_a_scene_may_come_from_the_standard_input(monkeypatch, capsys):
+    assert main(['query', SCENE]) == 0
+    expected = capsys.readouterr().out
+    with open(SCENE, 'rb') as file:
+        monkeypatch.setattr('sys.stdin', SimpleNamespace(buffer=file))
+        assert main(['query', '-']) == 0
+    assert capsys.readouterr().out == expected
+
+
+@pytest.mark.processes
+def test_help_imports_no_geometry():
+    script = (
+        'import sys; from drake_geom_ros.programs import drake_geom_ros\n'
+        'try: drake_geom_ros(["--help"])\n'
+        'except SystemExit: print(sorted({"numpy", "numba", "rclpy"} & sys.modules.keys()))'
+    )
+    done = subprocess.run(
+        [sys.executable, '-c', script], capture_output=True, text=True, timeout=800, check=True
+    )
+    assert done.stdout.splitlines()[-1] == '[]'
+    for name in (*COMMANDS, 'node', 'status', 'viewer', 'player', 'record'):
+        assert f'    {name}' in done.stdout
+
+
+@pytest.mark.parametrize('command', COMMANDS)
+def test_each_command_explains_itself(capsys, command):
+    with pytest.raises(SystemExit) as stop:
+        main([command, '--help'])
+    assert stop.value.code == 0
+    assert f' {command} ' in capsys.readouterr().out.splitlines()[0] + ' '
+
+
+def test_completion_knows_all_commands_and_their_options(capsys):
+    pytest.importorskip('shtab')
+    assert main(['completion', 'bash']) == 0
+    script = capsys.readouterr().out
+    assert all(command in script for command in COMMANDS)
+    assert '--max-distance' in script
+
+
+def test_the_version_is_that_of_the_packages(capsys):
+    with pytest.raises(SystemExit):
+        main(['--version'])
+    assert capsys.readouterr().out == f'drake_geom_ros {drake_geom_ros.__version__}\n'
+    for file in ('package.xml', 'msg_defs/package.xml'):
+        assert f'<version>{drake_geom_ros.__version__}</version>' in (ROOT / file).read_text()
+
+
+def test_without_ros_a_program_of_ros_says_what_to_do(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, 'rclpy', None)
+    for name in [name for name in sys.modules if name.startswith('drake_geom_ros.ros')]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, 'argv', ['before'])
+    assert programs.drake_geom_ros(['status']) == 2
+    assert 'status needs ROS 2, and there is no rclpy here' in capsys.readouterr().err
+
+
+def test_a_scene_behind_node_is_its_parameter(monkeypatch):
+    seen = []
+    monkeypatch.setattr(sys, 'argv', ['before'])
+    monkeypatch.setitem(programs._OF_ROS, 'node', ('', lambda: seen.append(sys.argv[1:]) or 0))
+    assert programs.drake_geom_ros(['node', 'cell.yaml', '--ros-args', '-p', 'rate:=5.0']) == 0
+    assert programs.drake_geom_ros(['node', '--ros-args']) == 0
+    assert seen == [
+        ['--ros-args', '-p', 'scene_file:=cell.yaml', '--', '--ros-args', '-p', 'rate:=5.0'],
+        ['--ros-args'],
+    ]

@@ -79,7 +79,7 @@ def test_points_that_are_none_are_refused(capsys, tmp_path, name, text):
 
 def test_the_answer_goes_to_a_file(capsys, tmp_path):
     output = tmp_path / 'out.csv'
-    assert ask(capsys, '--output', str(output)) == ''
+    assert ask(capsys, '--out', str(output)) == ''
     assert 'scene::ball/ball' in output.read_text()
 
 
@@ -87,7 +87,7 @@ def test_bad_input_leaves_an_old_answer_alone(capsys, tmp_path):
     poses, output = tmp_path / 'poses.json', tmp_path / 'out.csv'
     poses.write_text('[{"ball": [0, 0, 1, 0, 0, 0, 1]}, {"bell": [0, 0, 1, 0, 0, 0, 1]}]')
     output.write_text('old')
-    assert main(['query', SCENE, '--poses', str(poses), '--output', str(output)]) == 2
+    assert main(['query', SCENE, '--poses', str(poses), '--out', str(output)]) == 2
     assert '[1].bell' in capsys.readouterr().err
     assert output.read_text() == 'old'
 

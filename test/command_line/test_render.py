@@ -36,7 +36,7 @@ def scene(tmp_path):
 
 
 def render(folder, *arguments):
-    assert main(['render', *arguments, '--output', str(folder)]) == 0
+    assert main(['render', *arguments, '--out', str(folder)]) == 0
     return sorted(path.name for path in folder.iterdir())
 
 
@@ -123,16 +123,16 @@ def test_contact_surfaces_are_drawn_where_they_are_asked_for(tmp_path, capsys):
     [
         (('--camera', 'none'), "no camera 'none'; it has up, far"),
         (('--from', '1', '2', '3'), '--from and --at go together'),
-        (('--from', '1', '2', '3', '--at', '1', '2', '3'), 'two points'),
+        (('--from', '1', '2', '3', '--at', '1', '2', '3'), 'the same point'),
         (('--from', '1', '2', '3', '--at', '0', '0', '0', '--fov-y', '4'), 'fov_y'),
         (('--time', '1'), '--time goes with --poses'),
     ],
 )
 def test_what_cannot_be_is_one_line(tmp_path, scene, capsys, arguments, why):
-    assert main(['render', scene, *arguments, '--output', str(tmp_path / 'out')]) == 2
+    assert main(['render', scene, *arguments, '--out', str(tmp_path / 'out')]) == 2
     assert why in capsys.readouterr().err
 
 
 def test_a_scene_without_cameras_says_how_to_place_one(tmp_path, capsys):
-    assert main(['render', str(ROOT / 'scenes/minimal.yaml'), '--output', str(tmp_path)]) == 2
+    assert main(['render', str(ROOT / 'scenes/minimal.yaml'), '--out', str(tmp_path)]) == 2
     assert '--from X Y Z' in capsys.readouterr().err

@@ -23,7 +23,7 @@ COMMANDS = [
     ['check', 'r.urdf'],
     ['query', 'r.urdf'],
     ['convert', 'r.urdf', 'out.yaml'],
-    ['render', 'r.urdf', '--output', 'out', '--camera', 'none'],
+    ['render', 'r.urdf', '--out', 'out', '--camera', 'none'],
     ['view', 'r.urdf', '--motion', 'none.yaml'],
     ['compile', 'r.urdf'],
 ]
@@ -40,7 +40,7 @@ def test_packages_are_found_where_a_command_says(robot, monkeypatch, capsys, com
         assert 'no package' not in capsys.readouterr().err
 
 
-@pytest.mark.parametrize('command', [['batch', 'r.urdf', 'states.csv', '--output', 'o.npz']])
+@pytest.mark.parametrize('command', [['batch', 'r.urdf', 'states.csv', '--out', 'o.npz']])
 def test_a_batch_takes_them_too(robot, monkeypatch, capsys, command):
     monkeypatch.chdir(robot)
     assert main([*command, '--package-root', '.']) == 2

@@ -71,7 +71,7 @@ def test_pairs_are_told_by_what_they_do(robot, capsys):
 def test_an_srdf_and_filters_load_and_leave_those_pairs_out(robot, tmp_path):
     for name in ('arm.srdf', 'filters.yaml'):
         command = ['suggest-filters', str(robot), '--states', '50', '--without-never']
-        assert main([*command, '--output', str(tmp_path / name)]) == 0
+        assert main([*command, '--out', str(tmp_path / name)]) == 0
     with_srdf = read_scene(robot, srdf=tmp_path / 'arm.srdf')
     assert with_srdf.warnings == ()
     text = (tmp_path / 'filters.yaml').read_text()
@@ -115,7 +115,7 @@ def test_seeds_give_the_same(robot, capsys):
 
 @pytest.mark.parametrize(
     ('arguments', 'word'),
-    [(['--robot', 'leg'], "--robot 'leg' is none"), (['--output', 'a.txt'], '.srdf')],
+    [(['--robot', 'leg'], "--robot 'leg' is none"), (['--out', 'a.txt'], '.srdf')],
 )
 def test_what_cannot_be_is_refused_in_one_line(robot, capsys, arguments, word):
     assert main(['suggest-filters', str(robot), *arguments]) == 2

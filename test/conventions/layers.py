@@ -145,7 +145,8 @@ ROS_ROOMS = {
 
 # Room -> (rooms of ours, libraries of others) that its files may import. The longest room wins.
 LAYERS = {
-    '': (('programs',), ()),
+    '': (('programs', 'version'), ()),
+    'version': ((), ()),
     # What is started, each of which imports the rest of itself.
     'programs': (('command_line', 'ros', 'ros/recorder', 'ros/viewer', 'ros/status'), ()),
     'math': (('math',), ('numpy',)),
@@ -212,7 +213,7 @@ LAYERS = {
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
-            *('viewing', 'viewing/page', 'recordings', 'sensed_maps'),
+            *('viewing', 'viewing/page', 'recordings', 'sensed_maps', 'version'),
         ),
         ('numpy', 'PIL', 'matplotlib'),
     ),

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.ros.parameters import ParameterRefusedError, declared, unknown_parameters
 from drake_geom_ros.ros.spinning import run_node
+from drake_geom_ros.ros.usage import is_help, usage
 from drake_geom_ros.ros.viewer.node_scene import NodeScene
 from drake_geom_ros.viewing.page.page import Page
 from drake_geom_ros.viewing.page.serving import LOCALHOST, PORT, open_server, warning
@@ -65,6 +66,17 @@ class SceneViewer(Node):
 
 def main(args: list[str] | None = None) -> int:
     """Run the viewer until it is interrupted; return 2 where no page can be opened."""
+    if is_help(args):
+        print(
+            usage(
+                'scene_viewer',
+                '[-p server:=/scene_graph]',
+                'Serves a page in the browser with the scene of a running node.',
+                _TEXTS,
+                'docs/viewing.md describes the page.',
+            )
+        )
+        return 0
     return run_node(SceneViewer, _REFUSALS, args)
 
 
