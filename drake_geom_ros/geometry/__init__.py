@@ -135,7 +135,11 @@ from drake_geom_ros.geometry.render.vtk.engine import (
     RenderEngineVtk,
     RenderEngineVtkParams,
 )
-from drake_geom_ros.geometry.scene.compilation import compile_all_kernels, kernel_cache
+from drake_geom_ros.geometry.scene.compilation import (
+    compile_all_kernels,
+    kernel_cache,
+    kernel_state,
+)
 from drake_geom_ros.geometry.scene.scene_graph import SceneGraph, SceneGraph_
 from drake_geom_ros.geometry.shapes.bounding_boxes import Aabb, Obb
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
@@ -282,6 +286,7 @@ __all__ = [
     'SceneGraphContext',
     'compile_all_kernels',
     'kernel_cache',
+    'kernel_state',
     'PenetrationResults',
     'SignedDistanceResults',
     'PointDistanceResults',

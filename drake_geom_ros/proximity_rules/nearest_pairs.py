@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.compiling import Entry, given, like
 from drake_geom_ros.math.array_types import Floats
-from drake_geom_ros.proximity_rules.measured import Measured
+from drake_geom_ros.proximity_rules.measured import NOTHING, Measured
 
 Ids = NDArray[np.int64]
 Words = NDArray[np.uint64]
@@ -34,6 +34,9 @@ class SetBits(NamedTuple):
     places_a: Ids  # column of each word in its dense row
     words_a: Words
     words_b: Words  # (n, w)
+
+
+_NO_BITS = SetBits(_NO_IDS, np.zeros(1, dtype=np.int64), _NO_IDS, _NO_WORDS[0], _NO_WORDS)
 
 
 class NearestPairs(NamedTuple):
@@ -118,9 +121,14 @@ _FIND = Entry(
     *[given(np.int64, 1)] * 2,
     *[given(np.float64, 1)] * 3,
     like(0.0),
-    like(SetBits(_NO_IDS, _NO_IDS, _NO_IDS, _NO_WORDS[0], _NO_WORDS)),
+    like(_NO_BITS),
     like(no_pairs(0)),
 )
+
+
+def prepare() -> None:
+    """Compile the search, or load it from the cache."""
+    nearest_pairs(NOTHING, 0.0, _NO_BITS, 0)
 
 
 def nearest_pairs(measured: Measured, farthest: float, bits: SetBits, groups: int) -> NearestPairs:

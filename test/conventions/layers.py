@@ -147,6 +147,7 @@ ROS_ROOMS = {
 LAYERS = {
     '': (('programs', 'version'), ()),
     'version': ((), ()),
+    'every_kernel': (('geometry', 'proximity_rules', 'sensed_maps'), ()),
     # What is started, each of which imports the rest of itself.
     'programs': (('command_line', 'ros', 'ros/recorder', 'ros/viewer', 'ros/status'), ()),
     'math': (('math',), ('numpy',)),

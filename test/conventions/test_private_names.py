@@ -11,6 +11,9 @@ ALLOWED = {
     # Numba's compiled libraries, under a check of its version.
     'geometry/_proximity/runtime/numba_inside/pipeline.py': {'_final_module', '_reload_init'},
     'geometry/_proximity/runtime/numba_inside/array_views.py': {'_getvalue'},
+    'geometry/_proximity/runtime/numba_inside/object_code.py': {
+        *('_final_module', '_rebuild', '_reduce'),
+    },
     'geometry/_proximity/runtime/numba_inside/shared_cache.py': {'_cache'},
     'math/missing.py': {'_getframe'},  # who asks; inspect.stack() reads source files
     'programs.py': {'_exit'},  # whatever is imported

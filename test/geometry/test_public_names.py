@@ -43,7 +43,7 @@ OURS = """
     HydroelasticType ContactSurfaceResults OccupiedCells PointCloud
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError
-    compile_all_kernels kernel_cache DrakeVisualizerPublisher
+    compile_all_kernels kernel_cache kernel_state DrakeVisualizerPublisher
     MakeRenderEngineExact RenderEngineExact RenderEngineExactParams RenderedImages
     MakeRenderEngineVtk RenderEngineVtk RenderEngineVtkParams
 """

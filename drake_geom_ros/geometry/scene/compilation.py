@@ -7,7 +7,13 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.engine.warm_up import compile_everything
-from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER, Tell, compilation
+from drake_geom_ros.geometry._proximity.runtime.compiled import (
+    CACHE_FOLDER,
+    Tell,
+    compilation,
+    kernels_in_words,
+)
+from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_poses
 from drake_geom_ros.geometry.meshes.source import MeshData
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.hydroelastic_properties import (
@@ -15,7 +21,8 @@ from drake_geom_ros.geometry.model.hydroelastic_properties import (
 )
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import PerceptionProperties, ProximityProperties
-from drake_geom_ros.geometry.queries.joint_trees import JointTree
+from drake_geom_ros.geometry.queries.joint_queries import JointQueries
+from drake_geom_ros.geometry.queries.joint_trees import JointTree, side_by_side
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.state_queries import StateQueries
@@ -23,8 +30,9 @@ from drake_geom_ros.geometry.render.camera_properties import CameraProperties
 from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
 from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
 from drake_geom_ros.geometry.scene.scene_graph import SceneGraph
-from drake_geom_ros.geometry.shapes.from_meshes import Mesh
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
 from drake_geom_ros.geometry.shapes.primitives import Box, Sphere
+from drake_geom_ros.geometry.shapes.sensed import OccupiedCells
 from drake_geom_ros.math import RigidTransform
 
 _FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]  # of a tetrahedron, from outside
@@ -37,6 +45,8 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
     before each part that the cache lacks. ``SceneGraphContext.compile_kernels`` is for one scene.
     """
     kernels = compile_everything(tell)
+    with compilation(tell, 'bodies', 1, 1):
+        _register_bodies()
     compile_images(tell)
     with compilation(tell, 'batches of states', 1, 1):
         _answer_for_states()
@@ -82,9 +92,17 @@ def _answer_for_states() -> None:
         X_WB = np.array([3.0 * frame_row, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
         tree.put_poses(np.zeros((1, 0)), X_WB, links, poses, frame_row)
     queries.has_collisions(poses, 'exact', stop)
+    queries.has_collisions(poses, 'exact', stop, margin=0.0)
     queries.within(poses, 'exact', math.inf, stop)
     queries.nearest(poses, 'exact', math.inf, 1, stop)
     queries.points(poses, np.zeros((1, 3)), math.inf, stop)
+    read_poses(poses[0], np.empty((2, POSE_WIDTH)))  # of scenes with half spaces
+    at_rest = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (2, 1))
+    at_rest[1, 0] = 3.0
+    chain = side_by_side([tree, tree], at_rest, [links, links])
+    checks = JointQueries(scene, chain, np.zeros((2, 0)), 'exact', 0.0)
+    checks.verdicts(np.zeros((1, 0)))
+    checks.least(np.zeros((1, 0)))
 
 
 def _check_a_motion() -> None:
@@ -113,6 +131,26 @@ def _press_two_bodies() -> None:
     scene_graph.get_query_output_port().Eval(context).ComputeContactSurfaces()
 
 
+def _register_bodies() -> None:
+    """Register a hull, a solid and a map, which runs all compiled code that prepares bodies."""
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('bodies')
+    tetrahedron = MeshData(np.vstack((np.zeros(3), np.eye(3))), _FACES)
+    shapes = {
+        'hull': Convex.FromMeshData(tetrahedron),
+        'solid': Mesh.FromMeshData(tetrahedron),
+        'map': OccupiedCells(1.0, np.zeros((1, 3))),
+    }
+    for name, shape in shapes.items():
+        properties = ProximityProperties()
+        if name == 'solid':
+            properties.AddProperty('mesh', 'solid', True)
+        body = GeometryInstance(RigidTransform(), shape, name)
+        body.set_proximity_properties(properties)
+        scene_graph.RegisterAnchoredGeometry(source, body)
+    scene_graph.CreateDefaultContext()
+
+
 def _two_balls() -> PackedScene:
     """Return a scene of two balls, each on its own frame."""
     scene_graph, ids = SceneGraph(), []
@@ -131,3 +169,8 @@ def _two_balls() -> PackedScene:
 def kernel_cache() -> str:
     """Return the folder of the kernel cache, empty if none is writable."""
     return CACHE_FOLDER
+
+
+def kernel_state() -> str:
+    """Return in words which kernels answer in this process, and why not the fastest."""
+    return kernels_in_words()

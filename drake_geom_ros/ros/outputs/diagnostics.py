@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.common.counting import counted, were
+from drake_geom_ros.geometry import kernel_state
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.outputs.cycle import Cycle
 from drake_geom_ros.live.scene.pose_ages import UnknownAges
@@ -148,6 +149,7 @@ class Diagnostics:
             'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
             'memory [MB]': f'{_memory() / 2**20:.1f}',
+            'kernels': kernel_state(),
         }
         values |= inputs | {f'refused: {reason}': n for reason, n in reasons}
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]

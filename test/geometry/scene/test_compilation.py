@@ -12,7 +12,7 @@ CODE = """
 import numpy as np
 from numba.core import event
 from drake_geom_ros import geometry as g
-from drake_geom_ros.batch import Joints, evaluate
+from drake_geom_ros.batch import Checker, Joints, evaluate
 from drake_geom_ros.geometry.render import CameraProperties
 from drake_geom_ros.scene_files import load_scene
 from drake_geom_ros.math import RigidTransform
@@ -31,6 +31,7 @@ solid.AddProperty('mesh', 'solid', True)
 shapes = [
     g.Sphere(1), g.Box(1, 1, 1), g.Capsule(1, 1), g.Cylinder(1, 1), g.Ellipsoid(1, 2, 3),
     g.Convex.FromMeshData(mesh), g.Mesh.FromMeshData(mesh), g.HalfSpace(),
+    g.OccupiedCells(1.0, np.zeros((1, 3))),
 ]
 poses = g.FramePoseVector()
 with event.install_recorder('numba:compile') as recorder:
@@ -89,6 +90,9 @@ with event.install_recorder('numba:compile') as recorder:
             evaluate(
                 context if scene is graph else scene, want=want, points=points, threads=1, **states
             )
+    checker = Checker(of_arms, joints, 0.1)
+    checker.free_each(np.zeros((2, joints.count)))
+    checker.nearest(np.zeros(joints.count))
 print(len(recorder.buffer), len(kernels), len(query.ComputeSignedDistanceToPoint([0, 0, 9])))
 """
 
@@ -97,5 +101,5 @@ def test_no_query_compiles_after_everything_is_compiled():
     done = subprocess.run([sys.executable, '-c', CODE], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     compiled, kernels, geometries = map(int, done.stdout.split())
-    assert (compiled, geometries) == (0, 16)
+    assert (compiled, geometries) == (0, 18)
     assert kernels > 20

@@ -16,13 +16,16 @@ from drake_geom_ros.geometry._proximity.derivatives.gradients import compile_der
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS, CANDIDATES, CONTACT
 from drake_geom_ros.geometry._proximity.filters.log import EXCLUDE_BETWEEN
+from drake_geom_ros.geometry._proximity.filters.matrix import count_lacking
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.addresses import compile_rows
 from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, POINT_KERNELS
+from drake_geom_ros.geometry._proximity.near.by_grids import compile_by_grids
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import bound_pairs
 from drake_geom_ros.geometry._proximity.points.point_phase import compile_point_kernels
 from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
+from drake_geom_ros.geometry._proximity.points.sharing import shared_point_distances
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation
 from drake_geom_ros.geometry._proximity.world.pose_rounding import shift_of
@@ -38,7 +41,14 @@ def compile_everything(tell: Tell | None = None) -> list[str]:
         points = np.zeros((1, 3))
         are_allowed(points)
         engine.point_distances(world, points, 0.0)
+        shared_point_distances(world, points, 0.0)
         compile_derivatives()
+    with compilation(tell, 'large scenes', 1, 1):
+        compile_by_grids()
+        filters = FilterState()
+        for key in world.geometries.ids.tolist():
+            filters.add(key, key, False)
+        count_lacking(*filters.matrix, filters.slots(world.geometries.ids), world.waiting)
     return compile_rows(np.arange(len(ALL_ROWS)), tell) + compile_point_kernels(
         POINT_KERNELS.keys(), tell
     )

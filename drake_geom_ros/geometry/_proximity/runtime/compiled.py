@@ -1,102 +1,57 @@
-"""The decorators of all compiled code: their options, and a cache on disk that is never stale.
+"""The decorators of all compiled code: their options, and the cache on disk that they share.
 
-Numba judges whether a cached function is out of date by the stamp of the one file that holds it; a
-change of a function that it calls, in another file, goes unseen. So the cache lives in a folder
-named after the content of all our sources, outside the package, which may be read-only.
-``NUMBA_CACHE_DIR`` moves it, ``NUMBA_DISABLE_JIT=1`` leaves everything uncompiled. That folder may
-be others' too, so ours is one in it, and there only what bears our names is ever removed: folders
-of older sources, when something is compiled.
+``NUMBA_DISABLE_JIT=1`` leaves everything uncompiled. ``cache_folders`` says where the cache is.
 """
 
 from __future__ import annotations
 
-import functools
 import gc
-import os
-import shutil
-import tempfile
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
+from numba import __version__ as numba_version
 from numba import cfunc, config, from_dtype, njit, typeof, types, version_info
 from numba.core import event
 
+from drake_geom_ros.geometry._proximity.runtime.cache_folders import (
+    FOLDERS,
+    CacheFolders,
+    remove_old_versions,
+)
+from drake_geom_ros.geometry._proximity.runtime.compile_behind import (
+    VARIABLE,
+    Mode,
+    compile_behind,
+    mode,
+)
 from drake_geom_ros.geometry._proximity.runtime.progress import Journal, Progress
-from drake_geom_ros.geometry._proximity.runtime.sources import SOURCES, UNCOMPILED, digest_of
+from drake_geom_ros.geometry._proximity.runtime.sources import digest_of
 
-if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
+# The version whose inside was tested. With another one compiling takes three times as long.
+TESTED_NUMBA = (0, 68)
+if version_info.short == TESTED_NUMBA:
     from drake_geom_ros.geometry._proximity.runtime import numba_inside as _inside
 
     numba_inside: Any = _inside
 else:
     numba_inside = None
 
-_FOLDER = 'drake_geom_ros'
-_VERSION = 'kernels-'  # a digest follows
-_KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
+_PACKAGE = 'drake_geom_ros.'
+CACHE_FOLDER = FOLDERS.own
 # Events: this process compiles something, or waits for another one that does.
 _COMPILING = ('numba:compile', *([] if numba_inside is None else [numba_inside.WAITING]))
-
-
-def _candidates() -> list[Path]:
-    """Return the folders that may hold the caches, the best first."""
-    if config.CACHE_DIR:
-        return [Path(config.CACHE_DIR) / _FOLDER]
-    home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')
-    return [
-        Path(home) / _FOLDER,
-        Path(tempfile.gettempdir()) / f'{_FOLDER}-{os.getuid()}',
-    ]
-
-
-def _own_folder(path: Path) -> bool:
-    """Make a folder that only this user can write to; a cache that others fill runs their code."""
-    try:
-        path.mkdir(mode=0o700, parents=True, exist_ok=True)
-        return path.stat().st_uid == os.getuid() and os.access(path, os.W_OK)
-    except OSError:
-        return False
-
-
-def _cache_folder() -> str:
-    """Return the folder of this version's cache, or an empty text where none can be written."""
-    name = _VERSION + digest_of(SOURCES, UNCOMPILED)
-    for base in _candidates():
-        if _own_folder(base) and _own_folder(base / name):
-            return str(base / name)
-    return ''
-
-
-CACHE_FOLDER = _cache_folder()
-
-
-def _last_change(path: Path) -> float:
-    """Return when a folder was last changed [s]; 0 where another process removed it meanwhile."""
-    try:
-        return path.stat().st_mtime
-    except OSError:
-        return 0.0
-
-
-@functools.cache
-def _remove_old_versions() -> None:
-    """Remove the caches of older sources but for the newest few, once a process."""
-    mine = Path(CACHE_FOLDER)
-    others = [path for path in mine.parent.glob(f'{_VERSION}*') if path.name != mine.name]
-    others.sort(key=_last_change, reverse=True)
-    for old in others[_KEPT_VERSIONS:]:
-        shutil.rmtree(old, ignore_errors=True)
 
 
 class _Compiling(event.Listener):  # type: ignore[misc]
     """Hears of each function that is compiled, ours or not, but not of those from a cache."""
 
     def on_start(self, event: event.Event) -> None:
-        if event.data['dispatcher'].py_func.__module__.startswith(f'{_FOLDER}.'):
-            _remove_old_versions()
+        if event.data['dispatcher'].py_func.__module__.startswith(_PACKAGE):
+            remove_old_versions(CACHE_FOLDER)
 
     def on_end(self, event: event.Event) -> None:
         pass
@@ -124,22 +79,6 @@ class _Uncollected(event.Listener):  # type: ignore[misc]
             gc.enable()
 
 
-_progress = Progress(CACHE_FOLDER)
-event.register('numba:compile', _Uncollected())
-for _kind in _COMPILING:
-    event.register(_kind, _progress)
-event.register('numba:compile', Journal(CACHE_FOLDER))
-if CACHE_FOLDER:
-    event.register('numba:compile', _Compiling())
-
-
-# What is compiled is called as it was before, so it keeps its type.
-_F = TypeVar('_F', bound=Callable[..., Any])
-
-# Called with the name of what is compiled, its number and that of the last, when it begins.
-Tell: TypeAlias = Callable[[str, int, int], None]
-
-
 class _First(event.Listener):  # type: ignore[misc]
     """Reports the first function that is compiled, not those that the cache has."""
 
@@ -153,6 +92,43 @@ class _First(event.Listener):  # type: ignore[misc]
 
     def on_end(self, event: event.Event) -> None:
         pass
+
+
+def _report_slow_way() -> None:
+    print(f'drake_geom_ros: kernels are {kernels_in_words()}', file=sys.stderr)
+
+
+_progress = Progress(CACHE_FOLDER)
+event.register('numba:compile', _Uncollected())
+for _kind in _COMPILING:
+    event.register(_kind, _progress)
+event.register('numba:compile', Journal(CACHE_FOLDER))
+if CACHE_FOLDER:
+    event.register('numba:compile', _Compiling())
+if numba_inside is None:
+    event.register('numba:compile', _First(_report_slow_way))
+
+
+# What is compiled is called as it was before, so it keeps its type.
+_F = TypeVar('_F', bound=Callable[..., Any])
+
+# Called with the name of what is compiled, its number and that of the last, when it begins.
+Tell: TypeAlias = Callable[[str, int, int], None]
+
+
+def kernels_in_words() -> str:
+    """Return which kernels answer in this process, and why not the fastest."""
+    if config.DISABLE_JIT:
+        return 'none: NUMBA_DISABLE_JIT is set'
+    if numba_inside is None:
+        tested = '.'.join(map(str, TESTED_NUMBA))
+        return (
+            f'compiled in the slow way by Numba {numba_version} (tested is {tested}): compiling '
+            'takes three times as long, and small queries up to twice as long'
+        )
+    if _any_cpu_serves:
+        return f'for any CPU of this type ({VARIABLE} is {mode().value})'
+    return 'for this CPU'
 
 
 @contextmanager
@@ -199,17 +175,17 @@ class Room:
     """
 
     def __init__(self, name: str, sources: Iterable[Path]) -> None:
-        self.folder = CACHE_FOLDER and str(Path(CACHE_FOLDER) / f'{name}-{digest_of(sources)}')
+        self.folders = FOLDERS.room(f'{name}-{digest_of(sources)}')
 
     def compiled(self, function: _F) -> _F:
         """Return the function compiled on its first call, without the GIL; it makes no arrays."""
-        dispatcher: _F = _compiled(function, folder=self.folder, constants=True)
+        dispatcher: _F = _compiled(function, folders=self.folders, constants=True)
         return dispatcher
 
     def inlined(self, function: _F) -> _F:
         """Return the function compiled into whoever calls it."""
         options = {'forceinline': True, 'constants': True}
-        dispatcher: _F = _compiled(function, folder=self.folder, **options)
+        dispatcher: _F = _compiled(function, folders=self.folders, **options)
         return dispatcher
 
 
@@ -290,31 +266,48 @@ def _compiled(
     counted: bool = False,
     kept: bool = True,
     nogil: bool = True,
-    folder: str = CACHE_FOLDER,
+    folders: CacheFolders = FOLDERS,
     constants: bool = False,
 ) -> Any:
+    dispatcher = njit(
+        nogil=nogil,
+        error_model='numpy',
+        forceinline=forceinline,
+        **options(counted=counted),
+    )(function)
+    if kept and not config.DISABLE_JIT:
+        _keep(dispatcher, folders)
+    return for_compiled_callers(dispatcher, constants=constants)
+
+
+def _keep(dispatcher: Any, folders: CacheFolders) -> None:
+    """Have a dispatcher keep what it compiles in these folders: see ``numba_inside``."""
+    if numba_inside is not None:
+        served = None if mode() is Mode.FIRST else _use_any_cpu
+        numba_inside.share_cache(dispatcher, *folders, served)
+    elif folders.own:
+        with _caching_in(folders.own):
+            dispatcher.enable_caching()
+
+
+def _use_any_cpu(machine: tuple[str, ...]) -> None:
+    """Note that a kernel for any CPU serves, and have those for this one compiled."""
+    _any_cpu_serves.add(machine)
+    compile_behind(CACHE_FOLDER, machine)
+
+
+_any_cpu_serves: set[tuple[str, ...]] = set()
+
+
+@contextmanager
+def _caching_in(folder: str) -> Iterator[None]:
+    """Return a context in which Numba's own cache is in a folder."""
     before = config.CACHE_DIR
     config.CACHE_DIR = folder
     try:
-        dispatcher = njit(
-            nogil=nogil,
-            error_model='numpy',
-            forceinline=forceinline,
-            **options(counted=counted),
-        )(function)
-        if kept and folder and not config.DISABLE_JIT:
-            _keep(dispatcher, folder)
-        return for_compiled_callers(dispatcher, constants=constants)
+        yield
     finally:
         config.CACHE_DIR = before
-
-
-def _keep(dispatcher: Any, folder: str) -> None:
-    """Have a dispatcher keep what it compiles in a folder: see ``numba_inside``."""
-    if numba_inside is None:
-        dispatcher.enable_caching()
-    else:
-        numba_inside.share_cache(dispatcher, folder)
 
 
 def options(*, counted: bool) -> dict[str, Any]:
@@ -338,10 +331,6 @@ def address_of(function: Any, signature: Any) -> Any:
         return function
     if numba_inside is not None:
         return numba_inside.address_of(function, signature)
-    before = config.CACHE_DIR
-    config.CACHE_DIR = CACHE_FOLDER and str(Path(CACHE_FOLDER) / 'addresses')
-    try:
+    with _caching_in(CACHE_FOLDER and str(Path(CACHE_FOLDER) / 'addresses')):
         callback = cfunc(signature, cache=bool(CACHE_FOLDER), error_model='numpy')
         return callback(function.py_func).address
-    finally:
-        config.CACHE_DIR = before

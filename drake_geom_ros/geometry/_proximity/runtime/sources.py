@@ -6,10 +6,10 @@ import hashlib
 from collections.abc import Collection, Iterable
 from pathlib import Path
 
-_PACKAGE = Path(__file__).parents[3]
-_PROXIMITY = _PACKAGE / 'geometry/_proximity'
+PACKAGE = Path(__file__).parents[3]
+_PROXIMITY = PACKAGE / 'geometry/_proximity'
 # All that is compiled in, as folders and files.
-SOURCES = (_PROXIMITY, _PACKAGE / 'math/tolerances.py')
+SOURCES = (_PROXIMITY, PACKAGE / 'math/tolerances.py')
 # Plain Python among them: no compiled function uses a name of these files, so an edit leaves the
 # cache as it is. A test derives the list from the syntax of the sources.
 UNCOMPILED = frozenset(

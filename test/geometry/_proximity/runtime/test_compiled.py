@@ -60,17 +60,6 @@ def test_no_place_for_a_cache_is_no_obstacle(tmp_path):
     assert run(NUMBA_CACHE_DIR=str(blocked))[:2] == ('', 0)
 
 
-def test_nobody_else_can_reach_into_the_folder_of_a_cache(tmp_path):
-    """Who can write to it can have us run his code."""
-    before = os.umask(0)
-    try:
-        assert compiled._own_folder(tmp_path / 'ours')
-    finally:
-        os.umask(before)
-    assert (tmp_path / 'ours').stat().st_mode & 0o777 == 0o700
-    assert compiled._own_folder(tmp_path / 'ours')
-
-
 def _count_up(array, room):
     for k in range(array.size):
         room[k] = array[k] + 1.0
@@ -117,7 +106,7 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER
 from drake_geom_ros.geometry._proximity.world.pose_rows import read_poses
 from drake_geom_ros.geometry._rendering.compiled import ROOM
 count = read_poses(np.array([[0, 0, 0, 0, 0, 0, 1.01]]), np.empty((1, 12)))
-print(count, CACHE_FOLDER, ROOM.folder)
+print(count, CACHE_FOLDER, ROOM.folders.own)
 """
 
 
@@ -212,45 +201,6 @@ def test_all_that_compiled_code_uses_is_looked_at(folder, sources):
         if not any(path.is_relative_to(source) for source in sources)
     ]
     assert unseen == []
-
-
-def version(base, k):
-    """Make the cache folder of the k-th of some older sources, and return it."""
-    folder = base / f'kernels-{k:016x}'
-    folder.mkdir(parents=True)
-    os.utime(folder, (k, k))
-    return folder
-
-
-@pytest.mark.processes
-@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
-def test_old_versions_are_removed_when_something_is_compiled(tmp_path):
-    base = tmp_path / 'drake_geom_ros'
-    old = [version(base, k) for k in range(8)]
-    mine = Path(run(XDG_CACHE_HOME=str(tmp_path))[0])
-    assert set(base.iterdir()) == {mine, *old[4:]}
-    more = [version(base, k) for k in range(10, 18)]
-    assert run(XDG_CACHE_HOME=str(tmp_path))[1:] == (1, 0)
-    assert set(base.iterdir()) == {mine, *old[4:], *more}
-
-
-def test_a_version_that_another_process_removes_meanwhile_is_no_obstacle(tmp_path, monkeypatch):
-    old = [version(tmp_path, k) for k in range(6)]
-    (tmp_path / 'kernels-gone').symlink_to(tmp_path / 'nowhere')  # listed, and not there
-    monkeypatch.setattr(compiled, 'CACHE_FOLDER', str(tmp_path / 'kernels-mine'))
-    compiled._remove_old_versions.__wrapped__()
-    assert {path for path in tmp_path.iterdir() if path.exists()} == set(old[2:])
-
-
-@pytest.mark.processes
-def test_what_others_keep_in_the_folder_stays(tmp_path):
-    theirs = [tmp_path / f'{k:016x}' for k in range(8)]
-    theirs += [tmp_path / 'drake_geom_ros' / f'{k:016x}' for k in range(8)]
-    for folder in theirs:
-        folder.mkdir(parents=True)
-    mine = Path(run(NUMBA_CACHE_DIR=str(tmp_path))[0])
-    assert mine.parent == tmp_path / 'drake_geom_ros'
-    assert all(folder.is_dir() for folder in theirs)
 
 
 @pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')

@@ -13,6 +13,7 @@ from numba.core import errors
 
 import drake_geom_ros
 from drake_geom_ros.geometry._proximity.runtime import compiled
+from drake_geom_ros.geometry._proximity.runtime.cache_folders import CacheFolders
 
 if config.DISABLE_JIT:
     pytest.skip('nothing is compiled', allow_module_level=True)
@@ -94,7 +95,7 @@ def function(tmp_path, monkeypatch):
         def double(x):
             return x + x
 
-        return compiled._compiled(double, folder=str(tmp_path))
+        return compiled._compiled(double, folders=CacheFolders(str(tmp_path), ''))
 
     new.folder = tmp_path
     return new
@@ -114,7 +115,7 @@ def locked(file):
 
 def misses_and_saved(dispatcher, folder):
     """Return how often a function was not in its cache, and whether it is now."""
-    return sum(dispatcher.stats.cache_misses.values()), bool(list(folder.rglob('*.nbc')))
+    return sum(dispatcher.stats.cache_misses.values()), bool(list(folder.rglob('*.kernel')))
 
 
 def test_a_function_that_another_process_never_finishes_is_compiled_and_not_saved(function):
