@@ -8,12 +8,14 @@ SHARE = f'share/{NAME}'
 VERSION = runpy.run_path(f'{NAME}/version.py')['VERSION']
 
 # What the core and the command line import. The lower bounds are the oldest versions that the
-# tests of the core were seen to pass with; nothing is bound from above, for what a later version
-# breaks nobody knows yet. What is tested every day is pinned in requirements/.
+# tests of the core were seen to pass with. Only Numba is bound from above: what a later version of
+# another breaks nobody knows yet. What is tested every day is pinned in requirements/.
 CORE = [
     'jsonschema>=4.10',  # scene files against their schema
     'lxml>=4.9',  # URDF and SRDF
-    'numba>=0.58',  # the kernels
+    # The kernels. With one that was not tested they would compile for three times as long, and
+    # what a wheel brings of them would not be used.
+    'numba>=0.58,<0.69',
     'numpy>=1.26',
     'pyyaml>=6.0',  # scene files
     'scipy>=1.11',  # hulls, asked for by trimesh
@@ -73,7 +75,10 @@ setup(
     maintainer_email='maintainers@drake-geom-ros.invalid',
     python_requires='>=3.10,<3.14',  # those that are tested
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed', '*/*.schema.json']},
+    # Kernels are there in a tree that `./run wheels` builds from.
+    package_data={
+        NAME: ['py.typed', '*/*.schema.json', '_kernels/*/*.kernel', '_kernels/*/*/*.kernel']
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
@@ -81,7 +86,7 @@ setup(
         (f'lib/{NAME}', ['scripts/compile', 'scripts/record', 'scripts/status']),
         *(shared(folder) for folder in ('config', 'launch', 'scenes') if Path(folder).is_dir()),
     ],
-    # The package may be installed read-only: compiled kernels are kept elsewhere (compiled.py).
+    # The package may be installed read-only: kernels are kept elsewhere (cache_folders.py).
     zip_safe=False,
     install_requires=CORE,
     extras_require=EXTRAS,

@@ -20,6 +20,7 @@ test_other_ros() {
 run_on_other_ros() {
   local files
   export ROS_DISTRO=$other_ros
+  prepare_with test
   prepare_with_tf free_domain
   say "the node on ROS 2 ${other_ros^}"
   cd "$root"

@@ -64,7 +64,8 @@ compute_keys() {
      These are on PyPI; of another, source its setup.bash first, or unset ROS_DISTRO."
   python=$(find_python)
   venv_key=$(printf '%s\n' "$venv" "$(describe_python "$python")" "$underlay" | hash)
-  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt:recordings.txt
+  packages_key=$(cd "$root/requirements"; 
+    GLOBIGNORE=test.txt:lint.txt:peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt:recordings.txt
     { echo "$venv_key"; cat -- *.txt "$wheels"/*.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"
@@ -218,18 +219,11 @@ make_venv() {
 }
 
 install_packages() {
-  local sets=(core demo test lint build) arguments=() name
   if [[ -n $underlay ]]; then
-    # What the distribution has stays as it is, in any version; only the rest is installed.
-    # Its messages are compiled against its NumPy, so a newer one beside it would break them.
-    (cd "$root/requirements"
-      "$venv/bin/python" keep_present.py "$venv" "${sets[@]/%/.txt}" lock.txt)
-    arguments=(-r "$venv/missing.txt")
+    add_sets core demo build
   else
-    for name in "${sets[@]}"; do arguments+=(-r "$root/requirements/$name.txt"); done
-    arguments+=(-r "$wheels/ros.txt" -r "$wheels/ros_build.txt" -c "$wheels/lock.txt")
+    add_sets core demo build -r "$wheels/ros.txt" -r "$wheels/ros_build.txt" -c "$wheels/lock.txt"
   fi
-  pip_add "${arguments[@]}"
   [[ -n $underlay ]] || { "$venv/bin/python" -m pip check; relocate_exports; }
   # Makes package://drake_geom_ros and share look-ups find this source tree.
   mkdir -p "$venv"/share/{drake_geom_ros,ament_index/resource_index/packages}
@@ -237,6 +231,21 @@ install_packages() {
   for name in package.xml scenes launch config; do
     ln -sfn "$root/$name" "$venv/share/drake_geom_ros/$name"
   done
+}
+
+# add_sets SET ... [PIP ARGUMENTS]: all packages of these sets.
+add_sets() {
+  local files=() arguments=()
+  while (($#)) && [[ $1 != -* ]]; do files+=("$1.txt"); shift; done
+  if [[ -n $underlay ]]; then
+    # What the distribution has stays as it is, in any version; only the rest is installed.
+    # Its messages are compiled against its NumPy, so a newer one beside it would break them.
+    (cd "$root/requirements"; "$venv/bin/python" keep_present.py "$venv" "${files[@]}" lock.txt)
+    arguments=(-r "$venv/missing.txt")
+  else
+    arguments=("${files[@]/#/-r$root/requirements/}")
+  fi
+  pip_add "${arguments[@]}" "$@"
 }
 
 # pip_add ARGUMENTS: what is there keeps its version.
@@ -276,6 +285,8 @@ pip_add_wheels() {
   ((${#missing[@]} < $#)) # all of them: not a matter of wheels
 }
 
+install_test() { add_sets test; }
+install_lint() { add_sets lint; }
 install_peers() { pip_add_wheels peers drake coal mujoco pin libigl pyoctomap; }
 install_cluster() { pip_add_wheels cluster distributed pyarrow; }
 install_view() { pip_add_wheels view viser lcm; }
@@ -298,6 +309,7 @@ relocate_exports() {
 # edits them compiles what is used.
 compile_kernels() {
   prepare_environment
+  unpack_kernels
   local compile=(python -m drake_geom_ros compile "$root/scenes/two_pandas.yaml") cycle
   "${compile[@]}" --part cycle &
   cycle=$!
@@ -307,7 +319,7 @@ compile_kernels() {
 
 compile_all() {
   prepare_environment
-  nice python -m drake_geom_ros compile
+  DRAKE_GEOM_ROS_COMPILE=first nice python -m drake_geom_ros.every_kernel
 }
 
 # others [-n]: the kernels of all other shapes; with -n none, where another ./run compiles them.

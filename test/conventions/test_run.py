@@ -24,6 +24,7 @@ build_messages() { echo messages >>"$root/calls"; mkdir -p "$prefix"; }
 build_tf2_msgs() { echo tf2_msgs >>"$root/calls"; }
 compile_kernels() { echo kernels >>"$root/beside"; }
 compile_all() { echo others >>"$root/others"; }
+install_test() { :; }
 """
 
 
@@ -103,6 +104,8 @@ def test_an_unknown_command_is_named():
         ('requirements/core.txt', [False, True, False, False]),
         ('requirements/lock.txt', [False, True, False, False]),
         ('requirements/peers.txt', [False, False, False, False]),
+        ('requirements/test.txt', [False, False, False, False]),
+        ('requirements/lint.txt', [False, False, False, False]),
         ('requirements/mutants.txt', [False, False, False, False]),
         ('requirements/cluster.txt', [False, False, False, False]),
         ('requirements/view.txt', [False, False, False, False]),
@@ -277,12 +280,12 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
     assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
 
 
-SETS = {'cluster', 'examples', 'mutants', 'peers', 'recordings', 'view', 'vtk'}
+SETS = {*('cluster', 'examples', 'lint', 'mutants', 'peers', 'recordings', 'test', 'view', 'vtk')}
 
 
 def test_every_set_of_packages_but_that_of_mutants_is_there_for_the_tests(folder):
     """What nobody installs is skipped wherever the tests run: those of recordings once were."""
-    always = {'core', 'demo', 'test', 'lint', 'build', 'lock'}
+    always = {'core', 'demo', 'build', 'lock'}
     files = {path.stem for path in (folder / 'requirements').glob('*.txt')}
     assert files - always == SETS
     code, said, errors = shell(folder, 'echo "${test_sets[@]}"; declare -F')
@@ -347,6 +350,27 @@ def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fet
     code, out, errors = shell(folder, there + root + apt + 'install_browser')
     assert code == 0, errors
     assert said in out
+
+
+@pytest.mark.parametrize(
+    ('command', 'sets'),
+    [
+        ('python -m pytest -q test/math', 'test'),
+        ('pytest', 'test'),
+        ('.venv/bin/pytest -x', 'test'),
+        ('python -m bench.costs.filters', 'test'),
+        ('python docs/generate_reference.py', 'test'),
+        ('mkdocs build', 'test'),
+        ('ruff check', 'lint'),
+        ('python -m mypy', 'lint'),
+        ('python my_pytest.py', ''),
+        ('scene_viewer', ''),
+    ],
+)
+def test_exec_installs_what_its_command_asks_for_by_its_name(folder, command, sets):
+    code, said, errors = shell(folder, f'sets_of {command}')
+    assert code == 0, errors
+    assert said.strip() == sets
 
 
 def test_what_was_deleted_is_made_again(folder):

@@ -1,0 +1,81 @@
+# `./run wheels [VERSION ...]`: dist/ gets a wheel with kernels for each Python that is here, or for
+# those that are named (3.11). The kernels run on every CPU of this machine's type; they are loaded
+# by the versions of Numba and llvmlite that requirements/ pins, others compile their own.
+
+kernel_pythons=(3.10 3.11 3.12 3.13)
+dist=${DRAKE_GEOM_ROS_WHEELS:-$root/dist}
+
+wheels_command() {
+  local version other_python
+  compute_keys
+  (flock 9; step venv "$venv/.stamp" "$venv_key" make_venv) 9<"$root/run" # it has uv
+  (($#)) || set -- "${kernel_pythons[@]}"
+  for version; do
+    other_python=$(find_version "$version")
+    if [[ -z $other_python ]]; then
+      say "wheel for Python $version: NOT BUILT (no such interpreter here)"
+      continue
+    fi
+    make_wheel "$version"
+  done
+}
+
+# make_wheel VERSION: in an environment of its own, which is made once, from a copy of the tree.
+make_wheel() {
+  local wheel_venv=$venv/wheel-$1 key tree
+  key=$({ describe_python "$other_python"; cd "$root/requirements"; cat core.txt lock.txt; } | hash)
+  (flock 9; step "wheel-$1-packages" "$wheel_venv/.stamp" "$key" make_wheel_venv) 9<"$root/run"
+  tree=$(mktemp -d)
+  copy_tree "$tree"
+  logged "wheel-$1" build_wheel
+  rm -rf "$tree"
+  say "wheel: $(ls -t "$dist"/*.whl | head -n 1)"
+}
+
+make_wheel_venv() {
+  rm -rf "$wheel_venv"
+  "$other_python" -m venv "$wheel_venv"
+  add_to "$wheel_venv/bin/python" -c "$root/requirements/lock.txt" -c "$root/requirements/build.txt" \
+    -r "$root/requirements/core.txt" setuptools
+}
+
+# copy_tree FOLDER: what the package is built from, and nothing that a build or a set-up leaves.
+copy_tree() {
+  (cd "$root" && tar cf - --exclude=__pycache__ --exclude=_kernels \
+    setup.py setup.cfg pyproject.toml package.xml README.md LICENSE resource scripts config launch \
+    scenes drake_geom_ros) | tar xf - -C "$1"
+}
+
+# Numba's own wheel says which platforms run what it compiles.
+build_wheel() {
+  local python=$wheel_venv/bin/python platform built
+  compile_for_any_cpu "$tree" "$python"
+  platform=$("$python" "$root/requirements/platform_of.py" numba)
+  built=$(mktemp -d)
+  (cd "$tree" && "$python" -m pip wheel --no-deps --no-build-isolation --no-cache-dir -w "$built" . \
+    -C--build-option=--plat-name="$platform" \
+    -C--build-option=--python-tag="$("$python" -c 'import sys; print(sys.implementation.cache_tag.replace("cpython-", "cp"))')")
+  mkdir -p "$dist"
+  mv "$built"/*.whl "$dist/"
+  rm -rf "$built"
+}
+
+# compile_for_any_cpu TREE PYTHON: fills drake_geom_ros/_kernels of a tree.
+compile_for_any_cpu() {
+  local cache
+  cache=$(mktemp -d)
+  (cd "$1" && env -u PYTHONPATH NUMBA_CACHE_DIR="$cache" NUMBA_CPU_NAME=generic nice "$2" \
+    -m drake_geom_ros.every_kernel)
+  rm -rf "$cache"/drake_geom_ros/*/locks "$1/drake_geom_ros/_kernels"
+  mv "$cache/drake_geom_ros" "$1/drake_geom_ros/_kernels"
+  rm -rf "$cache"
+}
+
+# The kernels of wheels for this Python in dist/, of these sources: a set-up compiles none of them.
+unpack_kernels() {
+  local wheel tag
+  tag=$("$venv/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+  for wheel in "$dist"/drake_geom_ros-*-"$tag"-none-*"$(uname -m)".whl; do
+    [[ ! -f $wheel ]] || "$venv/bin/python" "$root/requirements/unpack_kernels.py" "$wheel" "$NUMBA_CACHE_DIR"
+  done
+}
