@@ -302,7 +302,7 @@ def keeping(client):
     keep(0.0)
 
 
-STARTS = re.compile(r'process (\d+), \d+ MB, (\d+) were started')
+STARTS = re.compile(r'process (\d+), \d+ MB of its own, (\d+) were started')
 
 
 def test_cells_are_held_though_the_process_of_sensors_ends(cell, keeping):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import multiprocessing
-import os
 import signal
 import subprocess
 import sys
@@ -27,6 +26,7 @@ from drake_geom_ros.ros.sensing.protocol import ALIVE, Begin, Finish, Refusal, R
 _MODULE = 'drake_geom_ros.ros.sensing'
 _SILENCE = 10.0  # [s] after which a process that says nothing hangs
 _COMPILING = 120.0  # [s] the same where it starts, or may have to compile what knows new bodies
+_OWN = ('Private_Clean:', 'Private_Dirty:')
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.5, 10.0  # [s] before another one is started; it doubles
 _LONG_LIFE = 60.0  # [s] after which the first pause counts again
 
@@ -179,9 +179,10 @@ def _in_words(code: int) -> str:
 
 
 def _megabytes(pid: int) -> str:
-    """Return the resident memory of a process in words."""
+    """Return in words the memory of a process without what it shares with others, as libraries."""
     try:
-        pages = int(Path(f'/proc/{pid}/statm').read_text().split()[1])
+        rows = [row.split() for row in Path(f'/proc/{pid}/smaps_rollup').read_text().splitlines()]
+        kilobytes = sum(int(row[1]) for row in rows if row[0] in _OWN)
     except (OSError, IndexError, ValueError):  # it is gone, or this is no Linux
         return 'of unknown memory'
-    return f'{pages * os.sysconf("SC_PAGE_SIZE") / 1e6:.0f} MB'
+    return f'{1024e-6 * kilobytes:.0f} MB of its own'
