@@ -5,6 +5,7 @@ import importlib
 import io
 import re
 import tokenize
+import warnings
 from types import SimpleNamespace
 
 from conventions.source_tree import PACKAGE, ROOT, SCRIPTS, SOURCES, TRUTH, module_of, name_of
@@ -14,7 +15,8 @@ from every import report
 NUMBERS_ALLOWED = ('tolerances.py', 'pair_table.py')
 NANOSECOND = '1e-9'  # a unit, where ROS counts time in it
 
-MOST_LINES = 600  # 400 is advice: a class is not cut in pieces to stay under it
+ADVISED_LINES = 400  # a longer file is only listed: no class is cut in pieces to stay under it
+MOST_LINES = 600
 MOST_LINES_OF_A_FUNCTION = 60
 
 
@@ -51,10 +53,18 @@ def test_an_unnamed_epsilon_is_seen():
     assert not is_allowed(PACKAGE / 'geometry/ids.py', NANOSECOND)
 
 
-def test_a_file_is_short():
+def lengths_beyond(lines):
+    """Return ``path: n lines`` of the files of the project that have more than that many."""
     paths = [*SOURCES, *SCRIPTS, *TRUTH, ROOT / 'run']
-    lengths = {name_of(path): len(path.read_text().splitlines()) for path in paths}
-    report(f'{name}: {count} lines' for name, count in lengths.items() if count > MOST_LINES)
+    counts = {name_of(path): len(path.read_text().splitlines()) for path in paths}
+    return [f'{name}: {count} lines' for name, count in counts.items() if count > lines]
+
+
+def test_a_file_is_short():
+    if long := lengths_beyond(ADVISED_LINES):
+        listed = ', '.join(long)
+        warnings.warn(f'more than the advised {ADVISED_LINES} lines: {listed}', stacklevel=1)
+    report(lengths_beyond(MOST_LINES))
 
 
 def test_functions_are_short():
