@@ -11,6 +11,8 @@ from __future__ import annotations
 import array
 import importlib.util
 import sys
+from collections import Counter
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -20,19 +22,20 @@ from drake_geom_msgs.msg import (
     FramePoses,
     GeometrySet,
 )
+from geometry_msgs.msg import TransformStamped
 from numpy.typing import NDArray
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.frame_names import full_name
-from drake_geom_ros.ros.joint_sending import JointSender
+from drake_geom_ros.common.frame_names import Frame, full_name
 from drake_geom_ros.ros.parameters import ParameterRefusedError, declared, unknown_parameters
 from drake_geom_ros.ros.spinning import run_node
-from drake_geom_ros.ros.tf_sending import TransformSender
+from drake_geom_ros.ros.surface import transforms
 from drake_geom_ros.ros.usage import is_help, usage
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion import Grasp, Motion
@@ -52,6 +55,7 @@ _TEXTS = {
     'joint_states': 'Send the joints of robots on joint_states instead of poses of their links.',
     'loop': 'Start again at the end; otherwise hold the last poses and go on publishing.',
 }
+TOPIC = 'joint_states'
 
 
 class PosePlayer(Node):
@@ -196,3 +200,69 @@ def main(args: list[str] | None = None) -> int:
 
 if __name__ == '__main__':
     sys.exit(main())
+
+
+class TransformSender:
+    """Publishes on /tf what moves; what rests is where the scene file puts it."""
+
+    def __init__(self, node: Node, motion: Motion) -> None:
+        """Send with ``node``; raises ImportError without tf2_msgs, which not everybody has."""
+        from tf2_msgs.msg import TFMessage
+
+        self._message = TFMessage
+        self._publisher = node.create_publisher(TFMessage, '/tf', transforms(static=False))
+        grasped = {grasp.frame for grasp in motion.grasps}
+        counts = Counter(name for names in motion.frame_names.values() for name in names)
+        # Source, row in its poses, name in TF, and that of what carries it; empty: the world.
+        self._sent: list[tuple[str, int, str, str]] = []
+        for source, names in motion.frame_names.items():
+            for row, name in enumerate(names):
+                frame = source, name
+                if source in motion.robots or motion.free[frame].moves or frame in grasped:
+                    robot = motion.robots.get(source)
+                    carrier = robot.carrier if robot else None
+                    parent = '' if carrier is None else _name(carrier, counts)
+                    self._sent.append((source, row, _name(frame, counts), parent))
+
+    def send(self, poses: Mapping[str, NDArray[Any]], world_frame: str, stamp: Any) -> None:
+        """Send ``poses`` X_PF (frames, 7) by source."""
+        message = self._message()
+        for source, row, name, parent in self._sent:
+            entry = TransformStamped(child_frame_id=name)
+            entry.header.frame_id, entry.header.stamp = parent or world_frame, stamp
+            p, q = entry.transform.translation, entry.transform.rotation
+            p.x, p.y, p.z, q.x, q.y, q.z, q.w = poses[source][row].tolist()
+            message.transforms.append(entry)
+        self._publisher.publish(message)
+
+
+def _name(frame: Frame, counts: Mapping[str, int]) -> str:
+    """Return what TF calls a frame: its own name where it is the only one of that name."""
+    source, name = frame
+    return name if counts.get(name, 1) == 1 else f'{source}/{name}'
+
+
+class JointSender:
+    """Publishes where the joints of all robots of a motion are."""
+
+    def __init__(self, node: Node, motion: Motion) -> None:
+        """Joints are called `joint`, or `robot::joint` where two robots have one of that name."""
+        self._motion = motion
+        self._publisher = node.create_publisher(JointState, TOPIC, QoSProfile(depth=5))
+        names = [
+            (r, j) for r, robot in motion.robots.items() for j in robot.kinematics.joint_names
+        ]
+        counts = Counter(joint for _, joint in names)
+        self._names = [j if counts[j] == 1 else f'{robot}::{j}' for robot, j in names]
+
+    @property
+    def topic_name(self) -> str:
+        """The topic, with its namespace."""
+        return str(self._publisher.topic_name)
+
+    def send(self, time: float, stamp: Any) -> None:
+        """Send the joint values at a time [s] of the motion."""
+        values = [robot.joint_values.value(time) for robot in self._motion.robots.values()]
+        message = JointState(name=self._names, position=np.concatenate(values).tolist())
+        message.header.stamp = stamp
+        self._publisher.publish(message)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from base64 import b64encode
+from base64 import b64decode, b64encode
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import OccupiedCells, PointCloud, Shape
-from drake_geom_ros.scene_files.packed_rows import numbers_of
 from drake_geom_ros.sensed_maps import MapError, MapFile, read_map
 
 CELLS, POINTS = 'occupied_cells', 'point_cloud'
@@ -75,3 +76,13 @@ def plain_map(shape: OccupiedCells | PointCloud) -> dict[str, Any]:
     if len(rows) <= _MOST_ROWS:
         return {'type': kind, **size, key: rows.tolist()}
     return {'type': kind, **size, key: b64encode(rows.astype('<f8').tobytes()).decode()}
+
+
+def numbers_of(plain: Any, kind: str) -> Any:
+    """Return rows (n, 3) that are listed, or packed as base64; ValueError for invalid text."""
+    if not isinstance(plain, str):
+        return plain
+    try:
+        return np.frombuffer(b64decode(plain, validate=True), kind).reshape(-1, 3)
+    except ValueError as error:
+        raise ValueError(f'rows of three {kind} are packed as base64: {error}') from None

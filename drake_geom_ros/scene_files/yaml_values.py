@@ -35,7 +35,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
 from drake_geom_ros.scene_files import sensed_shapes
 from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
-from drake_geom_ros.scene_files.packed_rows import numbers_of
+from drake_geom_ros.scene_files.sensed_shapes import numbers_of
 
 Plain = Mapping[str, Any]
 # Rows of a mesh written as lists; a YAML reader would take seconds for more.

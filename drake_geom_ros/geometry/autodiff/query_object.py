@@ -31,7 +31,7 @@ from drake_geom_ros.geometry.autodiff.records import (
 )
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
-from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
+from drake_geom_ros.geometry.queries.context_state import NO_SCENE
 from drake_geom_ros.geometry.queries.query_object import QueryObject
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.missing import refuse_missing_member

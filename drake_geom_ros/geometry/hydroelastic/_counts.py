@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 
 from drake_geom_ros.geometry.errors import GeometryError
-from drake_geom_ros.geometry.hydroelastic.tolerances import SAME_HALF, SAME_HINT
 from drake_geom_ros.geometry.shapes.primitives import Capsule, Cylinder, Ellipsoid, Shape, Sphere
+from drake_geom_ros.geometry.tolerances import SAME_HALF, SAME_HINT
 from drake_geom_ros.math.array_types import Floats
 
 # Of one body, tetrahedra or triangles: a ball cut seven times. It takes 0.1 GB of memory, and

@@ -21,7 +21,6 @@ from drake_geom_ros.geometry.hydroelastic._meshing import (
     ellipsoid_body,
     pyramids,
 )
-from drake_geom_ros.geometry.hydroelastic.tolerances import LEAST_STIFF, MOST_STIFF
 from drake_geom_ros.geometry.meshes._outward import turned_outward
 from drake_geom_ros.geometry.meshes._surface_distances import distances_to_surface
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
@@ -43,6 +42,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.tolerances import LEAST_STIFF, MOST_STIFF
 from drake_geom_ros.math.array_types import Floats
 
 

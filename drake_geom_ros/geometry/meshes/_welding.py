@@ -13,7 +13,7 @@ import numpy as np
 
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._library import near_one_another
-from drake_geom_ros.geometry.meshes.tolerances import WELDED_APART
+from drake_geom_ros.geometry.tolerances import WELDED_APART
 from drake_geom_ros.math.array_types import Floats, Indices
 
 ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"

@@ -12,8 +12,8 @@ from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.meshes._library import connected_pieces
 from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
-from drake_geom_ros.geometry.meshes.tolerances import FLAT_TETRAHEDRON
 from drake_geom_ros.geometry.meshes.volume_mesh import OUTER_FACES, VolumeMesh, signed_volumes
+from drake_geom_ros.geometry.tolerances import FLAT_TETRAHEDRON
 from drake_geom_ros.math.array_types import Floats, Indices
 
 

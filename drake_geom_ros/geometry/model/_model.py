@@ -7,7 +7,7 @@ its conditions first and then commits.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 from drake_geom_ros.geometry.checks import canonical_name, checked_pose, checked_type
 from drake_geom_ros.geometry.errors import (
@@ -33,7 +33,6 @@ from drake_geom_ros.geometry.model._records import (
     check_for_queries,
     named,
 )
-from drake_geom_ros.geometry.model._removed import Removed
 from drake_geom_ros.geometry.model.contact_defaults import HeldConfig
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 from drake_geom_ros.geometry.model.geometry_version import fresh_number
@@ -41,6 +40,8 @@ from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInsta
 from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign, frozen
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform
+
+_MAX_NAMES = 1024  # of the geometries that were removed last
 
 
 class Model:
@@ -397,3 +398,26 @@ class Model:
     def _sources(self) -> str:
         """Return the names of the sources, for messages."""
         return f'there are {sorted(self.source_names)}'
+
+
+class Removed:
+    """Names of the last removed geometries, by their ids."""
+
+    def __init__(self, names: dict[GeometryId, str] | None = None) -> None:
+        self._names = {} if names is None else names
+
+    def copy(self) -> Removed:
+        """Return an independent copy."""
+        return Removed(dict(self._names))
+
+    def add(self, records: Iterable[GeometryRecord]) -> None:
+        """Record the names of geometries that are being removed."""
+        self._names |= {record.id: record.name for record in records}
+        while len(self._names) > _MAX_NAMES:
+            del self._names[next(iter(self._names))]
+
+    def sentence_on(self, id: GeometryId) -> str:
+        """Return a sentence that says if a missing geometry was removed or never registered."""
+        if id in self._names:
+            return f"It was called '{self._names[id]}', and has been removed."
+        return 'It has not been registered.'

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Hashable
 from copy import copy
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from drake_geom_ros.geometry._proximity.engine.waiting import count_waiting_pair
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.world.world import World
-from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.half_space_pairs import (
@@ -29,16 +30,17 @@ from drake_geom_ros.geometry.queries.half_space_pairs import (
     pairs_of_half_spaces,
 )
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
-from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
-from drake_geom_ros.geometry.queries.prepared_motions import PreparedMotions
+from drake_geom_ros.geometry.queries.tables import know_point_shapes
 from drake_geom_ros.math.array_types import Indices
 
-if TYPE_CHECKING:  # with its kernels
+if TYPE_CHECKING:
     from drake_geom_ros.geometry._contact_surfaces.asking import Posed
+
 
 _State = TypeVar('_State', bound='ContextState')
 _MAX_PREPARED = 16  # a limit, since callers may vary the distance without end
+_MAX_KINDS = 8  # a limit, since callers may move different frames each time
 
 
 class _WaitingPairs(NamedTuple):
@@ -262,3 +264,44 @@ def checked_accuracy(accuracy: str) -> str:
         allowed = ', '.join(ACCURACY_LEVELS)
         raise ArgumentError(f'accuracy={accuracy!r} was asked for; it must be one of {allowed}.')
     return accuracy
+
+
+class PreparedMotions:
+    """Thread-safe cache with one entry a kind; a caller owns an entry from ``take`` to ``keep``.
+
+    It holds the entries that were used last.
+    """
+
+    def __init__(self) -> None:
+        self._entries: dict[Hashable, Any] = {}
+        self._lock = threading.Lock()
+
+    def __reduce__(self) -> tuple[type[PreparedMotions], tuple[()]]:
+        return PreparedMotions, ()  # a copy begins with nothing
+
+    def take(self, kind: Hashable) -> Any:
+        """Remove and return the entry of a kind, None if there is none."""
+        with self._lock:
+            return self._entries.pop(kind, None)
+
+    def keep(self, kind: Hashable, prepared: Any) -> None:
+        """Store an entry, and drop the oldest one beyond the limit."""
+        with self._lock:
+            self._entries[kind] = prepared
+            if len(self._entries) > _MAX_KINDS:
+                del self._entries[next(iter(self._entries))]
+
+
+class _NoScene:
+    """State without a scene: every attribute raises GeometryError."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith('__'):
+            raise AttributeError(name)
+        raise GeometryError(
+            'A default QueryObject was asked a query, and it belongs to no scene: take one '
+            'from scene_graph.get_query_output_port().Eval(context).'
+        )
+
+
+NO_SCENE = cast(ContextState, _NoScene())

@@ -21,10 +21,10 @@ from drake_geom_ros.geometry.ids import GeometryId, only_id
 from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
 from drake_geom_ros.geometry.queries.contact_queries import ContactQueries
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
+from drake_geom_ros.geometry.queries.context_state import NO_SCENE
 from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
 from drake_geom_ros.geometry.queries.motion_checks import MotionChecks
-from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_pairs, padded_points
 from drake_geom_ros.geometry.queries.query_records import SignedDistancePair
 from drake_geom_ros.geometry.queries.query_results import (

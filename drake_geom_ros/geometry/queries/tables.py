@@ -5,11 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.world.pose_rounding import TURN, shift_of, taken_roundings
-from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable
+from drake_geom_ros.geometry._proximity.world.world import (
+    FrameTable,
+    GeometryTable,
+    PointShapes,
+    World,
+)
+from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import GeometryRecord
-from drake_geom_ros.geometry.queries.point_shapes import pooled
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.geometry.shapes.primitives import PackedShape
+from drake_geom_ros.math.array_types import Floats, Indices
 
 
 def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
@@ -65,3 +71,27 @@ def _rounding_of_line(line: list[GeometryRecord]) -> tuple[float, float]:
         turn += float(taken_roundings(geometry.X_PG.rotation().matrix()[None])[0, TURN])
         reach = float(np.abs(p_FG).sum())
     return turn, shift
+
+
+def pooled(packed: list[PackedShape]) -> tuple[Indices, Indices, Floats]:
+    """Return types (n,), starts (n + 1,) and the pool of packed shapes."""
+    parameters = [numbers for _, numbers in packed]
+    return (
+        np.array([kind for kind, _ in packed], dtype=np.int64),
+        np.cumsum([0, *map(len, parameters)], dtype=np.int64),
+        np.concatenate([np.zeros(0), *parameters]),
+    )
+
+
+def know_point_shapes(world: World, model: Model) -> None:
+    """Add the shapes that points measure to, if a world lacks them."""
+    if world.has_point_shapes:
+        return
+    shapes = [
+        model.geometries[GeometryId(id)].queried_shape for id in world.geometries.ids.tolist()
+    ]
+    packed = [shape.to_points for shape in shapes]
+    if any(one is not shape.in_pairs for one, shape in zip(packed, shapes, strict=True)):
+        types, starts, pool = pooled(packed)
+        world.point_shapes = PointShapes(types, starts, pool, frozenset(types.tolist()))
+    world.has_point_shapes = True

@@ -12,7 +12,7 @@ from drake_geom_ros.geometry.render.cameras import (
     DepthRenderCamera,
     RenderCameraCore,
 )
-from drake_geom_ros.geometry.render.tolerances import NEAREST_SURFACE
+from drake_geom_ros.geometry.tolerances import NEAREST_SURFACE
 from drake_geom_ros.sensors import CameraInfo
 
 

@@ -6,13 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
-from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.checks import checked_pose, checked_type
 from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.model import _attachments
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID, GeometryRecord
+from drake_geom_ros.geometry.model.collision_filter_declaration import CollisionFilterDeclaration
 from drake_geom_ros.geometry.model.collision_filter_manager import CollisionFilterManager
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
@@ -20,17 +23,14 @@ from drake_geom_ros.geometry.model.properties import (
     Role,
     RoleAssign,
 )
-from drake_geom_ros.geometry.model.scene_content import SceneContent, content_of
-from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig
+from drake_geom_ros.geometry.model.scene_content import SceneContent, SceneHolder, content_of
+from drake_geom_ros.geometry.model.scene_graph_config import SceneGraphConfig, checked_config
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
-from drake_geom_ros.geometry.scene._attaching import Attaching
-from drake_geom_ros.geometry.scene._configured import Configured
-from drake_geom_ros.geometry.scene._contact_defaults import share, with_defaults
-from drake_geom_ros.geometry.scene._older_names import OlderNames
+from drake_geom_ros.geometry.scene._contact_defaults import configure, share, with_defaults
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry.shapes.primitives import Shape
@@ -38,7 +38,7 @@ from drake_geom_ros.math import RigidTransform, ScalarTemplate
 from drake_geom_ros.math.missing import refuse_missing_member
 
 
-class SceneGraph(Attaching, Configured, OlderNames):
+class SceneGraph(SceneHolder):
     """The scene: geometry sources, their frames, the geometries on them, and collision filters.
 
     A source registers frames, which move, and geometries on them, or anchored ones on the world.
@@ -378,6 +378,116 @@ class SceneGraph(Attaching, Configured, OlderNames):
         """Return the output port for the poses of a context's frames, for a visualiser."""
         return PoseBundlePort()
 
+    # Settings.
+
+    def get_config(self, context: SceneGraphContext | None = None) -> SceneGraphConfig:
+        """Return a copy of the settings, or of those that a context was made with."""
+        if context is not None:
+            checked_type(context, SceneGraphContext, 'get_config: context')
+        return checked_config(content_of(context or self).model.config.config)
+
+    def set_config(self, config: SceneGraphConfig) -> None:
+        """Set the default contact properties of geometries in later contexts.
+
+        Geometries that lack them get them, also those that are registered in such a context or get
+        the proximity role there. There are no defaults if their compliance type is 'undefined'. A
+        change of the settings changes ``model_version()``. Raises RuntimeError for a value that a
+        property cannot have, and for a compliance type if ``CreateSharedContext`` was called.
+        """
+        configure(self._state.model, checked_config(config))
+
+    # Removal and attachment, which pydrake lacks: there sources, frames and parents are final.
+
+    @or_on_context
+    def RemoveSource(self, on: SceneContent, source_id: SourceId) -> list[FrameId]:
+        """Remove a source with its frames and geometries; return the removed frames.
+
+        Collision filters of its geometries are removed, too. Raises RuntimeError if the source is
+        not registered, and while frames of other sources are attached to its frames.
+        """
+        removed = _attachments.remove_source(on.model, source_id)
+        _remove_from_filters(on, removed)
+        return removed.frames
+
+    @or_on_context
+    def RemoveFrame(self, on: SceneContent, source_id: SourceId, frame_id: FrameId) -> None:
+        """Remove a frame with the geometries on it; all others keep their ids.
+
+        Collision filters of its geometries are removed, too. Raises RuntimeError if the frame is
+        not the source's, and while it has child frames.
+        """
+        _remove_from_filters(on, _attachments.remove_frame(on.model, source_id, frame_id))
+
+    @or_on_context
+    def AttachFrame(
+        self,
+        on: SceneContent,
+        source_id: SourceId,
+        frame_id: FrameId,
+        parent_id: FrameId,
+        X_PF: RigidTransform,
+        is_part: bool = True,
+    ) -> None:
+        """Attach a frame, with its descendants, to a frame of any source, at X_PF in that one.
+
+        X_PF becomes its pose, with which later contexts begin. With ``is_part``, sets by name that
+        stand for the other frame, or for its source, include this one. A weld of the frame to the
+        world ends. Collision filters do not change. Raises RuntimeError if the frame is not the
+        source's, or if the other one is the world or a descendant of it.
+        """
+        pose = checked_pose(X_PF, 'AttachFrame: X_PF')
+        frame = _attachments.attach_frame(
+            on.model, source_id, frame_id, parent_id, is_part=is_part
+        )
+        on.begin_at(frame, pose)
+
+    @or_on_context
+    def MountFrame(
+        self,
+        on: SceneContent,
+        source_id: SourceId,
+        frame_id: FrameId,
+        parent_id: FrameId,
+    ) -> None:
+        """Give a frame a permanent parent of any source, as if it had been registered there.
+
+        An example is a robot on another one's flange. The poses X_PF, which the frame's own source
+        still sets, are then those in the new parent. Raises RuntimeError if the frame is not the
+        source's, is attached, or if the other one is a descendant of it.
+        """
+        _attachments.mount_frame(on.model, source_id, frame_id, parent_id)
+
+    @or_on_context
+    def DetachFrame(
+        self,
+        on: SceneContent,
+        source_id: SourceId,
+        frame_id: FrameId,
+        X_PF: RigidTransform,
+    ) -> None:
+        """Return an attached frame to the parent that it was registered on, at X_PF in that one.
+
+        Raises RuntimeError if the frame is not the source's, or is not attached.
+        """
+        pose = checked_pose(X_PF, 'DetachFrame: X_PF')
+        on.begin_at(_attachments.detach_frame(on.model, source_id, frame_id), pose)
+
+    # Older names of pydrake, of 2020.
+
+    @or_on_context
+    def ExcludeCollisionsWithin(self, on: SceneContent, set: GeometrySet) -> None:
+        """Exclude all pairs within a set; the older form of a persistent declaration."""
+        declaration = CollisionFilterDeclaration().ExcludeWithin(set)
+        CollisionFilterManager(on.model, on.filters).Apply(declaration)
+
+    @or_on_context
+    def ExcludeCollisionsBetween(
+        self, on: SceneContent, setA: GeometrySet, setB: GeometrySet
+    ) -> None:
+        """Exclude all pairs between two sets; the older form of a persistent declaration."""
+        declaration = CollisionFilterDeclaration().ExcludeBetween(setA, setB)
+        CollisionFilterManager(on.model, on.filters).Apply(declaration)
+
 
 def _register_geometry(
     on: SceneContent, source_id: SourceId, parent: FrameId | GeometryId, instance: GeometryInstance
@@ -393,6 +503,15 @@ def _add_to_filters(on: SceneContent, record: GeometryRecord) -> None:
     """Add a geometry that got the proximity role to the filters."""
     key, frame = record.id.get_value(), record.frame_id
     on.filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
+
+
+def _remove_from_filters(on: SceneContent, removed: _attachments.Removed) -> None:
+    """Remove the collision filters of removed frames and geometries."""
+    for record in removed.geometries:
+        if record.proximity is not None:
+            on.filters.remove(record.id.get_value())
+    for frame in removed.frames:
+        on.filters.welded.pop(frame.get_value(), None)
 
 
 # ``scalar_templates`` adds the instantiation for AutoDiffXd.

@@ -16,7 +16,7 @@ from drake_geom_ros.geometry import (
     PoseError,
     Sphere,
 )
-from drake_geom_ros.geometry.queries.prepared_motions import PreparedMotions
+from drake_geom_ros.geometry.queries.context_state import PreparedMotions
 
 APART = [pose(), pose(x=1.0), pose(y=5.0), pose(z=-9.0)]
 
