@@ -16,7 +16,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.ros.parameters import TEXTS, NodeParameters
-from drake_geom_ros.ros.recorder.topics import topics_of
+from drake_geom_ros.ros.recorder.recorded_topics import topics_of
 
 TEXT_LIST = typing.List[str]  # noqa: UP006 - launch does not know list[str]
 # Arguments that are parameters of the node, all of them: type, description.

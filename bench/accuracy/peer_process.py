@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.cross_check.bodies import Body, Pair
-from drake_geom_ros.cross_check.lost_process import ANSWER, LostProcess, Outcome
+from drake_geom_ros.cross_check.lost_process import ANSWER, LostProcess, QuestionOutcome
 from drake_geom_ros.math.array_types import Floats
 from truth import peers
 
@@ -82,7 +82,7 @@ class PeerProcess:
         if self._process.is_running:
             self._process.ask(BLOCK_LIMIT, *request)
 
-    def _ask(self, limit: float, *request: Any) -> Outcome:
+    def _ask(self, limit: float, *request: Any) -> QuestionOutcome:
         if not self._process.is_running:
             given = self._process.ask(BLOCK_LIMIT, 'give', self._samples)
             if given.is_lost:

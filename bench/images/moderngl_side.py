@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import CameraInfo
-from drake_geom_ros.viewing.surfaces import DrawnSurface, parts_of
+from drake_geom_ros.viewing.scaled_surfaces import DrawnSurface, parts_of
 
 _VERTEX = """
 #version 330

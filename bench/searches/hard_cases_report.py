@@ -31,8 +31,8 @@ where they are crossed); pydrake and MuJoCo are given its hull. All are compared
 distance nevertheless.
 
 Where rounding of a pose hides whether two solids that fit each other exactly touch or interlock,
-this project tells a way out, with a bound that holds the truth and the method `OPEN`. That counts
-as wrong here.
+this project reports a separating translation, with a bound that holds the truth and the method
+`OPEN`. That counts as wrong here.
 
 Every library is asked in a process that may be lost: `crash` is a process that ended, `hang` one
 that took more than 3 s of processor time. The totals leave out the family `extremes`."""

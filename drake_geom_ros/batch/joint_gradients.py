@@ -14,7 +14,7 @@ from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.batched import matrices_from_poses
 
 
-class _Posed(NamedTuple):
+class _PosedLinks(NamedTuple):
     """Poses of all links of an arm in the world, for each state."""
 
     R_WLs: Floats  # (N, m + 1, 3, 3)
@@ -80,9 +80,9 @@ def _posed(
     states: Floats,
     firsts: Indices,
     carriers: _Carriers,
-) -> list[_Posed]:
+) -> list[_PosedLinks]:
     """Return the poses of each arm's links in the world; arms that carry others come first."""
-    posed: dict[int, _Posed] = {}
+    posed: dict[int, _PosedLinks] = {}
     waiting = list(range(len(arms)))
     while waiting:
         number = waiting.pop(0)
@@ -100,7 +100,7 @@ def _posed(
             R_WP, p_WP = R_WL @ R_WP, R_WL @ p_WP + p_WL
             R_WP, p_WP = R_WP[:, np.newaxis], p_WP[:, np.newaxis]
         turned = (R_WP @ p_PLs[..., np.newaxis])[..., 0]
-        posed[number] = _Posed(R_WP @ R_PLs, turned + p_WP)
+        posed[number] = _PosedLinks(R_WP @ R_PLs, turned + p_WP)
     return [posed[number] for number in range(len(arms))]
 
 
@@ -112,7 +112,7 @@ def _matrices(poses: Floats) -> tuple[Floats, Floats]:
 
 def _add(
     tree: JointTree,
-    posed: _Posed,
+    posed: _PosedLinks,
     of_state: Indices,
     links: Indices,
     p_WFs: Floats,

@@ -56,7 +56,7 @@ def _later_interrupt() -> Iterator[None]:
             signal.raise_signal(signal.SIGINT)
 
 
-class Parts:
+class FinishedParts:
     """Finished blocks of a task, which is identified by all that its answers depend on.
 
     Each is written beside its place and then moved there, so an existing part is complete.

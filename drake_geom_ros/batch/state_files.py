@@ -19,7 +19,7 @@ _SHOWN = 60  # characters of a value in messages
 SUFFIXES = ('.npy', '.npz', '.csv')
 
 
-class States(NamedTuple):
+class StateRows(NamedTuple):
     """Rows (N, q) of joint values or (N, n, 7) of poses, and their names.
 
     Names are of joints, ``robot::joint``, or of frames, ``source::frame``. They are None if the
@@ -43,7 +43,7 @@ class States(NamedTuple):
         return hashlib.sha256(repr(rows.shape).encode() + rows.tobytes()).hexdigest()
 
 
-def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
+def read_states(path: str | Path, names: Sequence[str] | None = None) -> StateRows:
     """Return the states of a file; ``names`` are used if it has none.
 
     ``.npy`` has only the rows, which are read block by block, with constant memory. ``.npz`` has
@@ -83,7 +83,7 @@ def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
         raise SceneFileError('poses need the names of their frames: --names', str(path))
     if own is not None and len(own) != rows.shape[1]:
         raise SceneFileError(f'{len(own)} names for {rows.shape[1]} columns', str(path))
-    return States(rows, own)
+    return StateRows(rows, own)
 
 
 @contextlib.contextmanager

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch import WANTS, Joints, Question, cluster_executor
 from drake_geom_ros.batch.contacts import rows_of_pairs
 from drake_geom_ros.batch.evaluation import computed
-from drake_geom_ros.batch.parts import Parts
+from drake_geom_ros.batch.parts import FinishedParts
 from drake_geom_ros.batch.questions import Columns, Job
 from drake_geom_ros.batch.result_files import About, check_place, check_suffix, write
 from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, size_for_all
-from drake_geom_ros.batch.state_files import States, read_states
+from drake_geom_ros.batch.state_files import StateRows, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
 from drake_geom_ros.command_line.exit_codes import INTERRUPTED
@@ -120,7 +120,7 @@ def run(options: argparse.Namespace) -> int:
         'version': version(),
         'question': question.words,
     }
-    parts = Parts(output, task, blocks_of(len(states.rows), size) or [(0, 0)])
+    parts = FinishedParts(output, task, blocks_of(len(states.rows), size) or [(0, 0)])
     scheduler = options.cluster
     with cluster_executor(scheduler) if scheduler else nullcontext() as executor:
         missing = parts.begin(options.resume, lambda text: print(text, file=sys.stderr))
@@ -172,7 +172,7 @@ def _say(text: str, options: argparse.Namespace) -> None:
         print(text, file=sys.stderr)
 
 
-def _columns(parts: Parts, states: States, without_states: bool) -> Iterator[Columns]:
+def _columns(parts: FinishedParts, states: StateRows, without_states: bool) -> Iterator[Columns]:
     """Yield the results of each block, with its states unless ``without_states``."""
     name = 'poses' if states.are_poses else 'states'
     for block in parts.blocks:
@@ -183,7 +183,7 @@ def _columns(parts: Parts, states: States, without_states: bool) -> Iterator[Col
 
 
 def _job(
-    scene_graph: SceneGraph, loaded: LoadedScene, states: States, question: Question
+    scene_graph: SceneGraph, loaded: LoadedScene, states: StateRows, question: Question
 ) -> tuple[Job, dict[str, list[str]]]:
     """Return the job, and the names of its geometries, and of the joints or frames of states."""
     arms: tuple[Any, ...] = ()

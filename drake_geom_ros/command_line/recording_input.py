@@ -3,7 +3,7 @@
 import argparse
 
 from drake_geom_ros.recordings import Topics
-from drake_geom_ros.recordings.topics import NAMES
+from drake_geom_ros.recordings.recording_topics import NAMES
 
 
 def add_topics_to(parser: argparse.ArgumentParser) -> None:

@@ -28,9 +28,9 @@ from drake_geom_ros.scene_files import (
 )
 from drake_geom_ros.scene_files.cameras import RENDERERS
 from drake_geom_ros.sensors import CameraInfo
-from drake_geom_ros.viewing.contacts import contacts_of
-from drake_geom_ros.viewing.notebook import Shown
-from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.notebook import NotebookPicture
+from drake_geom_ros.viewing.shown_contacts import contacts_of
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 from drake_geom_ros.viewing.snapshot import Camera, looking, picture
 
 _BAR = 30  # characters
@@ -197,7 +197,7 @@ def _write_view(
     query = scene.query
     pairs = None
     if options.nearest is not None:
-        pairs = Pairs.of(query.ComputeSignedDistancePairwiseClosestPoints(options.nearest))
+        pairs = ReportedPairs.of(query.ComputeSignedDistancePairwiseClosestPoints(options.nearest))
     patches = None
     if options.contacts:
         patches, remarks, missing = contacts_of(query, lambda id: scene.names[GeometryId(id)])
@@ -206,7 +206,7 @@ def _write_view(
     camera = Camera(query.X_WF(frame) @ description.X_FC, description.intrinsics)
     cover = 1.0 if options.see_through is None else options.see_through
     _, role = RENDERERS[description.shows]
-    shown = Shown(picture(query, camera, role, cover, pairs, patches))
+    shown = NotebookPicture(picture(query, camera, role, cover, pairs, patches))
     file = path.with_name(f'{path.name}_view.png')
     check_outputs({'the image': file}, inputs)
     shown.save(file)

@@ -21,7 +21,7 @@ from drake_geom_ros.command_line.scene_input import read_and_warn
 from drake_geom_ros.command_line.unforeseen import print_unforeseen
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.recordings.comparing import WAYS
-from drake_geom_ros.recordings.files import runs_in
+from drake_geom_ros.recordings.recording_files import runs_in
 from drake_geom_ros.recordings.report import PAGE
 from drake_geom_ros.recordings.run import STALE_AFTER
 from drake_geom_ros.recordings.tolerances import CERTIFIED, NEARER_BY

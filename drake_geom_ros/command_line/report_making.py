@@ -20,10 +20,10 @@ from drake_geom_ros.command_line.report_output import (
 )
 from drake_geom_ros.recordings import Audit, Outcome, SetComparison, audit, compare_runs
 from drake_geom_ros.recordings.comparison_report import write_comparison
-from drake_geom_ros.recordings.files import files_read, places_of
 from drake_geom_ros.recordings.moment_pictures import pictures_of
 from drake_geom_ros.recordings.opened import Opened, opened_recording
 from drake_geom_ros.recordings.pair_sets import pair_sets
+from drake_geom_ros.recordings.recording_files import files_read, places_of
 from drake_geom_ros.recordings.report import check_folder, leave_only, write_report
 from drake_geom_ros.recordings.report_record import code_of, forget, made_of, write_record
 from drake_geom_ros.recordings.results import RunAnalysis

@@ -20,7 +20,7 @@ from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, FramePoseVec
 from drake_geom_ros.recordings.recorded_poses import recorded_poses
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
-from drake_geom_ros.viewing.joints import JointSliders
+from drake_geom_ros.viewing.joint_sliders import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.page import Page
 from drake_geom_ros.viewing.page.serving import LOCALHOST, PORT, open_server, warning

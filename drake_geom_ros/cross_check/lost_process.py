@@ -18,7 +18,7 @@ PATIENCE = 20.0  # wall time as a multiple of the limit, for a process that wait
 ENDS = ANSWER, EXCEPTION, CRASH, HANG = 'answer', 'exception', 'crash', 'hang'
 
 
-class Outcome(NamedTuple):
+class QuestionOutcome(NamedTuple):
     """End of a question, one of ENDS, with its value or error."""
 
     end: str
@@ -51,7 +51,7 @@ class LostProcess:
         """True if the process was started and not lost since."""
         return self._process is not None
 
-    def ask(self, limit: float, *question: Any) -> Outcome:
+    def ask(self, limit: float, *question: Any) -> QuestionOutcome:
         """Return the outcome of a question; after ``limit`` [s] it counts as a hang.
 
         The limit is in processor time, so that a busy machine causes no hangs.
@@ -61,15 +61,15 @@ class LostProcess:
                 self._start()
             self._connection.send((limit, question))
             if self._connection.poll(PATIENCE * limit):
-                outcome: Outcome = self._connection.recv()
+                outcome: QuestionOutcome = self._connection.recv()
                 return outcome
-            outcome = Outcome(HANG, f'{limit:g} s')
+            outcome = QuestionOutcome(HANG, f'{limit:g} s')
         except (EOFError, OSError):
             self._process.join()
             signalled = -(self._process.exitcode or 0)
-            outcome = Outcome(CRASH, f'signal {signalled}')
+            outcome = QuestionOutcome(CRASH, f'signal {signalled}')
             if signalled == signal.SIGPROF:
-                outcome = Outcome(HANG, f'{limit:g} s')
+                outcome = QuestionOutcome(HANG, f'{limit:g} s')
         self.close()
         return outcome
 
@@ -99,7 +99,7 @@ class LostProcess:
 
 def outcomes(
     questions: Iterable[Any], ask: Callable[[Any], Any], limit: float
-) -> Iterator[tuple[Any, Outcome]]:
+) -> Iterator[tuple[Any, QuestionOutcome]]:
     """Yield each question with its outcome, from processes forked from this one."""
     process = LostProcess(lambda: ask)
     try:
@@ -131,11 +131,11 @@ def _serve(
             return
         signal.setitimer(signal.ITIMER_PROF, limit)
         try:
-            outcome = Outcome(ANSWER, ask(*question))
+            outcome = QuestionOutcome(ANSWER, ask(*question))
         except Exception as error:  # libraries raise any kind for numbers that they refuse
-            outcome = Outcome(EXCEPTION, error)
+            outcome = QuestionOutcome(EXCEPTION, error)
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         try:
             connection.send(outcome)
         except Exception:  # an error that cannot be pickled
-            connection.send(Outcome(EXCEPTION, RuntimeError(str(outcome.value))))
+            connection.send(QuestionOutcome(EXCEPTION, RuntimeError(str(outcome.value))))

@@ -15,9 +15,9 @@ from drake_geom_ros.recordings.clearance import clearance
 from drake_geom_ros.recordings.comparing import PairDifference, SetComparison, compare_runs
 from drake_geom_ros.recordings.errors import IncompleteRecordingError, RecordingError
 from drake_geom_ros.recordings.recorded_pairs import Outcome
+from drake_geom_ros.recordings.recording_topics import Topics
 from drake_geom_ros.recordings.results import Clearances
 from drake_geom_ros.recordings.set_clearance import Moment, SetClearance, Span
-from drake_geom_ros.recordings.topics import Topics
 
 __all__ = [
     'audit',

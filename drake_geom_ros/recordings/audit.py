@@ -15,7 +15,7 @@ from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import DISTANCES, EVENTS, OVERLAPS, SCENE
 from drake_geom_ros.recordings.opened import Opened, opened_recording
-from drake_geom_ros.recordings.playback import Refused
+from drake_geom_ros.recordings.playback import RefusedMessages
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Damage
 from drake_geom_ros.recordings.recorded_pairs import (
     Compared,
@@ -27,7 +27,7 @@ from drake_geom_ros.recordings.recorded_pairs import (
     recorded_pairs,
 )
 from drake_geom_ros.recordings.recording import Recorded
-from drake_geom_ros.recordings.topics import Topics
+from drake_geom_ros.recordings.recording_topics import Topics
 from drake_geom_ros.replay import Finding, Judge, RecordedEvent, events_of
 from drake_geom_ros.scene_files import SceneDescription
 
@@ -58,7 +58,7 @@ class Audit:
     silent: tuple[str, ...] = ()  # topics of results without a message
     begin: int = 0  # [ns] of the recording
     damage: tuple[Damage, ...] = ()  # unreadable parts
-    refused: tuple[Refused, ...] = ()  # messages whose poses were refused
+    refused: tuple[RefusedMessages, ...] = ()  # messages whose poses were refused
     differences: tuple[str, ...] = ()  # between the recorded ``~/scene`` and the scene played here
 
     def reservations(self) -> list[str]:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.pair_sets import Between, pair_sets
+from drake_geom_ros.recordings.recording_topics import Topics
 from drake_geom_ros.recordings.results import Clearances
 from drake_geom_ros.recordings.run import STALE_AFTER, Progress, Run, RunOptions
-from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.scene_files import SceneDescription
 
 

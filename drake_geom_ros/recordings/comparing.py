@@ -117,7 +117,7 @@ def compare_runs(run: RunAnalysis, other: RunAnalysis, by: str = 'time') -> list
     ]
 
 
-class _Parts(NamedTuple):
+class _RunParts(NamedTuple):
     """Minimum distances of a set of pairs in the parts of a run."""
 
     least: Floats  # [m] over the known pairs
@@ -125,7 +125,7 @@ class _Parts(NamedTuple):
     of_pairs: dict[frozenset[str], float]  # [m] minimum of each over states where it is nearest
 
 
-def _cut(run: RunAnalysis, by: str, whole: float, holds: float) -> dict[str, _Parts]:
+def _cut(run: RunAnalysis, by: str, whole: float, holds: float) -> dict[str, _RunParts]:
     """Return the sets of a run, cut into parts of the ``whole`` way or time."""
     cuts = {name: _Cut(holds) for name in run.moments}
     for states in run.parts():
@@ -164,14 +164,14 @@ class _Cut:
         for names, distance in _least_of_pairs(pairs).items():
             self._of_pairs[names] = min(distance, self._of_pairs.get(names, np.inf))
 
-    def result(self) -> _Parts:
+    def result(self) -> _RunParts:
         """Return the parts after all states were processed."""
         before = np.maximum.accumulate(np.where(self._own, np.arange(_PARTS), -1))
         held = ~self._own & (before >= 0)
         held &= np.arange(1, _PARTS + 1) / _PARTS - self._place[before] <= self._holds
         self._least[held] = self._last[before[held]]
         self._lost[held] = ~self._was_whole[before[held]]
-        return _Parts(self._least, (self._own | held) & ~self._lost, self._of_pairs)
+        return _RunParts(self._least, (self._own | held) & ~self._lost, self._of_pairs)
 
 
 def _by_pair(

@@ -11,7 +11,7 @@ import numpy as np
 
 from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.recordings.comparing import SetComparison
-from drake_geom_ros.recordings.plot import plain
+from drake_geom_ros.recordings.report_plot import plain
 
 TABLE, PICTURE = 'comparison.csv', 'comparison.png'
 _COLUMNS = 'set', 'from', 'to', 'distance_m', 'other_m', 'difference_m', 'all_known'

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.math.array_types import Flags, Floats
-from drake_geom_ros.recordings.results import RunAnalysis, States
+from drake_geom_ros.recordings.results import RunAnalysis, StateMinima
 from drake_geom_ros.recordings.set_clearance import Moment, SetClearance, Span, joined
 
 MOST_CONTACTS = 100  # in a report
@@ -34,7 +34,7 @@ class Below(NamedTuple):
     at_known: float  # [s] of incomplete states, by the known pairs and poses
 
 
-class Held(NamedTuple):
+class KnownDurations(NamedTuple):
     """Durations [s] of states by completeness; each lasts until the next, or ``stale_after``."""
 
     whole: float
@@ -55,7 +55,7 @@ class Ages(NamedTuple):
 class Highlights:
     """Highlights of a set of pairs for a report."""
 
-    held: Held
+    held: KnownDurations
     below: tuple[Below, ...]  # by threshold
     contacts: tuple[Contact, ...]  # the first of ``contact_count``, by the known pairs
     contact_count: int
@@ -66,14 +66,14 @@ class Highlights:
 
 def highlights(run: RunAnalysis, thresholds: Sequence[float]) -> dict[str, Highlights]:
     """Return the highlights of each set of pairs, with the times below thresholds [m]."""
-    gathered = {name: _Gathered(run, thresholds) for name in run.moments}
+    gathered = {name: _HighlightGatherer(run, thresholds) for name in run.moments}
     for part, ends in _with_ends(run):
         for name, pairs in part.sets.items():
             gathered[name].take(pairs, ends)
     return {name: each.result() for name, each in gathered.items()}
 
 
-def _with_ends(run: RunAnalysis) -> Iterator[tuple[States, Floats]]:
+def _with_ends(run: RunAnalysis) -> Iterator[tuple[StateMinima, Floats]]:
     """Yield the states of a recording, with the times [s] of the next state, or of the end."""
     before = None
     for part in run.parts():
@@ -84,7 +84,7 @@ def _with_ends(run: RunAnalysis) -> Iterator[tuple[States, Floats]]:
         yield before, np.append(before.times[1:], run.duration)
 
 
-class _Gathered:
+class _HighlightGatherer:
     """Accumulator of the highlights of a set of pairs."""
 
     def __init__(self, run: RunAnalysis, thresholds: Sequence[float]) -> None:
@@ -92,7 +92,7 @@ class _Gathered:
         self._held = np.zeros(3)
         self._thresholds = np.array(thresholds, dtype=np.float64)
         self._below = np.zeros((2, len(thresholds)))
-        self._contacts = _Contacts()
+        self._contacts = _ContactGatherer()
         self._ages = np.zeros(len(AGES) + 1, dtype=np.int64)
         self._oldest, self._unknown = -np.inf, 0
         self._lost: list[Span] = []
@@ -140,7 +140,7 @@ class _Gathered:
         oldest = float(self._oldest) if np.isfinite(self._oldest) else np.nan
         contacts, count = self._contacts.result()
         return Highlights(
-            held=Held(whole, stale, waiting, silent),
+            held=KnownDurations(whole, stale, waiting, silent),
             below=tuple(Below(*row) for row in rows),
             contacts=contacts,
             contact_count=count,
@@ -150,7 +150,7 @@ class _Gathered:
         )
 
 
-class _Contacts:
+class _ContactGatherer:
     """Accumulator of contacts, which consecutive states form."""
 
     def __init__(self) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.math.array_types import Indices
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF, store_of
-from drake_geom_ros.recordings.raw_messages import Topic
+from drake_geom_ros.recordings.raw_messages import RecordedTopic
 
 Bytes = NDArray[np.uint8]
 
@@ -42,17 +42,17 @@ _MOST_BYTES = 1 << 16
 _MOST_TRIED = 1 << 25  # bytes of a topic's messages that are decoded again to find padding
 
 
-class Field(NamedTuple):
+class FieldBytes(NamedTuple):
     """Byte positions of a field's numbers."""
 
     places: Indices  # of their bytes, in order
     type: str
 
 
-class Layout:
+class MessageLayout:
     """Layout of messages of one topic that differ only in some numbers."""
 
-    def __init__(self, topic: Topic, data: bytes, most_tried: int = _MOST_TRIED) -> None:
+    def __init__(self, topic: RecordedTopic, data: bytes, most_tried: int = _MOST_TRIED) -> None:
         """Learn the layout from the bytes of one message; ValueError if that is impossible.
 
         At most ``most_tried`` bytes are decoded again to find padding; other bytes must match.
@@ -111,16 +111,16 @@ class Layouts:
 
     def __init__(self) -> None:
         # The key includes the definition, since it decides the meaning of bytes.
-        self._layouts: dict[tuple[Topic, int], list[Layout]] = {}
-        self._counts: dict[Topic, int] = {}
-        self._tried: dict[Topic, int] = {}
+        self._layouts: dict[tuple[RecordedTopic, int], list[MessageLayout]] = {}
+        self._counts: dict[RecordedTopic, int] = {}
+        self._tried: dict[RecordedTopic, int] = {}
 
-    def may_know(self, topic: Topic, size: int, count: int) -> bool:
+    def may_know(self, topic: RecordedTopic, size: int, count: int) -> bool:
         """Return whether ``count`` messages of a size [bytes] may share a layout."""
         has_layouts = (topic, size) in self._layouts
         return topic.type in _FIELDS and size <= _MOST_BYTES and (has_layouts or count > 1)
 
-    def of(self, topic: Topic, rows: Bytes) -> list[tuple[Layout, Indices]]:
+    def of(self, topic: RecordedTopic, rows: Bytes) -> list[tuple[MessageLayout, Indices]]:
         """Return layouts with the rows of ``rows`` (n, bytes) that share them.
 
         All messages have one length; those without a layout are omitted.
@@ -137,7 +137,7 @@ class Layouts:
             self._counts[topic] = self._counts.get(topic, 0) + 1
             try:
                 tried = self._tried.get(topic, 0)
-                layout = Layout(topic, rows[left[0]].tobytes(), _MOST_TRIED - tried)
+                layout = MessageLayout(topic, rows[left[0]].tobytes(), _MOST_TRIED - tried)
                 self._tried[topic] = tried + layout.tried
                 same = layout.of(rows[left])
             except Exception:  # not decodable, which reading one by one reports
@@ -149,14 +149,14 @@ class Layouts:
         return groups
 
 
-def _field(read: Any, path: str, kind: str, own: bytes, written: Any) -> Field:
+def _field(read: Any, path: str, kind: str, own: bytes, written: Any) -> FieldBytes:
     """Return the positions of a field: the bytes that change if all of its bits are inverted.
 
     ``read()`` returns a message of the bytes ``own``.
     """
     values = _values(read(), path, kind)
     if not values.size:
-        return Field(np.zeros(0, dtype=np.int64), kind)
+        return FieldBytes(np.zeros(0, dtype=np.int64), kind)
     other = (~values.view(f'<u{values.itemsize}')).view(kind)
     inverted = np.frombuffer(_changed(read(), path, other, written), np.uint8)
     places = np.flatnonzero(inverted != np.frombuffer(own, np.uint8))
@@ -165,7 +165,7 @@ def _field(read: Any, path: str, kind: str, own: bytes, written: Any) -> Field:
     seen = np.frombuffer(_changed(read(), path, some, written), np.uint8)[places]
     if len(places) != values.nbytes or seen.tobytes() != some.tobytes():
         raise ValueError(f'{path} does not stand in its order')
-    return Field(places, kind)
+    return FieldBytes(places, kind)
 
 
 def _owners(message: Any, path: str) -> Iterator[tuple[Any, str]]:

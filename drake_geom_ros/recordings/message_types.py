@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.raw_messages import Topic
+from drake_geom_ros.recordings.raw_messages import RecordedTopic
 
 TF = 'tf2_msgs/msg/TFMessage'
 JOINTS = 'sensor_msgs/msg/JointState'
@@ -35,7 +35,7 @@ float64[] poses
 
 
 @lru_cache(maxsize=64)
-def store_of(topic: Topic) -> Any:
+def store_of(topic: RecordedTopic) -> Any:
     """Return a rosbags type store with the type of a topic."""
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
@@ -60,6 +60,6 @@ def store_of(topic: Topic) -> Any:
     return store
 
 
-def message_of(topic: Topic, data: bytes) -> Any:
+def message_of(topic: RecordedTopic, data: bytes) -> Any:
     """Return the message of some bytes; invalid bytes raise any kind of exception."""
     return store_of(topic).deserialize_cdr(data, topic.type)

@@ -8,7 +8,7 @@ from drake_geom_ros.geometry import GeometryId, QueryObject, Role
 from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.recordings.results import RunAnalysis
 from drake_geom_ros.recordings.set_clearance import Moment
-from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 from drake_geom_ros.viewing.snapshot import camera_for, picture
 
 _SIZE, _FOV_Y = (640, 420), 0.6  # [pixels], [rad]
@@ -36,7 +36,7 @@ def _picture(query: QueryObject, moment: Moment) -> bytes:
     named = {geometry_names(inspector, each).full_name: each for each in ids}
     pair = query.signed_distance_of_pair(named[moment.name_A], named[moment.name_B])
     camera = camera_for(query, Role.kProximity, _SIZE, _FOV_Y)
-    pixels = picture(query, camera, see_through=_SEE_THROUGH, pairs=Pairs.of(pair))
+    pixels = picture(query, camera, see_through=_SEE_THROUGH, pairs=ReportedPairs.of(pair))
     file = BytesIO()
     Image.fromarray(pixels).save(file, 'PNG')
     return file.getvalue()

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.maps import maps_in
 from drake_geom_ros.recordings.playback import Playback
+from drake_geom_ros.recordings.recorded_maps import maps_in
 from drake_geom_ros.recordings.recording import Recording
-from drake_geom_ros.recordings.topics import Topics, no_robot_reason, roles_of
+from drake_geom_ros.recordings.recording_topics import Topics, no_robot_reason, roles_of
 from drake_geom_ros.scene_files import SceneDescription, read_scene
 
 _ROBOT = 'robot_description'

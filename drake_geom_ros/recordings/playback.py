@@ -44,7 +44,7 @@ class Trouble(NamedTuple):
     is_doubt: bool = False  # true: it is doubtful which poses held, and so are the results
 
 
-class Refused(NamedTuple):
+class RefusedMessages(NamedTuple):
     """Refused messages of a topic, in whole or in part."""
 
     topic: str
@@ -56,7 +56,7 @@ class Refused(NamedTuple):
         return f'{counted(self.seen, "message")} of {self.topic} refused, first: {self.reason}'
 
 
-class Moment(NamedTuple):
+class ClockTimes(NamedTuple):
     """Times of the clocks [s]; ``simulated`` is None without a recorded clock."""
 
     recorded: float
@@ -112,7 +112,7 @@ class Playback:
         # Digests of the files that robot descriptions named.
         self.robot_files: dict[Path, str] = {}
         self._troubles: dict[str, Trouble] = {}
-        self._refused: dict[str, Refused] = {}
+        self._refused: dict[str, RefusedMessages] = {}
         self._differences = SceneDifferences()
         self._looked = -math.inf
         if description is not None:
@@ -158,7 +158,7 @@ class Playback:
             return False
 
     @property
-    def refused(self) -> list[Refused]:
+    def refused(self) -> list[RefusedMessages]:
         """Refusals, by topic, of messages that may have concerned the scene."""
         return list(self._refused.values())
 
@@ -173,12 +173,12 @@ class Playback:
         return self._looked + LOOKS
 
     @property
-    def moment(self) -> Moment:
+    def moment(self) -> ClockTimes:
         """The current times of the clocks."""
-        return Moment(self._times.recorded, self._times.simulated)
+        return ClockTimes(self._times.recorded, self._times.simulated)
 
     @moment.setter
-    def moment(self, moment: Moment) -> None:
+    def moment(self, moment: ClockTimes) -> None:
         self._times.recorded, self._times.simulated = moment
 
     def tick(self, now: float) -> None:
@@ -245,7 +245,7 @@ class Playback:
 
     def _refuse(self, recorded: Recorded, reason: str) -> None:
         topic = recorded.topic.name
-        before = self._refused.get(topic, Refused(topic, 0, reason))
+        before = self._refused.get(topic, RefusedMessages(topic, 0, reason))
         self._refused[topic] = before._replace(seen=before.seen + 1)
         self._note_refusal(recorded, reason)
 

@@ -19,10 +19,10 @@ from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.layouts import Layouts
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.opened import Opened
-from drake_geom_ros.recordings.playback import Moment
-from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Topic
+from drake_geom_ros.recordings.playback import ClockTimes
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS, RecordedTopic
 from drake_geom_ros.recordings.recording import Recorded, recorded
-from drake_geom_ros.recordings.repeats import Batch, Stamp, Stretch
+from drake_geom_ros.recordings.repeats import MessageBatch, Stretch, TimeFields
 from drake_geom_ros.recordings.states import Block, RunStates, StateBlocks
 
 _SHORTEST = 8  # messages of a run, since finding one takes as long as a few messages
@@ -61,7 +61,7 @@ class Player:
     def blocks(self) -> Iterator[Block]:
         """Yield the states of all messages."""
         for raws in self._recording.batches(list(self._roles)):
-            yield from self._play(Batch(raws, self._layouts))
+            yield from self._play(MessageBatch(raws, self._layouts))
         while self._is_due(self.end + 1):
             self._playback.wait_until(self._due())
             yield from self._take(self._due())
@@ -81,7 +81,7 @@ class Player:
         self.count += 1
         return self._states.take(time)
 
-    def _play(self, batch: Batch) -> Iterator[Block]:
+    def _play(self, batch: MessageBatch) -> Iterator[Block]:
         k = 0
         while k < len(batch.raws):
             stretch = self._stretch(batch, k)
@@ -99,7 +99,7 @@ class Player:
                 yield from self._play_one(batch, each)
             k = end
 
-    def _stretch(self, batch: Batch, begin: int) -> Stretch:
+    def _stretch(self, batch: MessageBatch, begin: int) -> Stretch:
         """Return the longest stretch of messages from ``begin`` that may be a run."""
         is_taken = [r.topic.type == CLOCK or id(r.layout) in self._taken for r in batch.repeated]
         if not (batch.is_good[begin] and is_taken[batch.owner[begin]]):
@@ -111,7 +111,7 @@ class Player:
         stops = [*np.flatnonzero(~may_be)[:1].tolist(), len(may_be), most]
         return Stretch(batch, begin, begin + min(stops))
 
-    def _play_one(self, batch: Batch, k: int) -> Iterator[Block]:
+    def _play_one(self, batch: MessageBatch, k: int) -> Iterator[Block]:
         """Play one message."""
         raw = batch.raws[k]
         self.end = max(self.end, raw.time)
@@ -126,7 +126,7 @@ class Player:
         elif has_posed and self._first < 0:
             self._first = raw.time
 
-    def _learn(self, batch: Batch, k: int, message: Recorded, *, has_posed: bool) -> None:
+    def _learn(self, batch: MessageBatch, k: int, message: Recorded, *, has_posed: bool) -> None:
         """Update the senders whose last message was processed."""
         owner, topic = int(batch.owner[k]), message.topic
         if topic.type == CLOCK:
@@ -143,7 +143,7 @@ class Player:
         self._taken = {k: each for k, each in self._taken.items() if each.isdisjoint(named)}
         self._taken[id(batch.repeated[owner].layout)] = named
 
-    def _feeder(self, topic: Topic) -> tuple[str, str]:
+    def _feeder(self, topic: RecordedTopic) -> tuple[str, str]:
         """Return the kind of a topic's feeder, and the topic of joint states as robots name it."""
         return _FEEDERS[topic.type], self._roles[topic.name].partition(':')[2]
 
@@ -163,7 +163,9 @@ class Player:
                     at=at,
                     numbers=repeated.numbers[rows],
                     times=_times(batch, owner, rows),
-                    first=seconds_of(Stamp(*batch.stamps[stretch.begin + int(at[0])].tolist())),
+                    first=seconds_of(
+                        TimeFields(*batch.stamps[stretch.begin + int(at[0])].tolist())
+                    ),
                 )
             )
         if not senders:
@@ -186,7 +188,7 @@ class Player:
 
     def _states_of_run(
         self, stretch: Stretch, run: PoseRun
-    ) -> tuple[RunStates, list[tuple[int, Moment]]]:
+    ) -> tuple[RunStates, list[tuple[int, ClockTimes]]]:
         """Return the states of a run, with ages by the rules for single messages.
 
         Also return the last message of each sender, with the times of the clocks then.
@@ -194,7 +196,7 @@ class Player:
         playback, arrival = self._playback, self._playback.clocks.arrival
         heard, states = list(run.heard), RunStates([], [], [])
         last = {int(stretch.rows_of(number)[0][-1]) for number in range(len(heard))}
-        moments: list[tuple[int, Moment]] = []
+        moments: list[tuple[int, ClockTimes]] = []
 
         def take(time: int, messages: int) -> None:
             states.times.append(time)
@@ -218,7 +220,7 @@ class Player:
         return states, moments
 
 
-def _times(batch: Batch, owner: int, rows: Indices) -> Floats:
+def _times(batch: MessageBatch, owner: int, rows: Indices) -> Floats:
     """Return the stamps [s] of messages and of the one before; without stamps, arrival times."""
     repeated, chosen = batch.repeated[owner], np.arange(rows[0] - 1, rows[-1] + 1)
     stamps = repeated.seconds[chosen] + repeated.nanoseconds[chosen] / NANOSECONDS

@@ -7,7 +7,7 @@ from typing import NamedTuple
 NANOSECONDS = 10**9  # in a second
 
 
-class Topic(NamedTuple):
+class RecordedTopic(NamedTuple):
     """A topic of a recording, with the definition of its type."""
 
     name: str
@@ -20,7 +20,7 @@ class Raw(NamedTuple):
     """A message as bytes."""
 
     time: int  # [ns] when it was recorded
-    topic: Topic
+    topic: RecordedTopic
     data: bytes
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from drake_geom_ros.geometry import GeometryId, QueryObject
 from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.recordings.message_types import DISTANCES
-from drake_geom_ros.recordings.witnesses import Judged, Witnesses, fault_of
+from drake_geom_ros.recordings.recorded_witnesses import Judged, Witnesses, fault_of
 from drake_geom_ros.replay import RecordedEvent
 
 _BOUND_ONLY = 4  # METHOD_BOUND_ONLY of the messages
@@ -35,7 +35,7 @@ class Compared(NamedTuple):
     because: str = ''
 
 
-class Pairs(NamedTuple):
+class RecordedPairs(NamedTuple):
     """Pairs by name with distances and witnesses; penetrations count as negative distances."""
 
     names: list[tuple[str, str]]
@@ -57,14 +57,14 @@ def names_in(scene: Any) -> dict[int, str]:
     }
 
 
-def recorded_pairs(kind: str, message: Any, names: Names) -> Pairs:
+def recorded_pairs(kind: str, message: Any, names: Names) -> RecordedPairs:
     """Return the pairs of a SignedDistancePairs or PenetrationPairs message.
 
     Raises KeyError for an id without a name.
     """
     ids = zip(message.id_a.tolist(), message.id_b.tolist(), strict=True)
     is_distance = kind == DISTANCES
-    return Pairs(
+    return RecordedPairs(
         names=[(names[i], names[j]) for i, j in ids],
         distance=message.distance if is_distance else -message.depth,
         error_bound=message.error_bound,
@@ -82,18 +82,18 @@ def recorded_pairs(kind: str, message: Any, names: Names) -> Pairs:
 
 def computed_pairs(
     kind: str, query: QueryObject, names: Names, waiting: int, reach: float
-) -> Pairs:
+) -> RecordedPairs:
     """Return the pairs that a node would report for the state of a query object."""
     results = query.ComputeSignedDistancePairwiseClosestPoints(reach)
     if kind == DISTANCES:
         witnesses = Witnesses(results.p_ACa, results.p_BCb, results.nhat_BA_W, are_local=True)
         numbers = results.distance, results.error_bound
         points = np.asarray(results.method) != _BOUND_ONLY
-        return Pairs(_named(results, names), *numbers, waiting, reach, witnesses, points)
+        return RecordedPairs(_named(results, names), *numbers, waiting, reach, witnesses, points)
     deep = results.penetrations()
     witnesses = Witnesses(deep.p_WCa, deep.p_WCb, deep.nhat_BA_W, are_local=False)
     numbers, points = (-deep.depth, deep.error_bound), np.asarray(deep.method) != _BOUND_ONLY
-    return Pairs(_named(deep, names), *numbers, waiting, reach, witnesses, points)
+    return RecordedPairs(_named(deep, names), *numbers, waiting, reach, witnesses, points)
 
 
 def _named(results: Any, names: Names) -> list[tuple[str, str]]:
@@ -101,7 +101,9 @@ def _named(results: Any, names: Names) -> list[tuple[str, str]]:
     return [(names[i], names[j]) for i, j in both]
 
 
-def compare(recorded: Pairs, now: Pairs, query: QueryObject, names: Names) -> Compared:
+def compare(
+    recorded: RecordedPairs, now: RecordedPairs, query: QueryObject, names: Names
+) -> Compared:
     """Return the verdict on recorded pairs, by those computed ``now`` for a query object.
 
     Witness points and normals that differ are judged by what messages guarantee of them.
@@ -145,8 +147,8 @@ def compare(recorded: Pairs, now: Pairs, query: QueryObject, names: Names) -> Co
 
 
 def _fault_of_witnesses(
-    recorded: Pairs,
-    now: Pairs,
+    recorded: RecordedPairs,
+    now: RecordedPairs,
     others: Sequence[tuple[int, int]],
     query: QueryObject,
     names: Names,

@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.recordings.maps import maps_remark
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.player import Player
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
+from drake_geom_ros.recordings.recorded_maps import maps_remark
+from drake_geom_ros.recordings.recording_topics import Topics
 from drake_geom_ros.recordings.states import Block, StateBlocks
-from drake_geom_ros.recordings.topics import Topics
 from drake_geom_ros.scene_files import SceneDescription, poses_in_parents
 
 
-class TimedPoses(NamedTuple):
+class PosesAtTime(NamedTuple):
     """Poses of all frames that have one, valid from a time until the next."""
 
     time: float  # [s] since the recording began
@@ -37,7 +37,7 @@ def recorded_poses(
     world_frame: str = 'world',
     package_roots: Sequence[str | Path] = (),
     warn: Callable[[str], None] | None = None,
-) -> list[TimedPoses]:
+) -> list[PosesAtTime]:
     """Return the poses of a recording at ``rate`` [Hz]; raises the errors of ``clearance``.
 
     ``warn`` is called with texts on unknown, refused and unreadable parts.
@@ -61,7 +61,7 @@ def recorded_poses(
         rest = np.array([X_PF.ToArray() for X_PF in still.values()]).reshape(-1, 7)
         for stamp, rows in zip(block.times.tolist(), block.poses, strict=True):
             time = (stamp - player.begin) / NANOSECONDS
-            timed_poses.append(TimedPoses(time, names, np.vstack((rows, rest))))
+            timed_poses.append(PosesAtTime(time, names, np.vstack((rows, rest))))
     if warn is not None:
         warnings = [each.in_words(player.begin) for each in opened.recording.damage]
         warnings += [each.words for each in opened.playback.troubles]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.recordings.scene_differences import SceneTable, table_of
-from drake_geom_ros.recordings.topics import few_of
+from drake_geom_ros.recordings.recording_topics import few_of
+from drake_geom_ros.recordings.scene_differences import ComparedScene, table_of
 from drake_geom_ros.scene_files import read_scene, register, robot_name
 
 _HINT = 'the node takes that of the scene; --topic robot_description= says that they are the same'
@@ -52,7 +52,7 @@ class SceneRobots:
         return True
 
 
-def _robot(table: SceneTable, name: str) -> SceneTable:
+def _robot(table: ComparedScene, name: str) -> ComparedScene:
     """Return the geometries of a robot, without frames, whose parents a scene file may change."""
     own = {n: each for n, each in table.geometries.items() if n.startswith(f'{name}::')}
-    return SceneTable({}, own)
+    return ComparedScene({}, own)

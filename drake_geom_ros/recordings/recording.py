@@ -8,9 +8,9 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drake_geom_ros.recordings.files import missing_files, places_of
 from drake_geom_ros.recordings.message_types import message_of
-from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, Topic
+from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, RecordedTopic
+from drake_geom_ros.recordings.recording_files import missing_files, places_of
 from drake_geom_ros.recordings.storages import Storage
 
 _MISSING = 'metadata.yaml names it, and it is not there'
@@ -21,7 +21,7 @@ class Recorded(NamedTuple):
     """A recorded message."""
 
     time: int  # [ns] of recording
-    topic: Topic
+    topic: RecordedTopic
     message: Any  # None: its bytes cannot be decoded as its type
     reason: str = ''  # why they cannot
 
@@ -42,7 +42,7 @@ class Recording:
         self.begin = min((first for first, _ in spans), default=0)
         self.end = max((last for _, last in spans), default=0)
         topics = (topic for storage in self._storages for topic in storage.topics)
-        self.topics: list[Topic] = list(dict.fromkeys(topics))
+        self.topics: list[RecordedTopic] = list(dict.fromkeys(topics))
 
     @property
     def is_empty(self) -> bool:

@@ -16,13 +16,13 @@ from drake_geom_ros.recordings.layouts import (
     TRANSFORM_NUMBERS,
     TRANSFORMS,
     Bytes,
-    Layout,
     Layouts,
+    MessageLayout,
     rows_of,
 )
 from drake_geom_ros.recordings.message_types import CLOCK, JOINTS, POSES, TF
 from drake_geom_ros.recordings.playback import is_jump
-from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Raw, Topic
+from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Raw, RecordedTopic
 
 _STAMP = {
     CLOCK: 'clock',
@@ -34,7 +34,7 @@ _NUMBERS = {JOINTS: 'position', POSES: 'poses'}
 _FINITE = {JOINTS: ('position', 'velocity'), POSES: ('poses',), CLOCK: ()}
 
 
-class Stamp(NamedTuple):
+class TimeFields(NamedTuple):
     """The fields of a builtin_interfaces/Time."""
 
     sec: int
@@ -44,8 +44,8 @@ class Stamp(NamedTuple):
 class Repeated(NamedTuple):
     """The messages of a batch that share a layout."""
 
-    topic: Topic
-    layout: Layout
+    topic: RecordedTopic
+    layout: MessageLayout
     at: Indices  # (n,) their places in the batch
     seconds: Indices  # (n,) of stamps, or of the clock
     nanoseconds: Indices  # (n,)
@@ -56,7 +56,7 @@ class Repeated(NamedTuple):
     is_good: Flags
 
 
-class Batch:
+class MessageBatch:
     """Messages as bytes, with the repeating ones as arrays."""
 
     def __init__(self, raws: Sequence[Raw], layouts: Layouts) -> None:
@@ -77,7 +77,7 @@ class Batch:
 class Stretch:
     """Consecutive repeating messages of a batch."""
 
-    batch: Batch
+    batch: MessageBatch
     begin: int
     end: int
 
@@ -98,7 +98,7 @@ class Stretch:
         at = np.flatnonzero(owner == self.owners[sender])
         return at, self.batch.row[self.begin + at]
 
-    def messages(self) -> Iterator[tuple[int, int, Stamp]]:
+    def messages(self) -> Iterator[tuple[int, int, TimeFields]]:
         """Yield time [ns], sender or -1 for a clock, and stamp of each."""
         part = slice(self.begin, self.end)
         senders = {owner: number for number, owner in enumerate(self.owners)}
@@ -109,11 +109,11 @@ class Stretch:
             strict=True,
         )
         for time, owner, stamp in rows:
-            yield time, senders.get(owner, -1), Stamp(*stamp)
+            yield time, senders.get(owner, -1), TimeFields(*stamp)
 
 
 def _repeated(raws: Sequence[Raw], layouts: Layouts) -> list[Repeated]:
-    alike: dict[tuple[Topic, int], list[int]] = {}
+    alike: dict[tuple[RecordedTopic, int], list[int]] = {}
     for k, raw in enumerate(raws):
         alike.setdefault((raw.topic, len(raw.data)), []).append(k)
     repeated = []
@@ -126,7 +126,7 @@ def _repeated(raws: Sequence[Raw], layouts: Layouts) -> list[Repeated]:
     return repeated
 
 
-def _arrays_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeated:
+def _arrays_of(topic: RecordedTopic, layout: MessageLayout, at: Indices, rows: Bytes) -> Repeated:
     """Return the contents of messages of a layout as arrays."""
     if topic.type == TF:
         return _transforms_of(topic, layout, at, rows)
@@ -147,7 +147,9 @@ def _arrays_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeat
     return Repeated(topic, layout, at, seconds, nanoseconds, numbers, is_good)
 
 
-def _transforms_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Repeated:
+def _transforms_of(
+    topic: RecordedTopic, layout: MessageLayout, at: Indices, rows: Bytes
+) -> Repeated:
     """Return the contents of TF messages as arrays."""
     seconds, nanoseconds = (
         layout.numbers(rows, f'{_STAMP[TF]}.{name}').astype(np.int64)
@@ -162,7 +164,7 @@ def _transforms_of(topic: Topic, layout: Layout, at: Indices, rows: Bytes) -> Re
     for parts in (seconds, nanoseconds):
         is_good &= (parts == parts[:, :1]).all(axis=1)
     stamps = zip(seconds[:, 0].tolist(), nanoseconds[:, 0].tolist(), strict=True)
-    held = np.array([seconds_of(Stamp(*each)) for each in stamps])
+    held = np.array([seconds_of(TimeFields(*each)) for each in stamps])
     is_good[0] = False  # it has no previous one in the batch to compare with
     is_good[1:] &= (np.diff(held) > 0.0) | ((held == 0.0)[1:] & (held == 0.0)[:-1])
     return Repeated(

@@ -10,11 +10,11 @@ from drake_geom_ros.recordings import comparison_report
 from drake_geom_ros.recordings.audit import Audit
 from drake_geom_ros.recordings.comparing import SetComparison
 from drake_geom_ros.recordings.highlights import highlights
-from drake_geom_ros.recordings.page import Pictures, page
-from drake_geom_ros.recordings.plot import draw
+from drake_geom_ros.recordings.report_page import Pictures, page
+from drake_geom_ros.recordings.report_plot import draw
 from drake_geom_ros.recordings.report_record import RECORD
+from drake_geom_ros.recordings.report_tables import write_audit, write_csv, write_npz
 from drake_geom_ros.recordings.results import RunAnalysis
-from drake_geom_ros.recordings.tables import write_audit, write_csv, write_npz
 
 CSV, NPZ, PLOT, PAGE = 'clearance.csv', 'clearance.npz', 'clearance.png', 'report.html'
 AUDIT = 'audit.csv'

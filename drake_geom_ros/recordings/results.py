@@ -14,9 +14,9 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.recordings.close_moments import CloseMoment
 from drake_geom_ros.recordings.errors import IncompleteRecordingError
-from drake_geom_ros.recordings.maps import maps_remark
-from drake_geom_ros.recordings.playback import Refused, Trouble
+from drake_geom_ros.recordings.playback import RefusedMessages, Trouble
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS, Damage
+from drake_geom_ros.recordings.recorded_maps import maps_remark
 from drake_geom_ros.recordings.set_clearance import (
     Certified,
     Moment,
@@ -30,7 +30,7 @@ _MOST_NAMES = 8
 
 
 @dataclass(frozen=True, eq=False)
-class States:
+class StateMinima:
     """Minimum distances of sets of pairs over N consecutive states."""
 
     times: Floats  # (N,) [s] since the recording began
@@ -53,13 +53,13 @@ class Facts:
     gaps: tuple[Span, ...]
     silence: Span  # the longest time without a state, a gap or not
     damage: tuple[Damage, ...]
-    refused: tuple[Refused, ...]  # refused messages, by topic
+    refused: tuple[RefusedMessages, ...]  # refused messages, by topic
     maps: tuple[str, ...]  # topics of sensor data, which are in no distance
     differences: tuple[str, ...]  # between the recorded ``~/scene`` and the scene played here
     troubles: tuple[Trouble, ...]
     stale_after: float  # [s]
     max_distance: float  # [m]
-    travelled_in_all: float  # ``States.travelled`` of the last state
+    travelled_in_all: float  # ``StateMinima.travelled`` of the last state
     seconds_reading: float
     seconds_computing: float
     # Moments of locally minimum distance by set, the closest one first.
@@ -76,7 +76,7 @@ class RunAnalysis(Facts):
     """Facts about a recording, with its states, which may be too many to hold in memory."""
 
     @abstractmethod
-    def parts(self) -> Iterator[States]:
+    def parts(self) -> Iterator[StateMinima]:
         """Yield all states in consecutive parts."""
 
     @cached_property
@@ -141,11 +141,11 @@ class RunAnalysis(Facts):
 
 
 @dataclass(frozen=True, eq=False)
-class Clearances(States, RunAnalysis):
+class Clearances(StateMinima, RunAnalysis):
     """Minimum distances of sets of pairs over the N states of a recording, by set name."""
 
     @classmethod
-    def of(cls, facts: Facts, parts: list[States]) -> Clearances:
+    def of(cls, facts: Facts, parts: list[StateMinima]) -> Clearances:
         """Return the concatenation of consecutive parts."""
         return cls(
             times=np.concatenate([part.times for part in parts]),
@@ -159,7 +159,7 @@ class Clearances(States, RunAnalysis):
         """Return a set of pairs by its name, ``'all'`` if none was named."""
         return self.sets[name]
 
-    def parts(self) -> Iterator[States]:
+    def parts(self) -> Iterator[StateMinima]:
         """Yield all states as one part."""
         yield self
 

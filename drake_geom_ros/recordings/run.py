@@ -17,16 +17,16 @@ from drake_geom_ros.batch import LeastDistances, evaluate
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.recordings.close_moments import CloseMoments
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.motions import Motions
+from drake_geom_ros.recordings.motions_between_states import Motions
 from drake_geom_ros.recordings.opened import Opened
 from drake_geom_ros.recordings.pair_sets import PairSet
 from drake_geom_ros.recordings.player import Player
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
-from drake_geom_ros.recordings.results import Facts, States
+from drake_geom_ros.recordings.recording_topics import topics_remark
+from drake_geom_ros.recordings.results import Facts, StateMinima
 from drake_geom_ros.recordings.set_clearance import SetClearance, Span
 from drake_geom_ros.recordings.states import Block, StateBlocks, Travelled
 from drake_geom_ros.recordings.stored_states import StoredStates
-from drake_geom_ros.recordings.topics import topics_remark
 
 Progress = Callable[[int, float], None]  # states, seconds of the recording
 STALE_AFTER = 1.0  # [s] the node's default
@@ -90,7 +90,7 @@ class Run:
         self._last = 0.0  # [s] of the last state
         self._seconds = self._computing = 0.0
 
-    def parts(self, stored: StoredStates | None = None) -> Iterator[States]:
+    def parts(self, stored: StoredStates | None = None) -> Iterator[StateMinima]:
         """Yield the states with their distances; raises RecordingError if there are none.
 
         Blocks that are ``stored`` by another pass are not computed again; new ones are added.
@@ -144,7 +144,7 @@ class Run:
             moments={name: each.result() for name, each in self._moments.items()},
         )
 
-    def _take(self, block: Block, states: States) -> None:
+    def _take(self, block: Block, states: StateMinima) -> None:
         """Update the closest moments and gaps of the whole recording."""
         for name, moments in self._moments.items():
             moments.take(block, states.sets[name])
@@ -167,14 +167,14 @@ class Run:
         files = sorted((str(path), digest) for path, digest in digests.items())
         return sha256(f'{block.digest()} {files}'.encode()).hexdigest()
 
-    def _computed(self, block: Block, travelled: NDArray[np.float64]) -> States:
+    def _computed(self, block: Block, travelled: NDArray[np.float64]) -> StateMinima:
         """Return the states of a block with their distances."""
         times = (block.times - self._player.begin) / NANOSECONDS
         sets = {
             pairs.name: self._of_set(block, number, times)
             for number, pairs in enumerate(self._options.sets)
         }
-        return States(times, block.times, travelled, sets)
+        return StateMinima(times, block.times, travelled, sets)
 
     def _of_set(self, block: Block, number: int, times: NDArray[np.float64]) -> SetClearance:
         least, count, selected = self._least(block, number), len(times), block.selected[number]

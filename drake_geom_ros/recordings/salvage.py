@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.recordings.raw_messages import Lost, Raw, Topic
+from drake_geom_ros.recordings.raw_messages import Lost, Raw, RecordedTopic
 from drake_geom_ros.recordings.schemas import DEFINED
 
 _RECORD = struct.Struct('<BQ')  # head of each record of an MCAP: kind, length
@@ -66,7 +66,7 @@ class _Records:
     """Decoder of the records of an MCAP in their order."""
 
     def __init__(self) -> None:
-        self._topics: dict[int, Topic] = {}
+        self._topics: dict[int, RecordedTopic] = {}
         self._schemas: dict[int, Any] = {}
 
     def messages(self, records: Iterable[Any]) -> list[Raw]:
@@ -83,13 +83,13 @@ class _Records:
                 messages.append(Raw(record.log_time, self._topics[record.channel_id], record.data))
         return sorted(messages, key=lambda raw: raw.time)
 
-    def _topic(self, channel: Any) -> Topic:
+    def _topic(self, channel: Any) -> RecordedTopic:
         """Return the topic of a channel, whose schema 0 is none."""
         if not channel.schema_id:
-            return Topic(channel.topic, '')
+            return RecordedTopic(channel.topic, '')
         schema = self._schemas[channel.schema_id]
         text = schema.data.decode() if schema.encoding in DEFINED else ''
-        return Topic(channel.topic, schema.name, schema.encoding, text)
+        return RecordedTopic(channel.topic, schema.name, schema.encoding, text)
 
     def messages_known(self, records: Iterable[Any]) -> list[Raw]:
         """Return the messages whose topics are known, since records of topics may be damaged."""
@@ -217,11 +217,11 @@ def _place(path: Path) -> str:
     return f'{path.absolute().as_uri()}?mode=ro&immutable=1'
 
 
-def _topics(database: sqlite3.Connection) -> dict[Any, Topic]:
+def _topics(database: sqlite3.Connection) -> dict[Any, RecordedTopic]:
     """Return the topics of a database by their numbers."""
     defined = _definitions(database)
     return {
-        number: Topic(name, kind, *defined.get(kind, ()))
+        number: RecordedTopic(name, kind, *defined.get(kind, ()))
         for number, name, kind in database.execute('SELECT id, name, type FROM topics')
         if isinstance(name, str) and isinstance(kind, str)
     }

@@ -9,15 +9,15 @@ import numpy as np
 
 from drake_geom_ros.geometry import Role, SceneGraphInspector
 from drake_geom_ros.live.conversions.shapes import fill_shape
+from drake_geom_ros.recordings.recording_topics import few_of
 from drake_geom_ros.recordings.tolerances import SAME
-from drake_geom_ros.recordings.topics import few_of
 
 _WORLD = 'world'
 _PROXIMITY = 1  # the constant PROXIMITY of Role messages
 _SUBJECT = 'the scene that is played here'
 
 
-class _Placed(NamedTuple):
+class _ComparedGeometry(NamedTuple):
     """A geometry with the proximity role, as far as distances depend on it."""
 
     frame: str
@@ -27,24 +27,24 @@ class _Placed(NamedTuple):
     vertices: int
 
 
-class SceneTable(NamedTuple):
+class ComparedScene(NamedTuple):
     """Frames by full name with their parents, and the geometries with the proximity role."""
 
     frames: Mapping[str, str]
-    geometries: Mapping[str, _Placed]
+    geometries: Mapping[str, _ComparedGeometry]
 
     @property
     def names(self) -> set[str]:
         """The names of all frames and geometries."""
         return {*self.frames, *self.geometries}
 
-    def without(self, other: SceneTable) -> set[str]:
+    def without(self, other: ComparedScene) -> set[str]:
         """Return the names that ``other`` lacks; for a missing frame only its own name."""
         frames = self.frames.keys() - other.frames.keys()
         geometries = self.geometries.keys() - other.geometries.keys()
         return frames | {n for n in geometries if self.geometries[n].frame not in frames}
 
-    def otherwise(self, other: SceneTable) -> Iterator[tuple[str, str]]:
+    def otherwise(self, other: ComparedScene) -> Iterator[tuple[str, str]]:
         """Yield the names that both have with differences, and the kind of the difference."""
         for name in self.frames.keys() & other.frames.keys():
             if self.frames[name] != other.frames[name]:
@@ -59,7 +59,7 @@ class SceneTable(NamedTuple):
                 yield name, 'shape'
 
 
-def table_of_message(message: Any) -> SceneTable:
+def table_of_message(message: Any) -> ComparedScene:
     """Return the table of a Scene message."""
     sources = {source.id: source.name for source in message.sources}
     world = next((f.id for f in message.frames if f.id == f.parent_id), None)
@@ -74,10 +74,10 @@ def table_of_message(message: Any) -> SceneTable:
                 full[each.frame_id], (p.x, p.y, p.z, q.x, q.y, q.z, q.w), each.shape
             )
     parents = {f.id: full[f.parent_id] for f in message.frames if f.id != world}
-    return SceneTable({name: parents[i] for i, name in frames.items()}, geometries)
+    return ComparedScene({name: parents[i] for i, name in frames.items()}, geometries)
 
 
-class _Shape:
+class _PlainShape:
     """Stand-in for a Shape message, without ROS."""
 
     type = 0
@@ -89,21 +89,21 @@ class _Shape:
         self.triangles: Any = ()
 
 
-def table_of(inspector: SceneGraphInspector) -> SceneTable:
+def table_of(inspector: SceneGraphInspector) -> ComparedScene:
     """Return the table of a scene."""
     world = inspector.world_frame_id()
     ids = [frame for frame in inspector.GetAllFrameIds() if frame != world]
     full = {world: _WORLD, **{frame: inspector.full_name(frame) for frame in ids}}
     geometries = {}
     for each in inspector.GetAllGeometryIds(Role.kProximity):
-        frame, shape = inspector.GetFrameId(each), _Shape()
+        frame, shape = inspector.GetFrameId(each), _PlainShape()
         fill_shape(shape, inspector.GetShape(each))
         pose = tuple(inspector.GetPoseInFrame(each).ToArray().tolist())
         source, name = inspector.GetOwningSourceName(each), inspector.GetName(each)
         geometries[f'{source}::{inspector.GetName(frame)}/{name}'] = _placed(
             full[frame], pose, shape
         )
-    return SceneTable({full[f]: full[inspector.GetParentFrame(f)] for f in ids}, geometries)
+    return ComparedScene({full[f]: full[inspector.GetParentFrame(f)] for f in ids}, geometries)
 
 
 class SceneDifferences:
@@ -115,7 +115,7 @@ class SceneDifferences:
     """
 
     def __init__(self) -> None:
-        self._last: dict[str, SceneTable] = {}  # by topic
+        self._last: dict[str, ComparedScene] = {}  # by topic
         self._seen: dict[str, set[str]] = {}
         self._differences: dict[tuple[str, str], dict[str, None]] = {}  # names by topic and kind
 
@@ -148,10 +148,10 @@ class SceneDifferences:
 _LACKS = f'lacks what {_SUBJECT} has'
 
 
-def _placed(frame: str, pose: tuple[float, ...], shape: Any) -> _Placed:
+def _placed(frame: str, pose: tuple[float, ...], shape: Any) -> _ComparedGeometry:
     """Return a geometry of a Shape message, or of a stand-in with its fields."""
     sizes = tuple(map(float, shape.dimensions))
-    return _Placed(frame, pose, int(shape.type), sizes, len(shape.vertices))
+    return _ComparedGeometry(frame, pose, int(shape.type), sizes, len(shape.vertices))
 
 
 def _is_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:

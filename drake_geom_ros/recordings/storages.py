@@ -13,7 +13,7 @@ from typing import Any
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, Topic
+from drake_geom_ros.recordings.raw_messages import Damage, Lost, Raw, RecordedTopic
 from drake_geom_ros.recordings.salvage import (
     check_database,
     hidden_fault_of,
@@ -39,7 +39,7 @@ class Storage:
         """Read the topics and the time span; raises RecordingError if nothing can be read."""
         self.path = path
         self.damage: list[Damage] = []
-        self.topics: list[Topic] = []
+        self.topics: list[RecordedTopic] = []
         self.span: tuple[int, int] | None = None  # [ns] of the messages of all topics
         self._is_whole, self._is_foreign, self._reason = True, False, ''
         self._look()
@@ -99,7 +99,7 @@ class Storage:
                 ) from None
 
     def _look_at_the_rest(self) -> None:
-        topics: dict[Topic, None] = {}
+        topics: dict[RecordedTopic, None] = {}
         for raw in rest_of(self.path, []):
             if raw.time > _LAST:
                 continue
@@ -166,7 +166,7 @@ def _check_time(last: int) -> None:
         raise RecordingError(f'a message was recorded at {last} ns, behind the year 2262')
 
 
-def _topic(connection: Any) -> Topic:
+def _topic(connection: Any) -> RecordedTopic:
     """Return the topic of a rosbags connection."""
     from rosbags.interfaces import MessageDefinitionFormat
 
@@ -174,4 +174,4 @@ def _topic(connection: Any) -> Topic:
     encoding, text = kind.get(connection.msgdef.format, ''), connection.msgdef.data
     if not encoding:  # the text is the name of another encoding
         encoding, text = text, ''
-    return Topic(connection.topic, connection.msgtype, encoding, text)
+    return RecordedTopic(connection.topic, connection.msgtype, encoding, text)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.recordings.results import Facts, RunAnalysis, States
+from drake_geom_ros.recordings.results import Facts, RunAnalysis, StateMinima
 from drake_geom_ros.recordings.set_clearance import COLUMNS, MOTION_COLUMNS, SetClearance
 
 _ROWS, _BLOCKS, _REQUEST = 'states', 'blocks.jsonl', 'asked.json'
@@ -60,7 +60,7 @@ class StoredStates:
         if not self._has_same_request():
             self.remove()
 
-    def find(self, question: str) -> States | None:
+    def find(self, question: str) -> StateMinima | None:
         """Return the states of the next block if they are stored, or None to ``add`` them."""
         line = next(self._left, None)
         if line is not None and line.question == question:
@@ -71,7 +71,7 @@ class StoredStates:
         self._left.close()  # later lines do not match the next blocks
         return None
 
-    def add(self, question: str, states: States) -> None:
+    def add(self, question: str, states: StateMinima) -> None:
         """Store the states of the next block."""
         if not self._folder.exists():
             self._folder.mkdir(parents=True)
@@ -94,7 +94,7 @@ class StoredStates:
         _put(self._folder / _BLOCKS, self._bytes, _text(line))
         self._go_on(line)
 
-    def parts(self) -> Iterator[States]:
+    def parts(self) -> Iterator[StateMinima]:
         """Yield the states of the blocks that were found or added."""
         first = 0
         for line in self._lines():
@@ -143,7 +143,7 @@ class StoredStates:
         except OSError:
             return np.zeros(0, dtype=self._dtype)
 
-    def _states(self, rows: NDArray[Any], line: _Line) -> States:
+    def _states(self, rows: NDArray[Any], line: _Line) -> StateMinima:
         times = {name: np.ascontiguousarray(rows[name]) for name in _TIMES}
         sets = {
             name: SetClearance(
@@ -155,7 +155,7 @@ class StoredStates:
             )
             for k, name in enumerate(self._sets)
         }
-        return States(**times, sets=sets)
+        return StateMinima(**times, sets=sets)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +171,7 @@ class StoredClearances(RunAnalysis):
             **{field.name: getattr(facts, field.name) for field in fields(Facts)}, stored=stored
         )
 
-    def parts(self) -> Iterator[States]:
+    def parts(self) -> Iterator[StateMinima]:
         """Yield all states, a block at a time."""
         return self.stored.parts()
 

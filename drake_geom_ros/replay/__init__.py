@@ -5,10 +5,10 @@
 proximity events, and a ``Judge`` computes their decisions again.
 """
 
-from drake_geom_ros.replay.decisions import Finding, Judge, Verdict
-from drake_geom_ros.replay.events import RecordedEvent, events_of, read_events
 from drake_geom_ros.replay.file import read, write
+from drake_geom_ros.replay.recomputed_decisions import Finding, Judge, Verdict
 from drake_geom_ros.replay.record import Answer, Opinion, Question, Replay, recorded
+from drake_geom_ros.replay.recorded_events import RecordedEvent, events_of, read_events
 from drake_geom_ros.replay.reproduction import reproduce
 
 __all__ = [

@@ -53,7 +53,7 @@ from drake_geom_ros.ros.services.table import (
     PLANNING,
     Change,
 )
-from drake_geom_ros.ros.shown import Shown
+from drake_geom_ros.ros.shown import ShownOutputs
 from drake_geom_ros.ros.surface import (
     Surface,
     calls,
@@ -99,7 +99,7 @@ class ConfiguredNode:
         publishers = topics.publishers(surface)
         self._costs = LevelCosts(live, publishers['~/cycle_report'])
         self._replays = Replays(self._replay_settings)
-        self._shown = Shown(
+        self._shown = ShownOutputs(
             live, publishers, settings, lambda: self._stream.active, node.get_logger().warning
         )
         self._beside = {**_beside(publishers), **self._shown.beside}

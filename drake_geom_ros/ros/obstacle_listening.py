@@ -20,7 +20,7 @@ from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
 from drake_geom_ros.ros.sensing.process import SensingProcess
-from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, SENSORS, Task, Topic
+from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, SENSORS, SensorTopic, Task
 from drake_geom_ros.ros.surface import Surface
 
 # What a process of its own listens to: of which map, what comes there, and the topic.
@@ -130,11 +130,11 @@ class ObstacleListening:
         self._surface.subscription(kind, topic, hear, topics.newest(), self._group)
 
 
-def _topic(surface: Surface, its_map: str, kind: str, topic: str) -> Topic:
+def _topic(surface: Surface, its_map: str, kind: str, topic: str) -> SensorTopic:
     """Return what a process has to know to listen to a topic of this node."""
     name, profile = surface.heard_elsewhere(topic, topics.newest())
     how = int(profile.history), profile.depth, int(profile.reliability)
-    return Topic(its_map, kind, topic.removeprefix('~/'), name, *how)
+    return SensorTopic(its_map, kind, topic.removeprefix('~/'), name, *how)
 
 
 def obstacle_settings(values: NodeParameters) -> ObstacleSettings:

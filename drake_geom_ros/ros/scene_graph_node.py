@@ -46,7 +46,7 @@ from drake_geom_ros.ros.parameters import (
     file_access,
     unknown_parameters,
 )
-from drake_geom_ros.ros.services.parameters import answer_always
+from drake_geom_ros.ros.services.parameter_services import answer_always
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.usage import is_help, usage

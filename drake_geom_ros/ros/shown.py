@@ -25,7 +25,7 @@ _POSES_PERIOD = 0.04  # [s] of ~/geometry_poses: for eyes
 _NOT_DUE = 'no time for one since the last report'
 
 
-class Shown:
+class ShownOutputs:
     """Publishes markers and poses while ``active()``; ``beside`` has their rows of the report."""
 
     def __init__(

@@ -12,8 +12,8 @@ from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.ros.queue_reader import QueueReader
 from drake_geom_ros.ros.surface import Surface
-from drake_geom_ros.ros.together import Together
 from drake_geom_ros.ros.topics import TF, TF_STATIC, Input
 
 
@@ -36,7 +36,7 @@ def listen_to_tf(
             if refusal.transforms:
                 guard.refuse(row.topic, refusal.reason, refusal.transforms)
 
-        together = Together(
+        together = QueueReader(
             partial(guard.take, row.topic, hear),
             partial(guard.take, row.topic, stream.pose_by_transforms),
             may_pass_over=not static,

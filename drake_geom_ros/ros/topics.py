@@ -25,7 +25,7 @@ from drake_geom_ros.live.inputs.point_queries import PointQueries
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.ros.callback_groups import CallbackGroups
-from drake_geom_ros.ros.message_types import message_class
+from drake_geom_ros.ros.message_classes import message_class
 from drake_geom_ros.ros.parameters import NodeParameters
 from drake_geom_ros.ros.surface import (
     Surface,
@@ -63,14 +63,14 @@ class Receivers(NamedTuple):
             self.log(done)
 
 
-class Arrival(NamedTuple):
+class MessageArrival(NamedTuple):
     """Time [s] that a message waited for its callback, and its publisher."""
 
     waited: float
     sender: str
 
 
-Handler = Callable[[Receivers, Any, Arrival], object]
+Handler = Callable[[Receivers, Any, MessageArrival], object]
 
 
 @dataclass(frozen=True)
@@ -134,11 +134,11 @@ OUTPUTS: Mapping[str, Output] = {
 }
 
 
-def _take_robot(to: Receivers, message: Any, _: Arrival) -> None:
+def _take_robot(to: Receivers, message: Any, _: MessageArrival) -> None:
     to.log_done(to.robot.take(message.data))
 
 
-def _take_semantics(to: Receivers, message: Any, _: Arrival) -> None:
+def _take_semantics(to: Receivers, message: Any, _: MessageArrival) -> None:
     to.log_done(to.robot.take_semantics(message.data))
 
 
@@ -197,7 +197,7 @@ def subscribe(
         def take(
             message: Any, info: MessageInfo, handler: Handler = row.handler, topic: str = topic
         ) -> None:
-            arrival = Arrival(waited(info), publisher_of(info))
+            arrival = MessageArrival(waited(info), publisher_of(info))
             guard.take(topic.removeprefix('~/'), partial(handler, to), message, arrival)
 
         group = getattr(groups, row.group)

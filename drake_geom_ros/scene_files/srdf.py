@@ -54,7 +54,7 @@ class Semantics:
 
 
 @dataclass(frozen=True)
-class _Entry:
+class _LinksElement:
     """An element with the links that it names, all of which the robot has."""
 
     element: Any
@@ -83,7 +83,7 @@ def read_srdf(
     if (name := attribute(root, 'name', file)) != robot:
         warning = f'the SRDF is of the robot {name!r}, the URDF of {robot!r}'
         warnings.append(str(place_of(root, file).error(warning)))
-    entries: dict[str, list[_Entry]] = {tag: [] for tag in _LINKS}
+    entries: dict[str, list[_LinksElement]] = {tag: [] for tag in _LINKS}
     for tag, entries_of_tag in entries.items():
         for element in root.iterfind(tag):
             named = tuple(attribute(element, end, file).strip() for end in _LINKS[tag])
@@ -94,7 +94,7 @@ def read_srdf(
                 )
                 warnings.append(str(place_of(element, file).error(warning)))
             elif WORLD not in named:  # that link has no shapes, so the entry has no effect
-                entries_of_tag.append(_Entry(element, named))
+                entries_of_tag.append(_LinksElement(element, named))
     filters: list[FilterDescription] = []
     if off := [link for entry in entries[_DEFAULT_OFF] for link in entry.links]:
         members = tuple(Member(source, link) for link in dict.fromkeys(off))
@@ -108,7 +108,7 @@ def read_srdf(
 
 
 def _statements(
-    entries: dict[str, list[_Entry]], source: str, options: RobotOptions
+    entries: dict[str, list[_LinksElement]], source: str, options: RobotOptions
 ) -> Iterator[Statement]:
     """Yield the statements about single pairs; later ones override earlier ones."""
     enabled = [] if options.filter_self_collisions else entries[_ENABLED]

@@ -19,7 +19,7 @@ _SHOWN = 60  # characters of a value
 
 
 @dataclass(frozen=True)
-class _Known:
+class _KnownElement:
     """Attributes and child elements of an element, and children without effect.
 
     Children in ``once`` may occur at most once.
@@ -38,7 +38,7 @@ def _words(text: str) -> frozenset[str]:
 # By local name. Without effect are masses, visuals, motors, limits beyond position and speed,
 # sensors, worlds of simulators, and Drake's forces and constraints.
 _KNOWN = {
-    'robot': _Known(
+    'robot': _KnownElement(
         _words('name version'),
         _words('link joint collision_filter_group'),
         _words(
@@ -46,36 +46,36 @@ _KNOWN = {
             'ball_constraint distance_constraint tendon_constraint frame'
         ),
     ),
-    'link': _Known(
+    'link': _KnownElement(
         _words('name type'),
         _words('collision'),
         _words('visual inertial contact surface sensor gazebo kinematic gravity self_filter'),
     ),
-    'collision': _Known(
+    'collision': _KnownElement(
         _words('name'),
         _words('origin geometry proximity_properties'),
         _words('material contact_coefficients verbose surface'),
         _words('origin geometry proximity_properties'),
     ),
-    'proximity_properties': _Known(
+    'proximity_properties': _KnownElement(
         elements=frozenset(KNOWN_PROPERTIES),
         without_effect=_words('mu_dynamic mu_static'),
         once=frozenset(KNOWN_PROPERTIES),
     ),
-    **{name: _Known(_words('value')) for name in KNOWN_PROPERTIES},
-    'origin': _Known(_words('xyz rpy quat_xyzw wxyz')),
-    'geometry': _Known(
+    **{name: _KnownElement(_words('value')) for name in KNOWN_PROPERTIES},
+    'origin': _KnownElement(_words('xyz rpy quat_xyzw wxyz')),
+    'geometry': _KnownElement(
         _words('name'),
         _words('box sphere cylinder capsule ellipsoid mesh'),
     ),
-    'box': _Known(_words('size')),
-    'sphere': _Known(_words('radius')),
-    'cylinder': _Known(_words('radius length')),
-    'capsule': _Known(_words('radius length')),
-    'ellipsoid': _Known(_words('a b c')),
-    'mesh': _Known(_words('filename scale'), _words('declare_convex')),
-    'declare_convex': _Known(),
-    'joint': _Known(
+    'box': _KnownElement(_words('size')),
+    'sphere': _KnownElement(_words('radius')),
+    'cylinder': _KnownElement(_words('radius length')),
+    'capsule': _KnownElement(_words('radius length')),
+    'ellipsoid': _KnownElement(_words('a b c')),
+    'mesh': _KnownElement(_words('filename scale'), _words('declare_convex')),
+    'declare_convex': _KnownElement(),
+    'joint': _KnownElement(
         _words('name type dont_collapse'),
         _words('parent child origin axis limit mimic'),
         _words(
@@ -84,11 +84,11 @@ _KNOWN = {
         ),
         _words('parent child origin axis limit mimic'),
     ),
-    'parent': _Known(_words('link')),
-    'child': _Known(_words('link')),
-    'axis': _Known(_words('xyz')),
-    'limit': _Known(_words('lower upper velocity')),
-    'mimic': _Known(_words('joint multiplier offset')),
+    'parent': _KnownElement(_words('link')),
+    'child': _KnownElement(_words('link')),
+    'axis': _KnownElement(_words('xyz')),
+    'limit': _KnownElement(_words('lower upper velocity')),
+    'mimic': _KnownElement(_words('joint multiplier offset')),
 }
 # Other attributes of these change no answer: efforts, currents, accelerations.
 _MAY_HOLD_ANYTHING = _words('limit')
@@ -145,7 +145,7 @@ def _unknown(element: Any, file: str) -> Iterator[tuple[str, str]]:
 
 
 def _unknown_child(
-    child: Any, parent: str, vocabulary: _Known, seen: set[str], file: str
+    child: Any, parent: str, vocabulary: _KnownElement, seen: set[str], file: str
 ) -> Iterator[tuple[str, str]]:
     name, place = local_name(child), place_of(child, file)
     if 'xacro' in (child.prefix or '') or 'xacro' in (etree.QName(child).namespace or ''):

@@ -66,7 +66,7 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     with_values: dict[str, frozenset[str]] = {}
     grasps: list[Mapping[str, Any]] = []
     if isinstance(document, Document):
-        reader = _Reader(document)
+        reader = _MotionReader(document)
         curves, with_values = reader.curves(arms, left_out, standing), reader.joints()
         grasps, timed = reader.grasps(), reader.frames()
     else:
@@ -176,7 +176,7 @@ def _rest(kinematics: Kinematics, configuration: Mapping[str, float]) -> Monoton
     return MonotoneCubic([0.0, 1.0], [q, q])
 
 
-class _Reader:
+class _MotionReader:
     """Reader of the parts of a valid motion file; each error has its location."""
 
     def __init__(self, document: Document):

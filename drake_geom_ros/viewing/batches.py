@@ -14,11 +14,17 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import compose, quaternions_from_rotations
 from drake_geom_ros.viewing.looks import LAYERS, Look
-from drake_geom_ros.viewing.surfaces import ROUND, DrawnSurface, Part, facets_around, parts_of
+from drake_geom_ros.viewing.scaled_surfaces import (
+    ROUND,
+    DrawnSurface,
+    Part,
+    facets_around,
+    parts_of,
+)
 
 
 @dataclass(frozen=True, eq=False)
-class Batch:
+class SurfaceBatch:
     """Copies of one surface in one layer, all with the same transparency.
 
     ``bodies`` (n,) are the rows of the poses that the copies follow, ``geometries`` (n,) the
@@ -48,7 +54,7 @@ class Batch:
 class Batches:
     """All batches of a scene, and the reasons why other geometries cannot be drawn."""
 
-    batches: list[Batch]
+    batches: list[SurfaceBatch]
     troubles: list[str]
 
 
@@ -82,10 +88,10 @@ def batches_of(
 
 def _batch(
     layer: str, alpha: float, members: list[tuple[Look, Part]], row_of: Callable[[int], int]
-) -> Batch:
+) -> SurfaceBatch:
     geometries = [look.geometry.get_value() for look, _ in members]
     X_GSs: list[RigidTransform] = [part.X_GS for _, part in members]
-    return Batch(
+    return SurfaceBatch(
         layer,
         members[0][1].surface,
         alpha,

@@ -24,10 +24,10 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry.queries.fixed_geometries import FixedGeometries
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import poses_in_parents
-from drake_geom_ros.viewing.contacts import ShownContacts, contacts_of
 from drake_geom_ros.viewing.looks import geometry_name, looks_of
-from drake_geom_ros.viewing.pairs import Pairs
-from drake_geom_ros.viewing.scene import Moment, ShownGeometries
+from drake_geom_ros.viewing.shown_contacts import ShownContacts, contacts_of
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
+from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class LocalScene:
         """Return a number that grows with every change."""
         return self._changes
 
-    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
+    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> ShownMoment:
         """Return current poses, the pairs up to a distance [m], and contact surfaces."""
         shown = ShownContacts.none()
         with self._lock:
@@ -83,8 +83,9 @@ class LocalScene:
             geometries = self._shown_geometries(placed)
             if contacts:
                 shown = contacts_of(self._query, self._names.__getitem__)
-        return Moment(
-            *(geometries, R_WGs, p_WGs, Pairs.of(results), R_WFs[is_posed], p_WFs[is_posed]),
+        return ShownMoment(
+            *(geometries, R_WGs, p_WGs, ReportedPairs.of(results)),
+            *(R_WFs[is_posed], p_WFs[is_posed]),
             remarks=[*shown.remarks, *shown.missing],
             patches=shown.patches,
         )

@@ -24,13 +24,13 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.sensors import CameraInfo
-from drake_geom_ros.viewing.contacts import contacts_of
 from drake_geom_ros.viewing.looks import geometry_name
-from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.shown_contacts import contacts_of
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 from drake_geom_ros.viewing.snapshot import Camera, Pixels, camera_for, looking, picture
 
 
-class _Joints(Protocol):
+class _JointsOfStates(Protocol):
     """Protocol of joints of states, such as ``drake_geom_ros.batch.Joints``."""
 
     @property
@@ -38,7 +38,7 @@ class _Joints(Protocol):
     def poses(self, states: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 
-class Shown:
+class NotebookPicture:
     """A picture that notebooks display, with ``pixels`` (height, width, 3)."""
 
     def __init__(self, pixels: Pixels) -> None:
@@ -62,7 +62,7 @@ class Shown:
 
 def show(
     scene: SceneGraph | SceneGraphContext | QueryObject,
-    joints: _Joints | None = None,
+    joints: _JointsOfStates | None = None,
     q: ArrayLike | None = None,
     *,
     max_distance: float = 0.05,
@@ -73,7 +73,7 @@ def show(
     fov_y: float = 0.6,
     role: Role = Role.kProximity,
     contacts: bool = False,
-) -> Shown:
+) -> NotebookPicture:
     """Return a picture of a scene at its current poses, or in a state q (c,) of some joints.
 
     Args:
@@ -106,7 +106,7 @@ def show(
         camera = Camera(looking(from_W, at_W), CameraInfo(*size, fov_y))
     pairs = None
     if max_distance >= 0.0:
-        pairs = Pairs.of(query.ComputeSignedDistancePairwiseClosestPoints(max_distance))
+        pairs = ReportedPairs.of(query.ComputeSignedDistancePairwiseClosestPoints(max_distance))
     patches = None
     if contacts:
         inspector = query.inspector()
@@ -115,10 +115,10 @@ def show(
         )
         for remark in missing:
             warnings.warn(f'show: {remark}', stacklevel=2)
-    return Shown(picture(query, camera, role, see_through, pairs, patches))
+    return NotebookPicture(picture(query, camera, role, see_through, pairs, patches))
 
 
-def _in_state(scene: Any, joints: _Joints, q: Any) -> QueryObject:
+def _in_state(scene: Any, joints: _JointsOfStates, q: Any) -> QueryObject:
     """Return a query object of a copy of the scene with other joint values."""
     if not isinstance(scene, (SceneGraph, SceneGraphContext)):
         raise ArgumentError(

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.viewing.looks import PAIR_COLOURS
-from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.patches import Patches, colours_of, in_pascals
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 
 Pixels = NDArray[np.uint8]
 
@@ -22,7 +22,7 @@ _SAMPLES = 2  # of a patch along each side of a pixel
 _SCALE = (120, 10, 8)  # [pixels] length, height, and distance to the lower left corner
 
 
-def with_pairs(pixels: Pixels, ends: Floats, pairs: Pairs) -> Pixels:
+def with_pairs(pixels: Pixels, ends: Floats, pairs: ReportedPairs) -> Pixels:
     """Return an image with lines between nearest points, and the distances of the nearest pairs.
 
     ``ends`` (k, 2, 2) [pixels] are the pairs' witness points in the image, NaN if behind the

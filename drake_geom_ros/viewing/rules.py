@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drake_geom_ros.proximity_rules import Level, Measured, WatchedPairs
-from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 
 # Colours of levels, 0 to 255, for texts and for lines between the pairs of entered rules.
 COLOURS = {Level.WARN: (230, 190, 0), Level.SLOW: (255, 120, 0), Level.STOP: (255, 0, 0)}
@@ -30,7 +30,7 @@ class ShownRule:
         return f'{self.name}: {self.level.name.lower()}, {stands}'
 
 
-def nearest_by_rule(watched: WatchedPairs, pairs: Pairs) -> dict[int, tuple[int, int]]:
+def nearest_by_rule(watched: WatchedPairs, pairs: ReportedPairs) -> dict[int, tuple[int, int]]:
     """Return the nearest shown pair (id values) by the number of a rule."""
     # The shown scene may be older than the pairs, and lack geometries of theirs.
     present = pairs.rows(np.flatnonzero(np.isin(pairs.ids, watched.ids).all(axis=1)))
@@ -47,7 +47,7 @@ def nearest_by_rule(watched: WatchedPairs, pairs: Pairs) -> dict[int, tuple[int,
     return {rule: ids[row] for rule, row in enumerate(nearest) if row >= 0}
 
 
-def rows_of_level(rules: Sequence[ShownRule], pairs: Pairs, level: Level) -> list[int]:
+def rows_of_level(rules: Sequence[ShownRule], pairs: ReportedPairs, level: Level) -> list[int]:
     """Return the rows of the nearest pairs of entered rules of a level."""
     entered = [rule.pair for rule in rules if rule.is_entered and rule.level == level]
     rows = [pairs.find(pair) for pair in dict.fromkeys(entered) if pair is not None]

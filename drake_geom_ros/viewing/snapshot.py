@@ -39,8 +39,8 @@ from drake_geom_ros.math.tolerances import DIRECTION_NORM
 from drake_geom_ros.sensors import CameraInfo
 from drake_geom_ros.viewing.looks import colour_of, is_solid
 from drake_geom_ros.viewing.overlays import with_pairs, with_patches
-from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.patches import Patches
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 
 Pixels = NDArray[np.uint8]
 
@@ -138,7 +138,7 @@ def picture(
     camera: Camera,
     role: Role = Role.kProximity,
     see_through: float = 1.0,
-    pairs: Pairs | None = None,
+    pairs: ReportedPairs | None = None,
     patches: Patches | None = None,
 ) -> Pixels:
     """Return the pixels (height, width, 3) of a scene at its current poses.

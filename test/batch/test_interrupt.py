@@ -12,7 +12,7 @@ import pytest
 from batch.conftest import Cell
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.batch.parts import Parts
+from drake_geom_ros.batch.parts import FinishedParts
 
 PROGRAM = 'from drake_geom_ros.command_line.program import main; raise SystemExit(main())'
 
@@ -42,7 +42,7 @@ def test_an_interrupted_command_keeps_what_is_done(tmp_path, cell):
 
 
 def test_an_interrupt_while_a_part_is_written_leaves_it_whole(tmp_path, monkeypatch):
-    parts = Parts(tmp_path / 'out.npz', {'job': 'x'}, [(0, 2), (2, 4)])
+    parts = FinishedParts(tmp_path / 'out.npz', {'job': 'x'}, [(0, 2), (2, 4)])
     assert parts.begin(resume=False) == [(0, 2), (2, 4)]
     savez = np.savez
 

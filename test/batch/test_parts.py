@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 
-from drake_geom_ros.batch.parts import Parts
+from drake_geom_ros.batch.parts import FinishedParts
 from drake_geom_ros.batch.running import BatchError
 
 BLOCKS = [(0, 3), (3, 5)]
@@ -14,7 +14,7 @@ TASK = {'question': 'least', 'version': '1', 'scene': 's', 'states': 't', 'job':
 
 
 def parts(folder, **changed):
-    return Parts(folder / 'out.npz', {**TASK, **changed}, BLOCKS)
+    return FinishedParts(folder / 'out.npz', {**TASK, **changed}, BLOCKS)
 
 
 def columns(count):

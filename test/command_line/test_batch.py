@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.batch import Joints, evaluate
-from drake_geom_ros.batch.parts import Parts
+from drake_geom_ros.batch.parts import FinishedParts
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import load_scene
@@ -67,8 +67,10 @@ def test_the_file_holds_what_evaluate_returns(ask, tmp_path, loaded, states, cap
 
 @pytest.mark.parametrize('what', ['least', 'within', 'points'])
 def test_each_part_is_read_once_however_many_columns_there_are(ask, tmp_path, monkeypatch, what):
-    read, get = [], Parts.get
-    monkeypatch.setattr(Parts, 'get', lambda self, block: read.append(block) or get(self, block))
+    read, get = [], FinishedParts.get
+    monkeypatch.setattr(
+        FinishedParts, 'get', lambda self, block: read.append(block) or get(self, block)
+    )
     options = ['--what', what, '--max-distance', '0.3']
     if what == 'points':
         (tmp_path / 'points.csv').write_text('x,y,z\n0,0,1\n')
@@ -101,7 +103,7 @@ def test_states_come_as_csv_and_npz_too(ask, tmp_path, loaded, states):
 
 
 def test_a_run_that_was_cut_off_goes_on(ask, tmp_path, monkeypatch, capsys):
-    put, kept = Parts.put, []
+    put, kept = FinishedParts.put, []
 
     def interrupted(self, block, columns):
         if len(kept) == 5:
@@ -109,10 +111,10 @@ def test_a_run_that_was_cut_off_goes_on(ask, tmp_path, monkeypatch, capsys):
         kept.append(block)
         put(self, block, columns)
 
-    monkeypatch.setattr(Parts, 'put', interrupted)
+    monkeypatch.setattr(FinishedParts, 'put', interrupted)
     assert ask() == 130
     assert '--resume' in capsys.readouterr().err
-    monkeypatch.setattr(Parts, 'put', put)
+    monkeypatch.setattr(FinishedParts, 'put', put)
     assert ask() == 2
     assert 'parts of an earlier run' in capsys.readouterr().err
     assert ask('--accuracy', 'fast', '--resume') == 2
@@ -126,10 +128,10 @@ def test_a_run_that_was_cut_off_goes_on(ask, tmp_path, monkeypatch, capsys):
 
 
 def test_a_block_that_was_half_written_is_done_again(ask, tmp_path, monkeypatch):
-    remove, task = Parts.remove, []
-    monkeypatch.setattr(Parts, 'remove', lambda self: task.append(self))
+    remove, task = FinishedParts.remove, []
+    monkeypatch.setattr(FinishedParts, 'remove', lambda self: task.append(self))
     assert ask() == 0
-    monkeypatch.setattr(Parts, 'remove', remove)
+    monkeypatch.setattr(FinishedParts, 'remove', remove)
     first = sorted(task[0].folder.glob('*.npz'))[0]
     first.with_suffix('.unfinished').write_bytes(first.read_bytes()[:100])
     first.unlink()

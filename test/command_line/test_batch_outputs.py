@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drake_geom_ros.batch.parts import Parts
+from drake_geom_ros.batch.parts import FinishedParts
 from drake_geom_ros.command_line import batch
 from drake_geom_ros.command_line.program import main
 
@@ -117,13 +117,13 @@ def test_a_link_or_a_file_in_the_place_of_parts_is_left_alone(folder, capsys):
 
 
 def test_what_somebody_puts_among_the_parts_stays(folder, monkeypatch, capsys):
-    put = Parts.put
+    put = FinishedParts.put
 
     def with_a_guest(self, block, columns):
         put(self, block, columns)
         (self.folder / 'notes.txt').write_text('mine')
 
-    monkeypatch.setattr(Parts, 'put', with_a_guest)
+    monkeypatch.setattr(FinishedParts, 'put', with_a_guest)
     asked = ['cell.yaml', 'mine.npz', '--out', 'k.npz']
     assert ask(*asked) == 0
     assert 'holds what is not of this run' in capsys.readouterr().err
@@ -171,7 +171,7 @@ def test_an_error_while_results_are_written_leaves_the_old_and_the_parts(folder,
 
 
 def test_the_task_of_parts_says_whose_they_are(tmp_path):
-    parts = Parts(tmp_path / 'out.npz', {'job': 'x'}, [(0, 2)])
+    parts = FinishedParts(tmp_path / 'out.npz', {'job': 'x'}, [(0, 2)])
     parts.begin(resume=False)
     told = json.loads((parts.folder / 'task.json').read_text())
     assert told['format'] == 'drake_geom_ros parts of a batch 1'

@@ -37,7 +37,7 @@ from drake_geom_ros.geometry.visualizer import _messages
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import load_scene, save_scene
 from drake_geom_ros.sensors import CameraInfo
-from drake_geom_ros.viewing.surfaces import parts_of
+from drake_geom_ros.viewing.scaled_surfaces import parts_of
 
 NEAR, IN = RigidTransform([0.0, 0.0, 0.25]), RigidTransform([0.0, 0.0, 0.12])
 # The nearest cell is around the origin: half its edge and its radius are 0.1.

@@ -16,7 +16,7 @@ from ros.harness import environment
 from ros.scene_calls import accepted
 
 from drake_geom_ros.ros.parameters import NodeParameters
-from drake_geom_ros.ros.recorder.topics import topics_of
+from drake_geom_ros.ros.recorder.recorded_topics import topics_of
 
 FILE = ROOT / 'launch/scene_graph.launch.py'
 NAMES = {

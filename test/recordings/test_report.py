@@ -15,7 +15,7 @@ from recordings import recorder
 from recordings.test_clearance import CELL, HERE, balls, poses, random_rows  # noqa: F401
 
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.recordings import clearance, highlights, plot, tables
+from drake_geom_ros.recordings import clearance, highlights, report_plot, report_tables
 
 FILES = ['clearance.csv', 'clearance.npz', 'clearance.png', 'report.html', 'report.json']
 
@@ -67,7 +67,7 @@ def test_a_report_holds_the_figures_of_clearance(tmp_path, run, balls, capsys): 
     pairs = found['a:b']
     with (out / 'clearance.csv').open() as file:
         rows = list(csv.DictReader(file))
-    assert tuple(rows[0]) == tables.COLUMNS
+    assert tuple(rows[0]) == report_tables.COLUMNS
     assert [float(row['distance_m']) for row in rows] == pairs.distance.tolist()
     assert [float(row['time_s']) for row in rows] == found.times.tolist()
     assert {row['state'] for row in rows} == {'whole'}
@@ -233,9 +233,9 @@ def test_names_are_drawn_as_they_are(tmp_path):
     from matplotlib.text import Text
 
     names = '_$x', 'a$^', '$\\frac$', 'b_c'
-    assert [Text(text=plot.plain(n))._preprocess_math(plot.plain(n)) for n in names] == [
-        (f' {n}' if n.startswith('_') else n, False) for n in names
-    ]
+    assert [
+        Text(text=report_plot.plain(n))._preprocess_math(report_plot.plain(n)) for n in names
+    ] == [(f' {n}' if n.startswith('_') else n, False) for n in names]
     frame = '_$\\frac$'  # which is no formula that could be set
     scene = tmp_path / 'scene.yaml'
     scene.write_text(f"""

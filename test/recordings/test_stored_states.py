@@ -18,10 +18,10 @@ from drake_geom_ros.recordings.comparing import SetComparison
 from drake_geom_ros.recordings.highlights import highlights
 from drake_geom_ros.recordings.opened import opened_recording
 from drake_geom_ros.recordings.pair_sets import pair_sets
-from drake_geom_ros.recordings.plot import draw
+from drake_geom_ros.recordings.report_plot import draw
+from drake_geom_ros.recordings.report_tables import write_csv, write_npz
 from drake_geom_ros.recordings.run import Run, RunOptions
 from drake_geom_ros.recordings.stored_states import StoredClearances, StoredStates
-from drake_geom_ros.recordings.tables import write_csv, write_npz
 
 BETWEEN = ['a:b', 'floor:a']
 TESTS = Path(__file__).parents[1]

@@ -22,7 +22,7 @@ from drake_geom_ros.command_line.unforeseen import UNFORESEEN
 from drake_geom_ros.recordings import RecordingError, clearance, layouts
 from drake_geom_ros.recordings.layouts import Layouts, rows_of
 from drake_geom_ros.recordings.message_types import JOINTS, POSES
-from drake_geom_ros.recordings.raw_messages import Topic
+from drake_geom_ros.recordings.raw_messages import RecordedTopic
 from drake_geom_ros.recordings.recording import Recording
 
 TEXT = 'std_msgs/msg/String'
@@ -240,7 +240,7 @@ def test_padding_is_looked_for_in_a_bounded_number_of_bytes(monkeypatch):
         return bytes(recorder.store().serialize_cdr(state, JOINTS))
 
     monkeypatch.setattr(layouts, '_is_padding', is_padding)
-    topic = Topic('/joint_states', JOINTS, 'ros2msg', definition(JOINTS).decode())
+    topic = RecordedTopic('/joint_states', JOINTS, 'ros2msg', definition(JOINTS).decode())
     rows = rows_of([message(letter) for letter in 'aabbccddee'])
     found = Layouts().of(topic, rows)
     assert [same.tolist() for _, same in found] == [[2 * k, 2 * k + 1] for k in range(5)]

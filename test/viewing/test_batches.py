@@ -16,7 +16,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.viewing.batches import batches_of
 from drake_geom_ros.viewing.looks import Look
-from drake_geom_ros.viewing.surfaces import parts_of
+from drake_geom_ros.viewing.scaled_surfaces import parts_of
 
 COLOUR = (0.2, 0.4, 0.6, 0.5)
 

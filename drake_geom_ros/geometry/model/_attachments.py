@@ -17,14 +17,14 @@ from drake_geom_ros.geometry.model._records import (
 )
 
 
-class Removed(NamedTuple):
+class RemovedObjects(NamedTuple):
     """Frames and geometries that were removed with a source or a frame."""
 
     frames: list[FrameId]
     geometries: list[GeometryRecord]
 
 
-def remove_source(model: Model, source_id: SourceId) -> Removed:
+def remove_source(model: Model, source_id: SourceId) -> RemovedObjects:
     """Remove a source with its frames and its geometries, anchored ones included.
 
     Raises GeometryError for the source of the world frame, and OwnershipError while frames of
@@ -49,7 +49,7 @@ def remove_source(model: Model, source_id: SourceId) -> Removed:
     return removed
 
 
-def remove_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> Removed:
+def remove_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> RemovedObjects:
     """Remove a frame and the geometries on it.
 
     Raises OwnershipError for a frame that is not the source's, and GeometryError while it has
@@ -65,7 +65,7 @@ def remove_frame(model: Model, source_id: SourceId, frame_id: FrameId) -> Remove
     return _drop(model, [frame_id], [model.geometries[id] for id in frame.geometry_ids])
 
 
-def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord]) -> Removed:
+def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord]) -> RemovedObjects:
     """Remove frames without other children, and geometries, with all that refers to them."""
     for record in geometries:
         model.children.pop(record.id, None)
@@ -80,7 +80,7 @@ def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord])
     model.changed(
         frames=bool(frames), roles={role for record in geometries for role in record.roles()}
     )
-    return Removed(frames, geometries)
+    return RemovedObjects(frames, geometries)
 
 
 def attach_frame(

@@ -61,7 +61,7 @@ class Model:
         self.source_names = {INTERNAL_SOURCE_NAME}
         self.frame_names = {(internal, WORLD_NAME)}
         self.geometry_names: dict[tuple[FrameId, Role, str], GeometryId] = {}
-        self._removed = Removed()
+        self._removed = RemovedNames()
         self.children: dict[GeometryId, list[GeometryId]] = {}  # registered on a geometry
 
     def copy(self) -> Model:
@@ -400,15 +400,15 @@ class Model:
         return f'there are {sorted(self.source_names)}'
 
 
-class Removed:
+class RemovedNames:
     """Names of the last removed geometries, by their ids."""
 
     def __init__(self, names: dict[GeometryId, str] | None = None) -> None:
         self._names = {} if names is None else names
 
-    def copy(self) -> Removed:
+    def copy(self) -> RemovedNames:
         """Return an independent copy."""
-        return Removed(dict(self._names))
+        return RemovedNames(dict(self._names))
 
     def add(self, records: Iterable[GeometryRecord]) -> None:
         """Record the names of geometries that are being removed."""

@@ -47,7 +47,7 @@ class HydroelasticContactRepresentation(enum.Enum):
     kPolygon = 1
 
 
-class _Triangles(NamedTuple):
+class _SurfaceTriangles(NamedTuple):
     """The mesh of triangles, the pressure at its vertices, and the polygon of each triangle."""
 
     mesh: TriangleSurfaceMesh
@@ -221,7 +221,7 @@ class ContactSurface:
         return PolygonSurfaceMesh.FromPolygons([range(a, b) for a, b in rows], self._points)
 
     @cached_property
-    def _triangles(self) -> _Triangles:
+    def _triangles(self) -> _SurfaceTriangles:
         """The triangles about the centroids: each side of a polygon, and then the centroid."""
         count, corners = len(self._ends), int(self._ends[-1])
         sizes = np.diff(self._ends, prepend=0)
@@ -234,7 +234,7 @@ class ContactSurface:
         rises = (self._slopes * (centroids - self._points[starts])).sum(axis=1)
         mesh = TriangleSurfaceMesh.FromArrays(rows, np.vstack((self._points, centroids)))
         pressures = np.concatenate((self._pressures, self._pressures[starts] + rises))
-        return _Triangles(mesh, pressures, polygons)
+        return _SurfaceTriangles(mesh, pressures, polygons)
 
     def _checked(self, face_index: int) -> int:
         """Return a valid face index; raises ArgumentError for others."""

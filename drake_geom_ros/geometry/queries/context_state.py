@@ -31,7 +31,7 @@ from drake_geom_ros.geometry.queries.half_space_pairs import (
 )
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
-from drake_geom_ros.geometry.queries.tables import know_point_shapes
+from drake_geom_ros.geometry.queries.world_tables import know_point_shapes
 from drake_geom_ros.math.array_types import Indices
 
 if TYPE_CHECKING:

@@ -22,10 +22,10 @@ from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.math.array_types import Floats
 
 # Verdicts on a state; see ``JointQueries.verdict``.
-__all__ = ['FREE', 'NEAR', 'NO_POSE', 'NO_STATE', 'OUTSIDE', 'JointQueries', 'Least']
+__all__ = ['FREE', 'NEAR', 'NO_POSE', 'NO_STATE', 'OUTSIDE', 'JointQueries', 'NearestPair']
 
 
-class Least(NamedTuple):
+class NearestPair(NamedTuple):
     """Pair with the smallest lower bound in a state, by the places of its geometries."""
 
     verdict: int  # NEAR; FREE where there is no pair, NO_STATE or NO_POSE where there is no state
@@ -75,9 +75,9 @@ class JointQueries:
                 verdicts[k] = self._of_half_spaces(states[k])
         return verdicts
 
-    def least(self, state: Floats) -> Least:
+    def least(self, state: Floats) -> NearestPair:
         """Return the pair with the smallest lower bound in a state (1, c); limits are ignored."""
-        nearest = Least(*self._loops.least(state))
+        nearest = NearestPair(*self._loops.least(state))
         if self._half_spaces is None or nearest.verdict not in (FREE, NEAR):
             return nearest
         gaps = self._half_spaces.at_joints(state[0])
@@ -85,7 +85,7 @@ class JointQueries:
         if nearest.verdict == NEAR and nearest.distance - nearest.error_bound <= gaps.lower[k]:
             return nearest
         a, b = gaps.ids[k].tolist()
-        return Least(NEAR, float(gaps.distance[k]), float(gaps.error_bound[k]), a, b)
+        return NearestPair(NEAR, float(gaps.distance[k]), float(gaps.error_bound[k]), a, b)
 
     def _verdict_with_half_spaces(self, state: Floats) -> int:
         """Return the verdict on a state (1, c) of a scene with pairs of half spaces."""

@@ -29,7 +29,7 @@ from drake_geom_ros.geometry.queries.half_space_pairs import pairs_of_half_space
 from drake_geom_ros.geometry.queries.padding import (
     Paddings,
 )
-from drake_geom_ros.geometry.queries.tables import know_point_shapes
+from drake_geom_ros.geometry.queries.world_tables import know_point_shapes
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 

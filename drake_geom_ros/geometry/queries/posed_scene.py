@@ -15,7 +15,7 @@ from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import FrameRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.model.scene_content import SceneContent
-from drake_geom_ros.geometry.queries.tables import tables_of
+from drake_geom_ros.geometry.queries.world_tables import tables_of
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import WELDED_STAYS

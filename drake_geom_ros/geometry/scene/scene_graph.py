@@ -30,7 +30,7 @@ from drake_geom_ros.geometry.queries.context import SceneGraphContext, state_of
 from drake_geom_ros.geometry.queries.context_state import checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
-from drake_geom_ros.geometry.scene._contact_defaults import configure, share, with_defaults
+from drake_geom_ros.geometry.scene._applied_defaults import configure, share, with_defaults
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry.shapes.primitives import Shape
@@ -505,7 +505,7 @@ def _add_to_filters(on: SceneContent, record: GeometryRecord) -> None:
     on.filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
 
 
-def _remove_from_filters(on: SceneContent, removed: _attachments.Removed) -> None:
+def _remove_from_filters(on: SceneContent, removed: _attachments.RemovedObjects) -> None:
     """Remove the collision filters of removed frames and geometries."""
     for record in removed.geometries:
         if record.proximity is not None:

@@ -13,8 +13,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.ros.recorder.recorded_topics import topics_of
 from drake_geom_ros.ros.recorder.recorder import Recorder
-from drake_geom_ros.ros.recorder.topics import topics_of
 from drake_geom_ros.ros.spinning import StopSignals
 
 INCOMPLETE, MISUSED = 1, 2

@@ -16,7 +16,7 @@ from rclpy.subscription import Subscription
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from drake_geom_ros.ros.message_types import message_class
+from drake_geom_ros.ros.message_classes import message_class
 from drake_geom_ros.ros.recorder.definitions import Definitions, UnknownTypeError
 
 LOOK_PERIOD = 0.2  # [s] between two looks for publishers

@@ -35,10 +35,10 @@ from drake_geom_ros.ros.sensing.protocol import (
     IMAGE,
     Begin,
     Finish,
-    Refusal,
-    Refused,
+    RefusalReason,
+    RefusedMessage,
+    SensorTopic,
     Task,
-    Topic,
 )
 from drake_geom_ros.sensed_maps.looking_past import compile_looking_past
 from drake_geom_ros.sensed_maps.passes import compile_passes
@@ -67,7 +67,7 @@ class _MapOfNode:
     def _ask(self, request: Begin | Finish) -> Any:
         self._pipe.send(request)
         answer = self._pipe.recv()
-        if isinstance(answer, Refusal):
+        if isinstance(answer, RefusalReason):
             raise ArgumentError(answer.reason)
         return answer
 
@@ -77,7 +77,7 @@ def _cloud_of(raw: bytes) -> Any:
     return cloud_of_bytes(raw) if is_plain(raw) else deserialize_message(raw, PointCloud2)
 
 
-def _listen(node: Node, topic: Topic, point_taker: PointTaker, pipe: Connection) -> None:
+def _listen(node: Node, topic: SensorTopic, point_taker: PointTaker, pipe: Connection) -> None:
     takes: dict[str, Callable[[Any, float, str], None]] = {
         CLOUD: lambda raw, *how: point_taker.take_cloud(_cloud_of(raw), *how),
         IMAGE: lambda raw, *how: point_taker.take_depth(deserialize_message(raw, Image), *how),
@@ -95,7 +95,7 @@ def _listen(node: Node, topic: Topic, point_taker: PointTaker, pipe: Connection)
         except Exception as error:  # RuntimeError refuses; nobody foresaw others
             foreseen = isinstance(error, RuntimeError)
             reason = str(error) if foreseen else f'internal error: {error!r}'
-            pipe.send(Refused(topic.told_as, reason))
+            pipe.send(RefusedMessage(topic.told_as, reason))
 
     profile = QoSProfile(
         history=HistoryPolicy(topic.history),

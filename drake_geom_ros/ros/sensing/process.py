@@ -21,7 +21,14 @@ from typing import Any, Protocol
 
 from drake_geom_ros.live.inputs.obstacle_records import Place
 from drake_geom_ros.live.inputs.point_taker import Map
-from drake_geom_ros.ros.sensing.protocol import ALIVE, Begin, Finish, Refusal, Refused, Task
+from drake_geom_ros.ros.sensing.protocol import (
+    ALIVE,
+    Begin,
+    Finish,
+    RefusalReason,
+    RefusedMessage,
+    Task,
+)
 
 _MODULE = 'drake_geom_ros.ros.sensing'
 _SILENCE = 10.0  # [s] after which a process that says nothing hangs
@@ -157,18 +164,18 @@ class SensingProcess:
             if refusal is None:
                 self._holding.add(self._begun)
             node_end.send(refusal)
-        elif isinstance(said, Refused):
+        elif isinstance(said, RefusedMessage):
             self._listener.refused(said.told_as, said.reason)
         elif said != ALIVE:
             raise TypeError(type(said))
         self._heard, self._limit = time.monotonic(), limit
 
-    def _done(self, task: Callable[[], Place | None]) -> Place | Refusal | None:
+    def _done(self, task: Callable[[], Place | None]) -> Place | RefusalReason | None:
         try:
             return task()
         except Exception as error:  # RuntimeError refuses; nobody foresaw others
             foreseen = isinstance(error, RuntimeError)
-            return Refusal(str(error) if foreseen else f'internal error: {error!r}')
+            return RefusalReason(str(error) if foreseen else f'internal error: {error!r}')
 
 
 def _in_words(code: int) -> str:

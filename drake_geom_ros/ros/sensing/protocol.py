@@ -1,8 +1,9 @@
 """Messages between a node and its process of sensors over a pipe.
 
 The process receives its ``Task``. For each message it sends a ``Begin``, which is answered by a
-``Place`` or a ``Refusal``, and a ``Finish``, which is answered by None or a ``Refusal``. What it
-refuses itself it reports by ``Refused``, and now and then it sends ``ALIVE``: none is answered.
+``Place`` or a ``RefusalReason``, and a ``Finish``, which is answered by None or a
+``RefusalReason``. It reports its own refusals by ``RefusedMessage``, and now and then it sends
+``ALIVE``: none of these is answered.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ ALIVE = 'alive'
 CLOUD, IMAGE, CAMERA = 'cloud', 'image', 'camera'  # kinds of messages
 
 
-class Topic(NamedTuple):
+class SensorTopic(NamedTuple):
     """A topic to listen to: its full name, what comes there, and how, by ROS's numbers."""
 
     input: str  # the map that is made of it
@@ -35,7 +36,7 @@ class Task(NamedTuple):
     node_name: str
     namespace: str
     enclave: str  # of SROS 2: that of the node
-    topics: list[Topic]
+    topics: list[SensorTopic]
 
 
 class Begin(NamedTuple):
@@ -55,14 +56,14 @@ class Finish(NamedTuple):
     found: Found
 
 
-class Refused(NamedTuple):
+class RefusedMessage(NamedTuple):
     """A message was refused."""
 
     told_as: str
     reason: str
 
 
-class Refusal(NamedTuple):
+class RefusalReason(NamedTuple):
     """Why a message is not to be taken on."""
 
     reason: str

@@ -15,7 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from drake_geom_ros.client import NoAnswerError, SceneGraphClient
 from drake_geom_ros.common.geometry_names import WORLD
-from drake_geom_ros.ros.message_types import message_class
+from drake_geom_ros.ros.message_classes import message_class
 from drake_geom_ros.ros.sensing.protocol import SENSORS
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -27,7 +27,7 @@ _WINDOW = 2.2  # [s] in which messages are counted; diagnostics come once a seco
 
 
 @dataclass
-class Topic:
+class TopicTraffic:
     """A topic of the node, and how many others read or write it."""
 
     name: str
@@ -42,7 +42,7 @@ class Status:
     """The gathered state of a node."""
 
     node: str
-    topics: list[Topic]
+    topics: list[TopicTraffic]
     scene_version: int
     sources: list[dict[str, Any]]
     level: str  # of the diagnostics: ok, warn, error, or 'none' where there are none
@@ -94,7 +94,7 @@ class Watcher:
             if status.name == self._server:
                 self._latest['diagnostics'] = status
 
-    def _topics(self) -> list[Topic]:
+    def _topics(self) -> list[TopicTraffic]:
         """Return the node's topics, none where the ROS graph does not know it.
 
         Those that others read or write are counted from now on.
@@ -105,7 +105,7 @@ class Watcher:
         topics += self._topics_of(self._server + SENSORS)
         return sorted(topics, key=lambda each: (not each.published, each.name))
 
-    def _topics_of(self, server: str) -> list[Topic]:
+    def _topics_of(self, server: str) -> list[TopicTraffic]:
         node, topics = self._client.node, []
         namespace, _, name = server.rpartition('/')
         for published, of_node in (
@@ -125,7 +125,7 @@ class Watcher:
                     else node.get_publishers_info_by_topic
                 )
                 others = [each for each in listing(topic) if each.node_name != node.get_name()]
-                topics.append(Topic(topic, kind, published, len(others)))
+                topics.append(TopicTraffic(topic, kind, published, len(others)))
                 if others and kind not in _LARGE and topic not in self._counted:
                     self._count(topic, kind)
         return topics
@@ -140,7 +140,7 @@ class Watcher:
             message_class(kind), topic, take, _ANY, raw=True
         )
 
-    def _told(self, topics: list[Topic]) -> Status:
+    def _told(self, topics: list[TopicTraffic]) -> Status:
         scene, cycle = self._latest['scene'], self._latest.get('cycle')
         status = self._latest.get('diagnostics')
         values = {each.key: each.value for each in status.values} if status else {}

@@ -13,7 +13,7 @@ from typing import Any
 from drake_geom_ros.client import NoAnswerError, RefusedError, SceneGraphClient
 from drake_geom_ros.ros.spinning import StopSignals
 from drake_geom_ros.ros.status.gathering import Watcher, pause
-from drake_geom_ros.ros.status.report import in_words
+from drake_geom_ros.ros.status.status_text import in_words
 
 _NO_ANSWER, _STOPPED = 1, 130
 _PAUSE = 0.5  # [s] between two readings

@@ -11,8 +11,8 @@ import numpy as np
 from rclpy.task import Future
 
 from drake_geom_ros.client import Services
-from drake_geom_ros.viewing.contacts import Left, ShownContacts
 from drake_geom_ros.viewing.patches import Patches
+from drake_geom_ros.viewing.shown_contacts import Left, ShownContacts
 
 _NAME = 'compute_contact_surfaces'
 _ANSWER_PATIENCE = 2.0  # [s] after which an answer is taken for lost

@@ -26,11 +26,11 @@ from drake_geom_ros.live.conversions.shapes import shape_from_message
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import NamedGeometries, ScenePairs, WatchedPairs, Why
 from drake_geom_ros.ros.viewer.node_contacts import NodeContacts
-from drake_geom_ros.viewing.contacts import ShownContacts
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
-from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.rules import ShownRule, nearest_by_rule
-from drake_geom_ros.viewing.scene import Moment, ShownGeometries
+from drake_geom_ros.viewing.shown_contacts import ShownContacts
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
+from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
 
 _ANSWER_PATIENCE = 2.0  # [s] for who waits at the page
 _ASK_PERIOD = 0.2  # [s] between two questions beyond what the node publishes
@@ -81,7 +81,7 @@ class NodeScene:
         """Return what changes with each message, and each second while none comes."""
         return self._changes, int(time.monotonic() - self._heard)
 
-    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
+    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> ShownMoment:
         """Return where everything is, and the pairs up to a distance [m].
 
         They are those of the topic as far as these go; farther ones, and those of another
@@ -102,7 +102,7 @@ class NodeScene:
             if contacts:
                 shown = self._contacts.shown(self._known, self._names)
                 remarks += [*shown.remarks, *shown.missing]
-            return Moment(
+            return ShownMoment(
                 self._geometries,
                 R_WGs=R_WGs,
                 p_WGs=p_WGs,
@@ -213,7 +213,7 @@ class NodeScene:
 
     # Answers.
 
-    def _shown_rules(self, pairs: Pairs) -> list[ShownRule]:
+    def _shown_rules(self, pairs: ReportedPairs) -> list[ShownRule]:
         """Return how the rules stand, with the nearest of the pairs that each is about."""
         message = self._rules
         if message is None or self._known < 0:
@@ -236,10 +236,10 @@ class NodeScene:
             for k, rule in enumerate(rules)
         ]
 
-    def _pairs(self, results: Any, max_distance: float) -> Pairs:
+    def _pairs(self, results: Any, max_distance: float) -> ReportedPairs:
         """Return the pairs of a message, with witnesses where their geometries are shown."""
         if results is None or results.names_version != self._known:
-            return Pairs.none()
+            return ReportedPairs.none()
         ids = np.stack([results.id_a, results.id_b], axis=1).astype(np.int64)
         distance, error_bound = np.asarray(results.distance), np.asarray(results.error_bound)
         near = distance - error_bound <= max_distance  # what may be: see level bound
@@ -252,7 +252,9 @@ class NodeScene:
             p_GC = np.asarray(flat).reshape(-1, 3)[there]
             p_WCs.append(p + np.einsum('kij,kj->ki', R, p_GC))
         normals = np.asarray(results.nhat_ba_w).reshape(-1, 3)[there]
-        return Pairs(*(ids[there], distance[there], error_bound[there], *p_WCs, normals)).sorted()
+        return ReportedPairs(
+            *(ids[there], distance[there], error_bound[there], *p_WCs, normals)
+        ).sorted()
 
     def _ask(self, max_distance: float, accuracy: str) -> None:
         """Ask for pairs, if it is time to; the answer is shown when it comes."""

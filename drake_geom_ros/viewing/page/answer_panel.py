@@ -10,8 +10,8 @@ from typing import Any
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.viewing.looks import LAYERS
 from drake_geom_ros.viewing.page.picture import DisplayOptions
-from drake_geom_ros.viewing.pairs import in_words, row_in_words
-from drake_geom_ros.viewing.scene import Moment
+from drake_geom_ros.viewing.shown_pairs import in_words, row_in_words
+from drake_geom_ros.viewing.shown_scene import ShownMoment
 
 _ROWS = 12
 _FARTHEST, _STEP = 2.0, 0.01  # [m] of the slider
@@ -96,7 +96,7 @@ class AnswerPanel:
         """The selected accuracy level."""
         return LEVELS[int(self.level.value)]
 
-    def show(self, moment: Moment, selected: tuple[int, int] | None) -> None:
+    def show(self, moment: ShownMoment, selected: tuple[int, int] | None) -> None:
         """Fill the table: the nearest pairs first, the chosen one marked."""
         pairs = moment.pairs.rows(slice(_ROWS))
         self._ids = [(a, b) for a, b in pairs.ids.tolist()]
@@ -110,7 +110,7 @@ class AnswerPanel:
             button.visible = has_pair
         self.details.content = '' if selected is None else self._in_full(moment, selected)
 
-    def _in_full(self, moment: Moment, pair: tuple[int, int]) -> str:
+    def _in_full(self, moment: ShownMoment, pair: tuple[int, int]) -> str:
         """Return the names of a pair, and its distance if the pair is shown."""
         names, row = moment.geometries.names, moment.pairs.find(pair)
         lines = [names.get(value, '') for value in pair]

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.viewing.local_scene import Declared
-from drake_geom_ros.viewing.scene import ShownGeometries, ShownScene
+from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownScene
 
 
 class FilteredScene(ShownScene, Protocol):

@@ -14,9 +14,9 @@ from drake_geom_ros.common.frame_names import FrameNames
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses, quaternions_from_rotations
-from drake_geom_ros.viewing.joints import JointSlider, JointSliders
+from drake_geom_ros.viewing.joint_sliders import JointSlider, JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
-from drake_geom_ros.viewing.page.plot import plot
+from drake_geom_ros.viewing.page.slider_plot import plot
 from drake_geom_ros.viewing.timeline import Timeline, checks_between, least_distances
 
 NO_FRAME = '-'

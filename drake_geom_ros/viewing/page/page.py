@@ -11,7 +11,7 @@ from html import escape
 import numpy as np
 
 from drake_geom_ros.geometry import HalfSpace
-from drake_geom_ros.viewing.joints import JointSliders
+from drake_geom_ros.viewing.joint_sliders import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.answer_panel import AnswerPanel
 from drake_geom_ros.viewing.page.copy_panel import CopyPanel
@@ -20,7 +20,7 @@ from drake_geom_ros.viewing.page.motion_panel import MotionPanel
 from drake_geom_ros.viewing.page.picture import MOST_NAMES, Picture
 from drake_geom_ros.viewing.page.rules_panel import RulesPanel
 from drake_geom_ros.viewing.page.serving import Served
-from drake_geom_ros.viewing.scene import Moment, ShownScene
+from drake_geom_ros.viewing.shown_scene import ShownMoment, ShownScene
 from drake_geom_ros.viewing.timeline import Timeline
 
 # [s] minimum time between two pictures; many events in between, as of a dragged slider, are one
@@ -61,7 +61,7 @@ class Page:
         self._version: object = None
         self._table_due = 0.0  # [s] of the steady clock
         self.selected: tuple[int, int] | None = None
-        self.moment: Moment | None = None
+        self.moment: ShownMoment | None = None
         self.trouble = ''  # what went wrong in the last drawing
         server.gui.configure_theme(
             control_width='large',
@@ -174,7 +174,7 @@ class Page:
         if moment.geometries is not before or self._table_due == float('inf'):
             self._table_due = 0.0
 
-    def _aim(self, moment: Moment) -> None:
+    def _aim(self, moment: ShownMoment) -> None:
         """Aim the initial camera at the geometries, except half spaces.
 
         viser moves the views of new browsers, and of those that wait for contents. For others it
@@ -195,7 +195,7 @@ class Page:
                 camera.look_at = middle
                 camera.position = middle + (_MARGIN + _AWAY * size) * _VIEW
 
-    def _show_words(self, moment: Moment) -> None:
+    def _show_words(self, moment: ShownMoment) -> None:
         self.answer.show(moment, self.selected)
         self.rules.show(moment.rules)
         if self.motion is not None:
@@ -208,7 +208,7 @@ class Page:
         shown += ''.join(_in_red(trouble) for trouble in troubles[:_MOST_SHOWN])
         self._status.content = f'<div style="padding:0 1em">{shown}</div>'
 
-    def _remarks(self, moment: Moment) -> list[str]:
+    def _remarks(self, moment: ShownMoment) -> list[str]:
         """Return the remarks above the panels."""
         geometries, pairs = moment.geometries, moment.pairs
         touching = int((pairs.distance < 0.0).sum())

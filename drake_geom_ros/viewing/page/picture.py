@@ -15,12 +15,12 @@ import numpy as np
 
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.batched import quaternions_from_rotations
-from drake_geom_ros.viewing.batches import Batch, batches_of
+from drake_geom_ros.viewing.batches import SurfaceBatch, batches_of
 from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS
-from drake_geom_ros.viewing.pairs import Pairs, in_words
 from drake_geom_ros.viewing.patches import Patches, colours_of
 from drake_geom_ros.viewing.rules import COLOURS, rows_of_level
-from drake_geom_ros.viewing.scene import Moment, ShownGeometries
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs, in_words
+from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
 
 # Lines of the nearest pairs; each costs a browser without a GPU as much as a body.
 _MOST_PAIRS = 1000
@@ -70,7 +70,7 @@ class Picture:
         self._chosen = chosen
         self._progress = progress
         self._geometries: ShownGeometries | None = None
-        self._batches: list[_Shown] = []
+        self._batches: list[_ShownBatch] = []
         self._names: dict[int, Any] = {}
         self.troubles: list[str] = []
         self._layers = {
@@ -95,13 +95,13 @@ class Picture:
             precision='float32',
             visible=False,
         )
-        self._surfaces = _Surfaces(scene)
+        self._surfaces = _PressureSurfaces(scene)
         self._depths = [_Label(scene, f'/pairs/depths/{k}') for k in range(_DEPTHS)]
         self._selected_label = _Label(scene, '/pairs/selected_label')
         self._axes: Any = None
 
     def show(
-        self, moment: Moment, options: DisplayOptions, selected: tuple[int, int] | None
+        self, moment: ShownMoment, options: DisplayOptions, selected: tuple[int, int] | None
     ) -> None:
         """Draw a moment; ``selected`` is a pair of id values."""
         if moment.geometries is not self._geometries:
@@ -132,13 +132,13 @@ class Picture:
             looks, geometries.row_of, lambda done: self._progress(done, len(looks))
         )
         self._batches = [
-            _Shown(self._scene, number, batch, self._chosen)
+            _ShownBatch(self._scene, number, batch, self._chosen)
             for number, batch in enumerate(batches.batches)
         ]
         self.troubles = batches.troubles
         self._geometries = geometries
 
-    def _show_pairs(self, pairs: Pairs, options: DisplayOptions) -> None:
+    def _show_pairs(self, pairs: ReportedPairs, options: DisplayOptions) -> None:
         touching = pairs.distance < 0.0
         deep = pairs.rows(np.flatnonzero(touching))
         self._lines['distances'].show(pairs.rows(np.flatnonzero(~touching)).segments())
@@ -152,7 +152,7 @@ class Picture:
             label.show(text, deep.p_WCas[row] if has_pair else None)
 
     def _show_selected(
-        self, pairs: Pairs, options: DisplayOptions, selected: tuple[int, int] | None
+        self, pairs: ReportedPairs, options: DisplayOptions, selected: tuple[int, int] | None
     ) -> None:
         row = None if selected is None else pairs.find(selected)
         if row is None:
@@ -165,7 +165,7 @@ class Picture:
         middle = one.segments()[0].mean(axis=0)
         self._selected_label.show(in_words(pairs, row, bounds=options.bounds), middle)
 
-    def _show_names(self, moment: Moment, options: DisplayOptions) -> None:
+    def _show_names(self, moment: ShownMoment, options: DisplayOptions) -> None:
         geometries = moment.geometries
         if not options.names:
             for handle in self._names.values():
@@ -180,7 +180,7 @@ class Picture:
             handle = self._names[value]
             handle.visible, handle.position = True, position
 
-    def _show_frames(self, moment: Moment, options: DisplayOptions) -> None:
+    def _show_frames(self, moment: ShownMoment, options: DisplayOptions) -> None:
         if not options.frames:
             if self._axes is not None:
                 self._axes.visible = False
@@ -198,11 +198,11 @@ class Picture:
         self._axes.batched_wxyzs, self._axes.batched_positions = wxyzs, moment.p_WFs
 
 
-class _Shown:
+class _ShownBatch:
     """A batch with the node that shows it."""
 
     def __init__(
-        self, scene: Any, number: int, batch: Batch, chosen: Callable[[int], None]
+        self, scene: Any, number: int, batch: SurfaceBatch, chosen: Callable[[int], None]
     ) -> None:
         self.batch = batch
         surface, count = batch.surface, len(batch.bodies)
@@ -224,7 +224,7 @@ class _Shown:
         )
         self.handle.on_click(partial(self._clicked, chosen))
 
-    def pose(self, moment: Moment) -> None:
+    def pose(self, moment: ShownMoment) -> None:
         """Move the copies to the poses of their geometries."""
         # viser sends an array only if it differs from the one before.
         p_WSs, wxyzs = self.batch.posed(moment.R_WGs, moment.p_WGs)
@@ -253,7 +253,7 @@ class _Lines:
         _set_points(self._handle, segments)
 
 
-class _Surfaces:
+class _PressureSurfaces:
     """Contact surfaces, coloured by pressure."""
 
     def __init__(self, scene: Any) -> None:

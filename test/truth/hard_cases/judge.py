@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.cross_check.judging import allowed_to_others
-from drake_geom_ros.cross_check.lost_process import ANSWER, EXCEPTION, Outcome
+from drake_geom_ros.cross_check.lost_process import ANSWER, EXCEPTION, QuestionOutcome
 from drake_geom_ros.cross_check.surfaces import off_surfaces
 from drake_geom_ros.math.array_types import Floats
 from truth.hard_cases.cases import Case
@@ -32,7 +32,7 @@ class CaseVerdict(NamedTuple):
     excess: float = 0.0
 
 
-def judged(case: Case, query: str, outcome: Outcome) -> CaseVerdict:
+def judged(case: Case, query: str, outcome: QuestionOutcome) -> CaseVerdict:
     """Return the verdict on how a question about a case ended."""
     if outcome.end == EXCEPTION:
         kind = 'unsupported' if isinstance(outcome.value, Unsupported) else 'exception'

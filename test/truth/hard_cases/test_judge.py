@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from oracles.hard_cases.construct import body, case
 
-from drake_geom_ros.cross_check.lost_process import Outcome
+from drake_geom_ros.cross_check.lost_process import QuestionOutcome
 from truth.hard_cases.judge import judged
 from truth.peers import PairAnswer, Unsupported
 
@@ -17,7 +17,7 @@ A, B, N = np.array([0.0, 0.5, 0]), np.array([0.0, 3.5, 0]), np.array([0.0, -1, 0
 
 def verdict(one, query, *answer):
     value = PairAnswer(*answer) if answer else None
-    return judged(one, query, Outcome('answer', value))
+    return judged(one, query, QuestionOutcome('answer', value))
 
 
 @pytest.mark.parametrize(
@@ -53,8 +53,12 @@ def test_contacts():
 
 
 def test_other_ends():
-    assert judged(DEEP, 'penetration', Outcome('crash', 'signal 6')) == ('crash', 'signal 6', 0.0)
-    assert judged(DEEP, 'penetration', Outcome('hang', '2 s')).verdict == 'hang'
-    refused = Outcome('exception', Unsupported('no half spaces\nmore'))
+    assert judged(DEEP, 'penetration', QuestionOutcome('crash', 'signal 6')) == (
+        'crash',
+        'signal 6',
+        0.0,
+    )
+    assert judged(DEEP, 'penetration', QuestionOutcome('hang', '2 s')).verdict == 'hang'
+    refused = QuestionOutcome('exception', Unsupported('no half spaces\nmore'))
     assert judged(DEEP, 'penetration', refused) == ('unsupported', 'no half spaces', 0.0)
-    assert judged(DEEP, 'penetration', Outcome('exception', ValueError('x'))).text == 'x'
+    assert judged(DEEP, 'penetration', QuestionOutcome('exception', ValueError('x'))).text == 'x'

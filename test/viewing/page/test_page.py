@@ -16,8 +16,8 @@ from drake_geom_ros.geometry import Box, FramePoseVector, GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.viewing.page import serving
 from drake_geom_ros.viewing.page.page import Page
-from drake_geom_ros.viewing.pairs import Pairs
-from drake_geom_ros.viewing.scene import Moment, ShownGeometries
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
+from drake_geom_ros.viewing.shown_scene import ShownGeometries, ShownMoment
 from drake_geom_ros.viewing.timeline import Timeline
 
 
@@ -237,7 +237,9 @@ class Crowd:
 
     def moment(self, max_distance, accuracy, *, contacts=False):
         Rs, none = np.tile(np.eye(3), (len(self.p_WGs), 1, 1)), np.zeros((0, 3))
-        return Moment(self.geometries, Rs, self.p_WGs, Pairs.none(), np.zeros((0, 3, 3)), none)
+        return ShownMoment(
+            self.geometries, Rs, self.p_WGs, ReportedPairs.none(), np.zeros((0, 3, 3)), none
+        )
 
     def explain(self, pair):
         return ['anchored']

@@ -12,7 +12,7 @@ from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkRenderer
 
 from drake_geom_ros.geometry.errors import GeometryError
-from drake_geom_ros.geometry.render.vtk.looks import actor_of, looks_of
+from drake_geom_ros.geometry.render.vtk.actors import actor_of, looks_of
 from drake_geom_ros.geometry.render.vtk.surfaces import surface_of_shape, surface_of_triangles
 from drake_geom_ros.geometry.render.vtk.windows import hidden_window
 from drake_geom_ros.math.array_types import Floats
@@ -45,7 +45,7 @@ class View(NamedTuple):
     far: float
 
 
-class _Body(NamedTuple):
+class _BodyActors(NamedTuple):
     """Actors of a body: those of colour images with their poses in G, and flat ones."""
 
     looks: list[tuple[Any, Floats]]
@@ -87,7 +87,7 @@ class Stage:
         """Release the context."""
         self._window.Finalize()
 
-    def _body(self, row: int) -> _Body:
+    def _body(self, row: int) -> _BodyActors:
         """Add the actors of a body."""
         packed, bodies = self.packed, self.packed.bodies
         surface = surface_of_shape(packed.shapes[row])
@@ -107,7 +107,7 @@ class Stage:
             _uniforms(label).SetUniform3f('code', [high / 255.0, low / 255.0, 0.0])
             self._renderers['label'].AddActor(label)
         sides = np.reshape(surface.GetBounds(), (3, 2))
-        return _Body(looks, depth, label, float(np.linalg.norm(np.abs(sides).max(axis=1))))
+        return _BodyActors(looks, depth, label, float(np.linalg.norm(np.abs(sides).max(axis=1))))
 
     def pose(self, R_CGs: Floats, p_CGs: Floats, placed: NDArray[np.bool_]) -> float:
         """Set the poses of bodies in the camera; return a depth [m] beyond all of them."""

@@ -15,7 +15,7 @@ from drake_geom_ros.recordings.message_types import (
     TEXT,
     TF,
 )
-from drake_geom_ros.recordings.raw_messages import Topic
+from drake_geom_ros.recordings.raw_messages import RecordedTopic
 
 _MOST_SHOWN = 20
 
@@ -93,7 +93,7 @@ NAMES = (*KINDS, 'obstacles')  # fields of Topics
 
 
 def roles_of(
-    recorded: Sequence[Topic],
+    recorded: Sequence[RecordedTopic],
     topics: Topics,
     robots_topics: Collection[str] = (),
 ) -> dict[str, str]:
@@ -120,7 +120,7 @@ def roles_of(
     return roles
 
 
-def _check_namespace(topics: Topics, recorded: Sequence[Topic]) -> None:
+def _check_namespace(topics: Topics, recorded: Sequence[RecordedTopic]) -> None:
     """Raise RecordingError for a namespace in which nothing was recorded."""
     names = [topic.name for topic in recorded]
     if names and not any(name.startswith(topics.prefix) for name in names):
@@ -130,7 +130,7 @@ def _check_namespace(topics: Topics, recorded: Sequence[Topic]) -> None:
         )
 
 
-def _topic_of(role: str, kind: str, topics: Topics, recorded: Sequence[Topic]) -> str:
+def _topic_of(role: str, kind: str, topics: Topics, recorded: Sequence[RecordedTopic]) -> str:
     """Return the topic of a role; empty for none."""
     names, named = [topic.name for topic in recorded], getattr(topics, role)
     if named == '':
@@ -149,7 +149,7 @@ def _topic_of(role: str, kind: str, topics: Topics, recorded: Sequence[Topic]) -
     return topic
 
 
-def _topic_of_poses(topics: Topics, recorded: Sequence[Topic]) -> str:
+def _topic_of_poses(topics: Topics, recorded: Sequence[RecordedTopic]) -> str:
     """Return the only topic of poses, whatever the name of the node."""
     of_type = sorted({topic.name for topic in recorded if topic.type == POSES})
     of_type = [name for name in of_type if name.startswith(topics.prefix)]
@@ -163,7 +163,7 @@ def _topic_of_poses(topics: Topics, recorded: Sequence[Topic]) -> str:
 
 
 def _topics_of_scenes(
-    topics: Topics, recorded: Sequence[Topic], roles: dict[str, str]
+    topics: Topics, recorded: Sequence[RecordedTopic], roles: dict[str, str]
 ) -> list[str]:
     """Return the scene topic of the node whose poses are used, or those of the namespace."""
     names = [topic.name for topic in recorded if topic.type == SCENE]
@@ -185,7 +185,7 @@ def _usual(role: str, topics: Topics, names: Sequence[str]) -> str:
     return own
 
 
-def _check(topic: str, role: str, kind: str, recorded: Sequence[Topic]) -> None:
+def _check(topic: str, role: str, kind: str, recorded: Sequence[RecordedTopic]) -> None:
     """Raise RecordingError for a topic of another type."""
     types = [each.type for each in recorded if each.name == topic and each.type != kind]
     if types:
@@ -201,12 +201,12 @@ def _check(topic: str, role: str, kind: str, recorded: Sequence[Topic]) -> None:
         )
 
 
-def topics_remark(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
+def topics_remark(recorded: Sequence[RecordedTopic], roles: dict[str, str]) -> str:
     """Return a remark about the used topics, and about others that could be used."""
     return f'topics used: {few_of(sorted(roles)) if roles else "none"}{_others(recorded, roles)}'
 
 
-def no_robot_reason(recorded: Sequence[Topic]) -> str:
+def no_robot_reason(recorded: Sequence[RecordedTopic]) -> str:
     """Return the error text for a missing robot description, with possible topics."""
     texts = [topic.name for topic in recorded if topic.type == TEXT]
     words = 'no scene was given, and no robot_description was recorded: give a scene file'
@@ -222,7 +222,7 @@ def no_robot_reason(recorded: Sequence[Topic]) -> str:
     )
 
 
-def _others(recorded: Sequence[Topic], roles: dict[str, str]) -> str:
+def _others(recorded: Sequence[RecordedTopic], roles: dict[str, str]) -> str:
     """Return a remark about unused topics that could be used."""
     like = {
         topic.name: role

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.ros.status.gathering import Status, Topic
+from drake_geom_ros.ros.status.gathering import Status, TopicTraffic
 
 _MOST_NAMES = 20
 
@@ -46,7 +46,7 @@ def in_words(status: Status) -> str:
     return '\n'.join(lines)
 
 
-def _topic_line(topic: Topic, width: int) -> str:
+def _topic_line(topic: TopicTraffic, width: int) -> str:
     way = 'out' if topic.published else 'in '
     if topic.rate is not None:
         rate = f'{topic.rate:7.1f} Hz'

@@ -21,7 +21,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.proximity_rules import Why
-from drake_geom_ros.replay.events import RecordedEvent
+from drake_geom_ros.replay.recorded_events import RecordedEvent
 from drake_geom_ros.scene_files import SceneFileError, load_scene
 
 # Events hold unit quaternions, while rotation matrices were used: the difference is a few

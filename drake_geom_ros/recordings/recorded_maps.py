@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.recordings.errors import RecordingError
 from drake_geom_ros.recordings.message_types import CLOUD, IMAGE, OCTOMAP
-from drake_geom_ros.recordings.raw_messages import Topic
-from drake_geom_ros.recordings.topics import Topics, few_of
+from drake_geom_ros.recordings.raw_messages import RecordedTopic
+from drake_geom_ros.recordings.recording_topics import Topics, few_of
 
 _SENSED = (CLOUD, IMAGE, OCTOMAP)  # types of messages from which a node makes maps
 
 
-def maps_in(recorded: Sequence[Topic], topics: Topics) -> tuple[str, ...]:
+def maps_in(recorded: Sequence[RecordedTopic], topics: Topics) -> tuple[str, ...]:
     """Return the topics from which a node made maps, or may have, since it remaps its inputs.
 
     Raises RecordingError for a named topic that was not recorded, or is of another type.
@@ -49,6 +49,6 @@ def maps_remark(maps: Sequence[str]) -> str:
     )
 
 
-def _may_be_of_maps(topic: Topic) -> bool:
+def _may_be_of_maps(topic: RecordedTopic) -> bool:
     is_image = topic.type == IMAGE
     return topic.type in _SENSED and (not is_image or 'depth' in topic.name)

@@ -16,7 +16,7 @@ _MOST = 20  # characters of a name in a row
 
 
 @dataclass(frozen=True, eq=False)
-class Pairs:
+class ReportedPairs:
     """Reported pairs, the deepest or nearest first.
 
     ``ids`` (k, 2) are geometries A and B, ``distance`` and ``error_bound`` (k,) [m],
@@ -31,7 +31,7 @@ class Pairs:
     nhat_BA_Ws: Floats
 
     @classmethod
-    def of(cls, results: SignedDistanceResults) -> Pairs:
+    def of(cls, results: SignedDistanceResults) -> ReportedPairs:
         """Return the pairs of a query."""
         ids = np.stack([results.id_A, results.id_B], axis=1)
         return cls(
@@ -40,18 +40,18 @@ class Pairs:
         ).sorted()
 
     @classmethod
-    def none(cls) -> Pairs:
+    def none(cls) -> ReportedPairs:
         """Return no pairs."""
         points, numbers = np.zeros((0, 3)), np.zeros(0)
         return cls(np.zeros((0, 2), np.int64), numbers, numbers, points, points, points)
 
-    def sorted(self) -> Pairs:
+    def sorted(self) -> ReportedPairs:
         """Return the pairs in ascending order of their certified lower bounds."""
         return self.rows(np.argsort(self.distance - self.error_bound, kind='stable'))
 
-    def rows(self, rows: NDArray[np.int64] | slice) -> Pairs:
+    def rows(self, rows: NDArray[np.int64] | slice) -> ReportedPairs:
         """Return the pairs of these rows."""
-        return Pairs(
+        return ReportedPairs(
             ids=self.ids[rows],
             distance=self.distance[rows],
             error_bound=self.error_bound[rows],
@@ -77,13 +77,13 @@ class Pairs:
         return np.stack([self.p_WCas, self.p_WCas + length * self.nhat_BA_Ws], axis=1)
 
 
-def in_words(pairs: Pairs, row: int, *, bounds: bool) -> str:
+def in_words(pairs: ReportedPairs, row: int, *, bounds: bool) -> str:
     """Return a text with the signed distance of a pair [mm], and with ``bounds`` its error [m]."""
     distance = f'{_MILLIMETRE * pairs.distance[row]:.3f} mm'
     return f'{distance} ± {pairs.error_bound[row]:.1e} m' if bounds else distance
 
 
-def row_in_words(pairs: Pairs, row: int, names: Mapping[int, str], *, bounds: bool) -> str:
+def row_in_words(pairs: ReportedPairs, row: int, names: Mapping[int, str], *, bounds: bool) -> str:
     """Return a row of the table: the distance, and the names with long middles omitted."""
     values = pairs.ids[row].tolist()
     a, b = (_without_middle(names.get(value, f'#{value}')) for value in values)

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.viewing.looks import Look
-from drake_geom_ros.viewing.pairs import Pairs
 from drake_geom_ros.viewing.patches import Patches
 from drake_geom_ros.viewing.rules import ShownRule
 from drake_geom_ros.viewing.short_names import short_names
+from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class ShownGeometries:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class ShownMoment:
     """Poses of the shown geometries at one moment, and query results.
 
     R_WG (k, 3, 3) and p_WG (k, 3) [m] are the poses of the geometries, R_WF (m, 3, 3) and p_WF
@@ -54,7 +54,7 @@ class Moment:
     geometries: ShownGeometries
     R_WGs: Floats
     p_WGs: Floats
-    pairs: Pairs
+    pairs: ReportedPairs
     R_WFs: Floats
     p_WFs: Floats
     # Remarks about the moment, such as its age.
@@ -67,7 +67,7 @@ class Moment:
 class ShownScene(Protocol):
     """Protocol of a scene that a page shows, whose methods any thread may call."""
 
-    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> Moment:
+    def moment(self, max_distance: float, accuracy: str, *, contacts: bool = False) -> ShownMoment:
         """Return current poses, the pairs up to a distance [m], and contact surfaces."""
 
     def explain(self, pair: tuple[int, int]) -> list[str]:

@@ -24,7 +24,7 @@ _MOST = 1000  # messages that are taken from a queue at once, for it fills meanw
 Waiting = tuple[bytes, MessageInfo]
 
 
-class Together:
+class QueueReader:
     """The callback of a subscription to bytes."""
 
     def __init__(

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry import (
     MeshcatCone,
     Sphere,
 )
-from drake_geom_ros.viewing.surfaces import facets_around, parts_of
+from drake_geom_ros.viewing.scaled_surfaces import facets_around, parts_of
 
 
 def corners(parts):

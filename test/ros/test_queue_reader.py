@@ -7,7 +7,7 @@ import pytest
 from conventions.source_tree import ROOT
 
 from drake_geom_ros.live.conversions.arrivals import waited
-from drake_geom_ros.ros.together import Together, newest
+from drake_geom_ros.ros.queue_reader import QueueReader, newest
 
 
 def message(text, publisher=b'one', came=0):
@@ -50,7 +50,7 @@ def test_a_message_waited_since_the_middleware_noted_it():
 
 def test_before_the_subscription_is_known_a_message_is_taken_alone():
     taken, told = [], []
-    together = Together(
+    together = QueueReader(
         lambda raw, waited, sender: taken.append(raw),
         lambda count, passed_over: told.append((count, passed_over)),
         may_pass_over=True,

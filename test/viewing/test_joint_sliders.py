@@ -6,7 +6,7 @@ from viewing.scenes import local_scene
 
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
-from drake_geom_ros.viewing.joints import JointSliders
+from drake_geom_ros.viewing.joint_sliders import JointSliders
 
 URDF = """
 <robot name="arm">

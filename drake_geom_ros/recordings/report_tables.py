@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.recordings.audit import Audit
-from drake_geom_ros.recordings.results import RunAnalysis, States
+from drake_geom_ros.recordings.results import RunAnalysis, StateMinima
 from drake_geom_ros.recordings.set_clearance import COLUMNS as SET_COLUMNS
 from drake_geom_ros.recordings.set_clearance import MOTION_COLUMNS, SetClearance
 
@@ -45,7 +45,7 @@ def write_csv(run: RunAnalysis, path: Path) -> None:
                     file.writelines(','.join(row) + '\n' for row in zip(*rows, strict=True))
 
 
-def _columns(states: States, name: str, part: slice) -> Iterator[Iterable[str]]:
+def _columns(states: StateMinima, name: str, part: slice) -> Iterator[Iterable[str]]:
     """Yield the columns of some rows as texts."""
     pairs = states.sets[name].some(part)
     words = [_cell(text) for text in states_in_words(pairs)]

@@ -1,6 +1,6 @@
 """The topics of a node by its full name."""
 
-from drake_geom_ros.ros.recorder.topics import topics_of
+from drake_geom_ros.ros.recorder.recorded_topics import topics_of
 
 
 def test_names_are_those_of_the_namespace_but_for_the_clock_and_tf():
