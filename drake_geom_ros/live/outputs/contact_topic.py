@@ -44,7 +44,7 @@ class ContactTopic:
         self._publisher = publisher
         self.message, self._message_beside = make_message(), make_message()
         self._polygons = polygons
-        self._long = LongContacts(self._publish_beside, must_stop, failed)
+        self._long = LongContacts(self._prepare_beside, must_stop, failed)
         self._takes_long = False
         self._beside = [Beside(name, lambda: GOES_ON) for name in (COMPUTED, PUBLISHED)]
         self.told = 'not asked for'  # what became of the last cycle, in words
@@ -101,17 +101,23 @@ class ContactTopic:
         self._long.ask(ContactRequest(*request, began=time.monotonic()))
         return [beside.take() for beside in self._beside]
 
-    def _publish_beside(self, request: ContactRequest, contacts: Contacts, seconds: float) -> None:
-        """Publish what was computed beside the cycles."""
+    def _prepare_beside(
+        self, request: ContactRequest, contacts: Contacts, seconds: float
+    ) -> Callable[[], None]:
+        """Return what publishes surfaces that were computed beside the cycles."""
         message = self._message_beside
         request.waiting.tell_pairs(message)
         self._fill(message, request.view.query, contacts)
-        # The poses have grown older since the cycle.
-        moment = request.moment.after(time.monotonic() - request.began)
-        published = self._publish(message, moment)
-        self._beside[0].did(len(contacts.surfaces), seconds)
-        self._beside[1].did(published.count, published.seconds)
-        self._takes_long = seconds > _SHORT
+
+        def publish() -> None:
+            # The poses have grown older since the cycle.
+            moment = request.moment.after(time.monotonic() - request.began)
+            published = self._publish(message, moment)
+            self._beside[0].did(len(contacts.surfaces), seconds)
+            self._beside[1].did(published.count, published.seconds)
+            self._takes_long = seconds > _SHORT
+
+        return publish
 
     def _fill(self, message: Any, query: QueryObject, contacts: Contacts) -> None:
         """Fill a message, and say in words what became of the cycle."""

@@ -33,17 +33,18 @@ class LongContacts:
 
     def __init__(
         self,
-        publish: Callable[[ContactRequest, Contacts, float], None],
+        prepare: Callable[[ContactRequest, Contacts, float], Callable[[], None]],
         must_stop: Callable[[], bool],
         failed: Callable[[Exception], None],
     ) -> None:
-        """``publish`` takes the request, the answer, and what it took [s], in the thread.
+        """``prepare`` takes the request, the answer, and what it took [s], in the thread.
 
-        Nothing is computed or published while ``must_stop()``. ``failed`` takes what nobody
-        foresaw.
+        It returns a function that publishes the answer. Nothing is computed or published while
+        ``must_stop()``. ``failed`` takes what nobody foresaw.
         """
-        self._publish, self._stops, self._failed = publish, must_stop, failed
+        self._prepare, self._stops, self._failed = prepare, must_stop, failed
         self._changed = threading.Condition()
+        self._publishing = threading.Lock()
         self._next: ContactRequest | None = None
         self._is_busy = self._is_unwanted = self._is_closed = False
         self._thread: threading.Thread | None = None
@@ -66,9 +67,11 @@ class LongContacts:
             self._changed.notify()
 
     def forget(self) -> None:
-        """Publish nothing of earlier requests."""
+        """Publish nothing of earlier requests: what is being published is out on return."""
         with self._changed:
             self._next, self._is_unwanted = None, self._is_busy
+        with self._publishing:
+            pass
 
     def close(self) -> None:
         """End the thread, after the block of work that it is in."""
@@ -103,5 +106,9 @@ class LongContacts:
         contacts = request.view.query.contacts(
             overlaps=request.overlaps, time_budget=request.time_budget, must_stop=self._must_stop
         )
-        if not self._must_stop():
-            self._publish(request, contacts, time.perf_counter() - start)
+        if self._must_stop():
+            return
+        publish = self._prepare(request, contacts, time.perf_counter() - start)
+        with self._publishing:  # the last look and what follows it, without a ``forget`` between
+            if not self._must_stop():
+                publish()

@@ -28,8 +28,8 @@ class Later:
 
     is_busy = False
 
-    def __init__(self, publish, must_stop, failed):
-        self.publish = publish
+    def __init__(self, prepare, must_stop, failed):
+        self.prepare = prepare
 
     def ask(self, request):
         self.request = request
@@ -60,7 +60,7 @@ def test_ages_of_poses_go_on_until_it_is_published(clock, monkeypatch):
     assert not topic.published
     query, overlaps = later.request.view.query, later.request.overlaps
     clock.now = PUBLISHED
-    later.publish(later.request, query.contacts(overlaps=overlaps), 30.0)
+    later.prepare(later.request, query.contacts(overlaps=overlaps), 30.0)()
     (message,) = topic.published
     assert len(message.id_a) == 1
     assert message.oldest_pose_age == pytest.approx(PUBLISHED - POSED)
