@@ -87,11 +87,18 @@ class RuleMonitor:
 
     # Adding and removing rules.
 
-    def add(self, rules: Iterable[ProximityRule], *, may_wait: bool = False) -> list[str]:
+    def add(
+        self,
+        rules: Iterable[ProximityRule],
+        watched: WatchedPairs | None = None,
+        *,
+        may_wait: bool = False,
+    ) -> list[str]:
         """Add rules, all or none; return the troubles of rules that can never be entered.
 
-        Raises RuleError for a name that is taken, and, unless rules ``may_wait`` for what they
-        name, for a rule that can never be entered in the current scene.
+        ``watched`` is what ``watching`` returned for the present rules and these. Raises RuleError
+        for a name that is taken, and, unless rules ``may_wait`` for what they name, for a rule
+        that can never be entered in the current scene.
         """
         added = tuple(rules)
         taken = {rule.name for rule in self.rules}
@@ -101,18 +108,20 @@ class RuleMonitor:
                     f'there is a proximity rule {rule.name[:80]!r} already; remove it first'
                 )
             taken.add(rule.name)
-        watched = WatchedPairs(added, self._scene)
-        troubles = list(filter(None, watched.trouble))
+        every = (*self.rules, *added)
+        watched = watched or self.watching(every, self._scene)
+        troubles = list(filter(None, watched.trouble[len(self.rules) :]))
         if troubles and not may_wait:
             raise RuleError(troubles[0])
         states = self._entered.of([*range(len(self.rules)), *[-1] * len(added)])
-        self._set((*self.rules, *added), states)
+        self._set(every, states, watched)
         return troubles
 
-    def remove(self, *names: str) -> list[Event]:
+    def remove(self, *names: str, watched: WatchedPairs | None = None) -> list[Event]:
         """Remove rules, all or none; return their GONE events.
 
-        Raises RuleError if there is no rule of a name.
+        ``watched`` is what ``watching`` returned for the rules that stay. Raises RuleError if
+        there is no rule of a name.
         """
         numbers = {rule.name: number for number, rule in enumerate(self.rules)}
         for name in names:
@@ -121,11 +130,13 @@ class RuleMonitor:
                     f'there is no proximity rule {name[:80]!r}{nearest(name, numbers)}; '
                     'see list_proximity_rules'
                 )
-        return self._end([numbers[name] for name in names])
+        return self._end([numbers[name] for name in names], watched)
 
     def watching(self, rules: Sequence[ProximityRule], scene: ScenePairs) -> WatchedPairs:
         """Return the pairs that such rules watch in another version of the scene."""
-        return WatchedPairs(rules, scene, self._met)
+        present = set(self.rules)
+        met = [rule.name for rule in rules if rule.name in self._met and rule in present]
+        return WatchedPairs(rules, scene, met)
 
     def bind(self, scene: ScenePairs, watched: WatchedPairs | None = None) -> list[Event]:
         """Bind the rules to another version of the scene; return GONE events of rules it ends.
@@ -139,14 +150,14 @@ class RuleMonitor:
         pairs = enumerate(zip(unknown_before, self._watched.unknown, strict=True))
         return self._end([number for number, (old, new) in pairs if new and not old])
 
-    def _end(self, numbers: Sequence[int]) -> list[Event]:
+    def _end(self, numbers: Sequence[int], watched: WatchedPairs | None = None) -> list[Event]:
         """Remove rules by index; return their GONE events."""
         gone = events_of_gone(self._sequence, [self.rules[n] for n in numbers])
         self._sequence += len(gone)
         if numbers:
             ended = set(numbers)
             left = [n for n in range(len(self.rules)) if n not in ended]
-            self._set(tuple(self.rules[n] for n in left), self._entered.of(left))
+            self._set(tuple(self.rules[n] for n in left), self._entered.of(left), watched)
         return gone
 
     def _set(

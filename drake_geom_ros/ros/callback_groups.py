@@ -17,6 +17,7 @@ class CallbackGroups(NamedTuple):
 
     stream: CallbackGroup  # poses and cycles
     beside: CallbackGroup  # queries, and what is drawn
+    changes: CallbackGroup  # of frames, filters and rules
     loading: CallbackGroup  # what may read files and compile
     images: CallbackGroup  # what cameras see
     planning: CallbackGroup  # many states at once
@@ -29,7 +30,8 @@ class CallbackGroups(NamedTuple):
         Return whether none is, for it does not wait for ever.
         """
         end = time.monotonic() + LONGEST_FAREWELL
-        threads = self.beside, self.loading, self.images, self.planning, self.motions
+        queries = self.beside, self.images, self.planning, self.motions
+        threads = *queries, self.changes, self.loading
         while any(map(_at_work, threads)):
             if time.monotonic() > end:
                 return False

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
 
 from drake_geom_msgs import msg as messages
 from rclpy.lifecycle import LifecycleNode
@@ -51,7 +50,6 @@ from drake_geom_ros.ros.services.table import (
     LOADING,
     MOTIONS,
     PLANNING,
-    Change,
 )
 from drake_geom_ros.ros.shown import ShownOutputs
 from drake_geom_ros.ros.surface import (
@@ -245,11 +243,9 @@ class ConfiguredNode:
 
     def _open_services(self, profile: QoSProfile) -> None:
         """Open all services."""
-        for name, kind, change in CHANGES:
-            self._surface.service(kind, f'~/{name}', partial(self._change, change), profile)
         groups = self._groups
         for services, group in (
-            *((BESIDE, groups.beside), (LOADING, groups.loading)),
+            *((BESIDE, groups.beside), (CHANGES, groups.changes), (LOADING, groups.loading)),
             *((IMAGES, groups.images), (PLANNING, groups.planning), (MOTIONS, groups.motions)),
         ):
             for name, kind, handler in services:
@@ -282,17 +278,6 @@ class ConfiguredNode:
             self._surface.timer(period, partial(self._guard.attempt, task), group)
         take = partial(self._guard.attempt, self._take_images)
         self._camera_timer = self._surface.timer(cameras.PERIOD, take, self._groups.images)
-
-    # What comes in.
-
-    def _change(self, change: Change, request: Any, response: Any) -> Any:
-        """Answer a service call that changes the scene."""
-        with self.live.editing() as scene:
-            self._guard.answer(change, scene, request, response)
-        self._log_what_is_told()
-        if self._stream.active:
-            self._guard.attempt(self._scene_topic.publish)
-        return response
 
     # What is due.
 

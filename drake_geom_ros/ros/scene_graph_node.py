@@ -66,7 +66,8 @@ class SceneGraphNode(LifecycleNode):
         )
         groups = self.threaded_groups
         self.background_groups = (groups.planning, groups.motions, groups.obstacles)
-        self.patient_groups = (groups.loading, groups.images, *self.background_groups)
+        preparing = groups.changes, groups.loading, groups.images
+        self.patient_groups = (*preparing, *self.background_groups)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
         values = self._settings.values

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry import (
     QueryObject,
     Role,
     SceneGraph,
+    SceneGraphContext,
     SceneGraphInspector,
 )
 from drake_geom_ros.math import RigidTransform
@@ -42,6 +43,8 @@ def describe(
     robots: Iterable[RobotDescription] = (),
     static: Mapping[FrameId, bool] | None = None,
     cameras: Iterable[tuple[FrameId, CameraDescription]] = (),
+    *,
+    context: SceneGraphContext | None = None,
 ) -> SceneDescription:
     """Return the description of a scene, from which ``register`` makes the same scene.
 
@@ -49,14 +52,17 @@ def describe(
     registered on another geometry is described on their frame, in the same place.
 
     ``X_PFs`` are poses of frames in their parents; other frames get none. ``static`` is as in
-    ``FrameDescription``. ``cameras`` are described with the current names of their frames.
+    ``FrameDescription``. ``cameras`` are described with the current names of their frames. With a
+    ``context`` its copy of a scene is described.
 
     Raises SceneFileError for a frame that is named as the world frame.
     """
-    describer = _Describer(scene_graph.model_inspector())
-    filters = describer.filters(scene_graph.collision_filter_manager())
+    inspector = scene_graph.model_inspector()
+    describer = _Describer(inspector if context is None else QueryObject(context).inspector())
+    manager = scene_graph.collision_filter_manager(context)
+    filters = describer.filters(manager)
     described = describer.describe(X_PFs or {}, robots, filters, static or {})
-    welded = {describer.name(id) for id in scene_graph.collision_filter_manager().welded_frames()}
+    welded = {describer.name(id) for id in manager.welded_frames()}
     frames = (replace(f, welded=(f.source, f.name) in welded) for f in described.frames)
     described = replace(described, frames=tuple(frames))
     return replace(described, cameras=tuple(describer.camera(*each) for each in cameras))

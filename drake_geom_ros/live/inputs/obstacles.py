@@ -23,10 +23,12 @@ from drake_geom_ros.live.inputs.obstacle_records import (
     ObstacleSettings,
     Place,
 )
+from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.moments import Hanging, Model, Moment, moment_of
 from drake_geom_ros.live.scene.out_of_sight import Sight
-from drake_geom_ros.live.scene.seen_maps import Sighting, drafted, put, shape_of
+from drake_geom_ros.live.scene.seen_maps import Sighting, has_many, shape_of, showing, stand
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.math import RigidTransform
@@ -174,24 +176,36 @@ class ObstacleInput:
             tuple((each.in_words(), since) for each, since in feeds.sinces()),
             feeds.sights(),
         )
-        draft = drafted(self._live, self.name, sighting)
-        with self._live.editing() as scene:
-            if begun.generation != self._generation:
-                raise ArgumentError('the map was cleared while the message was taken')
-            if moment.replaced != scene.replaced:
-                raise ArgumentError('the scene was replaced while the message was taken')
-            since = self._feeds.since(feed)
-            if since is not None and since.epoch == moment.since.epoch:
-                behind = since.held - moment.since.held
-                if behind > 0.0:
-                    raise ArgumentError(
-                        f'its stamp is {behind:.3f} s before that of the map that is there'
-                    )
-            put(scene, self.name, sighting, margin, draft)
+
+        def first(scene: EditableScene) -> None:
+            self._refuse_late(scene, begun)
+
+        def done() -> None:
             self._feeds = feeds
             taken, seconds = self.counts.taken + 1, time.perf_counter() - begun.start
             self.counts = replace(counts, taken=taken, seconds=seconds)
+
+        with self._live.editing() as scene:
+            first(scene)
+            stand(scene, self.name, margin)
+            change = showing(scene, self.name, sighting, first, done)
+        self._live.change(change, calls_for_more=has_many(cells))
         self._changed()
+
+    def _refuse_late(self, scene: HeldScene, begun: _Begun) -> None:
+        """Raise ArgumentError for a message that something has overtaken."""
+        moment = begun.moment
+        if begun.generation != self._generation:
+            raise ArgumentError('the map was cleared while the message was taken')
+        if moment.replaced != scene.replaced:
+            raise ArgumentError('the scene was replaced while the message was taken')
+        since = self._feeds.since(begun.feed)
+        if since is not None and since.epoch == moment.since.epoch:
+            behind = since.held - moment.since.held
+            if behind > 0.0:
+                raise ArgumentError(
+                    f'its stamp is {behind:.3f} s before that of the map that is there'
+                )
 
 
 def _cells_in_box(cells: Cells, X_WM: RigidTransform, settings: ObstacleSettings) -> Cells:

@@ -11,12 +11,13 @@ properties, poses and persistent filters, but ids are new and transient filters 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.scene.editable_scene import RegisteredDraft, prepared
 from drake_geom_ros.live.scene.held_scene import HeldScene
-from drake_geom_ros.live.scene.live_scene import LiveScene, registered_copy
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.scene_snapshot import SceneSnapshot
 from drake_geom_ros.scene_files import (
     SceneDescription,
     hulls_in_words,
@@ -90,38 +91,27 @@ class RobotInput:
         if robot.warnings:
             note += f', {counted(len(robot.warnings), "warning")}'
         (source,) = robot.sources
-        copy = self._make_ready(robot)
         with self._live.editing() as scene:
-            if self._is_in(scene):
-                scene.replace(prepared(self._in_its_place(robot, scene)))
-                done = f'replaces {self._source!r}'
-            else:
-                scene.add(robot, copy)
-                done = 'added'
-            self._text, self._source = text, source
+            self._refuse_same_name(source, scene)
+            is_in = self._is_in(scene)
+            addition = scene.addition(robot)
+        if is_in:
+            self._live.replace(partial(self._in_its_place, robot), self._source)
+            done = f'replaces {self._source!r}'
+        else:
+            self._live.change(addition, calls_for_more=True)
+            done = 'added'
+        self._text, self._source = text, source
         return (
             f'robot {source!r} {done}: {len(robot.frames)} links, {len(robot.geometries)} shapes'
             f'{note}{hulls_in_words(robot.geometries)}'
         )
 
-    def _make_ready(self, robot: SceneDescription) -> RegisteredDraft | None:
-        """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it.
-
-        Returns a copy of the scene with the robot where it is new.
-        """
-        with self._live.reading() as scene:
-            self._refuse_same_name(robot.sources[0], scene)
-            whole = self._in_its_place(robot, scene) if self._is_in(scene) else None
-        if whole is not None:
-            prepared(whole)
-            return None
-        return registered_copy(self._live, robot)
-
-    def _in_its_place(self, robot: SceneDescription, scene: HeldScene) -> SceneDescription:
-        """Return the scene with another robot in the place of the one before."""
+    def _in_its_place(self, robot: SceneDescription, before: SceneSnapshot) -> SceneDescription:
+        """Return the scene of before with another robot in the place of the one that was there."""
         # Filters that wait for the robot, or waited for the one before, wait for this one.
-        others = without_source(scene.description(), self._source)
-        return joined(replace(others, awaited=scene.awaited.all()), robot)
+        others = without_source(before.description(), self._source)
+        return joined(replace(others, awaited=before.mark.awaited), robot)
 
     def _is_in(self, scene: HeldScene) -> bool:
         return self._source in _sources(scene)

@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from drake_geom_ros.geometry import (
     ArgumentError,
     FrameId,
     FramePoseVector,
+    QueryObject,
     SceneGraph,
     SceneGraphContext,
+    SceneGraphInspector,
     SourceId,
 )
 from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import ALWAYS, Since, oldest
 from drake_geom_ros.live.scene.feeders import MESSAGES
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.pose_ages import PosedFrames
+from drake_geom_ros.live.scene.scene_snapshot import MAPS
+from drake_geom_ros.live.scene.waiting_maps import NAMED_AS_MAPS, WaitingMaps, waiting_maps
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.scene_files import LoadedScene, SceneDescription, warm_up
+from drake_geom_ros.scene_files import LoadedScene
 
 
-class _Kept(NamedTuple):
+class Place(NamedTuple):
     """The pose of a frame whose source is replaced, and since when it holds."""
 
     parent: str
@@ -30,41 +35,77 @@ class _Kept(NamedTuple):
     since: Since
 
 
-class ChangingScene(HeldScene):
-    """Removes sources, attaches frames. A method that raises RuntimeError changed nothing."""
+class _Removed(NamedTuple):
+    """The frames and geometries that were removed with a source."""
 
-    def remove_source(self, source: SourceId) -> tuple[int, int]:
-        """Remove a source and all that is its; return frames, geometries removed.
+    frames: Sequence[FrameId]
+    geometries: int
+
+
+class ChangingScene(HeldScene):
+    """Changes of sources, attached frames and sensed maps. RuntimeError: nothing has changed."""
+
+    def removal(self, source: SourceId) -> Change[ChangingScene, tuple[int, int]]:
+        """Return the removal of a source and all that is its: so many frames and geometries.
 
         That of sensed maps is refused.
         """
         self.refuse_maps(source)
-        return self._remove(source)
+        name = self.inspector.GetName(source)
 
-    def remove_maps(self, names: Iterable[str]) -> None:
-        """Remove sensed maps; with the last one their source goes, and all others stay."""
-        gone = [name for name in self.maps if name in set(names)]
-        if len(gone) == len(self.maps) and self.maps_source is not None:
-            self._remove(self.maps_source)
-            return
-        for name in gone:
-            frame = self.maps.pop(name).frame
-            self._scene_graph.RemoveFrame(self.inspector.GetOwningSourceId(frame), frame)
-            self._forget([frame])
+        def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Removed:
+            inspector = inspector_of(graph, context)
+            before = inspector.num_geometries()
+            frames = graph.RemoveSource(context=context, source_id=source)
+            return _Removed(frames, before - inspector.num_geometries())
 
-    def _remove(self, source: SourceId) -> tuple[int, int]:
-        name, geometries = self.inspector.GetName(source), self.inspector.num_geometries()
-        frames = self._scene_graph.RemoveSource(source)
-        self.forget_source(source, name, frames)
-        return len(frames), geometries - self.inspector.num_geometries()
+        def then(scene: ChangingScene, removed: _Removed) -> tuple[int, int]:
+            scene.forget_source(name, removed.frames)
+            return len(removed.frames), removed.geometries
 
-    def forget_source(self, source: SourceId, name: str, frames: Sequence[FrameId]) -> None:
+        return Change(on, then=then, gone=[name])
+
+    def standing_maps(
+        self, gone: Collection[str], waiting: Collection[str], margin: float = 0.0
+    ) -> Change[ChangingScene, int]:
+        """Return a change after which maps are ``gone`` and others are ``waiting``.
+
+        Its result is the number of cells that were in those that are gone. With the last map its
+        source goes; all other maps stay. Raises ArgumentError where the scene has a source of its
+        own that is called as that of maps.
+        """
+        source = self.maps_source
+        frames = [self.maps[name].frame for name in gone if name in self.maps]
+        stay = [name for name in self.maps if name not in gone]
+        new = [name for name in waiting if name not in stay]
+        others = map(self.inspector.GetName, self.inspector.GetAllSourceIds())
+        if source is None and new and MAPS in others:
+            raise ArgumentError(NAMED_AS_MAPS)
+
+        def on(graph: SceneGraph, context: SceneGraphContext | None) -> WaitingMaps:
+            if source is not None:
+                for frame in frames:
+                    graph.RemoveFrame(context=context, source_id=source, frame_id=frame)
+                if not stay and not new:
+                    graph.RemoveSource(context=context, source_id=source)
+            if not stay and not new:
+                return WaitingMaps(None, {})
+            return waiting_maps(graph, context, source, new, margin)
+
+        def then(scene: ChangingScene, made: WaitingMaps) -> int:
+            cells = sum(len(scene.maps[name].cells or ()) for name in gone if name in scene.maps)
+            if frames:
+                scene.forget_source(MAPS, frames)
+            there = {name: seen_map for name, seen_map in scene.maps.items() if name in stay}
+            scene.maps, scene.maps_source = {**there, **made.maps}, made.source
+            return cells
+
+        return Change(on, then=then)
+
+    def forget_source(self, name: str, frames: Sequence[FrameId]) -> None:
         """Forget what is known of a source that has gone, and of its frames."""
         self._forget(frames)
         self.awaited.forget(name)
-        self._robots = [robot for robot in self._robots if robot.name != name]
-        if source == self.maps_source:
-            self.maps, self.maps_source = {}, None
 
     def _forget(self, frames: Sequence[FrameId]) -> None:
         """Forget what is known of frames that have gone."""
@@ -91,14 +132,8 @@ class ChangingScene(HeldScene):
             waiting = [source for source in waiting if source not in ordered]
         return ordered
 
-    def make_room(
-        self, sources: Sequence[SourceId], description: SceneDescription
-    ) -> dict[tuple[str, str], _Kept]:
-        """Remove sources for what is described to take their place; return what they leave.
-
-        Raises RuntimeError where what is described could not be registered then.
-        """
-        rehearse_swap(SceneGraph(), self._scene_graph.CreateDefaultContext(), sources, description)
+    def places_of(self, sources: Collection[SourceId]) -> dict[tuple[str, str], Place]:
+        """Return where the frames of sources are, as far as they are posed and not attached."""
         places = {}
         for frame, label in self.names.labels.items():
             since = self._ages.since(frame.get_value())
@@ -108,12 +143,10 @@ class ChangingScene(HeldScene):
                 and not self.inspector.IsAttached(frame)
             ):
                 parent = self.inspector.GetName(self.inspector.GetParentFrame(frame))
-                places[label] = _Kept(parent, self.query.X_PF(frame), since)
-        for source in sources:
-            self.remove_source(source)
+                places[label] = Place(parent, self.query.X_PF(frame), since)
         return places
 
-    def stay(self, places: dict[tuple[str, str], _Kept], loaded: LoadedScene) -> None:
+    def stay(self, places: dict[tuple[str, str], Place], loaded: LoadedScene) -> None:
         """Let frames stand where those of the same source and name did, until poses come."""
         for label, frame in loaded.frames.items():
             old = places.get(label)
@@ -122,51 +155,89 @@ class ChangingScene(HeldScene):
                 self._context.UpdateFramePoses(FramePoseVector({frame: old.X_PF}))
                 self._ages.keep([frame.get_value()], old.since)
 
-    def attach(
+    def put(self, places: Mapping[tuple[str, str], RigidTransform]) -> None:
+        """Have frames by source and name stand at X_PF."""
+        if places:
+            labels = self.names.labels.items()
+            X_PFs = {frame: places[label] for frame, label in labels if label in places}
+            self._context.UpdateFramePoses(FramePoseVector(X_PFs))
+
+    def attachment(
         self,
         frame: FrameId,
         parent: FrameId,
         X_PF: RigidTransform | None,
         *,
         is_part: bool = True,
-    ) -> RigidTransform:
-        """Let a frame follow another one, where it is now or at X_PF; return X_PF.
+    ) -> Change[ChangingScene, RigidTransform]:
+        """Return the attachment of a frame to another one, where it is or at X_PF: its X_PF.
 
         ``is_part``: it counts as part of what carries it in sets by name.
         """
-        if X_PF is None:
-            self._refuse_unplaced([frame, parent], 'pose')
-            X_PF = self.query.X_WF(parent).InvertAndCompose(self.query.X_WF(frame))
         source = self.inspector.GetOwningSourceId(frame)
-        self._scene_graph.AttachFrame(source, frame, parent, X_PF, is_part)
-        self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
-        self.rules.measure_again()
-        self._hang_elsewhere(frame)
-        self._ages.rest(frame.get_value())
-        self._let_go(frame)
-        return X_PF
+        X_now = X_PF or self._pose_in(frame, parent)
 
-    def detach(self, frame: FrameId, X_PF: RigidTransform | None) -> RigidTransform:
-        """Put a frame back, where it is now or at X_PF in its home; return X_PF.
+        def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+            graph.AttachFrame(
+                context=context,
+                source_id=source,
+                frame_id=frame,
+                parent_id=parent,
+                X_PF=X_now,
+                is_part=is_part,
+            )
+
+        def first(_: ChangingScene) -> None:
+            nonlocal X_now
+            X_now = X_PF or self._pose_in(frame, parent)
+
+        def then(scene: ChangingScene, made: None) -> RigidTransform:
+            self._hang_at(frame, X_now)
+            self._ages.rest(frame.get_value())
+            self._let_go(frame)
+            return X_now
+
+        return Change(on, first, then)
+
+    def detachment(
+        self, frame: FrameId, X_PF: RigidTransform | None
+    ) -> Change[ChangingScene, RigidTransform]:
+        """Return the return of a frame to its home, where it is or at X_PF: its X_PF there.
 
         Its pose is as old as the oldest of those that led to it.
         """
         home = self.inspector.GetHomeFrame(frame)
-        since = self._clocks.arrival().since(0.0)
-        if X_PF is None:
-            self._refuse_unplaced([frame, home], 'pose')
-            X_PF = self.query.X_WF(home).InvertAndCompose(self.query.X_WF(frame))
-            since = oldest(since, self._since_of_line(frame))
-        self._scene_graph.DetachFrame(self.inspector.GetOwningSourceId(frame), frame, X_PF)
+        source = self.inspector.GetOwningSourceId(frame)
+        X_now, since = X_PF or self._pose_in(frame, home), ALWAYS
+
+        def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+            graph.DetachFrame(context=context, source_id=source, frame_id=frame, X_PF=X_now)
+
+        def first(_: ChangingScene) -> None:
+            nonlocal X_now, since
+            X_now = X_PF or self._pose_in(frame, home)
+            since = self._clocks.arrival().since(0.0)
+            if X_PF is None:
+                since = oldest(since, self._since_of_line(frame))
+
+        def then(scene: ChangingScene, made: None) -> RigidTransform:
+            self._hang_at(frame, X_now)
+            self._ages.rest_no_more(frame.get_value(), since)
+            # TF leaves it there until a transform of this very frame comes.
+            self.feeders.note(MESSAGES, frozenset([frame.get_value()]))
+            return X_now
+
+        return Change(on, first, then)
+
+    def _pose_in(self, frame: FrameId, parent: FrameId) -> RigidTransform:
+        """Return where a frame is in another one; raises ArgumentError where nobody knows."""
+        self._refuse_unplaced([frame, parent], 'pose')
+        return self.query.X_WF(parent).InvertAndCompose(self.query.X_WF(frame))
+
+    def _hang_at(self, frame: FrameId, X_PF: RigidTransform) -> None:
+        """Pose a frame that hangs on another one now."""
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
-        self._hang_elsewhere(frame)
-        self._ages.rest_no_more(frame.get_value(), since)
-        # TF leaves it there until a transform of this very frame comes.
-        self.feeders.note(MESSAGES, frozenset([frame.get_value()]))
-        return X_PF
-
-    def _hang_elsewhere(self, frame: FrameId) -> None:
         if self.history is not None:
             self.history.begin_anew([frame.get_value()], self._clocks.node())
 
@@ -211,13 +282,6 @@ class ChangingScene(HeldScene):
         return FramePoseVector(free_poses), rest
 
 
-def rehearse_swap(
-    graph: SceneGraph,
-    context: SceneGraphContext,
-    sources: Iterable[SourceId],
-    description: SceneDescription,
-) -> None:
-    """Remove sources and register what is described in a context alone."""
-    for source in sources:
-        graph.RemoveSource(context, source)
-    warm_up(graph, description, context)
+def inspector_of(graph: SceneGraph, context: SceneGraphContext | None) -> SceneGraphInspector:
+    """Return the inspector of a scene graph, or of a context's copy of it."""
+    return graph.model_inspector() if context is None else QueryObject(context).inspector()

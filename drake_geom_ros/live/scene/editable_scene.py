@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,18 +16,22 @@ from drake_geom_ros.geometry import (
     FrameId,
     FramePoseVector,
     SceneGraph,
+    SceneGraphContext,
     SourceId,
 )
 from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.conversions.names import WORLD, some_of
-from drake_geom_ros.live.scene.changing_scene import ChangingScene
+from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changing_scene import ChangingScene, Place
 from drake_geom_ros.live.scene.clocks import ALWAYS, Since
 from drake_geom_ros.live.scene.feeders import MESSAGES, OBSTACLES, TF
-from drake_geom_ros.live.scene.held_scene import MAPS
+from drake_geom_ros.live.scene.held_scene import shared_context
 from drake_geom_ros.live.scene.pose_ages import PosedFrames
 from drake_geom_ros.live.scene.pose_history import Parts
 from drake_geom_ros.live.scene.scene_draft import SceneDraft
+from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.twists import stamp_of
+from drake_geom_ros.live.scene.waiting_maps import WaitingMaps, waiting_maps
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import (
     CameraDescription,
@@ -35,8 +39,14 @@ from drake_geom_ros.scene_files import (
     SceneDescription,
     register,
     register_rehearsed,
+    warm_up,
 )
 
+_Result = TypeVar('_Result')
+_HAS_MAPS = (
+    f'the scene has a source {MAPS!r}, which is that of the sensed maps of this node; '
+    'give it another name'
+)
 _IS_THE_WORLD = (
     'the frame {!r} is called as the parameter world_frame is, so it is the world: the pose that '
     'the scene file gives it is left out; give it none, or choose another world_frame'
@@ -45,28 +55,40 @@ _IS_THE_WORLD = (
 
 @dataclass(frozen=True)
 class PreparedScene:
-    """A scene of its own that is ready to take the place of the live one."""
+    """A scene of its own that is ready to take the place of the live one.
+
+    ``draft`` has its tables, where these were made ready, and ``maps`` wait in it.
+    """
 
     scene_graph: SceneGraph
+    context: SceneGraphContext  # shares it
     loaded: LoadedScene
+    maps: WaitingMaps
+    draft: SceneDraft | None = None
 
 
-def prepared(description: SceneDescription) -> PreparedScene:
+def prepared(
+    description: SceneDescription,
+    maps: Sequence[str] = (),
+    margin: float = 0.0,
+    accuracy: str = 'exact',
+) -> PreparedScene:
     """Return what is described, its kernels compiled; raises RuntimeError for what cannot be.
 
-    Takes long and holds nothing: so the live scene is replaced in a moment.
+    Takes long and holds nothing: so the live scene is replaced in a moment. ``maps`` wait in it,
+    with a margin [m].
     """
-    scene_graph = SceneGraph()
+    if maps and MAPS in description.sources:
+        raise ArgumentError(_HAS_MAPS)
+    scene_graph = SceneGraph(accuracy=accuracy)
     loaded = register(scene_graph, description)
-    scene_graph.CreateSharedContext().compile_kernels()
-    return PreparedScene(scene_graph, loaded)
-
-
-class RegisteredDraft(NamedTuple):
-    """A draft in which something was registered, and what that became."""
-
-    draft: SceneDraft
-    loaded: LoadedScene
+    waiting = WaitingMaps(None, {})
+    if maps:
+        waiting = waiting_maps(scene_graph, None, None, maps, margin)
+    context = shared_context(scene_graph)
+    context.UpdateFramePoses(loaded.first_poses)
+    context.compile_kernels()
+    return PreparedScene(scene_graph, context, loaded, waiting)
 
 
 class EditableScene(ChangingScene):
@@ -77,6 +99,13 @@ class EditableScene(ChangingScene):
         """The scene graph, to register on and to filter."""
         return self._scene_graph
 
+    def make(self, change: Change[EditableScene, _Result]) -> _Result:
+        """Make a change at once, and return its result; see ``LiveScene.change``."""
+        change.first(self)
+        made = change.on(self._scene_graph, None)
+        self._robots = change.robots_after(self._robots)  # before their frames are named
+        return change.then(self, made)
+
     def take_over(self, draft: SceneDraft) -> bool:
         """Become what a draft has become; return False where the scene has changed since.
 
@@ -84,6 +113,11 @@ class EditableScene(ChangingScene):
         """
         if not self._scene_graph.TakeOver(draft.context, self._context):
             return False
+        self._go_on_as(draft)
+        return True
+
+    def _go_on_as(self, draft: SceneDraft) -> None:
+        """Have the tables of a draft whose content the scene has."""
         if (named := draft.named) is not None:
             named.joints.go_on_as(self._joints)
             self._robots = draft.robots
@@ -91,33 +125,69 @@ class EditableScene(ChangingScene):
             self._named_version = self.model_version
             self._attached = self.names_version, named.attached
         self.rules.offer(draft.rules)
-        return True
 
-    def add(
-        self, description: SceneDescription, copy: RegisteredDraft | None = None
-    ) -> tuple[int, int]:
-        """Register what is described; return frames, geometries added.
+    def add(self, description: SceneDescription) -> tuple[int, int]:
+        """Register what is described at once; return frames, geometries added."""
+        return self.make(self.addition(description))
 
-        Frames stand where the description puts them until their first pose comes. With a ``copy``
-        that has it, it takes a moment: see ``registered_copy``.
+    def addition(self, description: SceneDescription) -> Change[EditableScene, tuple[int, int]]:
+        """Return the registration of what is described: so many frames and geometries.
+
+        Frames stand where the description puts them until their first pose comes.
         """
-        for camera in description.cameras:
-            self._refuse_taken(camera.name)
-        self._refuse_cameras(description.cameras)
-        if copy is not None and self.take_over(copy.draft):
-            return self._take(copy.loaded)
-        loaded = register(self._scene_graph, description)
-        self._robots += loaded.robots.values()  # before their frames are called by names
-        return self._take(loaded)
+
+        def first(scene: EditableScene) -> None:
+            for camera in description.cameras:
+                scene._refuse_taken(camera.name)
+            scene._refuse_cameras(description.cameras)
+
+        def then(scene: EditableScene, loaded: LoadedScene) -> tuple[int, int]:
+            return scene._take(loaded)
+
+        def on(graph: SceneGraph, context: SceneGraphContext | None) -> LoadedScene:
+            return _registered(graph, description, context)
+
+        return Change(on, first, then, description.robots, rules=description.rules)
 
     def swap(self, sources: Sequence[SourceId], description: SceneDescription) -> tuple[int, int]:
-        """Put what is described in the place of sources; return frames, geometries added.
+        """Put what is described in the place of sources at once; see ``exchange``."""
+        return self.make(self.exchange(sources, description))
 
-        Frames of the same source and name, of which nothing else is said, keep their poses. The
-        source of sensed maps is refused.
+    def exchange(
+        self, sources: Sequence[SourceId], description: SceneDescription
+    ) -> Change[EditableScene, tuple[int, int]]:
+        """Return the registration of what is described in the place of sources.
+
+        Its result are the numbers of frames and geometries added. Frames of the same source and
+        name, of which nothing else is said, keep their poses. That of sensed maps is refused.
         """
         for source in sources:
             self.refuse_maps(source)
+        names = [self.inspector.GetName(source) for source in sources]
+        places: dict[tuple[str, str], Place] = {}
+
+        def first(scene: EditableScene) -> None:
+            nonlocal places
+            scene._refuse_exchange(sources, description)
+            places = scene.places_of(sources)
+
+        def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Exchanged:
+            if context is None:  # a refusal is to come before anything is removed
+                _exchanged(graph, graph.CreateDefaultContext(), sources, description)
+            return _exchanged(graph, context, sources, description)
+
+        def then(scene: EditableScene, made: _Exchanged) -> tuple[int, int]:
+            for name, frames in zip(names, made.removed, strict=True):
+                scene.forget_source(name, frames)
+            scene.replaced += 1
+            added = scene._take(made.loaded)
+            scene.stay(places, made.loaded)
+            return added
+
+        return Change(on, first, then, description.robots, names, description.rules)
+
+    def _refuse_exchange(self, sources: Sequence[SourceId], description: SceneDescription) -> None:
+        """Raise RuntimeError where what is described cannot be in the place of sources."""
         for camera in description.cameras:
             frame, _ = self._cameras.get(camera.name, (None, None))
             if frame is not None and self.inspector.GetOwningSourceId(frame) not in sources:
@@ -128,13 +198,21 @@ class EditableScene(ChangingScene):
                 f'the scene has a source {MAPS!r}, which is that of sensed maps; give it another '
                 'name'
             )
-        places = self.make_room(sources, description)  # which rehearses it
-        self.replaced += 1
-        loaded = register_rehearsed(self._scene_graph, description)
-        self._robots += loaded.robots.values()
-        added = self._take(loaded)
-        self.stay(places, loaded)
-        return added
+
+    def attach(
+        self,
+        frame: FrameId,
+        parent: FrameId,
+        X_PF: RigidTransform | None,
+        *,
+        is_part: bool = True,
+    ) -> RigidTransform:
+        """Let a frame follow another one at once; see ``attachment``."""
+        return self.make(self.attachment(frame, parent, X_PF, is_part=is_part))
+
+    def detach(self, frame: FrameId, X_PF: RigidTransform | None) -> RigidTransform:
+        """Put a frame back at once; see ``detachment``."""
+        return self.make(self.detachment(frame, X_PF))
 
     def add_camera(self, frame: FrameId, camera: CameraDescription) -> None:
         """Add a camera on a frame; raises ArgumentError where its name is taken."""
@@ -162,14 +240,15 @@ class EditableScene(ChangingScene):
         """Put another scene in the place of this one; versions go on growing."""
         self._refuse_cameras(camera for _, camera in other.loaded.cameras)
         if self.stand_maps is not None and MAPS in other.loaded.sources:
-            raise ArgumentError(
-                f'the scene has a source {MAPS!r}, which is that of the sensed maps of this node; '
-                'give it another name'
-            )
+            raise ArgumentError(_HAS_MAPS)
         other.scene_graph.set_default_accuracy(self.accuracy)
-        self._adopt(other.scene_graph, self.version + 1)
+        other.context.set_default_accuracy(self.accuracy)
+        self._adopt(other.scene_graph, other.context, self.version + 1)
         self.replaced += 1
-        self._robots += other.loaded.robots.values()
+        self.maps_source, self.maps = other.maps
+        self._robots = list(other.loaded.robots.values())
+        if other.draft is not None:
+            self._go_on_as(other.draft)
         if self.stand_maps is not None:
             self.stand_maps(self)  # before rules are bound: those about maps go on
         return self._take(other.loaded)
@@ -327,13 +406,11 @@ class EditableScene(ChangingScene):
                 '(remove_filter), or let their leases expire'
             )
 
-    def own(self, filter_id: FilterId, owner: str) -> None:
-        """Keep in mind who asked for a transient filter."""
+    def own(self, filter_id: FilterId, owner: str, *, is_short: bool) -> None:
+        """Keep in mind who asked for a transient filter, and whether it is soon removed."""
         self._owners[filter_id.get_value()] = owner
-
-    def owner_of(self, filter_id: FilterId) -> str:
-        """Return who asked for a transient filter; empty: nobody said, or there is no such one."""
-        return self._owners.get(filter_id.get_value(), '') if filter_id.is_valid() else ''
+        if not is_short:
+            self._long_filters.add(filter_id.get_value())
 
     def expire_filters(self) -> list[FilterId]:
         """Remove the transient filters whose lease ran out; return them.
@@ -350,6 +427,37 @@ class EditableScene(ChangingScene):
             self.told.append(f'the lease of {_filters(numbers)} expired: removed{owned_by(owner)}')
         self.bind_filters()
         return expired
+
+
+class _Exchanged(NamedTuple):
+    """The frames of each source that was removed, and what was registered."""
+
+    removed: list[list[FrameId]]
+    loaded: LoadedScene
+
+
+def _exchanged(
+    graph: SceneGraph,
+    context: SceneGraphContext | None,
+    sources: Iterable[SourceId],
+    description: SceneDescription,
+) -> _Exchanged:
+    """Remove sources and register what is described."""
+    removed = [graph.RemoveSource(context=context, source_id=source) for source in sources]
+    if context is None:  # it was rehearsed
+        return _Exchanged(removed, register_rehearsed(graph, description))
+    return _Exchanged(removed, _registered(graph, description, context))
+
+
+def _registered(
+    graph: SceneGraph, description: SceneDescription, context: SceneGraphContext | None
+) -> LoadedScene:
+    """Register what is described, or nothing; in a context, frames stand where it puts them."""
+    if context is None:
+        return register(graph, description)
+    loaded = warm_up(graph, description, context)
+    context.UpdateFramePoses(loaded.first_poses)
+    return loaded
 
 
 def _stamps(posed: PosedFrames, stamp: Any, feeder: str) -> dict[int, tuple[int, Since]]:

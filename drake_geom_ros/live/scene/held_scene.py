@@ -14,6 +14,7 @@ from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
     ArgumentError,
+    FilterId,
     FrameId,
     GeometryId,
     QueryObject,
@@ -36,27 +37,25 @@ from drake_geom_ros.live.scene.pose_ages import PoseAges, UnknownAges
 from drake_geom_ros.live.scene.pose_history import PoseHistory
 from drake_geom_ros.live.scene.robot_joints import RobotJoints
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
+from drake_geom_ros.live.scene.scene_snapshot import MAPS, SceneMark, SceneSnapshot
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, BesideBodies, SeenShell, beside_bodies
 from drake_geom_ros.live.scene.sender_troubles import clock_troubles, sender_troubles
 from drake_geom_ros.live.scene.senders import Joint, Senders, links_of
 from drake_geom_ros.live.scene.twists import FrameTwists
 from drake_geom_ros.live.scene.waiting import Waiting, waiting
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import (
     CameraDescription,
     RobotDescription,
     SceneDescription,
     add_renderers,
-    describe,
-    poses_in_parents,
-    without_source,
 )
 from drake_geom_ros.sensed_maps import Cells
 
 _REMEMBERED = 5.0  # [s] for which a pose is told of that was left out
 # Frames and geometries; of 1000 each the tables that a change makes anew take some 50 ms.
 _MANY = 1000
-MAPS = 'obstacles'  # the source of what sensors see
 
 
 class SeenMap(NamedTuple):
@@ -85,7 +84,7 @@ class HeldScene:
         self._clocks = clocks
         self._longest_gap: float | None = None
         self._joints = RobotJoints((), {})
-        self._adopt(scene_graph, version)
+        self._adopt(scene_graph, shared_context(scene_graph), version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
         self.warned: list[str] = []  # what is to be logged as a warning, each once
         # Called when an answer is to name the scene, whose names must be told then.
@@ -104,10 +103,9 @@ class HeldScene:
         # The distance [m] to bodies from which on a map that a topic feeds has what is there.
         self.told_apart: Callable[[str], float] = lambda name: 0.0
 
-    def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
-        """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
-        self._scene_graph = scene_graph
-        self._context = scene_graph.CreateSharedContext(partial=True)
+    def _adopt(self, scene_graph: SceneGraph, context: SceneGraphContext, version: int) -> None:
+        """Make ``scene_graph`` the scene, with a context that shares it."""
+        self._scene_graph, self._context = scene_graph, context
         self.query: QueryObject = scene_graph.get_query_output_port().Eval(self._context)  # live
         self._version_base = version
         self._named_version = -1
@@ -120,8 +118,8 @@ class HeldScene:
         self.map_changes = 0  # versions that nothing but their cells differ in
         # By name: the frame that a camera is on, and what it is.
         self._cameras: dict[str, tuple[FrameId, CameraDescription]] = {}
-        add_renderers(scene_graph)
         self._owners: dict[int, str] = {}
+        self._long_filters: set[int] = set()  # transient ones about many geometries
         # Attached frames by the value of their id, when [s] a pose of one was left out last.
         self._attached: tuple[int, frozenset[int]] = (-1, frozenset())
         self._left_out: dict[int, float] = {}
@@ -329,7 +327,16 @@ class HeldScene:
         active = [filter_id.get_value() for filter_id in manager.active_filter_ids()]
         # Those of filters that are gone are forgotten here.
         self._owners = {number: self._owners.get(number, '') for number in active}
+        self._long_filters.intersection_update(active)
         return dict(self._owners)
+
+    def owner_of(self, filter_id: FilterId) -> str:
+        """Return who asked for a transient filter; empty: nobody said, or there is no such one."""
+        return self._owners.get(filter_id.get_value(), '') if filter_id.is_valid() else ''
+
+    def is_short(self, filter_id: FilterId) -> bool:
+        """Return whether a transient filter is soon removed, in a large scene too."""
+        return not filter_id.is_valid() or filter_id.get_value() not in self._long_filters
 
     def filter_leases(self) -> dict[int, float]:
         """Return how long each transient filter with a lease still has it [s], by its id."""
@@ -421,22 +428,49 @@ class HeldScene:
         """Return a copy that may be kept and changed."""
         return self._context.copy()
 
-    def description(self) -> SceneDescription:
-        """Return the scene: persistent filters included, every frame where it is now.
-
-        Frames that wait for their first pose go on waiting in it. Sensed maps are left out.
-        """
-        static = self._ages.static()
-        is_static = {
-            f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static
-        }
-        poses, cameras = poses_in_parents(self.query), self._cameras.values()
+    def snapshot(self) -> SceneSnapshot:
+        """Return a copy to be described, which takes long and needs no scene."""
         now = {name: robot.configuration() for name, robot in self.joints.robots.items()}
         robots = [replace(r, configuration=now.get(r.name, r.configuration)) for r in self._robots]
-        described = describe(self._scene_graph, poses, robots, is_static, cameras)
-        if self.maps_source is not None:  # what was seen is no model of anything
-            described = without_source(described, MAPS)
-        return replace(described, awaited=self.awaited.waiting(), rules=self.rules.rules)
+        return SceneSnapshot(
+            self._context.what_if(),
+            self.mark(),
+            tuple(robots),
+            self._ages.static(),
+            self.awaited.waiting(),
+            self.rules.rules,
+            self.maps_source,
+        )
+
+    def mark(self) -> SceneMark:
+        """Return what a description of the scene as it is now is of."""
+        return SceneMark(
+            self.model_version,
+            self.inspector.candidate_pairs(),
+            tuple(self._scene_graph.collision_filter_manager().active_filter_ids()),
+            self.cameras,
+            self.awaited.all(),
+        )
+
+    def moved_since(self, before: SceneSnapshot) -> dict[tuple[str, str], RigidTransform]:
+        """Return X_PF by source and name of the frames that are elsewhere than before."""
+        frames = list(self.names.labels)
+        ids = np.array([frame.get_value() for frame in frames], dtype=np.int64)
+        R_WFs, p_WFs, is_placed = self._context.X_WFs(ids)
+        R_was, p_was, was_placed = before.context.X_WFs(ids)
+        moved = (R_WFs != R_was).any(axis=(1, 2)) | (p_WFs != p_was).any(axis=1)
+        rows = np.flatnonzero(is_placed & (moved | ~was_placed)).tolist()
+        return {self.names.labels[frames[k]]: self.query.X_PF(frames[k]) for k in rows}
+
+    def description(self) -> SceneDescription:
+        """Return the scene as it is now; see ``SceneSnapshot.description``."""
+        return self.snapshot().description()
+
+
+def shared_context(scene_graph: SceneGraph) -> SceneGraphContext:
+    """Return a context for a live scene, whose frames may wait for their first poses."""
+    add_renderers(scene_graph)
+    return scene_graph.CreateSharedContext(partial=True)
 
 
 def is_large(inspector: SceneGraphInspector) -> bool:

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -25,27 +25,21 @@ from drake_geom_ros.geometry import (
     GeometryError,
     QueryObject,
     SceneGraph,
-    SceneGraphContext,
 )
 from drake_geom_ros.geometry.render import CameraProperties
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.live.conversions.names import WORLD, some_of
+from drake_geom_ros.live.scene.change import Change, unchanged
 from drake_geom_ros.live.scene.clocks import Clocks
-from drake_geom_ros.live.scene.editable_scene import EditableScene, RegisteredDraft
+from drake_geom_ros.live.scene.editable_scene import EditableScene, PreparedScene, prepared
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.robot_following import pose_followers
 from drake_geom_ros.live.scene.scene_draft import SceneDraft
+from drake_geom_ros.live.scene.scene_snapshot import SceneSnapshot
 from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.scene_files import (
-    LoadedScene,
-    RobotDescription,
-    RobotOptions,
-    SceneDescription,
-    camera_of,
-    warm_up,
-)
+from drake_geom_ros.scene_files import RobotOptions, SceneDescription, camera_of
 
 _Result = TypeVar('_Result')
 _TRIES = 3  # of a change beside others who change the scene all the time
@@ -79,6 +73,7 @@ class LiveScene:
         self.stale_after = math.inf  # [s] age from which on answers name a pose as stale
         self.world_frame = world_frame
         self._lock = threading.RLock()
+        self._turn = threading.RLock()  # of who takes a draft over; taken before the scene
         self._closed = self._interrupted = False
         self._scene = EditableScene(SceneGraph(accuracy=accuracy), clocks, world_frame, version)
 
@@ -156,76 +151,133 @@ class LiveScene:
     def compile_kernels(self) -> list[str]:
         """Compile what queries of the scene run, beside the cycle; return the kernels.
 
-        Where the scene has cameras, what takes images too: by an image of one pixel.
+        Where the scene has cameras, what takes images too: by an image of one pixel. Where it has
+        maps, what measures points, for rules about what sensors see beside bodies.
         """
         with self.reading() as scene:
-            cameras, view = scene.cameras, scene.view()
+            cameras, has_maps, view = scene.cameras, bool(scene.maps), scene.view()
         kernels = view.context.compile_kernels(self.tell_compiling)
+        if has_maps:
+            view.query.ComputeSignedDistanceToPoint(np.zeros((1, 3)), 0.0)
         for _, camera in list(cameras.values())[:1]:
             name = camera_of(camera).core().renderer_name()
             pixel = CameraProperties(1, 1, 1.0, name)
             view.query.render_images(pixel, view.names.world, RigidTransform())
         return kernels
 
-    def make_ready(
-        self,
-        change: Callable[[SceneGraph, SceneGraphContext], _Result],
-        robots: Sequence[RobotDescription] = (),
-    ) -> tuple[SceneDraft, _Result]:
+    def make_ready(self, change: Change[EditableScene, Any]) -> tuple[SceneDraft, Any]:
         """Make a change on a copy of the scene, and what queries need of the changed scene.
 
         So files are read and kernels compiled beside the cycle, before the change is made in
-        earnest: the scene is held only while it is copied. ``change`` is given the copy, after a
-        scene graph whose methods take it; what it raises is raised here. Returns the draft, and
-        what ``change`` returned. It may have brought ``robots``.
+        earnest: the scene is held only while it is copied. Returns the draft, and what the change
+        made there; raises what it raises.
         """
         with self.reading() as scene:
             draft = SceneDraft(scene)
-        result = change(SceneGraph(), draft.context)
-        draft.name_all(robots)
+        made = draft.make(change)
+        self._get_ready(draft)
+        return draft, made
+
+    def _get_ready(self, draft: SceneDraft) -> None:
         draft.get_ready(self.rehearse, self.tell_compiling)
         if draft.is_large:
             self.have_settled()
-        return draft, result
 
     def change(
         self,
-        change: Callable[[SceneGraph, SceneGraphContext | None], _Result],
+        change: Change[EditableScene, _Result],
         *,
         calls_for_more: bool = False,
-        then: Callable[[EditableScene, _Result], object] = lambda scene, result: None,
+        is_short: bool = False,
     ) -> _Result:
-        """Make a change of the scene graph and return what it returns.
+        """Make a change, and return its result.
 
         Cycles go on meanwhile, where the scene is large or the change ``calls_for_more`` kernels:
-        it is made on a draft, which the scene becomes. ``then`` does what belongs to the change
-        with the scene that has it, before anybody else has that scene.
+        it is made on a draft, which the scene becomes. One that ``is_short`` is made at once in a
+        large scene, too.
         """
-        for _ in range(_TRIES):
+        for left in reversed(range(_TRIES)):
             with self.reading() as scene:
-                if not (calls_for_more or scene.is_large):
+                if not calls_for_more and (is_short or not scene.is_large):
                     break
-            draft, result = self.make_ready(change)
-            with self.editing() as scene:
-                if scene.take_over(draft):
-                    then(scene, result)
-                    return result
+            with self._alone(left):
+                draft, made = self.make_ready(change)
+                with self._turn, self.editing() as scene:
+                    change.first(scene)
+                    if scene.take_over(draft):
+                        return change.then(scene, made)
             calls_for_more = False
         with self.editing() as scene:
-            result = change(scene.scene_graph, None)
-            then(scene, result)
-            return result
+            return scene.make(change)
 
+    def _alone(self, left: int) -> AbstractContextManager[object]:
+        """Let drafts of others wait during the last try, with none left: it is not in vain."""
+        return nullcontext() if left else self._turn
 
-def registered_copy(live: LiveScene, description: SceneDescription) -> RegisteredDraft:
-    """Return a draft of the scene with what is described, all that takes long done beside it."""
+    def replace(
+        self,
+        describe: Callable[[SceneSnapshot], SceneDescription],
+        gone: str,
+    ) -> tuple[int, int]:
+        """Put another scene in the place of this one; return its frames and geometries.
 
-    def register(graph: SceneGraph, context: SceneGraphContext) -> LoadedScene:
-        loaded = warm_up(graph, description, context)
-        context.UpdateFramePoses(loaded.first_poses)
-        return loaded
+        ``describe`` returns it for the scene as it is, without the source that is ``gone`` or is
+        another one; frames of all others stay where they are. It is made ready beside the cycles,
+        and made again if the scene changed meanwhile.
+        """
+        for left in reversed(range(_TRIES)):
+            with self._alone(left):
+                with self.reading() as scene:
+                    before = scene.snapshot()
+                other = self._prepared(describe(before))
+                with self._turn, self.editing() as scene:
+                    if scene.mark().matches(before.mark):
+                        return self._replace(scene, other, before, gone)
+        with self.editing() as scene:
+            before = scene.snapshot()
+            return self._replace(scene, self._prepared(describe(before)), before, gone)
 
-    return RegisteredDraft(*live.make_ready(register, description.robots))
+    def replace_all(
+        self,
+        description: SceneDescription,
+        first: Callable[[EditableScene], object] = lambda scene: None,
+    ) -> tuple[int, int]:
+        """Put what is described in the place of all; return its frames and geometries.
+
+        ``first`` looks at the scene that goes.
+        """
+        other = self._prepared(description)
+        with self.editing() as scene:
+            first(scene)
+            return self._replace(scene, other)
+
+    def _prepared(self, description: SceneDescription) -> PreparedScene:
+        """Return a scene with all that cycles need of it, made beside them."""
+        sources = self.map_sources
+        with self.reading() as scene:
+            accuracy = scene.accuracy
+        other = prepared(description, list(sources.fed), sources.margin, accuracy)
+        with self.reading() as scene:
+            draft = SceneDraft(scene, other.context)
+        draft.maps = other.maps.source
+        draft.follow(Change(unchanged, robots=description.robots, rules=description.rules))
+        self._get_ready(draft)
+        return replace(other, draft=draft)
+
+    def _replace(
+        self,
+        scene: EditableScene,
+        other: PreparedScene,
+        before: SceneSnapshot | None = None,
+        gone: str = '',
+    ) -> tuple[int, int]:
+        """Replace the scene; frames that moved since a snapshot stay, but those that are gone."""
+        moved = {} if before is None else scene.moved_since(before)
+        added = scene.replace(other)
+        scene.put({label: X_PF for label, X_PF in moved.items() if label[0] != gone})
+        for feeder in self.map_sources.fed.values():
+            feeder.forget()
+        return added
 
 
 def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:

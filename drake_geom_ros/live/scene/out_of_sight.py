@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry import FrameId, GeometryId, QueryObject, SceneGraphInspector
+from drake_geom_ros.geometry import GeometryId, QueryObject, SceneGraphInspector
 from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.proximity_rules import Measured, ScenePairs
 
@@ -42,12 +42,13 @@ class Balls(NamedTuple):
         cls,
         inspector: SceneGraphInspector,
         pairs: ScenePairs,
-        frames: Sequence[FrameId],
+        frames: NDArray[np.int64],
         maps: Sequence[GeometryId],
     ) -> Balls:
         """Return balls around those of the geometries of pairs that a map is reported with.
 
-        Geometries are on these ``frames``; balls around others are without end.
+        ``frames`` (n,) are those of the geometries, by the values of their ids; balls around
+        others are without end.
         """
         centres, radii = np.zeros((len(frames), 3)), np.full(len(frames), np.inf)
         of_maps = np.isin(pairs.ids, [its_map.get_value() for its_map in maps])
@@ -59,8 +60,7 @@ class Balls(NamedTuple):
                 X_FB = inspector.GetPoseInFrame(geometry) @ obb.pose()
                 centres[k] = X_FB.translation()
                 radii[k] = np.linalg.norm(obb.half_width())
-        values = np.array([frame.get_value() for frame in frames], dtype=np.int64)
-        return cls(values, centres, radii)
+        return cls(frames, centres, radii)
 
 
 def unseen(query: QueryObject, balls: Balls, sights: Sequence[Sight]) -> Flags:

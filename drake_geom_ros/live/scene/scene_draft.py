@@ -6,16 +6,17 @@ scene then becomes the draft in a moment: see ``EditableScene.take_over``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
-from drake_geom_ros.geometry import QueryObject, SceneGraphContext
+from drake_geom_ros.geometry import QueryObject, SceneGraph, SceneGraphContext
 from drake_geom_ros.live.conversions.frame_poses import FramePosesReader
 from drake_geom_ros.live.conversions.names import NameTable
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene, attached_in, is_large
 from drake_geom_ros.live.scene.robot_joints import RobotJoints
 from drake_geom_ros.live.scene.scene_rules import BoundRules
-from drake_geom_ros.scene_files import RobotDescription
+from drake_geom_ros.live.scene.waiting_maps import WaitingMaps
 
 Tell = Callable[[str, int, int], None]
 
@@ -32,30 +33,39 @@ class Named(NamedTuple):
 class SceneDraft:
     """A copy of the live scene, to be changed and made ready by one thread.
 
-    ``context`` holds the copy. The live scene is held by who makes a draft, and by nobody while it
-    is changed and made ready.
+    ``context`` holds the copy, or a scene of its own that is to take the place of the live one.
+    The live scene is held by who makes a draft, and by nobody while it is changed and made ready.
     """
 
-    def __init__(self, scene: HeldScene) -> None:
-        self.context: SceneGraphContext = scene.copy()
-        self.robots = scene.robots
+    def __init__(self, scene: HeldScene, context: SceneGraphContext | None = None) -> None:
+        self.context: SceneGraphContext = scene.copy() if context is None else context
+        self.robots = [] if context is not None else scene.robots
         self.named: Named | None = None  # None: as in the live scene
         self.rules: BoundRules | None = None
         self.is_large = scene.is_large
-        self._maps, self._world_frame = scene.maps_source, scene.world_frame
+        self.maps = scene.maps_source
+        self._world_frame = scene.world_frame
         self._rules, self._joints = scene.rules, scene.joints
+        self._change: Change[Any, Any] | None = None
 
-    def name_all(self, robots: Iterable[RobotDescription] = ()) -> None:
-        """Know what is called how, once the copy was changed and has some ``robots`` more.
+    def make(self, change: Change[Any, Any]) -> Any:
+        """Make a change on the copy, and return what it made."""
+        made = change.on(SceneGraph(), self.context)
+        if isinstance(made, WaitingMaps):  # names of maps are others than those of users' frames
+            self.maps = made.source
+        self.follow(change)
+        return made
 
-        Only shapes may have changed where this is left out.
-        """
+    def follow(self, change: Change[Any, Any]) -> None:
+        """Have the names, robots and rules of a change that was made."""
+        self._change = change
+        if change.same_content:
+            return
+        self.robots = change.robots_after(self.robots)
         inspector = QueryObject(self.context).inspector()
         self.is_large = is_large(inspector)
-        there = set(map(inspector.GetName, inspector.GetAllSourceIds()))
-        self.robots = [robot for robot in (*self.robots, *robots) if robot.name in there]
         prefixes = {robot.name: robot.frame_prefix for robot in self.robots}
-        names = NameTable(inspector, self._world_frame, prefixes, maps=self._maps)
+        names = NameTable(inspector, self._world_frame, prefixes, maps=self.maps)
         frames = {label: frame for frame, label in names.labels.items()}
         joints = RobotJoints(self.robots, frames, self._joints)
         _ = joints.entries
@@ -75,8 +85,12 @@ class SceneDraft:
         rehearse(query)
         query.num_waiting_pairs()
         query.waiting_frames()
-        if self._rules.rules:
-            self.rules = self._rules.prepared(query, same_names=self.named is None)
+        change = self._change
+        rules = self._rules.rules
+        if change is not None:
+            rules = self._rules.after(change.rules, change.rules_gone)
+        if rules:
+            self.rules = self._rules.prepared(query, rules, same_names=self.named is None)
             rehearse(self.rules.narrowed)
         query.inspector().geometry_version()
         self.context.what_if()  # views of the scene share what this makes

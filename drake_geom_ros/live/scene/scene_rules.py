@@ -62,12 +62,16 @@ class BoundRules(NamedTuple):
     pairs: ScenePairs
     watched: WatchedPairs
     hanging: dict[int, list[int]]
-    frames: list[FrameId]
+    frames: NDArray[np.int64]  # (n,) by the values of their ids
     narrowed: QueryObject
+
+    def is_about(self, version: GeometryVersion) -> bool:
+        """Return whether it is about this version of a scene."""
+        return self.version.IsSameAs(version, Role.kProximity)
 
     def is_of(self, version: GeometryVersion, rules: tuple[ProximityRule, ...]) -> bool:
         """Return whether it is about this version of a scene, and these rules."""
-        return self.version.IsSameAs(version, Role.kProximity) and self.rules == rules
+        return self.is_about(version) and self.rules == rules
 
 
 class SceneRules:
@@ -77,7 +81,7 @@ class SceneRules:
         self._monitor = RuleMonitor(_NO_PAIRS)
         self._version, self._frames_version = GeometryVersion(), -1
         self._hanging: dict[int, list[int]] = {}  # by frame: the rows of the geometries on it
-        self._frames: list[FrameId] = []  # of each geometry
+        self._frames = np.zeros(0, dtype=np.int64)  # of each geometry
         # [m] how far geometries reach from the origin of each frame; None: to be found
         self._extents: dict[FrameId, float] | None = None
         self._balls: Balls | None = None  # around geometries that sensed maps are reported with
@@ -107,8 +111,7 @@ class SceneRules:
 
         Returns the last one; raises RuleError for others.
         """
-        self._monitor.add(rules)
-        self._changed()
+        self._add(list(rules))
         return self._monitor.states()[-1]
 
     def take(self, rules: Sequence[ProximityRule]) -> list[str]:
@@ -116,22 +119,49 @@ class SceneRules:
 
         Returns what is wrong with those that can never be entered as the scene is.
         """
-        present = {rule.name: rule for rule in self.rules}
-        others = [rule.name for rule in rules if present.get(rule.name, rule) != rule]
+        others = self._replaced_by(rules)
         if others:
             self._happened += self._monitor.remove(*others)
             self._changed()
         there = {rule.name for rule in self.rules}
         new = [rule for rule in rules if rule.name not in there]
-        if not new:
-            return []
+        return self._add(new, may_wait=True) if new else []
+
+    def after(
+        self, taken: Sequence[ProximityRule], removed: Collection[str] = ()
+    ) -> tuple[ProximityRule, ...]:
+        """Return the rules that there are once others were taken, or some were removed."""
+        gone = {*removed, *self._replaced_by(taken)}
+        stay = [rule for rule in self.rules if rule.name not in gone]
+        there = {rule.name for rule in stay}
+        return (*stay, *(rule for rule in taken if rule.name not in there))
+
+    def _replaced_by(self, rules: Sequence[ProximityRule]) -> list[str]:
+        """Return the names of the rules whose place others take."""
+        present = {rule.name: rule for rule in self.rules}
+        return [rule.name for rule in rules if present.get(rule.name, rule) != rule]
+
+    def _add(self, rules: Sequence[ProximityRule], *, may_wait: bool = False) -> list[str]:
+        """Add rules; return the troubles of those that can never be entered."""
+        prepared = self._prepared_for((*self.rules, *rules))
+        troubles = self._monitor.add(rules, prepared and prepared.watched, may_wait=may_wait)
         self._changed()
-        return self._monitor.add(new, may_wait=True)
+        self._narrowed = prepared and prepared.narrowed
+        return troubles
+
+    def _prepared_for(self, rules: tuple[ProximityRule, ...]) -> BoundRules | None:
+        """Return what was prepared for these rules about the scene as it is; None: nothing was."""
+        prepared, self._prepared = self._prepared, None
+        if prepared is None or not prepared.is_of(self._version, rules):
+            return None
+        return prepared if prepared.pairs is self._pairs else None
 
     def remove(self, name: str) -> None:
         """Remove a rule; raises RuleError where there is none of that name."""
-        self._happened += self._monitor.remove(name)
+        prepared = self._prepared_for(self.after([], [name]))
+        self._happened += self._monitor.remove(name, watched=prepared and prepared.watched)
         self._changed()
+        self._narrowed = prepared and prepared.narrowed
 
     def _changed(self) -> None:
         self._narrowed, self.revision = None, self.revision + 1
@@ -143,16 +173,11 @@ class SceneRules:
         is_same = version.IsSameAs(self._version, Role.kProximity)
         if is_same and frames_version == self._frames_version:
             return
-        prepared, self._prepared = self._prepared, None
-        if prepared is not None and prepared.is_of(version, self.rules):
-            if prepared.pairs is self._pairs:
-                self._version, self._frames_version = version, frames_version
-                self._extents = self._balls = None
-                self.measure_again()
-            else:
-                self._be(prepared._replace(frames_version=frames_version))
-            self._narrowed = prepared.narrowed
+        prepared = self._prepared
+        if prepared is not None and prepared.is_about(version):
+            self._be_prepared(prepared, frames_version)
             return
+        self._prepared = None
         have_same_names = frames_version == self._frames_version
         self._version, self._frames_version = version, frames_version
         self._extents = self._balls = None
@@ -163,20 +188,41 @@ class SceneRules:
             self._narrowed = None
             self.measure_again()
             return
-        self._be(self._bound(query, frames_version, candidates, have_same_names))
+        self._be(self._bound(query, frames_version, self.rules, candidates, have_same_names))
 
-    def prepared(self, query: QueryObject, *, same_names: bool) -> BoundRules:
+    def _be_prepared(self, prepared: BoundRules, frames_version: int) -> None:
+        """Be about the version of the scene that rules were prepared for.
+
+        It stays there for rules that come with that version.
+        """
+        if prepared.rules != self.rules:
+            watched = self._monitor.watching(self.rules, prepared.pairs)
+            self._be(prepared._replace(frames_version=frames_version, watched=watched))
+            return
+        self._prepared = None
+        if prepared.pairs is self._pairs:
+            self._version, self._frames_version = prepared.version, frames_version
+            self._extents = self._balls = None
+            self.measure_again()
+        else:
+            self._be(prepared._replace(frames_version=frames_version))
+        self._narrowed = prepared.narrowed
+
+    def prepared(
+        self, query: QueryObject, rules: tuple[ProximityRule, ...], *, same_names: bool
+    ) -> BoundRules:
         """Return what ``bind`` would be about, for a copy of the scene that is going to be it.
 
-        With the ``same_names`` as the scene of now where only shapes and filters are others.
+        With these ``rules``; with the ``same_names`` as the scene of now where only shapes and
+        filters are others.
         """
         candidates = query.inspector().candidate_pairs()
-        if same_names and self._pairs.reported.matches(candidates):
-            version, rules = query.inspector().geometry_version(), self.rules
+        if same_names and rules == self.rules and self._pairs.reported.matches(candidates):
+            version = query.inspector().geometry_version()
             known = self._pairs, self._monitor.watched, self._hanging, self._frames
             bound = BoundRules(version, -1, rules, *known, query)
         else:
-            bound = self._bound(query, -1, candidates, same_names)
+            bound = self._bound(query, -1, rules, candidates, same_names)
         return bound._replace(narrowed=_narrowed(query, bound.watched))
 
     def offer(self, prepared: BoundRules | None) -> None:
@@ -187,21 +233,24 @@ class SceneRules:
         self,
         query: QueryObject,
         frames_version: int,
+        rules: tuple[ProximityRule, ...],
         candidates: CandidatePairs,
         same_names: bool,
     ) -> BoundRules:
         """Return what rules are about, by names and frames of now where these are the same."""
-        inspector, rules = query.inspector(), self.rules
+        inspector = query.inspector()
         version = inspector.geometry_version()
         if same_names and np.array_equal(candidates.ids, self._pairs.ids):
             pairs, on, frames = self._pairs, self._hanging, self._frames
-            pairs = ScenePairs(pairs.geometries, candidates)
+            if not pairs.reported.matches(candidates):
+                pairs = ScenePairs(pairs.geometries, candidates)
         else:
             geometries = [GeometryId(value) for value in candidates.ids.tolist()]
             names = [geometry_names(inspector, geometry) for geometry in geometries]
             pairs = ScenePairs(NamedGeometries(names), candidates)
             on = hanging(inspector, geometries)
-            frames = [inspector.GetFrameId(geometry) for geometry in geometries]
+            of_each = (inspector.GetFrameId(geometry).get_value() for geometry in geometries)
+            frames = np.fromiter(of_each, np.int64, len(geometries))
         watched = self._monitor.watching(rules, pairs)
         return BoundRules(version, frames_version, rules, pairs, watched, on, frames, query)
 
@@ -249,7 +298,8 @@ class SceneRules:
             balls = self._balls_of(query, sights)
             measured = with_unseen(measured, query, balls, sights, self._pairs)
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
-            lost = np.array([frame not in twists for frame in self._frames], dtype=np.bool_)
+            known = np.array([frame.get_value() for frame in twists], dtype=np.int64)
+            lost = ~np.isin(self._frames, known)
             measured = measured._replace(unpredicted=lost)
         self._decide(now, unreliable, measured, farthest)
         return computed
@@ -390,7 +440,9 @@ class SceneRules:
         if not twists or not any(rule.min_time_to_contact for rule in self.rules):
             return 0.0
         if self._extents is None:
-            self._extents = _extents(inspector, list(map(GeometryId, self._pairs.ids.tolist())))
+            world = inspector.world_frame_id().get_value()
+            ids = self._pairs.ids[self._frames != world].tolist()
+            self._extents = _extents(inspector, list(map(GeometryId, ids)))
         speeds = []
         for frame, extent in self._extents.items():
             if frame in twists:

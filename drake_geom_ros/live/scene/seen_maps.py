@@ -7,38 +7,32 @@ counted. Its age is that of its frame's pose, so results, diagnostics and rules 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from drake_geom_ros.geometry import (
     ArgumentError,
     FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
     OccupiedCells,
-    ProximityProperties,
     SceneGraph,
     SceneGraphContext,
 )
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import ALWAYS, Since
 from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.feeders import OBSTACLES
-from drake_geom_ros.live.scene.held_scene import MAPS, HeldScene, SeenMap
-from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.held_scene import HeldScene, SeenMap
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.out_of_sight import Sight
-from drake_geom_ros.live.scene.scene_draft import SceneDraft
+from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
+from drake_geom_ros.live.scene.waiting_maps import NAMED_AS_MAPS
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import SceneDescription
 from drake_geom_ros.sensed_maps import Cells
 
-GEOMETRY = 'map'
 _MANY_CELLS = 20_000  # of which a cycle may not wait for the tables
-_MARGIN = ('map', 'margin')  # of the geometry, by which each cell is larger on every side
 
 
 @dataclass(frozen=True)
@@ -62,39 +56,14 @@ def shape_of(cells: Cells, margin: float) -> OccupiedCells:
     return shape
 
 
-_NAMED_AS_MAPS = (
-    f'the scene has a source {MAPS!r}, which is what that of sensed maps is called; give it '
-    'another name, or remove it'
-)
-
-
 def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
     """Return a map of the scene; one that is not there is registered, and waits.
 
     Raises ArgumentError where the scene has a source of its own that is called as that of maps.
     """
-    existing = scene.maps.get(name)
-    if existing is not None:
-        return existing
-    graph = scene.scene_graph
-    source = scene.maps_source
-    if source is None:
-        if MAPS in map(scene.inspector.GetName, scene.inspector.GetAllSourceIds()):
-            raise ArgumentError(_NAMED_AS_MAPS)
-        source = scene.maps_source = graph.RegisterSource(MAPS)
-    frame = graph.RegisterFrame(source, GeometryFrame(name))
-    # Nobody sees it: the frame has no pose.
-    some = OccupiedCells(1.0, np.zeros((1, 3)))
-    instance = GeometryInstance(RigidTransform(), some, GEOMETRY)
-    properties = ProximityProperties()
-    if margin:
-        properties.AddProperty(*_MARGIN, margin)
-    instance.set_proximity_properties(properties)
-    geometry = graph.RegisterGeometry(source, frame, instance)
-    graph.collision_filter_manager().WeldToWorld([frame])
-    seen_map = SeenMap(frame, geometry, None)
-    scene.maps[name] = seen_map
-    return seen_map
+    if name not in scene.maps:
+        scene.make(scene.standing_maps([], [name], margin))
+    return scene.maps[name]
 
 
 def begin_with_maps(
@@ -109,7 +78,7 @@ def begin_with_maps(
     ArgumentError where the file has a source that is called as that of maps.
     """
     if names and description is not None and MAPS in description.sources:
-        raise ArgumentError(_NAMED_AS_MAPS)
+        raise ArgumentError(NAMED_AS_MAPS)
     for name in names:
         stand(scene, name, margin)
     return (0, 0) if description is None else scene.add(description)
@@ -123,70 +92,54 @@ def stand_fed(scene: EditableScene, sources: MapSources) -> None:
             stand(scene, name, sources.margin)
 
 
-def rehearse(graph: SceneGraph, context: SceneGraphContext, shape: OccupiedCells) -> None:
-    """Do on a copy of the scene what ``put`` will, for what takes long to be done then."""
-    source = graph.RegisterSource(context=context, name='')
-    frame = graph.RegisterFrame(context=context, source_id=source, frame=GeometryFrame(GEOMETRY))
-    instance = GeometryInstance(RigidTransform(), shape, GEOMETRY)
-    instance.set_proximity_properties(ProximityProperties())
-    graph.RegisterGeometry(context=context, source_id=source, frame_id=frame, geometry=instance)
-
-
-def drafted(live: LiveScene, name: str, sighting: Sighting) -> SceneDraft | None:
-    """Return a draft of the scene in which a map has another shape; None: that is soon done."""
-    with live.reading() as scene:
-        known = scene.maps.get(name)
-        if known is None or not (scene.is_large or len(sighting.cells) > _MANY_CELLS):
-            return None
-        draft = SceneDraft(scene)
-        source = scene.inspector.GetOwningSourceId(known.frame)
-    graph = SceneGraph()
-    graph.ChangeShape(draft.context, source, known.geometry, sighting.shape)
-    draft.get_ready(live.rehearse, live.tell_compiling)
-    return draft
-
-
-def put(
+def showing(
     scene: EditableScene,
     name: str,
     sighting: Sighting,
-    margin: float = 0.0,
-    draft: SceneDraft | None = None,
-) -> None:
-    """Let a map hold what was seen, in place of all that it held.
+    first: Callable[[EditableScene], object] = lambda scene: None,
+    done: Callable[[], object] = lambda: None,
+) -> Change[EditableScene, None]:
+    """Return the change after which a map of the scene holds what was seen, and nothing else.
 
-    A ``draft`` of a scene that has not changed since has the shape already.
+    ``first`` raises RuntimeError where that is not to be any more; ``done`` is called with the
+    scene held.
     """
-    seen_map = stand(scene, name, margin)
-    graph, frame = scene.scene_graph, seen_map.frame
-    before = scene.version
-    if draft is None or not scene.take_over(draft):
-        source = scene.inspector.GetOwningSourceId(frame)
-        graph.ChangeShape(source, seen_map.geometry, sighting.shape)
-    scene.map_changes += scene.version - before
-    poses = FramePoseVector({frame: sighting.X_WM})
-    posed = {frozenset([frame.get_value()]): sighting.since}
-    scene.pose(poses, posed, sighting.stamp, OBSTACLES)
-    # What stands in the world and what was seen of it are both at rest, wherever that is.
-    if frame not in graph.collision_filter_manager().welded_frames():
-        graph.collision_filter_manager().WeldToWorld([frame])
-    scene.maps[name] = SeenMap(
-        frame,
-        seen_map.geometry,
-        *(sighting.cells, sighting.shell, sighting.feeds, sighting.sights),
-    )
+    seen_map = scene.maps[name]
+    frame, version = seen_map.frame, 0
+    source = scene.inspector.GetOwningSourceId(frame)
+
+    def look(scene: EditableScene) -> None:
+        nonlocal version
+        first(scene)
+        version = scene.version
+
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+        graph.ChangeShape(
+            context=context,
+            source_id=source,
+            geometry_id=seen_map.geometry,
+            shape=sighting.shape,
+        )
+
+    def then(scene: EditableScene, _: None) -> None:
+        scene.map_changes += scene.version - version
+        poses = FramePoseVector({frame: sighting.X_WM})
+        posed = {frozenset([frame.get_value()]): sighting.since}
+        scene.pose(poses, posed, sighting.stamp, OBSTACLES)
+        # What stands in the world and what was seen of it are both at rest, wherever that is.
+        manager = scene.scene_graph.collision_filter_manager()
+        if frame not in manager.welded_frames():
+            manager.WeldToWorld([frame])
+        held = sighting.cells, sighting.shell, sighting.feeds, sighting.sights
+        scene.maps[name] = SeenMap(frame, seen_map.geometry, *held)
+        done()
+
+    return Change(on, look, then, same_content=True)
 
 
-def forget(scene: EditableScene, names: list[str], again: list[str], margin: float = 0.0) -> int:
-    """Forget what maps hold, and return how many cells that was; those of ``again`` wait then.
-
-    The others stay what they are, by their ids, too.
-    """
-    gone = sum(len(scene.maps[n].cells or ()) for n in names if n in scene.maps)
-    scene.remove_maps(names)
-    for name in again:
-        stand(scene, name, margin)
-    return gone
+def has_many(cells: Cells) -> bool:
+    """Return whether a cycle may not wait for the tables of cells."""
+    return len(cells) > _MANY_CELLS
 
 
 def sensor_ages(scene: HeldScene) -> dict[str, float]:

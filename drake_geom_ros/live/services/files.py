@@ -10,11 +10,11 @@ from typing import Any
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.scene.changing_scene import rehearse_swap
-from drake_geom_ros.live.scene.editable_scene import prepared
-from drake_geom_ros.live.scene.held_scene import MAPS, HeldScene
-from drake_geom_ros.live.scene.live_scene import LiveScene, registered_copy
-from drake_geom_ros.live.scene.seen_maps import GEOMETRY
+from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.scene_snapshot import MAPS
+from drake_geom_ros.live.scene.waiting_maps import GEOMETRY
 from drake_geom_ros.live.services.saved_file import SavedFile
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
@@ -38,19 +38,19 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     if request.replaced_sources:
         with live.editing() as scene:
             sources = scene.in_order_of_removal(map(scene.names.source, request.replaced_sources))
-        live.make_ready(lambda graph, context: rehearse_swap(graph, context, sources, description))
-        with live.editing() as scene:
-            added = scene.swap(sources, description)
+            exchange = scene.exchange(sources, description)
+        added = live.change(exchange, calls_for_more=True)
     elif request.replace:
-        other = prepared(description)
-        with live.editing() as scene:
-            lost = _maps_that_go(live, scene)
-            added = scene.replace(other)
+
+        def first(scene: EditableScene) -> None:
+            lost.extend(_maps_that_go(live, scene))
             scene.warned += lost
+
+        added = live.replace_all(description, first)
     else:
-        copy = registered_copy(live, description)
         with live.editing() as scene:
-            added = scene.add(description, copy)
+            addition = scene.addition(description)
+        added = live.change(addition, calls_for_more=True)
     response.frames, response.geometries = added
     response.message = '\n'.join([*description.warnings, *lost])
 
@@ -69,7 +69,7 @@ def save_scene(live: LiveScene, request: Any, response: Any) -> None:
     """Write the scene down; the file has one line more than the answer, by which it is known."""
     target = SavedFile(live.files.new_file(request.path, 'path')) if request.path else None
     with live.reading() as scene:
-        description = scene.description()
-    response.text = to_yaml(description)
+        snapshot = scene.snapshot()
+    response.text = to_yaml(snapshot.description())
     if target is not None:
         target.write(response.text.encode())

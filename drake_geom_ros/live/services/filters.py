@@ -1,4 +1,4 @@
-"""Services that change the collision filters: the scene, a request, a response.
+"""Services that change the collision filters: the live scene, a request, a response.
 
 As in ``scene``: a handler raises RuntimeError to refuse.
 """
@@ -8,20 +8,90 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from drake_geom_ros.geometry import ArgumentError, CollisionFilterManager, FilterId
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    CollisionFilterDeclaration,
+    FilterId,
+    SceneGraph,
+    SceneGraphContext,
+)
 from drake_geom_ros.live.conversions.filters import declaration_from_message
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.editable_scene import EditableScene, owned_by
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.live_scene import LiveScene
+
+_MANY = 100  # frames and geometries of a declaration that take longer than a cycle may wait
 
 
-def apply_filter(scene: EditableScene, request: Any, response: Any) -> None:
+def apply_filter(live: LiveScene, request: Any, response: Any) -> None:
     """Apply a persistent declaration."""
-    declaration = declaration_from_message(request.declaration, scene.names)
-    _manager(scene).Apply(declaration)
+    declaration = _declaration(live, request)
+
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+        graph.collision_filter_manager(context).Apply(declaration)
+
+    live.change(Change(on, same_content=True), is_short=_is_short(request))
 
 
-def flatten_filters(scene: EditableScene, request: Any, response: Any) -> None:
+def flatten_filters(live: LiveScene, request: Any, response: Any) -> None:
     """Make the current configuration the persistent one."""
-    _manager(scene).Flatten()
+    with live.editing() as scene:
+        scene.scene_graph.collision_filter_manager().Flatten()
+
+
+def apply_transient_filter(live: LiveScene, request: Any, response: Any) -> None:
+    """Apply a declaration that can be taken back, or that ends with its lease."""
+    lease, owner, is_short = _lease(request), request.owner, _is_short(request)
+    declaration = _declaration(live, request)
+
+    def first(scene: EditableScene) -> None:
+        scene.refuse_too_many_filters(owner)
+
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> FilterId:
+        return graph.collision_filter_manager(context).ApplyTransient(declaration)
+
+    def then(scene: EditableScene, filter_id: FilterId) -> int:
+        scene.lease(filter_id, lease)
+        scene.own(filter_id, owner, is_short=is_short)
+        until = f'for {lease:g} s' if lease else 'until it is removed'
+        scene.told.append(f'transient filter {filter_id.get_value()} {until}{owned_by(owner)}')
+        return filter_id.get_value()
+
+    change = Change(on, first, then, same_content=True)
+    response.filter_id = live.change(change, is_short=is_short)
+
+
+def renew_filter(live: LiveScene, request: Any, response: Any) -> None:
+    """Prolong the lease of a transient declaration, unless another asked for it."""
+    lease, filter_id = _lease(request), FilterId(request.filter_id)
+    with live.editing() as scene:
+        manager = scene.scene_graph.collision_filter_manager()
+        response.active = _is_of(scene, request) and manager.IsActive(filter_id)
+        if response.active:
+            scene.lease(filter_id, lease)
+
+
+def remove_filter(live: LiveScene, request: Any, response: Any) -> None:
+    """Take a transient declaration back, unless another asked for it."""
+    filter_id = FilterId(request.filter_id)
+    with live.reading() as scene:
+        if not _is_of(scene, request):
+            response.removed = False
+            return
+        is_short = scene.is_short(filter_id)
+
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> bool:
+        return graph.collision_filter_manager(context).RemoveDeclaration(filter_id)
+
+    def then(scene: EditableScene, removed: bool) -> bool:
+        if removed:
+            scene.lease(filter_id, 0.0)
+            owner = owned_by(scene.owner_of(filter_id))
+            scene.told.append(f'transient filter {request.filter_id} removed{owner}')
+        return removed
+
+    response.removed = live.change(Change(on, then=then, same_content=True), is_short=is_short)
 
 
 def _lease(request: Any) -> float:
@@ -31,41 +101,26 @@ def _lease(request: Any) -> float:
     return float(request.lease)
 
 
-def apply_transient_filter(scene: EditableScene, request: Any, response: Any) -> None:
-    """Apply a declaration that can be taken back, or that ends with its lease."""
-    lease = _lease(request)
-    scene.refuse_too_many_filters(request.owner)
-    declaration = declaration_from_message(request.declaration, scene.names)
-    filter_id = _manager(scene).ApplyTransient(declaration)
-    scene.lease(filter_id, lease)
-    scene.own(filter_id, request.owner)
-    response.filter_id = filter_id.get_value()
-    until = f'for {lease:g} s' if lease else 'until it is removed'
-    scene.told.append(f'transient filter {response.filter_id} {until}{owned_by(request.owner)}')
+def _declaration(live: LiveScene, request: Any) -> CollisionFilterDeclaration:
+    """Return the declaration of a request, by the names of now."""
+    with live.reading() as scene:
+        names = scene.names
+    return declaration_from_message(request.declaration, names)
 
 
-def renew_filter(scene: EditableScene, request: Any, response: Any) -> None:
-    """Prolong the lease of a transient declaration, unless another asked for it."""
-    lease, filter_id = _lease(request), FilterId(request.filter_id)
-    response.active = _is_of(scene, request) and _manager(scene).IsActive(filter_id)
-    if response.active:
-        scene.lease(filter_id, lease)
+def _is_short(request: Any) -> bool:
+    """Return whether a declaration names so few that it is soon applied in any scene."""
+    return (
+        sum(
+            len(members)
+            for statement in request.declaration.statements
+            for each in (statement.set_a, statement.set_b)
+            for members in (each.frames, each.frame_ids, each.geometries, each.geometry_ids)
+        )
+        < _MANY
+    )
 
 
-def remove_filter(scene: EditableScene, request: Any, response: Any) -> None:
-    """Take a transient declaration back, unless another asked for it."""
-    filter_id = FilterId(request.filter_id)
-    response.removed = _is_of(scene, request) and _manager(scene).RemoveDeclaration(filter_id)
-    if response.removed:
-        scene.lease(filter_id, 0.0)
-        owner = owned_by(scene.owner_of(filter_id))
-        scene.told.append(f'transient filter {request.filter_id} removed{owner}')
-
-
-def _manager(scene: EditableScene) -> CollisionFilterManager:
-    return scene.scene_graph.collision_filter_manager()
-
-
-def _is_of(scene: EditableScene, request: Any) -> bool:
+def _is_of(scene: HeldScene, request: Any) -> bool:
     """Return whether a filter is of who asks; of anybody, where a request does not say who."""
     return request.owner in ('', scene.owner_of(FilterId(request.filter_id)))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.common.counting import are, counted
-from drake_geom_ros.geometry import ArgumentError, SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_sources import FILE
-from drake_geom_ros.live.scene.seen_maps import Sighting, forget, put, rehearse, shape_of
+from drake_geom_ros.live.scene.seen_maps import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.services.saved_file import MAP_FILE, SavedFile
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
@@ -28,9 +29,13 @@ def clear_obstacles(live: LiveScene, request: Any, response: Any) -> None:
                 f'map is {unknown[0][:80]!r}; maps: {", ".join(scene.maps) or "none"}'
             )
         fed = [name for name in names if name in sources.fed]
+        change = scene.standing_maps(names, fed, sources.margin)
+
+    def first(scene: HeldScene) -> None:
         for name in fed:
             sources.fed[name].forget()
-        response.cells = forget(scene, names, fed, sources.margin)
+
+    response.cells = live.change(dataclasses.replace(change, first=first))
     sources.changed()
 
 
@@ -47,15 +52,17 @@ def load_obstacles(live: LiveScene, request: Any, response: Any) -> None:
     if not len(cells):
         raise ArgumentError(f'path is {request.path!r}, and the file holds nothing')
     shape = shape_of(cells, sources.margin)
-
-    def rehearsal(graph: SceneGraph, context: SceneGraphContext) -> None:
-        rehearse(graph, context, shape)
-
-    live.make_ready(rehearsal)
+    with live.editing() as scene:
+        is_new = FILE not in scene.maps
+        change = scene.standing_maps([], [FILE], sources.margin)
+    if is_new:
+        live.change(change, calls_for_more=True)
     with live.editing() as scene:
         # It holds for good; no stamp is newer for it.
         stamp = scene.newest_stamp
-        put(scene, FILE, Sighting(cells, shape, RigidTransform(), ALWAYS, stamp), sources.margin)
+        sighting = Sighting(cells, shape, RigidTransform(), ALWAYS, stamp)
+        showing_cells = showing(scene, FILE, sighting)
+    live.change(showing_cells, calls_for_more=has_many(cells))
     sources.changed()
     response.cells = len(cells)
     if n := read.left_out:

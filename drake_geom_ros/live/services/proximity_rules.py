@@ -1,35 +1,49 @@
-"""Services about proximity rules: the scene, a request, a response. RuntimeError refuses."""
+"""Services about proximity rules: the live scene, a request, a response. RuntimeError refuses."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from drake_geom_ros.live.conversions.proximity_rules import rule_from_message
+from drake_geom_ros.live.scene.change import Change, unchanged
 from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.rule_states import fill_rule_states
 from drake_geom_ros.proximity_rules import RuleError
 
 
-def add_proximity_rule(scene: EditableScene, request: Any, response: Any) -> None:
+def add_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
     """Add a rule that some pair of the scene can enter."""
     rule = rule_from_message(request.rule)
-    if rule.min_time_to_contact and not scene.watches_motion:
-        raise RuleError(
-            f'proximity rule {rule.name[:80]!r}: min_time_to_contact needs twists, and nobody '
-            'watches how bodies move; set the parameter closing_speeds'
-        )
-    scene.bind_rules()
-    state = scene.rules.add([rule])
-    response.pairs, response.left_out_pairs = state.pairs, state.left_out
-    response.message = '; '.join(scene.finer_than_maps(rule.name))
-    scene.told.append(f'proximity rule {rule.name!r} watches {state.pairs} pairs')
+
+    def first(scene: EditableScene) -> None:
+        if rule.min_time_to_contact and not scene.watches_motion:
+            raise RuleError(
+                f'proximity rule {rule.name[:80]!r}: min_time_to_contact needs twists, and nobody '
+                'watches how bodies move; set the parameter closing_speeds'
+            )
+
+    def then(scene: EditableScene, _: None) -> str:
+        scene.bind_rules()
+        state = scene.rules.add([rule])
+        response.pairs, response.left_out_pairs = state.pairs, state.left_out
+        scene.told.append(f'proximity rule {rule.name!r} watches {state.pairs} pairs')
+        return '; '.join(scene.finer_than_maps(rule.name))
+
+    change = Change(unchanged, first, then, rules=[rule], same_content=True)
+    response.message = live.change(change)
 
 
-def remove_proximity_rule(scene: EditableScene, request: Any, response: Any) -> None:
+def remove_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
     """Remove a rule."""
-    scene.rules.remove(request.name)
-    scene.told.append(f'proximity rule {request.name!r} removed')
+    name = request.name
+
+    def then(scene: EditableScene, _: None) -> None:
+        scene.bind_rules()
+        scene.rules.remove(name)
+        scene.told.append(f'proximity rule {name!r} removed')
+
+    live.change(Change(unchanged, then=then, rules_gone=[name], same_content=True))
 
 
 def list_proximity_rules(live: LiveScene, request: Any, response: Any) -> None:

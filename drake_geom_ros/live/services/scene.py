@@ -1,42 +1,37 @@
-"""Services that change what the scene holds: the scene, a request, a response.
+"""Services that change what the scene holds: the live scene, a request, a response.
 
 One function a service; those that bring a shape are in ``shapes``. A handler raises RuntimeError
-to refuse, and has changed nothing then. One whose change of a large scene takes long is handed the
-live scene, and holds it only for the change itself.
+to refuse, and has changed nothing then.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from drake_geom_ros.geometry import (
     ArgumentError,
     FrameId,
     GeometryFrame,
-    QueryObject,
     Role,
     SceneGraph,
     SceneGraphContext,
+    SourceId,
 )
 from drake_geom_ros.live.conversions.fields import fill_pose, pose_from_message
 from drake_geom_ros.live.conversions.names import WORLD
 from drake_geom_ros.live.conversions.scene import role_from_number
-from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.math import RigidTransform
 
 
-class _Removed(NamedTuple):
-    """The frames and geometries that were removed with a source."""
-
-    frames: Sequence[FrameId]
-    geometries: int
-
-
-def register_source(scene: EditableScene, request: Any, response: Any) -> None:
+def register_source(live: LiveScene, request: Any, response: Any) -> None:
     """Register a geometry source."""
-    response.source_id = scene.scene_graph.RegisterSource(request.name).get_value()
+
+    def change(graph: SceneGraph, context: SceneGraphContext | None) -> SourceId:
+        return graph.RegisterSource(context=context, name=request.name)
+
+    response.source_id = live.change(Change(change)).get_value()
 
 
 def register_frame(live: LiveScene, request: Any, response: Any) -> None:
@@ -56,7 +51,7 @@ def register_frame(live: LiveScene, request: Any, response: Any) -> None:
             context=context, source_id=source, parent_id=parent, frame=frame
         )
 
-    response.frame_id = live.change(change).get_value()
+    response.frame_id = live.change(Change(change)).get_value()
 
 
 def remove_role(live: LiveScene, request: Any, response: Any) -> None:
@@ -70,7 +65,7 @@ def remove_role(live: LiveScene, request: Any, response: Any) -> None:
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> int:
         return graph.RemoveRole(context=context, source_id=source, geometry_id=geometry, role=role)
 
-    response.count = live.change(change)
+    response.count = live.change(Change(change))
 
 
 def remove_geometry(live: LiveScene, request: Any, response: Any) -> None:
@@ -82,47 +77,40 @@ def remove_geometry(live: LiveScene, request: Any, response: Any) -> None:
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.RemoveGeometry(context=context, source_id=source, geometry_id=geometry)
 
-    live.change(change)
+    live.change(Change(change))
 
 
 def remove_source(live: LiveScene, request: Any, response: Any) -> None:
     """Remove a source and all that is its."""
-    with live.reading() as scene:
-        source = scene.names.source(request.source)
-        scene.refuse_maps(source)
-        name = scene.inspector.GetName(source)
-
-    def change(graph: SceneGraph, context: SceneGraphContext | None) -> _Removed:
-        query = None if context is None else QueryObject(context)
-        inspector = graph.model_inspector() if query is None else query.inspector()
-        before = inspector.num_geometries()
-        frames = graph.RemoveSource(context=context, source_id=source)
-        return _Removed(frames, before - inspector.num_geometries())
-
-    def then(scene: EditableScene, removed: _Removed) -> None:
-        scene.forget_source(source, name, removed.frames)
-
-    removed = live.change(change, then=then)
-    response.frames, response.geometries = len(removed.frames), removed.geometries
+    with live.editing() as scene:
+        removal = scene.removal(scene.names.source(request.source))
+    response.frames, response.geometries = live.change(removal)
 
 
-def attach(scene: EditableScene, request: Any, response: Any) -> None:
+def attach(live: LiveScene, request: Any, response: Any) -> None:
     """Let a frame follow another one."""
-    names = scene.names
-    frame, parent = names.frame(request.frame), names.frame(request.parent)
-    if frame == names.world:
-        raise ArgumentError(f'frame is {request.frame!r}, the world frame, which follows nothing')
-    for each in (frame, parent):
-        scene.refuse_maps(scene.inspector.GetOwningSourceId(each))
-    X_PF, is_part = _given_pose(request), request.part_of_robot
-    fill_pose(response.pose, scene.attach(frame, parent, X_PF, is_part=is_part))
+    X_PF = _given_pose(request)
+    with live.editing() as scene:
+        names = scene.names
+        frame, parent = names.frame(request.frame), names.frame(request.parent)
+        if frame == names.world:
+            raise ArgumentError(
+                f'frame is {request.frame!r}, the world frame, which follows nothing'
+            )
+        for each in (frame, parent):
+            scene.refuse_maps(scene.inspector.GetOwningSourceId(each))
+        attachment = scene.attachment(frame, parent, X_PF, is_part=request.part_of_robot)
+    fill_pose(response.pose, live.change(attachment))
 
 
-def detach(scene: EditableScene, request: Any, response: Any) -> None:
+def detach(live: LiveScene, request: Any, response: Any) -> None:
     """Put an attached frame back on the one that it was registered on."""
-    frame = scene.names.frame(request.frame)
-    scene.refuse_maps(scene.inspector.GetOwningSourceId(frame))
-    fill_pose(response.pose, scene.detach(frame, _given_pose(request)))
+    X_PF = _given_pose(request)
+    with live.editing() as scene:
+        frame = scene.names.frame(request.frame)
+        scene.refuse_maps(scene.inspector.GetOwningSourceId(frame))
+        detachment = scene.detachment(frame, X_PF)
+    fill_pose(response.pose, live.change(detachment))
 
 
 def _given_pose(request: Any) -> RigidTransform | None:

@@ -23,12 +23,12 @@ from drake_geom_ros.geometry import (
     RoleAssign,
     SceneGraph,
     SceneGraphContext,
-    SceneGraphInspector,
     Shape,
 )
 from drake_geom_ros.live.conversions.fields import pose_from_message
 from drake_geom_ros.live.conversions.scene import properties_from_message, set_role
 from drake_geom_ros.live.conversions.shapes import shape_from_message
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files.hydroelastic import GROUP as HYDROELASTIC
@@ -66,7 +66,7 @@ def _registered(
             properties = instance.proximity_properties()
             is_new |= properties is not None and (
                 properties.HasGroup(HYDROELASTIC)
-                or _calls_for_more(scene.inspector, instance.shape(), anchored)
+                or _calls_for_more(scene, instance.shape(), anchored)
             )
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> list[GeometryId]:
@@ -85,7 +85,7 @@ def _registered(
             raise
         return made
 
-    return live.change(change, calls_for_more=is_new)
+    return live.change(Change(change), calls_for_more=is_new)
 
 
 def _instance(live: LiveScene, message: Any) -> GeometryInstance:
@@ -134,7 +134,7 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
         is_new = False
         if isinstance(properties, ProximityProperties):
             scene.refuse_maps(source)
-            is_new = properties.HasGroup(HYDROELASTIC) or _is_new(scene.inspector, geometry)
+            is_new = properties.HasGroup(HYDROELASTIC) or _is_new(scene, geometry)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.AssignRole(
@@ -145,7 +145,7 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
             assign=assign,
         )
 
-    live.change(change, calls_for_more=is_new)
+    live.change(Change(change), calls_for_more=is_new)
 
 
 def change_shape(live: LiveScene, request: Any, response: Any) -> None:
@@ -154,34 +154,34 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
     with live.reading() as scene:
         source, geometry = scene.owned_geometry(request.geometry)
         scene.refuse_maps(source)
-        inspector = scene.inspector
-        proximity = inspector.GetProximityProperties(geometry)
+        proximity = scene.inspector.GetProximityProperties(geometry)
         is_new = proximity is not None and (
-            proximity.HasGroup(HYDROELASTIC) or _is_new(inspector, geometry, shape)
+            proximity.HasGroup(HYDROELASTIC) or _is_new(scene, geometry, shape)
         )
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.ChangeShape(context=context, source_id=source, geometry_id=geometry, shape=shape)
 
-    live.change(change, calls_for_more=is_new)
+    live.change(Change(change), calls_for_more=is_new)
 
 
-def _is_new(
-    inspector: SceneGraphInspector, geometry: GeometryId, shape: Shape | None = None
-) -> bool:
+def _is_new(scene: HeldScene, geometry: GeometryId, shape: Shape | None = None) -> bool:
     """Return whether a geometry of the scene, with another shape perhaps, needs preparation."""
+    inspector = scene.inspector
     anchored = inspector.GetFrameId(geometry) == inspector.world_frame_id()
-    return _calls_for_more(inspector, shape or inspector.GetShape(geometry), anchored)
+    return _calls_for_more(scene, shape or inspector.GetShape(geometry), anchored)
 
 
-def _calls_for_more(inspector: SceneGraphInspector, shape: Shape, anchored: bool) -> bool:
+def _calls_for_more(scene: HeldScene, shape: Shape, anchored: bool) -> bool:
     """Return whether queries may have to load or compile something for a new shape.
 
     They need not where the scene has such a shape already: it need not be made ready then,
-    which for many shapes, one after the other, would cost more than registering them.
+    which for many shapes, one after the other, would cost more than registering them. In a large
+    scene every change is made ready.
     """
-    if isinstance(shape, Convex | Mesh):
+    if scene.is_large or isinstance(shape, Convex | Mesh):
         return True
+    inspector = scene.inspector
     world = inspector.world_frame_id()
     return not any(
         type(inspector.GetShape(geometry)) is type(shape)

@@ -16,21 +16,22 @@ from drake_geom_ros.live.conversions.cameras import (
     fill_legend,
 )
 from drake_geom_ros.live.conversions.names import NameTable
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import IMAGES, camera_of
 
 
-def add_camera(scene: EditableScene, request: Any, response: Any) -> None:
+def add_camera(live: LiveScene, request: Any, response: Any) -> None:
     """Add a camera."""
     message = request.camera
-    frame = _frame(scene.names, message)
-    scene.add_camera(frame, camera_from_message(message, message.name))
+    with live.editing() as scene:
+        frame = _frame(scene.names, message)
+        scene.add_camera(frame, camera_from_message(message, message.name))
 
 
-def remove_camera(scene: EditableScene, request: Any, response: Any) -> None:
+def remove_camera(live: LiveScene, request: Any, response: Any) -> None:
     """Remove a camera; its topics go when images are next due."""
-    scene.remove_camera(request.name)
+    with live.editing() as scene:
+        scene.remove_camera(request.name)
 
 
 def list_cameras(live: LiveScene, request: Any, response: Any) -> None:

@@ -8,7 +8,6 @@ from typing import Any
 from drake_geom_msgs import srv
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services import (
     ages,
@@ -26,10 +25,10 @@ from drake_geom_ros.live.services import (
 from drake_geom_ros.ros.services import cameras
 
 Handler = Callable[[LiveScene, Any, Any], None]
-Change = Callable[[EditableScene, Any, Any], None]
 
-# What changes the scene: one after the other, between two cycles.
-CHANGES: tuple[tuple[str, Any, Change], ...] = (
+# What changes the scene, which is prepared first where the scene is large: beside the main thread,
+# which ends leases, and apart from what loads for long.
+CHANGES: tuple[tuple[str, Any, Handler], ...] = (
     ('register_source', srv.RegisterSource, scene.register_source),
     ('attach', srv.Attach, scene.attach),
     ('detach', srv.Detach, scene.detach),
@@ -38,18 +37,16 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('renew_filter', srv.RenewFilter, filters.renew_filter),
     ('remove_filter', srv.RemoveFilter, filters.remove_filter),
     ('flatten_filters', Trigger, filters.flatten_filters),
-    ('add_camera', srv.AddCamera, cameras.add_camera),
-    ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
     ('add_proximity_rule', srv.AddProximityRule, proximity_rules.add_proximity_rule),
     ('remove_proximity_rule', srv.RemoveProximityRule, proximity_rules.remove_proximity_rule),
+    ('add_camera', srv.AddCamera, cameras.add_camera),
+    ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
 )
 
 # What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
 # (Measured with two arms at 100 Hz and a solid mesh whose kernels were not compiled yet: in the
 # thread of the queries has_collisions waited 98 s, in one of their own 0.4 s; cycles do not
 # notice which, with or without load.)
-# Or what prepares a change of a large scene, which in the main thread would keep leases from
-# ending, and look like a stuck node to the watchdog.
 LOADING: tuple[tuple[str, Any, Handler], ...] = (
     ('register_frame', srv.RegisterFrame, scene.register_frame),
     ('remove_role', srv.RemoveRole, scene.remove_role),

@@ -72,8 +72,8 @@ def test_only_messages_change_what_is_the_maps():
         (scene.attach, Plain(frame='s::mast', parent='obstacles::points', pose_given=False)),
     ]
     for serve, request in asked:
-        with node.live.editing() as held, pytest.raises(RuntimeError, match='sensed maps'):
-            serve(held, request, Plain(pose=None))
+        with pytest.raises(RuntimeError, match='sensed maps'):
+            serve(node.live, request, Plain(pose=None))
     role = Plain(role=PROXIMITY, properties=[])
     for serve, told in (
         (scene.remove_geometry, {}),
@@ -206,7 +206,8 @@ def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
                 since,
                 stamp_of(100),
             )
-            seen_maps.put(held, name, seen)
+            seen_maps.stand(held, name)
+            held.make(seen_maps.showing(held, name, seen))
         held.scene_graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration().ExcludeBetween(
                 GeometrySet([held.maps['other'].geometry]),

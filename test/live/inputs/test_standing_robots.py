@@ -211,7 +211,7 @@ def test_a_carrier_is_replaced_with_what_it_carries_or_not_at_all(folder, clock)
         names = scene.names
         described = read_scene(text)
         with pytest.raises(RuntimeError, match="of 'tool' are mounted on its frames"):
-            scene.make_room([names.source('big')], described)
+            scene.swap([names.source('big')], described)
         sources = scene.in_order_of_removal(map(names.source, ('cell', 'big', 'tool')))
         assert [scene.inspector.GetName(s) for s in sources] == ['tool', 'big', 'cell']
         scene.swap(sources, described)

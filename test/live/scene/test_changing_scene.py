@@ -51,11 +51,8 @@ def pose(x=0.0):
 
 
 def call(live, service, response=None, **fields):
-    """Call a service of the table of changes, or one that takes the live scene."""
+    """Call a service that takes the live scene."""
     response = response or Plain(pose=pose())
-    if service in (scene.attach, scene.detach):
-        with live.editing() as held:
-            return ANSWER(service, held, Plain(**fields), response)
     return ANSWER(service, live, Plain(**fields), response)
 
 

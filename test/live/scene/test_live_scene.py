@@ -2,6 +2,7 @@
 
 import math
 import threading
+from dataclasses import replace
 from types import SimpleNamespace as Plain
 
 import pytest
@@ -18,10 +19,12 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.live.scene import held_scene
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import Clocks
-from drake_geom_ros.live.scene.editable_scene import prepared
-from drake_geom_ros.live.scene.live_scene import LiveScene, registered_copy
+from drake_geom_ros.live.scene.editable_scene import EditableScene, prepared
+from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_rules import Blind
+from drake_geom_ros.live.scene.seen_maps import stand
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import Level, ProximityRule
 from drake_geom_ros.scene_files import read_scene, to_yaml
@@ -219,6 +222,24 @@ def test_a_scene_with_cameras_has_what_takes_images_compiled_at_once(monkeypatch
     assert sizes == [(1, 1, 'exact_proximity')]
 
 
+def test_a_scene_with_maps_has_what_measures_points_compiled_at_once(monkeypatch):
+    """The first cycle with points beside a body does not wait for it."""
+    asked = []
+    method = QueryObject.ComputeSignedDistanceToPoint
+    monkeypatch.setattr(
+        QueryObject,
+        'ComputeSignedDistanceToPoint',
+        lambda query, *what: asked.append(query) or method(query, *what),
+    )
+    live = live_scene(TEXT)
+    live.compile_kernels()
+    assert asked == []
+    with live.editing() as scene:
+        stand(scene, 'points')
+    live.compile_kernels()
+    assert len(asked) == 1
+
+
 MORE = """
 sources: [t]
 frames:
@@ -244,16 +265,16 @@ def told(live):
         )
 
 
-def test_what_was_registered_on_a_copy_is_what_would_be_registered(clock):
+def test_what_was_registered_on_a_copy_is_what_would_be_registered(clock, monkeypatch):
     """And nothing is registered again while the scene is held."""
     plain, live = live_scene(TEXT, clock), live_scene(TEXT, clock)
     description = read_scene(MORE)
     with plain.editing() as scene:
         assert scene.add(description) == (3, 2)
-    copy = registered_copy(live, description)
     with live.editing() as scene:
-        assert scene.add(description, copy) == (3, 2)
-        assert [*scene.names.labels][-3:] == [*copy.loaded.frames.values()]
+        addition = scene.addition(description)
+    monkeypatch.setattr(EditableScene, 'make', None)
+    assert live.change(addition, calls_for_more=True) == (3, 2)
     one, other = told(plain), told(live)
     assert [*one[3]] == [*other[3]]
     assert one[:3] + one[4:] == other[:3] + other[4:]
@@ -261,33 +282,45 @@ def test_what_was_registered_on_a_copy_is_what_would_be_registered(clock):
 
 @pytest.mark.parametrize('change', ['a frame', 'a filter', 'a shape', 'nothing but a pose'])
 def test_what_changed_since_the_copy_was_made_stays(live, change):
-    description = read_scene(MORE)
-    copy = registered_copy(live, description)
     with live.editing() as scene:
-        source = scene.names.source('s')
-        a, b = (scene.names.frame(f's::{f}') for f in 'ab')
-        if change == 'a frame':
-            scene.scene_graph.RegisterFrame(source, GeometryFrame('late'))
-        elif change == 'a filter':
-            pair = GeometrySet(frame_ids=[a, b])
-            manager = scene.scene_graph.collision_filter_manager()
-            manager.Apply(CollisionFilterDeclaration().ExcludeWithin(pair))
-        elif change == 'a shape':
-            ball = scene.names.geometry('s::a/ball')
-            scene.scene_graph.ChangeShape(source, ball, Sphere(0.3))
-        else:
-            assert scene.take_poses(message(a=-1)) == 1
-        before = pairs_of(scene)
-        assert scene.add(description, copy) == (3, 2)
-        after = pairs_of(scene)
-        assert before.items() <= after.items()
+        addition = scene.addition(read_scene(MORE))
+    before, made = {}, []
+
+    def meanwhile(graph, context):
+        loaded = addition.on(graph, context)
+        made.append(loaded)
+        if len(made) == 1:
+            with live.editing() as scene:
+                _change(scene, change)
+                before.update(pairs_of(scene))
+        return loaded
+
+    assert live.change(replace(addition, on=meanwhile), calls_for_more=True) == (3, 2)
+    # A change of the scene has it registered anew, by other ids.
+    assert len(made) == (1 if change == 'nothing but a pose' else 2)
+    with live.editing() as scene:
+        assert before.items() <= pairs_of(scene).items()
         assert (change == 'a frame') == (('s', 'late') in scene.names.labels.values())
-        # By the ids of the copy only where nothing had changed.
-        taken = {*copy.loaded.frames.values()} <= {*scene.names.labels}
-        assert taken == (change == 'nothing but a pose')
+        assert {*made[-1].frames.values()} <= {*scene.names.labels}
         # The scene goes on changing as ever.
         scene.scene_graph.RegisterFrame(scene.names.source('t'), GeometryFrame('later'))
         assert ('t', 'later') in scene.names.labels.values()
+
+
+def _change(scene, change):
+    """Make a change of the scene of two balls, by its name."""
+    source = scene.names.source('s')
+    a, b = (scene.names.frame(f's::{f}') for f in 'ab')
+    if change == 'a frame':
+        scene.scene_graph.RegisterFrame(source, GeometryFrame('late'))
+    elif change == 'a filter':
+        pair = GeometrySet(frame_ids=[a, b])
+        manager = scene.scene_graph.collision_filter_manager()
+        manager.Apply(CollisionFilterDeclaration().ExcludeWithin(pair))
+    elif change == 'a shape':
+        scene.scene_graph.ChangeShape(source, scene.names.geometry('s::a/ball'), Sphere(0.3))
+    else:
+        assert scene.take_poses(message(a=-1)) == 1
 
 
 def pairs_of(scene):
@@ -299,7 +332,7 @@ def pairs_of(scene):
 
 def drafted(live, change):
     """Make a change on a draft, whatever the size of the scene, while the scene goes on."""
-    draft, result = live.make_ready(change)
+    draft, result = live.make_ready(Change(change))
     with live.editing() as scene:
         scene.take_poses(message(a=-1, b=3))
         assert scene.take_over(draft)
@@ -339,7 +372,7 @@ def test_a_draft_is_taken_over_at_the_poses_that_came_since(live, clock):
 
 
 def test_a_draft_of_a_scene_that_changed_since_is_not_taken_over(live):
-    draft, _ = live.make_ready(lambda graph, on: graph.RegisterSource(on, 't'))
+    draft, _ = live.make_ready(Change(lambda graph, on: graph.RegisterSource(on, 't')))
     with live.editing() as scene:
         scene.scene_graph.RegisterSource('u')
         assert not scene.take_over(draft)
@@ -361,7 +394,7 @@ def test_a_large_scene_changes_by_a_draft_or_where_others_change_it_all_the_time
 
     for least in (1, 2, 9):
         made.clear()
-        live.change(change, then=lambda scene, source: scene.told.append(source))
+        live.change(Change(change, then=lambda scene, source: scene.told.append(source)))
         assert len(made) == min(least, 4)
         assert (made[-1] is None) == (least == 9)
         with live.editing() as scene:
@@ -374,7 +407,7 @@ def test_frames_that_are_removed_by_a_draft_are_posed_no_more(live):
         source = scene.names.source('s')
     frames = drafted(live, lambda graph, on: graph.RemoveSource(on, source))
     with live.editing() as scene:
-        scene.forget_source(source, 's', frames)
+        scene.forget_source('s', frames)
         assert scene.pose_ages() == {}
         with pytest.raises(RuntimeError, match='no source'):
             scene.take_poses(message(a=0))

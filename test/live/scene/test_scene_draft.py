@@ -11,13 +11,21 @@ import numpy as np
 import pytest
 from live.live_scenes import Clock, live_scene
 
-from drake_geom_ros.geometry import OccupiedCells, QueryObject
+from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.scene import held_scene
 from drake_geom_ros.live.scene.clocks import ALWAYS
-from drake_geom_ros.live.scene.seen_maps import Sighting, drafted, put, shape_of, stand
-from drake_geom_ros.live.services import files, scene, shapes
+from drake_geom_ros.live.scene.seen_maps import Sighting, has_many, shape_of, showing, stand
+from drake_geom_ros.live.services import (
+    files,
+    filters,
+    obstacles,
+    proximity_rules,
+    scene,
+    shapes,
+)
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.sensed_maps import Cells
 
 pytestmark = pytest.mark.clock
@@ -33,8 +41,13 @@ geometries:
 proximity_rules:
 - {name: near, set_a: a, level: stop, enter: 0.05, leave: 2}
 """
+PART = """
+frames: [{name: part, source: parts, pose: {position: [0, 5, 0]}}]
+"""
 MORE = SCENE.replace('s, rest', 't').replace('source: s', 'source: t')
 MORE = MORE.replace('source: rest', 'source: t').replace('name: post', 'name: other')
+NO_RULE = MORE.partition('proximity_rules')[0]
+REST = NO_RULE.replace('[t]', '[rest]').replace('source: t', 'source: rest')
 ROBOT = """<robot name="robot">
 <link name="l0"><collision><geometry><sphere radius="0.1"/></geometry>
 </collision></link><link name="l1"><collision><geometry><sphere radius="0.1"/></geometry>
@@ -46,8 +59,10 @@ ROBOT = """<robot name="robot">
 def live(monkeypatch):
     monkeypatch.setattr(held_scene, '_MANY', 0)  # any scene is large
     live = live_scene(SCENE, Clock(100.0))
+    monkeypatch.setattr(filters, '_MANY', 0)  # and any declaration is long
     with live.editing() as held:
         stand(held, 'points')
+        held.add(read_scene(PART))
     return live
 
 
@@ -71,25 +86,77 @@ def register(live):
     shapes.register_geometries(live, Plain(source='rest', geometries=[ball]), Plain())
 
 
-def load(live):
-    asked = Plain(path='', text=MORE.partition('proximity_rules')[0], format='', srdf='')
-    asked.replace, asked.replaced_sources = False, []
-    files.load_scene(live, asked, Plain())
+NEAR = Cells.of_points([[0.05, 0.35, 0.05]], 0.1)
 
 
-def see(live):
-    cells = Cells.of_points([[0.05, 0.35, 0.05]], 0.1)
+def load(live, text=NO_RULE, **fields):
+    asked = {'path': '', 'text': text, 'format': '', 'srdf': '', 'replace': False}
+    files.load_scene(live, Plain(**{**asked, 'replaced_sources': [], **fields}), Plain())
+
+
+def attach(live):
+    place = {'pose_given': False, 'part_of_robot': True}
+    request = Plain(frame='parts::part', parent='s::a', **place)
+    scene.attach(live, request, Plain(pose=Plain(position=Plain(), orientation=Plain())))
+
+
+def apply(live):
+    names = Plain(frames=['s::a'], geometries=[], frame_ids=[], geometry_ids=[])
+    statement = Plain(operation=1, set_a=names, set_b=Plain(**{**vars(names), 'frames': []}))
+    declaration, response = Plain(statements=[statement]), Plain()
+    filters.apply_transient_filter(
+        live, Plain(declaration=declaration, lease=0.0, owner=''), response
+    )
+    return response.filter_id
+
+
+def add_rule(live):
+    rule = Plain(
+        name='more', set_a=['s::a'], set_b=['rest'], level=3, enter=0.01, leave=0.02, hold=0.0,
+        enter_after=0.0, min_time_to_contact=0.0, when_stale='', scale=[],
+    )  # fmt: skip
+    proximity_rules.add_proximity_rule(live, Plain(rule=rule), Plain())
+
+
+def see(live, cells=NEAR):
     sighting = Sighting(
         cells, shape_of(cells, 0.0), RigidTransform(), ALWAYS, Plain(sec=1, nanosec=0)
     )
-    draft = drafted(live, 'points', sighting)
     with live.editing() as held:
-        put(held, 'points', sighting, 0.0, draft)
+        change = showing(held, 'points', sighting)
+    live.change(change, calls_for_more=has_many(cells))
+
+
+def another_robot(live):
+    robot = RobotInput(live)
+    live.rehearse, rehearse = (lambda query: None), live.rehearse
+    robot.take(ROBOT)
+    live.rehearse = rehearse
+    robot.take(ROBOT.replace('"l1"', '"l2"'))
+
+
+def detach(live):
+    with live.editing() as held:
+        held.attach(held.names.frame('parts::part'), held.names.frame('s::a'), None)
+    request = Plain(frame='parts::part', pose_given=False)
+    scene.detach(live, request, Plain(pose=Plain(position=Plain(), orientation=Plain())))
+
+
+def remove_filter(live):
+    live.rehearse, rehearse = (lambda query: None), live.rehearse
+    filter_id = apply(live)
+    live.rehearse = rehearse
+    response = Plain()
+    filters.remove_filter(live, Plain(filter_id=filter_id, owner=''), response)
+    assert response.removed
 
 
 ARRIVALS = {
     'robot_description': lambda live: RobotInput(live).take(ROBOT),
+    'robot_description of another one': another_robot,
     'load_scene': load,
+    'load_scene with a rule': lambda live: load(live, MORE.replace('name: near', 'name: other')),
+    'load_scene with replaced_sources': lambda live: load(live, REST, replaced_sources=['rest']),
     'register_geometries': register,
     'register_frame': lambda live: scene.register_frame(
         live, Plain(source='s', name='b', parent='', frame_group=0), Plain()
@@ -98,8 +165,14 @@ ARRIVALS = {
         live, Plain(geometry='rest::world/post'), Plain()
     ),
     'remove_source': lambda live: scene.remove_source(live, Plain(source='rest'), Plain()),
+    'attach': attach,
+    'detach': detach,
+    'apply_transient_filter': apply,
+    'remove_filter': remove_filter,
+    'add_proximity_rule': add_rule,
+    'clear_obstacles': lambda live: obstacles.clear_obstacles(live, Plain(map=''), Plain()),
     'a map': see,
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize('arrival', ARRIVALS)
@@ -130,14 +203,21 @@ def test_cycles_go_on_while_it_is_made_ready_and_find_all_done(live, arrival):
         if arrival != 'a map':  # which is placed and welded now
             assert not cycle(held, 0.0)[1]
         held.bind_rules()
-        assert [state.is_entered for state in held.rules.states()] == [False]
+        assert not any(state.is_entered for state in held.rules.states())
         distances, _ = cycle(held, 0.0)
         fresh = QueryObject(held.copy()).ComputeSignedDistancePairwiseClosestPoints(REACH)
         assert distances == sorted(np.round(fresh.distance, 6).tolist())
 
 
-def test_a_map_of_few_cells_in_a_small_scene_needs_no_draft(live, monkeypatch):
+@pytest.mark.parametrize('count', [1, 20_001])
+def test_a_map_of_few_cells_in_a_small_scene_needs_no_draft(live, monkeypatch, count):
     monkeypatch.setattr(held_scene, '_MANY', 1000)
-    cells = Cells.of_points([[0.05, 0.35, 0.05]], 0.1)
-    sighting = Sighting(cells, OccupiedCells(0.1, cells.centres()), RigidTransform(), ALWAYS, None)
-    assert drafted(live, 'points', sighting) is None
+    drafts, make_ready = [], live.make_ready
+    monkeypatch.setattr(
+        live, 'make_ready', lambda change: drafts.append(change) or make_ready(change)
+    )
+    cells = Cells.of_points(np.arange(count)[:, np.newaxis] * [0.2, 0.0, 0.0], 0.1)
+    see(live, cells)
+    assert len(drafts) == (count > 20_000)
+    with live.reading() as held:
+        assert held.maps['points'].cells is cells

@@ -175,7 +175,7 @@ def test_a_rule_that_goes_on_without_a_name_is_told_of():
     ruled.wait()
     with ruled.live.editing() as scene:
         assert not scene.rules.troubles(watches_motion=True)
-        scene.remove_source(scene.names.source('cell'))
+        scene.make(scene.removal(scene.names.source('cell')))
     ruled.wait()
     with ruled.live.reading() as scene:
         (told,) = scene.rules.troubles(watches_motion=True)
@@ -210,7 +210,7 @@ def test_a_rule_by_time_to_contact_is_not_left_where_nobody_knows_how_its_body_m
 def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):
     with ruled.live.editing() as scene:
         scene.rules.remove('hand')
-        scene.remove_source(scene.names.source('cell'))
+        scene.make(scene.removal(scene.names.source('cell')))
     ruled.wait()
     numbers = [n for message in ruled.topics.events.published for n in message.sequence]
     assert numbers == list(range(1, len(numbers) + 1))

@@ -33,8 +33,7 @@ def apply(live, owner, lease=0.0):
     """Apply a transient filter, and return its id."""
     request = Plain(declaration=DECLARATION, owner=owner, lease=lease)
     response = Plain()
-    with live.editing() as scene:
-        filters.apply_transient_filter(scene, request, response)
+    filters.apply_transient_filter(live, request, response)
     return response.filter_id
 
 
@@ -62,7 +61,7 @@ def test_owners_stand_beside_the_filters_that_they_asked_for(live):
     assert reasons[0] == f'transient declaration {nobody}'
     assert reasons[-1] == f"transient declaration {planner} (owner 'planner')"
     with live.editing() as scene:
-        filters.remove_filter(scene, Plain(filter_id=planner, owner=''), Plain())
+        filters.remove_filter(live, Plain(filter_id=planner, owner=''), Plain())
         assert scene.filter_owners() == {nobody: ''}
     assert state(live) == ({nobody: ''}, [f'transient declaration {nobody}'])
 
@@ -76,8 +75,8 @@ def test_what_becomes_of_a_filter_is_told_with_its_owner(live, clock):
     clock.now += 6.0
     with live.editing() as scene:
         scene.expire_filters()
-        filters.remove_filter(scene, Plain(filter_id=nobody, owner=''), Plain())
-        filters.remove_filter(scene, Plain(filter_id=nobody, owner=''), Plain())
+        filters.remove_filter(live, Plain(filter_id=nobody, owner=''), Plain())
+        filters.remove_filter(live, Plain(filter_id=nobody, owner=''), Plain())
     assert told(live) == [
         f"the lease of transient filter {planner} expired: removed (owner 'planner')",
         f'transient filter {nobody} removed',
@@ -112,7 +111,7 @@ def test_an_owner_has_no_more_filters_than_one_may_have(live, clock):
     clock.now += 6.0
     with live.editing() as scene:
         scene.expire_filters()
-        filters.remove_filter(scene, Plain(filter_id=others[0], owner=''), Plain())
+        filters.remove_filter(live, Plain(filter_id=others[0], owner=''), Plain())
     for owner in ('planner', ''):
         apply(live, owner)
         with pytest.raises(RuntimeError, match='has 2'):
@@ -122,8 +121,7 @@ def test_an_owner_has_no_more_filters_than_one_may_have(live, clock):
 def test_who_is_gone_is_forgotten(live):
     for number in range(5):
         apply(live, f'owner {number}')
-    with live.editing() as scene:
-        filters.flatten_filters(scene, Plain(), Plain())
+    filters.flatten_filters(live, Plain(), Plain())
     assert state(live)[0] == {}
     with live.editing() as scene:
         assert scene._owners == {}
@@ -135,15 +133,13 @@ def test_who_is_gone_is_forgotten(live):
 def test_who_says_who_asks_reaches_its_own_filters_only(live, clock, owner, may):
     number = apply(live, 'planner', 5.0)
     renewed, removed = Plain(), Plain()
-    with live.editing() as scene:
-        request = Plain(filter_id=number, lease=50.0, owner=owner)
-        filters.renew_filter(scene, request, renewed)
+    request = Plain(filter_id=number, lease=50.0, owner=owner)
+    filters.renew_filter(live, request, renewed)
     clock.now += 6.0
     with live.editing() as scene:
         assert bool(scene.expire_filters()) is not may
     again = apply(live, 'planner', 5.0)
-    with live.editing() as scene:
-        filters.remove_filter(scene, Plain(filter_id=again, owner=owner), removed)
+    filters.remove_filter(live, Plain(filter_id=again, owner=owner), removed)
     assert (renewed.active, removed.removed) == (may, may)
     assert (again in state(live)[0]) is not may
     clock.now += 6.0
@@ -155,7 +151,6 @@ def test_who_says_who_asks_reaches_its_own_filters_only(live, clock, owner, may)
 @pytest.mark.parametrize('number', [0, 2**60])
 def test_a_number_of_nothing_is_not_active(live, number):
     renewed, removed = Plain(), Plain()
-    with live.editing() as scene:
-        filters.renew_filter(scene, Plain(filter_id=number, lease=1.0, owner='a'), renewed)
-        filters.remove_filter(scene, Plain(filter_id=number, owner='a'), removed)
+    filters.renew_filter(live, Plain(filter_id=number, lease=1.0, owner='a'), renewed)
+    filters.remove_filter(live, Plain(filter_id=number, owner='a'), removed)
     assert (renewed.active, removed.removed) == (False, False)

@@ -1,0 +1,77 @@
+"""The live scene as it was at one moment, to be described while nobody holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from drake_geom_ros.geometry import (
+    CandidatePairs,
+    FilterId,
+    FrameId,
+    QueryObject,
+    SceneGraph,
+    SceneGraphContext,
+    SourceId,
+)
+from drake_geom_ros.proximity_rules import ProximityRule
+from drake_geom_ros.scene_files import (
+    AwaitedFilter,
+    CameraDescription,
+    RobotDescription,
+    SceneDescription,
+    describe,
+    poses_in_parents,
+    without_source,
+)
+
+MAPS = 'obstacles'  # the source of what sensors see
+
+
+@dataclass(frozen=True)
+class SceneMark:
+    """What a description is of: a later scene with the same mark has the same description.
+
+    Poses, values of joints and the cells of sensed maps are not in it.
+    """
+
+    version: int
+    pairs: CandidatePairs
+    transient_filters: tuple[FilterId, ...]
+    cameras: Mapping[str, tuple[FrameId, CameraDescription]]
+    awaited: tuple[AwaitedFilter, ...]
+
+    def matches(self, other: SceneMark) -> bool:
+        """Return whether another mark is of the same scene."""
+        names = ('version', 'transient_filters', 'cameras', 'awaited')
+        is_same = all(getattr(self, name) == getattr(other, name) for name in names)
+        return is_same and self.pairs.matches(other.pairs)
+
+
+@dataclass(frozen=True)
+class SceneSnapshot:
+    """A copy of the scene with what is described beside its content."""
+
+    context: SceneGraphContext
+    mark: SceneMark
+    robots: tuple[RobotDescription, ...]  # as joint values have them stand
+    is_static: Mapping[int, bool]  # by the values of frames' ids
+    waiting: tuple[AwaitedFilter, ...]
+    rules: tuple[ProximityRule, ...]
+    maps: SourceId | None
+
+    def description(self) -> SceneDescription:
+        """Return the scene: persistent filters included, every frame where it was.
+
+        Frames that wait for their first pose go on waiting in it. Sensed maps are left out.
+        """
+        query = QueryObject(self.context)
+        frames = query.inspector().GetAllFrameIds()
+        static = {f: self.is_static[v] for f in frames if (v := f.get_value()) in self.is_static}
+        poses, cameras = poses_in_parents(query), self.mark.cameras.values()
+        described = describe(
+            SceneGraph(), poses, self.robots, static, cameras, context=self.context
+        )
+        if self.maps is not None:  # what was seen is no model of anything
+            described = without_source(described, MAPS)
+        return replace(described, awaited=self.waiting, rules=self.rules)
