@@ -1,4 +1,4 @@
-"""Takes the messages of a topic together that wait, and the newest where there are too many.
+"""Reads the waiting messages of a topic at once, and skips older ones where there are too many.
 
 rclpy makes Python objects of all parts of a message: for 300 transforms that takes longer than the
 5 ms between two messages of 200 Hz. The queue of 100 messages was then always full, and what was

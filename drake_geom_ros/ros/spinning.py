@@ -38,7 +38,7 @@ from rclpy.utilities import remove_ros_args
 
 from drake_geom_ros.live.memory import settle
 from drake_geom_ros.live.watchdog import Watchdog
-from drake_geom_ros.ros.outputs.answers import Calls
+from drake_geom_ros.ros.outputs.service_answers import Calls
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # Python runs its signal handlers between two waits of the executor, so this [s] is how long a

@@ -21,7 +21,7 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from drake_geom_ros.live.conversions.arrivals import MessageInfo
-from drake_geom_ros.ros.outputs.answers import Answers
+from drake_geom_ros.ros.outputs.service_answers import Answers
 from drake_geom_ros.ros.parameters import QOS_OVERRIDES
 
 

@@ -8,12 +8,11 @@ import pytest
 pytest.importorskip('rclpy')
 from drake_geom_msgs import srv
 
-from drake_geom_ros.client import StaleError
-from drake_geom_ros.client.planners import PlannersQuestions
+from drake_geom_ros.client import SceneGraphClient, StaleError
 
 
-class Asked(PlannersQuestions):
-    """Planners' questions to a node that gives one answer."""
+class Asked(SceneGraphClient):
+    """A client of a node that gives one answer."""
 
     def __init__(self, answer):
         self.answer = answer

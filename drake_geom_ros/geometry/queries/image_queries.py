@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId
-from drake_geom_ros.geometry.queries.pose_queries import PoseQueries
+from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.render.camera_properties import (
     Camera,
     CameraProperties,
@@ -41,13 +41,15 @@ class _CachedScene(NamedTuple):
     packed: Packed
 
 
-class ImageQueries(PoseQueries):
+class ImageQueries:
     """Base of ``QueryObject`` with the queries for images.
 
     A camera's body C is posed by ``X_PC`` in a frame P. The camera looks along +z, x is to the
     right and y down; see CameraInfo for the rays of pixels. A renderer shows geometry with the
     perception role that accepts it: ``('renderer', 'accepting')`` is a name or a set of names.
     """
+
+    _state: ContextState
 
     def RenderColorImage(
         self,
@@ -126,7 +128,7 @@ class ImageQueries(PoseQueries):
         except RuntimeError as error:  # of the camera's intrinsics
             raise ArgumentError(str(error)) from None
         engine = Renderers(self._state.model).find(core.renderer_name(), 'an image')
-        X_WS = self.X_WF(parent_frame) @ X_PC @ core.sensor_pose_in_camera_body()
+        X_WS = self._state.X_WF(parent_frame) @ X_PC @ core.sensor_pose_in_camera_body()
         packed = self._packed(engine, core.renderer_name())
         bodies = packed.placed_in(self._state.posed_world())
         return images_of(engine, packed, bodies, core, X_WS, depth_range, wanted)

@@ -16,7 +16,7 @@ from drake_geom_ros.geometry.model._records import FrameRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
 from drake_geom_ros.geometry.model.scene_content import SceneContent
 from drake_geom_ros.geometry.queries.world_tables import tables_of
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
@@ -127,6 +127,17 @@ class PosedScene(SceneContent):
             )
         return world, row
 
+    def X_WF(self, id: FrameId) -> RigidTransform:
+        """Return the pose of a frame in the world; raises as ``placed_frame``."""
+        world, row = self.placed_frame(id)
+        world.update()
+        return _transform(world.R_WFs[row], world.p_WFs[row])
+
+    def X_PF(self, id: FrameId) -> RigidTransform:
+        """Return the pose of a frame in its parent; raises as ``placed_frame``."""
+        world, row = self.placed_frame(id, in_world=False)
+        return _transform(world.R_PFs[row], world.p_PFs[row])
+
     def X_WFs(self, ids: ArrayLike) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """Return the result of ``SceneGraphContext.X_WFs``."""
         world = self.up_to_date_world()
@@ -223,3 +234,7 @@ class PosedScene(SceneContent):
                 welded[frame] = X_WF.copy()
             elif np.abs(X_WF - first).max() > WELDED_STAYS:
                 self.unweld(frame)
+
+
+def _transform(R: Floats, p: Floats) -> RigidTransform:
+    return RigidTransform(RotationMatrix(R.copy()), p.copy())

@@ -19,7 +19,7 @@ from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.outputs.cycle import Cycle
 from drake_geom_ros.live.scene.pose_ages import UnknownAges
 from drake_geom_ros.live.scene.waiting import Waiting
-from drake_geom_ros.ros.outputs.answers import CallCounts
+from drake_geom_ros.ros.outputs.service_answers import CallCounts
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
     from drake_geom_ros.live.outputs.cross_check import Counts

@@ -7,8 +7,8 @@ from drake_geom_msgs import srv
 from rclpy.exceptions import InvalidHandle
 from rclpy.qos import QoSProfile
 
-from drake_geom_ros.ros.outputs import answers
-from drake_geom_ros.ros.outputs.answers import Answers, CallCounts, Calls, RequestId
+from drake_geom_ros.ros.outputs import service_answers
+from drake_geom_ros.ros.outputs.service_answers import Answers, CallCounts, Calls, RequestId
 from drake_geom_ros.ros.outputs.unlocked import CMessage
 from drake_geom_ros.ros.spinning import GroupExecutor
 
@@ -68,7 +68,7 @@ def test_a_request_is_taken_with_whose_it_is(served, service):
 @pytest.mark.parametrize('executor', ['ours', 'of rclpy'])
 def test_where_rcl_is_not_called_rclpy_sends(lone_client, service, monkeypatch, request, executor):
     if executor == 'ours':
-        monkeypatch.setattr(answers, 'of_rcl', lambda _: None)
+        monkeypatch.setattr(service_answers, 'of_rcl', lambda _: None)
         request.getfixturevalue('served')
     found = Answers()
     found.send_for(service)
