@@ -1,12 +1,12 @@
 """All compiled functions of the package, ahead of time: for a wheel, and beside the first answers.
 
 ``geometry.compile_all_kernels`` has those of queries; rules and maps of sensors have a few more.
-``python -m drake_geom_ros.every_kernel`` compiles them into the cache.
+``python -m drake_geom_ros.every_kernel`` compiles them into the cache and prints its folder.
 """
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry import compile_all_kernels
+from drake_geom_ros.geometry import compile_all_kernels, kernel_cache
 from drake_geom_ros.geometry.compiling import Tell
 from drake_geom_ros.proximity_rules import decisions, nearest_pairs
 from drake_geom_ros.sensed_maps.looking_past import compile_looking_past
@@ -26,3 +26,4 @@ if __name__ == '__main__':
     compile_every_kernel(
         lambda name, number, last: print(f'compiling {name} ({number} of {last})', flush=True)
     )
+    print(kernel_cache())

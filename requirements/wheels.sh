@@ -60,15 +60,16 @@ build_wheel() {
   rm -rf "$built"
 }
 
-# compile_for_any_cpu TREE PYTHON: fills drake_geom_ros/_kernels of a tree.
+# compile_for_any_cpu TREE PYTHON: fills drake_geom_ros/_kernels of a tree. What was compiled for an
+# earlier wheel of the same sources is there already.
 compile_for_any_cpu() {
-  local cache
-  cache=$(mktemp -d)
-  (cd "$1" && env -u PYTHONPATH NUMBA_CACHE_DIR="$cache" NUMBA_CPU_NAME=generic nice "$2" \
-    -m drake_geom_ros.every_kernel)
-  rm -rf "$cache"/drake_geom_ros/*/locks "$1/drake_geom_ros/_kernels"
-  mv "$cache/drake_geom_ros" "$1/drake_geom_ros/_kernels"
-  rm -rf "$cache"
+  local folder kernels=$1/drake_geom_ros/_kernels
+  (cd "$1" && env -u PYTHONPATH NUMBA_CACHE_DIR="$wheel_venv/numba" NUMBA_CPU_NAME=generic \
+    DRAKE_GEOM_ROS_COMPILE=first nice "$2" -m drake_geom_ros.every_kernel) | tee "$1/folder"
+  folder=$(tail -n 1 "$1/folder")
+  mkdir "$kernels"
+  cp -r "$folder" "$kernels/"
+  rm -rf "$kernels"/*/locks "$kernels"/*/*/locks
 }
 
 # The kernels of wheels for this Python in dist/, of these sources: a set-up compiles none of them.

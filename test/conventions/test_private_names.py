@@ -14,7 +14,9 @@ ALLOWED = {
     'geometry/_proximity/runtime/numba_inside/object_code.py': {
         *('_final_module', '_rebuild', '_reduce'),
     },
-    'geometry/_proximity/runtime/numba_inside/shared_cache.py': {'_cache'},
+    'geometry/_proximity/runtime/numba_inside/shared_cache.py': {
+        *('_cache', '_compilation_chain_init_hook'),
+    },
     'math/missing.py': {'_getframe'},  # who asks; inspect.stack() reads source files
     'programs.py': {'_exit'},  # whatever is imported
     'ros/parameters.py': {'_parameter_overrides', '_parameters'},  # what a node was started with

@@ -6,6 +6,7 @@ from types import SimpleNamespace as Plain
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from drake_geom_ros.geometry import kernel_state
 from drake_geom_ros.live.scene.waiting import Waiting
 from drake_geom_ros.ros.outputs import diagnostics
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
@@ -67,6 +68,10 @@ def test_without_a_descriptor_memory_is_told_as_the_most_it_was(monkeypatch, tmp
     """Seen where no file may be opened any more: there were no diagnostics at all."""
     monkeypatch.setattr(diagnostics, '_STATM', tmp_path)  # a folder cannot be read
     assert float(status_of({})[1]['memory [MB]']) > 10.0
+
+
+def test_the_kernels_that_answer_are_named():
+    assert status_of({})[1]['kernels'] == kernel_state()
 
 
 def test_lag_and_what_is_passed_over_are_figures_and_warnings():

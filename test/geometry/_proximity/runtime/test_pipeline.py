@@ -52,6 +52,7 @@ def test_another_numba_gives_the_same_answers(tmp_path):
         text=True,
     )
     assert done.returncode == 0, done.stderr
+    assert done.stderr.count('compiled in the slow way by Numba') == 1
     without, *found = json.loads(done.stdout)
     assert without
     ids, rows, overlaps = answers()

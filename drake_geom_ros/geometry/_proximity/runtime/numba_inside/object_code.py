@@ -3,7 +3,7 @@
 Numba's own way keeps the intermediate code beside the object code, for callers that link it in,
 and prepares everything that a compiler needs before it loads anything: 0.3 s of imports, with
 ``scipy.linalg`` among them. Here callers never link cached code (``pipeline``), so object code is
-enough, beside the names of what it defines. What it needs of the process is another list of names,
+enough, beside the names of its entries. What it needs of the process is another list of names,
 which are looked up first; one that is missing is looked for once more after Numba's preparation.
 
 Relied on: the parts of ``CompileResult._reduce``; a library that is loaded as object code needs
@@ -36,21 +36,18 @@ def to_bytes(signature: Any, result: Any) -> bytes:
         if each.is_declaration and not each.name.startswith('llvm.')
     ]
     (name, kind, (code, _)), *others = result._reduce()
-    library = name, kind, (code, _names_of(module))
+    library = name, kind, (code, _looked_up(module, result.fndesc))
     return bytes(dumps((signature, symbols, (library, *others))))
 
 
-def _names_of(module: Any) -> bytes:
-    """Return the intermediate code of a module of the same names, without content."""
-    names, pointer = ir.Module(), ir.IntType(8).as_pointer()
+def _looked_up(module: Any, description: Any) -> bytes:
+    """Return the intermediate code of a module with the functions that are looked up, empty."""
+    names = ir.Module()
+    wanted = {description.llvm_cpython_wrapper_name, description.llvm_cfunc_wrapper_name}
     for each in module.functions:
-        if not each.is_declaration:
+        if each.name in wanted and not each.is_declaration:
             function = ir.Function(names, ir.FunctionType(ir.VoidType(), ()), each.name)
             ir.IRBuilder(function.append_basic_block()).ret_void()
-    for each in module.global_variables:
-        if not each.is_declaration:
-            variable = ir.GlobalVariable(names, pointer, each.name)
-            variable.initializer = ir.Constant(pointer, None)
     return bytes(binding.parse_assembly(str(names)).as_bitcode())
 
 

@@ -9,7 +9,8 @@ A process that holds a lock waits for no further lock, so processes never wait i
 lock of a process that ends, however it ends, is free.
 
 Relied on: a dispatcher looks into ``_cache`` before it compiles and saves there afterwards, both
-within its ``compile`` and under the compiler's lock for threads.
+within its ``compile`` and under the compiler's lock for threads; a compiler does again what
+``_compilation_chain_init_hook`` does.
 """
 
 from __future__ import annotations
@@ -206,3 +207,5 @@ def share_cache(dispatcher: Any, own: str, shipped: str, served: Served | None) 
                 cache.lock.release()
 
     dispatcher.compile = compile_and_release
+    # It looks for extensions of Numba in all packages, which a compiler does in any case.
+    dispatcher._compilation_chain_init_hook = lambda: None
