@@ -19,6 +19,7 @@ CORE = [
     'numpy>=1.26',
     'pyyaml>=6.0',  # scene files
     'scipy>=1.11',  # hulls, asked for by trimesh
+    'tqdm>=4.62',  # progress of what takes long
     'trimesh>=4.2',  # mesh files
 ]
 # ROS is no extra: a distribution brings rclpy and messages of its own, compiled for its Python,

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from drake_geom_ros.batch.running import (
     by_threads,
     size_for_all,
 )
+from drake_geom_ros.common.progress_bar import progress_bar
 from drake_geom_ros.geometry import (
     ArgumentError,
     FrameId,
@@ -134,24 +135,34 @@ def computed(
     threads: int = 0,
 ) -> Iterator[tuple[Block, Columns]]:
     """Yield the answers of blocks, in any order; geometries are places in the scene."""
-    show = _to_stderr if progress is True else progress
     total, done = sum(last - first for first, last in blocks), 0
-    shown = time.monotonic()
     if executor is None:
         answers = by_threads(job, states, blocks, threads)
     else:
         answers = by_executor(job, states, blocks, executor, threads)
-    for block, columns in answers:
-        done += block[1] - block[0]
-        if show and (done == total or time.monotonic() - shown >= _SECONDS):
+    with _shown(progress, total) as show:
+        for block, columns in answers:
+            done += block[1] - block[0]
+            show(done)
+            yield block, columns
+
+
+@contextmanager
+def _shown(progress: bool | Progress, total: int) -> Iterator[Callable[[int], None]]:
+    """Yield what shows how many states are done: once a second, and at the end."""
+    if progress is True:
+        with progress_bar('states', total) as show:
+            yield show
+        return
+    shown = time.monotonic()
+
+    def call(done: int) -> None:
+        nonlocal shown
+        if progress and (done == total or time.monotonic() - shown >= _SECONDS):
             shown = time.monotonic()
-            show(done, total)
-        yield block, columns
+            progress(done, total)
 
-
-def _to_stderr(done: int, total: int) -> None:
-    end = '\n' if done == total or not sys.stderr.isatty() else ''
-    print(f'\r{done} of {total} states', end=end, file=sys.stderr, flush=True)
+    yield call
 
 
 def _states(

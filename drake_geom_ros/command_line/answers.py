@@ -80,6 +80,8 @@ KINDS: dict[str, Callable[[PosedScene, float, Any, str], Table]] = {
     'candidates': candidates,
     'collisions': collisions,
 }
+# The same questions by the words of ``batch``.
+AS_IN_BATCHES = {'within': 'distance', 'collision': 'collisions'}
 
 
 def half_spaces_beside(scene: PosedScene) -> list[str]:

@@ -22,6 +22,7 @@ from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, size_for_all
 from drake_geom_ros.batch.state_files import StateRows, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
+from drake_geom_ros.command_line.answers import AS_IN_BATCHES
 from drake_geom_ros.command_line.exit_codes import INTERRUPTED
 from drake_geom_ros.command_line.option_values import count, distance
 from drake_geom_ros.command_line.query import points_of_file
@@ -30,6 +31,9 @@ from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, files_of
+
+# The same questions by the words of ``query``.
+AS_IN_QUERIES = {words: word for word, words in AS_IN_BATCHES.items()}
 
 
 def add_to(commands: Any) -> None:
@@ -45,7 +49,13 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--names', nargs='+', metavar='NAME', help='joints or frames that the columns are of'
     )
-    parser.add_argument('--what', choices=WANTS, default='least', help='(default: least)')
+    parser.add_argument(
+        '--what',
+        type=lambda word: AS_IN_QUERIES.get(word, word),
+        choices=WANTS,
+        default='least',
+        help='(default: least)',
+    )
     parser.add_argument('--points', metavar='FILE', help='points for --what points, as for query')
     parser.add_argument(
         '--count', type=count, default=1, metavar='K', help='pairs for --what nearest (default: 1)'

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.command_line.answers import (
+    AS_IN_BATCHES,
     FORMATS,
     KINDS,
     LIMITED,
@@ -41,7 +42,12 @@ def add_to(commands: Any) -> None:
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
     add_scene_options(parser)
     parser.add_argument(
-        '--what', choices=KINDS, default='distance', help='the question (default: distance)'
+        '--what',
+        type=lambda word: AS_IN_BATCHES.get(word, word),
+        choices=KINDS,
+        default='distance',
+        help='the question (default: distance); batch calls distances within, and collisions '
+        'collision',
     )
     parser.add_argument(
         '--poses',

@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from drake_geom_ros.command_line.option_values import count, distance, finite, p
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
+from drake_geom_ros.common.progress_bar import progress_bar
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, Role
 from drake_geom_ros.scene_files import (
@@ -32,8 +34,6 @@ from drake_geom_ros.viewing.notebook import NotebookPicture
 from drake_geom_ros.viewing.shown_contacts import contacts_of
 from drake_geom_ros.viewing.shown_pairs import ReportedPairs
 from drake_geom_ros.viewing.snapshot import Camera, looking, picture
-
-_BAR = 30  # characters
 
 Moments = Sequence[PoseSet | FramePoseVector]
 Cameras = list[tuple[FrameId, CameraDescription]]
@@ -133,15 +133,18 @@ def run(options: argparse.Namespace) -> int:
     inputs += scene.files()
     total = len(cameras) * (1 if options.time is not None else len(moments))
     done = 0
-    for number in _posed(scene, moments, options.time):
-        suffix = '' if number is None else f'_{number:04d}'
-        for frame, camera in cameras:
-            path = folder / f'{camera.name}{suffix}'
-            _write(scene, frame, camera, path, inputs)
-            if options.nearest is not None or options.see_through is not None or options.contacts:
-                _write_view(scene, frame, camera, path, inputs, options)
-            done += 1
-            _show_progress(done, total)
+    has_view = options.nearest is not None or options.see_through is not None or options.contacts
+    with progress_bar('images', total) if total > 1 else nullcontext() as show:
+        for number in _posed(scene, moments, options.time):
+            suffix = '' if number is None else f'_{number:04d}'
+            for frame, camera in cameras:
+                path = folder / f'{camera.name}{suffix}'
+                _write(scene, frame, camera, path, inputs)
+                if has_view:
+                    _write_view(scene, frame, camera, path, inputs, options)
+                done += 1
+                if show is not None:
+                    show(done)
     print(f'{done} x {len(cameras[0][1].images)} images in {folder}')
     return 0
 
@@ -247,11 +250,3 @@ def _placed(scene: PosedScene, options: argparse.Namespace) -> CameraDescription
     except RuntimeError as error:
         raise SceneFileError(str(error), options.scene) from error
     return camera
-
-
-def _show_progress(done: int, total: int) -> None:
-    """Draw a progress bar on standard error if it is a terminal and there are several images."""
-    if total > 1 and sys.stderr.isatty():
-        filled = '#' * (_BAR * done // total)
-        end = '\n' if done == total else ''
-        print(f'\r[{filled:<{_BAR}}] {done}/{total}', end=end, file=sys.stderr, flush=True)

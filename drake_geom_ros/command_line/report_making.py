@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,8 +16,8 @@ from drake_geom_ros.command_line.report_output import (
     print_audit,
     print_comparison,
     print_results,
-    progress,
 )
+from drake_geom_ros.common.progress_bar import progress_bar
 from drake_geom_ros.recordings import Audit, Outcome, SetComparison, audit, compare_runs
 from drake_geom_ros.recordings.comparison_report import write_comparison
 from drake_geom_ros.recordings.moment_pictures import pictures_of
@@ -164,10 +164,11 @@ def _computed(
             )
             if not options.resume:
                 stored.remove()
-            show = progress() if sys.stderr.isatty() else None
-            run = Run(opened, question, executor=executor, progress=show)
-            for _ in run.parts(stored):
-                pass
+            with progress_bar('states') if sys.stderr.isatty() else nullcontext() as show:
+                progress = None if show is None else lambda states, _: show(states)
+                run = Run(opened, question, executor=executor, progress=progress)
+                for _ in run.parts(stored):
+                    pass
             return StoredClearances.of(run.facts(), stored)
 
         run = analysed(runs.run, 'run', options.certify)

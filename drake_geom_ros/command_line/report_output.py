@@ -1,8 +1,6 @@
 """Output of ``report``: results on standard output, progress on standard error."""
 
 import math
-import sys
-import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,22 +11,8 @@ from drake_geom_ros.recordings import (
     SetComparison,
 )
 from drake_geom_ros.recordings.results import RunAnalysis
-from drake_geom_ros.recordings.run import Progress
 
 _MOST_PAIRS = 5  # printed of a comparison
-
-
-def progress() -> Progress:
-    """Return a callback that prints the progress on standard error once a second."""
-    shown = time.monotonic()
-
-    def show(states: int, seconds: float) -> None:
-        nonlocal shown
-        if time.monotonic() - shown >= 1.0:
-            shown = time.monotonic()
-            print(f'\r{states} states, {seconds:.0f} s', end='', file=sys.stderr, flush=True)
-
-    return show
 
 
 def print_comparison(compared: Sequence[SetComparison], other: str, by: str) -> None:

@@ -125,3 +125,14 @@ def test_half_spaces_that_overlap_are_told_beside_a_list(capsys, tmp_path, what)
         )
     else:
         assert (len(answer.splitlines()), told) == (2, '')
+
+
+@pytest.mark.parametrize(
+    ('here', 'in_batches'), [('distance', 'within'), ('collisions', 'collision')]
+)
+def test_the_words_of_batch_ask_the_same(capsys, here, in_batches):
+    printed = []
+    for word in (here, in_batches):
+        assert main(['query', str(ROOT / 'scenes/minimal.yaml'), '--what', word]) == 0
+        printed.append(capsys.readouterr().out)
+    assert printed[0] == printed[1] != ''

@@ -152,7 +152,7 @@ LAYERS = {
     'programs': (('command_line', 'ros', 'ros/recorder', 'ros/viewer', 'ros/status'), ()),
     'math': (('math',), ('numpy',)),
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
-    'common': (('math', 'common'), ('numpy',)),
+    'common': (('math', 'common'), ('numpy', 'tqdm')),
     'sensors': (('math', 'sensors'), ('numpy',)),
     'proximity_rules': (('math', 'common', 'geometry', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,

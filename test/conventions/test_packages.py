@@ -28,6 +28,7 @@ ROSDEP_KEYS = {
     'python3-pytest',
     'python3-pytest-timeout',
     'python3-scipy',
+    'python3-tqdm',
     'python3-trimesh-pip',
     'python3-yaml',
 }
@@ -66,6 +67,7 @@ LIBRARIES = {
     'numba': ('python3-numba', 'numba'),
     'numpy': ('python3-numpy', 'numpy'),
     'scipy': ('python3-scipy', 'scipy'),
+    'tqdm': ('python3-tqdm', 'tqdm'),
     'trimesh': ('python3-trimesh-pip', 'trimesh'),
     'yaml': ('python3-yaml', 'pyyaml'),
 }

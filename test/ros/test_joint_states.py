@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import srv
+from drake_geom_msgs.msg import ProximityEvents, ProximityStates
 from live.inputs.test_joint_input import ARM, JOINTS_OF_ARM, expected
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from ros.harness import Client, start_node
@@ -20,6 +21,10 @@ SCENE = """
 robots:
 - {{name: arm, urdf: {0}/arm.urdf, pose: {{position: [1, 2, 3]}}}}
 - {{name: twin, urdf: {0}/arm.urdf, pose: {{}}, joint_states: /twin/joint_states}}
+geometries:
+- {{name: post, pose: {{position: [50, 0, 0]}}, shape: {{type: sphere, radius: 0.1}}}}
+proximity_rules:
+- {{name: keep off, set_a: arm, set_b: post, level: stop, enter: 0.1, leave: 0.2}}
 """
 X_WB = RigidTransform([1.0, 2.0, 3.0])
 
@@ -107,6 +112,33 @@ def test_a_robot_with_its_own_topic_hears_that_one_alone(node, client):
     own = Driver(client, '/twin/joint_states', shoulder=0.2, wrist=0.3, finger=0.0)
     wait_until_it_stands(client, [0.2, 0.3, 0.0], own, robot='twin', base=RigidTransform())
     wait_until_it_stands(client, [0.1, 0.1, 0.1])
+
+
+def test_two_publishers_of_the_same_joints_enter_a_stop_rule_and_are_named(node, client):
+    """A leftover joint_state_publisher beside a driver: the arm flips between two places."""
+    rules = client.listen(ProximityStates, 'proximity_states', LATCHED)
+    heard = client.listen(DiagnosticArray, '/diagnostics')
+    driver = Driver(client, shoulder=0.5, wrist=0.3, finger=0.02)
+    leftover = Driver(client, shoulder=0.0, wrist=0.0, finger=0.0)
+
+    def why(*senders):
+        for sender in senders:
+            sender.send()
+        return rules[-1].why[0] if rules else None
+
+    def is_reported():
+        why(*both)
+        return any(
+            'are sent by two senders in turn' in status.message
+            for each in heard
+            for status in each.status
+        )
+
+    both = (driver, leftover)
+    client.wait_for(lambda: why(driver) == 0, 'no reason to stop, far from the post')
+    client.wait_for(lambda: why(*both) == ProximityEvents.TWO_SENDERS, 'a stop by two senders')
+    client.wait_for(is_reported, 'the trouble in /diagnostics')
+    client.wait_for(lambda: why(driver) == 0, 'one sender alone again')
 
 
 def test_what_is_wrong_is_counted_and_told_and_nothing_moves(node, client):
