@@ -22,7 +22,12 @@ from drake_geom_ros.geometry.render.cameras import (
     DepthRenderCamera,
     refuse_window,
 )
-from drake_geom_ros.geometry.render.render_engine import RenderedImages, images_of, shown_by
+from drake_geom_ros.geometry.render.render_engine import (
+    CameraShot,
+    RenderedImages,
+    images_of,
+    shown_by,
+)
 from drake_geom_ros.geometry.render.renderers import Renderers
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
@@ -131,7 +136,7 @@ class ImageQueries:
         X_WS = self._state.X_WF(parent_frame) @ X_PC @ core.sensor_pose_in_camera_body()
         packed = self._packed(engine, core.renderer_name())
         bodies = packed.placed_in(self._state.posed_world())
-        return images_of(engine, packed, bodies, core, X_WS, depth_range, wanted)
+        return images_of(engine, packed, bodies, CameraShot(core, X_WS, depth_range, wanted))
 
     def _packed(self, engine: RenderEngine, renderer_name: str) -> Packed:
         """Return the geometry of a renderer, packed once per version of the model."""

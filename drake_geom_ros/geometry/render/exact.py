@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from drake_geom_ros.geometry.render.cameras import DepthRange, RenderCameraCore
 from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
-from drake_geom_ros.geometry.render.render_engine import RenderedImages, RenderEngine
+from drake_geom_ros.geometry.render.render_engine import CameraShot, RenderedImages, RenderEngine
 from drake_geom_ros.geometry.render.render_label import RenderLabel
-from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 
 if TYPE_CHECKING:
@@ -42,16 +40,8 @@ class RenderEngineExact(RenderEngine):
     def _shown(self) -> RenderEngineExactParams:
         return self._params
 
-    def _render(
-        self,
-        packed: Packed,
-        bodies: PlacedBodies,
-        core: RenderCameraCore,
-        X_WS: RigidTransform,
-        depth_range: DepthRange | None,
-        want: frozenset[str],
-    ) -> RenderedImages:
-        """Return the images whose names are in ``want``."""
+    def _render(self, packed: Packed, bodies: PlacedBodies, shot: CameraShot) -> RenderedImages:
+        """Return the images that a shot wants."""
         # Imported here: only images need it.
         from drake_geom_ros.geometry._rendering.drawing import (
             Lens,
@@ -61,19 +51,15 @@ class RenderEngineExact(RenderEngine):
             render,
         )
 
-        R_SW = X_WS.rotation().matrix().T
-        intrinsics, clipping = core.intrinsics(), core.clipping()
-        near, far = clipping.near(), clipping.far()
-        depths = (near, far)
-        if depth_range is not None:
-            depths = depth_range.min_depth(), depth_range.max_depth()
+        R_SW = shot.X_WS.rotation().matrix().T
+        intrinsics, clipping = shot.core.intrinsics(), shot.core.clipping()
         lens = Lens(
             intrinsics.width(),
             intrinsics.height(),
             (intrinsics.focal_x(), intrinsics.focal_y()),
             (intrinsics.center_x(), intrinsics.center_y()),
-            (near, far),
-            depths,
+            (clipping.near(), clipping.far()),
+            shot.visible_depths(),
             R_SW[:, 2],
         )
         params = self._params
@@ -82,14 +68,14 @@ class RenderEngineExact(RenderEngine):
             packed.bodies,
             bodies.placed,
             R_SW @ bodies.R_WGs,
-            (bodies.p_WGs - X_WS.translation()) @ R_SW.T,
+            (bodies.p_WGs - shot.X_WS.translation()) @ R_SW.T,
             lens,
             look,
-            Wanted(*(name in want for name in Wanted._fields)),
+            Wanted(*(name in shot.want for name in Wanted._fields)),
             int(RenderLabel.kEmpty),
         )
         return RenderedImages(
-            ImageRgba8U.of(bytes_of(images.color)) if 'color' in want else None,
-            ImageDepth32F.of(images.depth) if 'depth' in want else None,
-            ImageLabel16I.of(images.label) if 'label' in want else None,
+            ImageRgba8U.of(bytes_of(images.color)) if 'color' in shot.want else None,
+            ImageDepth32F.of(images.depth) if 'depth' in shot.want else None,
+            ImageLabel16I.of(images.label) if 'label' in shot.want else None,
         )

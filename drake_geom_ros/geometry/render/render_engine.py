@@ -23,6 +23,22 @@ class RenderedImages(NamedTuple):
     label: ImageLabel16I | None
 
 
+class CameraShot(NamedTuple):
+    """A camera whose sensor is posed at X_WS, with the images that are wanted of it."""
+
+    core: RenderCameraCore
+    X_WS: RigidTransform
+    depth_range: DepthRange | None
+    want: frozenset[str]
+
+    def visible_depths(self) -> tuple[float, float]:
+        """Return the smallest and the largest depth [m] of its depth image."""
+        if self.depth_range is not None:
+            return self.depth_range.min_depth(), self.depth_range.max_depth()
+        clipping = self.core.clipping()
+        return clipping.near(), clipping.far()
+
+
 class RenderEngine(ABC):
     """Renderer of the geometry with the perception role, which a scene graph stores by name.
 
@@ -43,16 +59,8 @@ class RenderEngine(ABC):
         """Return the parameters that select, label and colour the geometry."""
 
     @abstractmethod
-    def _render(
-        self,
-        packed: Packed,
-        bodies: PlacedBodies,
-        core: RenderCameraCore,
-        X_WS: RigidTransform,
-        depth_range: DepthRange | None,
-        want: frozenset[str],
-    ) -> RenderedImages:
-        """Return the images whose names are in ``want``, of a sensor posed in World."""
+    def _render(self, packed: Packed, bodies: PlacedBodies, shot: CameraShot) -> RenderedImages:
+        """Return the images that a shot wants."""
 
 
 def shown_by(engine: RenderEngine) -> RenderEngineExactParams:
@@ -61,13 +69,7 @@ def shown_by(engine: RenderEngine) -> RenderEngineExactParams:
 
 
 def images_of(
-    engine: RenderEngine,
-    packed: Packed,
-    bodies: PlacedBodies,
-    core: RenderCameraCore,
-    X_WS: RigidTransform,
-    depth_range: DepthRange | None,
-    want: frozenset[str],
+    engine: RenderEngine, packed: Packed, bodies: PlacedBodies, shot: CameraShot
 ) -> RenderedImages:
-    """Return the images whose names are in ``want``, of a sensor posed in World."""
-    return engine._render(packed, bodies, core, X_WS, depth_range, want)
+    """Return the images that a shot wants, made by an engine."""
+    return engine._render(packed, bodies, shot)

@@ -13,11 +13,9 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.model.rgba import Rgba
-from drake_geom_ros.geometry.render.cameras import DepthRange, RenderCameraCore
 from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
-from drake_geom_ros.geometry.render.render_engine import RenderedImages, RenderEngine
+from drake_geom_ros.geometry.render.render_engine import CameraShot, RenderedImages, RenderEngine
 from drake_geom_ros.geometry.render.render_label import RenderLabel
-from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 
 if TYPE_CHECKING:
@@ -97,44 +95,33 @@ class RenderEngineVtk(RenderEngine):
     def _shown(self) -> RenderEngineExactParams:
         return self._params._shown()
 
-    def _render(
-        self,
-        packed: Packed,
-        bodies: PlacedBodies,
-        core: RenderCameraCore,
-        X_WS: RigidTransform,
-        depth_range: DepthRange | None,
-        want: frozenset[str],
-    ) -> RenderedImages:
-        """Return the images whose names are in ``want``."""
-        size = core.intrinsics().width(), core.intrinsics().height()
+    def _render(self, packed: Packed, bodies: PlacedBodies, shot: CameraShot) -> RenderedImages:
+        """Return the images that a shot wants."""
+        size = shot.core.intrinsics().width(), shot.core.intrinsics().height()
         if max(size) > _LARGEST:
             raise GeometryError(
                 f'an image of {size[0]} x {size[1]} was asked of VTK, which draws at most '
                 f'{_LARGEST} pixels a side; MakeRenderEngineExact has no such limit'
             )
-        R_SW = X_WS.rotation().matrix().T
+        R_SW = shot.X_WS.rotation().matrix().T
         posed = (
             R_SW @ bodies.R_WGs,
-            (bodies.p_WGs - X_WS.translation()) @ R_SW.T,
+            (bodies.p_WGs - shot.X_WS.translation()) @ R_SW.T,
             bodies.placed,
         )
-        drawing = self._thread.submit(self._draw, packed, posed, core, depth_range, want)
-        return drawing.result()
+        return self._thread.submit(self._draw, packed, posed, shot).result()
 
     def _draw(
         self,
         packed: Packed,
         posed: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]],
-        core: RenderCameraCore,
-        depth_range: DepthRange | None,
-        want: frozenset[str],
+        shot: CameraShot,
     ) -> RenderedImages:
         """Return images, drawn in the thread that owns the context."""
         from drake_geom_ros.geometry.render.vtk.stage import View
 
         stage = self._stage(packed)
-        intrinsics, clipping = core.intrinsics(), core.clipping()
+        intrinsics, clipping = shot.core.intrinsics(), shot.core.clipping()
         near = clipping.near()
         # The far plane is at the end of the last body, so that depths have fine steps.
         far = min(clipping.far(), max(1.001 * stage.pose(*posed), 1.001 * near))
@@ -146,17 +133,15 @@ class RenderEngineVtk(RenderEngine):
             near,
             far,
         )
-        color = ImageRgba8U.of(stage.color(view)) if 'color' in want else None
+        color = ImageRgba8U.of(stage.color(view)) if 'color' in shot.want else None
         depth = label = None
-        if 'depth' in want:
-            low, high = near, clipping.far()
-            if depth_range is not None:
-                low, high = depth_range.min_depth(), depth_range.max_depth()
+        if 'depth' in shot.want:
+            low, high = shot.visible_depths()
             depths = stage.depth(view)
             depths[depths > high] = np.inf
             depths[depths < low] = 0.0
             depth = ImageDepth32F.of(depths.astype(np.float32)[..., None])
-        if 'label' in want:
+        if 'label' in shot.want:
             label = ImageLabel16I.of(stage.label(view, int(RenderLabel.kEmpty))[..., None])
         return RenderedImages(color, depth, label)
 
