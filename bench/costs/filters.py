@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.filters.log import EXCLUDE_BETWEEN, EXCLUDE_WITHIN
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 
 COUNTS = (200, 1000, 5000)
@@ -128,7 +128,12 @@ def filled(count: int) -> FilterState:
     state.add_group('half', keys[:half], ('half',))
     for pair in itertools.pairwise(keys):
         state.add_clique(f'{pair}', pair)
-    state.apply([(EXCLUDE_WITHIN, keys[half:], ()), (EXCLUDE_BETWEEN, keys[:9], keys[half:])])
+    state.apply(
+        [
+            (FilterOperation.EXCLUDE_WITHIN, keys[half:], ()),
+            (FilterOperation.EXCLUDE_BETWEEN, keys[:9], keys[half:]),
+        ]
+    )
     return state
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, METHODS
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.kinds import ShapeKind
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS as ACCURACY_GAPS
 from drake_geom_ros.geometry.autodiff.scalar_templates import (
@@ -304,6 +305,7 @@ __all__ = [
     'PointCloud',
     'HydroelasticType',
     'FilterGroup',
+    'FilterOperation',
     'FilterStatement',
     # the exact renderer and the one by VTK,
     'MakeRenderEngineExact',

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry import GeometryProperties, Mesh, Role, Shape
+from drake_geom_ros.geometry import FilterOperation, GeometryProperties, Mesh, Role, Shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files.errors import Location
@@ -154,18 +153,7 @@ class CliqueDescription:
     where: Location = field(default=_NOWHERE, compare=False)
 
 
-class Operation(Enum):
-    """Operation of a statement on its pairs; values are CollisionFilterDeclaration's methods."""
-
-    EXCLUDE_WITHIN = 'ExcludeWithin'
-    EXCLUDE_BETWEEN = 'ExcludeBetween'
-    ALLOW_WITHIN = 'AllowWithin'
-    ALLOW_BETWEEN = 'AllowBetween'
-
-    @property
-    def takes_two_sets(self) -> bool:
-        """True if the pairs are those between two sets."""
-        return self in (Operation.EXCLUDE_BETWEEN, Operation.ALLOW_BETWEEN)
+Operation = FilterOperation  # of a statement on its pairs
 
 
 @dataclass(frozen=True)

@@ -331,9 +331,9 @@ class _Registration:
     def _declaration(self, entry: DeclarationDescription) -> CollisionFilterDeclaration:
         declaration = CollisionFilterDeclaration()
         for statement in entry.statements:
-            say = getattr(declaration, statement.operation.value)
             sets = (statement.set_a, statement.set_b)
-            say(*map(self._set, sets if statement.operation.takes_two_sets else sets[:1]))
+            given = sets if statement.operation.takes_two_sets else sets[:1]
+            declaration.Declare(statement.operation, *map(self._set, given))
         return declaration
 
 

@@ -27,7 +27,6 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     GroupDescription,
     Member,
-    Operation,
     RobotDescription,
     SceneDescription,
     Statement,
@@ -195,7 +194,7 @@ class _Describer:
             yield CliqueDescription(name, self._members(ids))
         for declaration in manager.declarations():
             statements = (
-                Statement(Operation(operation), self._members(set_A), self._members(set_B))
+                Statement(operation, self._members(set_A), self._members(set_B))
                 for operation, set_A, set_B in declaration
             )
             yield DeclarationDescription(tuple(statements))

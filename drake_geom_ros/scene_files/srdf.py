@@ -11,14 +11,13 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import CollisionFilterManager
+from drake_geom_ros.geometry import CollisionFilterManager, FilterOperation
 from drake_geom_ros.scene_files.description import (
     WORLD,
     DeclarationDescription,
     FilterDescription,
     GroupDescription,
     Member,
-    Operation,
     RobotOptions,
     Statement,
 )
@@ -118,8 +117,8 @@ def _statements(
         if options.filter_adjacent_links or entry.element.get('reason') != 'Adjacent'
     ]
     for operation, pairs in (
-        (Operation.ALLOW_BETWEEN, enabled),
-        (Operation.EXCLUDE_BETWEEN, disabled),
+        (FilterOperation.ALLOW_BETWEEN, enabled),
+        (FilterOperation.EXCLUDE_BETWEEN, disabled),
     ):
         for entry in pairs:
             first, second = ((Member(source, link),) for link in entry.links)

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.geometry import FilterOperation
 from drake_geom_ros.scene_files import srdf, urdf
 from drake_geom_ros.scene_files.cameras import read_cameras
 from drake_geom_ros.scene_files.description import (
@@ -19,7 +20,6 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     GroupDescription,
     Member,
-    Operation,
     RobotDescription,
     RobotOptions,
     SceneDescription,
@@ -325,7 +325,7 @@ class _SceneParser:
 
     def _statement(self, item: tuple[str, Any], path: KeyPath, names: FileNames) -> Statement:
         kind, value = item
-        operation = Operation[kind.upper()]
+        operation = FilterOperation[kind.upper()]
         if not operation.takes_two_sets:
             return Statement(operation, self._members(value, (*path, kind), names))
         set_a, set_b = (self._members(s, (*path, kind, i), names) for i, s in enumerate(value))

@@ -13,6 +13,7 @@ from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FilterId,
+    FilterOperation,
     FrameId,
     FramePoseVector,
     GeometryId,
@@ -154,16 +155,15 @@ class LocalScene:
 
     def exclude(self, pair: tuple[int, int]) -> None:
         """Add a declaration that excludes a pair of geometries, by id values."""
-        self._declare('exclude', pair, 'ExcludeBetween')
+        self._declare('exclude', pair, FilterOperation.EXCLUDE_BETWEEN)
 
     def allow(self, pair: tuple[int, int]) -> None:
         """Add a declaration that allows a pair of geometries, by id values."""
-        self._declare('allow', pair, 'AllowBetween')
+        self._declare('allow', pair, FilterOperation.ALLOW_BETWEEN)
 
-    def _declare(self, word: str, pair: tuple[int, int], operation: str) -> None:
+    def _declare(self, word: str, pair: tuple[int, int], operation: FilterOperation) -> None:
         sets = [GeometrySet(GeometryId(value)) for value in pair]
-        declaration = CollisionFilterDeclaration()
-        getattr(declaration, operation)(*sets)
+        declaration = CollisionFilterDeclaration().Declare(operation, *sets)
         text = f'{word} {" | ".join(self._names[value] for value in pair)}'
         with self._lock:
             filter_id = self._filters.ApplyTransient(declaration)

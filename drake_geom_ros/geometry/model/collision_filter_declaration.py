@@ -5,13 +5,9 @@ from __future__ import annotations
 import enum
 from typing import NamedTuple
 
-from drake_geom_ros.geometry._proximity.filters.log import (
-    ALLOW_BETWEEN,
-    ALLOW_WITHIN,
-    EXCLUDE_BETWEEN,
-    EXCLUDE_WITHIN,
-)
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.errors import ArgumentTypeError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 
@@ -56,32 +52,39 @@ class CollisionFilterDeclaration:
     def __init__(self, scope: CollisionFilterScope = CollisionFilterScope.kAll) -> None:
         """Make a declaration without statements; raises RuntimeError for an invalid scope."""
         self._scope = checked_type(scope, CollisionFilterScope, 'scope')
-        self._statements: list[tuple[int, SetSnapshot, SetSnapshot]] = []
+        self._statements: list[tuple[FilterOperation, SetSnapshot, SetSnapshot]] = []
 
     def AllowBetween(self, set_A: GeometrySet, set_B: GeometrySet) -> CollisionFilterDeclaration:
         """Put the pairs (a, b) of the two sets into C, except invariant ones; return self."""
-        return self._between(ALLOW_BETWEEN, set_A, set_B)
+        return self.Declare(FilterOperation.ALLOW_BETWEEN, set_A, set_B)
 
     def AllowWithin(self, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
         """Put all pairs of the set into C, except invariant ones; return self."""
-        return self._within(ALLOW_WITHIN, geometry_set)
+        return self.Declare(FilterOperation.ALLOW_WITHIN, geometry_set)
 
     def ExcludeBetween(self, set_A: GeometrySet, set_B: GeometrySet) -> CollisionFilterDeclaration:
         """Take the pairs (a, b) of the two sets out of C; return self."""
-        return self._between(EXCLUDE_BETWEEN, set_A, set_B)
+        return self.Declare(FilterOperation.EXCLUDE_BETWEEN, set_A, set_B)
 
     def ExcludeWithin(self, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
         """Take all pairs of the set out of C; return self."""
-        return self._within(EXCLUDE_WITHIN, geometry_set)
+        return self.Declare(FilterOperation.EXCLUDE_WITHIN, geometry_set)
 
-    def _between(
-        self, operation: int, set_A: GeometrySet, set_B: GeometrySet
+    def Declare(
+        self, operation: FilterOperation, set_A: GeometrySet, set_B: GeometrySet | None = None
     ) -> CollisionFilterDeclaration:
-        snapshots = SetSnapshot.of(set_A, 'set_A'), SetSnapshot.of(set_B, 'set_B')
-        self._statements.append((operation, *snapshots))
-        return self
+        """Add the statement of an operation about one set or two, and return self.
 
-    def _within(self, operation: int, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
-        snapshot = SetSnapshot.of(geometry_set, 'geometry_set')
-        self._statements.append((operation, snapshot, snapshot))
+        Raises ArgumentTypeError where it takes another number of sets.
+        """
+        checked_type(operation, FilterOperation, 'operation')
+        if operation.takes_two_sets != (set_B is not None):
+            sets = 'set_A and set_B' if operation.takes_two_sets else 'one set'
+            raise ArgumentTypeError(f'CollisionFilterDeclaration: {operation.value} takes {sets}')
+        if set_B is None:
+            snapshot = SetSnapshot.of(set_A, 'geometry_set')
+            self._statements.append((operation, snapshot, snapshot))
+        else:
+            snapshots = SetSnapshot.of(set_A, 'set_A'), SetSnapshot.of(set_B, 'set_B')
+            self._statements.append((operation, *snapshots))
         return self

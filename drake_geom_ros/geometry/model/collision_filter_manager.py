@@ -6,13 +6,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.filters.groups import UNIVERSAL
-from drake_geom_ros.geometry._proximity.filters.log import (
-    ALLOW_BETWEEN,
-    ALLOW_WITHIN,
-    EXCLUDE_BETWEEN,
-    EXCLUDE_WITHIN,
-    Statement,
-)
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation, Statement
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry.checks import canonical_name, checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, FilterError, RoleError
@@ -26,18 +20,11 @@ from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.properties import Role
 from drake_geom_ros.geometry.model.scene_content import proximity_keys_on
 
-_OPERATIONS = {
-    EXCLUDE_WITHIN: 'ExcludeWithin',
-    EXCLUDE_BETWEEN: 'ExcludeBetween',
-    ALLOW_WITHIN: 'AllowWithin',
-    ALLOW_BETWEEN: 'AllowBetween',
-}
-
 
 class FilterStatement(NamedTuple):
     """A statement of a persistent declaration, resolved to geometries."""
 
-    operation: str  # the name of the method of CollisionFilterDeclaration
+    operation: FilterOperation
     set_A: list[GeometryId]
     set_B: list[GeometryId]  # empty for ExcludeWithin and AllowWithin
 
@@ -252,7 +239,7 @@ class CollisionFilterManager:
         Declarations without any remaining effect may be missing.
         """
         return [
-            [FilterStatement(_OPERATIONS[what], _ids(a), _ids(b)) for what, a, b in statements]
+            [FilterStatement(operation, _ids(a), _ids(b)) for operation, a, b in statements]
             for statements in self._filters.declarations()
         ]
 

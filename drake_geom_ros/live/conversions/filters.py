@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from drake_geom_ros.geometry import ArgumentError, CollisionFilterDeclaration, GeometrySet
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    CollisionFilterDeclaration,
+    FilterOperation,
+    GeometrySet,
+)
 from drake_geom_ros.live.conversions.names import NameTable
+
+OPERATIONS = dict(enumerate(FilterOperation, 1))  # by their numbers in CollisionFilterStatement
 
 
 def geometry_set_from_message(message: Any, names: NameTable) -> GeometrySet:
@@ -26,17 +33,13 @@ def declaration_from_message(message: Any, names: NameTable) -> CollisionFilterD
             set_b = geometry_set_from_message(statement.set_b, names)
         except RuntimeError as error:
             raise ArgumentError(f'statements[{number}]: {error}') from None
-        if statement.operation == 1:
-            declaration.ExcludeWithin(set_a)
-        elif statement.operation == 2:
-            declaration.ExcludeBetween(set_a, set_b)
-        elif statement.operation == 3:
-            declaration.AllowWithin(set_a)
-        elif statement.operation == 4:
-            declaration.AllowBetween(set_a, set_b)
-        else:
+        operation = OPERATIONS.get(statement.operation)
+        if operation is None:
+            allowed = ', '.join(f'{k} ({each.name})' for k, each in OPERATIONS.items())
             raise ArgumentError(
-                f'statements[{number}].operation is {statement.operation}; it must be 1 '
-                '(EXCLUDE_WITHIN), 2 (EXCLUDE_BETWEEN), 3 (ALLOW_WITHIN) or 4 (ALLOW_BETWEEN)'
+                f'statements[{number}].operation is {statement.operation}; it must be one of '
+                f'{allowed}'
             )
+        sets = (set_a, set_b) if operation.takes_two_sets else (set_a,)
+        declaration.Declare(operation, *sets)
     return declaration

@@ -1,5 +1,6 @@
 import pytest
 
+from drake_geom_ros.geometry import FilterOperation
 from drake_geom_ros.geometry.ids import FrameId, GeometryId
 from drake_geom_ros.geometry.model.collision_filter_declaration import (
     CollisionFilterDeclaration,
@@ -20,7 +21,25 @@ def test_methods_chain_and_keep_the_order():
     )
     assert returned is declaration
     A, B = SetSnapshot((1,), ()), SetSnapshot((), (FrameId(2),))
-    assert declaration._statements == [(1, A, A), (4, A, B), (2, B, A), (3, B, B)]
+    assert declaration._statements == [
+        (FilterOperation.EXCLUDE_WITHIN, A, A),
+        (FilterOperation.ALLOW_BETWEEN, A, B),
+        (FilterOperation.EXCLUDE_BETWEEN, B, A),
+        (FilterOperation.ALLOW_WITHIN, B, B),
+    ]
+
+
+@pytest.mark.parametrize('operation', FilterOperation)
+def test_an_operation_is_declared_as_by_its_method(operation):
+    sets = [GeometrySet(GeometryId(1)), GeometrySet(GeometryId(2))][: 1 + operation.takes_two_sets]
+    by_method = getattr(CollisionFilterDeclaration(), operation.value)(*sets)
+    declared = CollisionFilterDeclaration().Declare(operation, *sets)
+    assert declared._statements == by_method._statements
+    assert operation.excludes == operation.value.startswith('Exclude')
+    of = {'excludes': operation.excludes, 'takes_two_sets': operation.takes_two_sets}
+    assert FilterOperation.of(**of) is operation
+    with pytest.raises(RuntimeError, match=f'{operation.value} takes (one set|set_A and set_B)'):
+        CollisionFilterDeclaration().Declare(operation, *(sets[:1] * (3 - len(sets))))
 
 
 def test_sets_are_copied():

@@ -1,15 +1,24 @@
 """Collision filter messages with plain objects: no message class, no ROS."""
 
+import re
 from types import SimpleNamespace as Plain
 
 import pytest
+from conventions.source_tree import ROOT
 
 from drake_geom_ros.geometry import GeometrySet
 from drake_geom_ros.geometry.model.scene_content import content_of
 from drake_geom_ros.live.conversions.filters import (
+    OPERATIONS,
     declaration_from_message,
     geometry_set_from_message,
 )
+
+
+def test_operations_have_the_numbers_of_the_messages():
+    message = (ROOT / 'msg_defs/msg/CollisionFilterStatement.msg').read_text()
+    numbers = re.findall(r'^uint8 ((?:EXCLUDE|ALLOW)_\w+)=(\d+)', message, re.MULTILINE)
+    assert numbers == [(each.name, str(number)) for number, each in OPERATIONS.items()]
 
 
 def test_declarations(scene, names):

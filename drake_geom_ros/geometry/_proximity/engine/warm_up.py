@@ -15,7 +15,7 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.derivatives.gradients import compile_derivatives
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS, CANDIDATES, CONTACT
-from drake_geom_ros.geometry._proximity.filters.log import EXCLUDE_BETWEEN
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.filters.matrix import count_lacking
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.addresses import compile_rows
@@ -78,7 +78,7 @@ def _warmed_scene() -> tuple[World, Engine]:
     for key in range(1, count + 1):
         filters.add(key, key, key == 1)
     for number in range(2):  # one is removed while the other is in the history
-        filters.apply_transient([(EXCLUDE_BETWEEN, (1,), (2,))], number)
+        filters.apply_transient([(FilterOperation.EXCLUDE_BETWEEN, (1,), (2,))], number)
     filters.remove_declaration(0)
     filters.filtered_pairs()
     filters.explain(1, 2)

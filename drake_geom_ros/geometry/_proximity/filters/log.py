@@ -12,15 +12,38 @@ leads to the same matrix.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from enum import Enum
 from typing import NamedTuple
 
-EXCLUDE_WITHIN = 1
-EXCLUDE_BETWEEN = 2
-ALLOW_WITHIN = 3
-ALLOW_BETWEEN = 4
+
+class FilterOperation(str, Enum):
+    """Operation of a filter statement; values are the methods of CollisionFilterDeclaration."""
+
+    EXCLUDE_WITHIN = 'ExcludeWithin'
+    EXCLUDE_BETWEEN = 'ExcludeBetween'
+    ALLOW_WITHIN = 'AllowWithin'
+    ALLOW_BETWEEN = 'AllowBetween'
+
+    @classmethod
+    def of(cls, *, excludes: bool, takes_two_sets: bool) -> FilterOperation:
+        """Return the operation that excludes or allows pairs of one set or of two."""
+        if takes_two_sets:
+            return cls.EXCLUDE_BETWEEN if excludes else cls.ALLOW_BETWEEN
+        return cls.EXCLUDE_WITHIN if excludes else cls.ALLOW_WITHIN
+
+    @property
+    def excludes(self) -> bool:
+        """True if the pairs are taken out of the candidates, False if they are put into them."""
+        return self in (FilterOperation.EXCLUDE_WITHIN, FilterOperation.EXCLUDE_BETWEEN)
+
+    @property
+    def takes_two_sets(self) -> bool:
+        """True if the pairs are those between two sets."""
+        return self in (FilterOperation.EXCLUDE_BETWEEN, FilterOperation.ALLOW_BETWEEN)
+
 
 Keys = tuple[int, ...]
-Statement = tuple[int, Keys, Keys]  # operation, set A, set B (not read by WITHIN)
+Statement = tuple[FilterOperation, Keys, Keys]  # set A, set B (not read by WITHIN)
 
 _GROUP = 'group'
 _CLIQUE = 'clique'
@@ -81,9 +104,9 @@ class Entry(NamedTuple):
     def statement(self, everything: Keys) -> Statement:
         """Return the entry as it would be declared, ``everything`` standing for every element."""
         keys_b = everything if self.keys_b is None else self.keys_b
-        if self.keys_a == keys_b:
-            return EXCLUDE_WITHIN if self.excludes else ALLOW_WITHIN, self.keys_a, ()
-        return EXCLUDE_BETWEEN if self.excludes else ALLOW_BETWEEN, self.keys_a, keys_b
+        is_within = self.keys_a == keys_b
+        operation = FilterOperation.of(excludes=self.excludes, takes_two_sets=not is_within)
+        return operation, self.keys_a, () if is_within else keys_b
 
 
 class FilterLog:
@@ -238,10 +261,10 @@ def _entries(statements: Iterable[Statement], origin: Origin) -> list[Entry]:
     """Return the entries of some statements; a statement about no pairs makes none."""
     made = []
     for operation, keys_a, keys_b in statements:
-        if operation in (EXCLUDE_WITHIN, ALLOW_WITHIN):
+        if not operation.takes_two_sets:
             keys_b = keys_a
         if keys_a and keys_b:
-            made.append(Entry(operation <= EXCLUDE_BETWEEN, keys_a, keys_b, origin))
+            made.append(Entry(operation.excludes, keys_a, keys_b, origin))
     return made
 
 

@@ -1,26 +1,13 @@
-import re
-
-from conventions.source_tree import ROOT
-
-from drake_geom_ros.geometry._proximity.filters import log as filter_log
 from drake_geom_ros.geometry._proximity.filters.log import (
-    ALLOW_BETWEEN,
-    ALLOW_WITHIN,
-    EXCLUDE_BETWEEN,
-    EXCLUDE_WITHIN,
     FilterLog,
+    FilterOperation,
     clique,
     group_relation,
 )
 
+EXCLUDE_WITHIN, EXCLUDE_BETWEEN, ALLOW_WITHIN, ALLOW_BETWEEN = FilterOperation
+
 EVERYTHING = (1, 2, 3, 4, 5)
-
-
-def test_operations_have_the_numbers_of_the_messages():
-    message = (ROOT / 'msg_defs/msg/CollisionFilterStatement.msg').read_text()
-    numbers = re.findall(r'^uint8 ((?:EXCLUDE|ALLOW)_\w+)=(\d+)', message, re.MULTILINE)
-    assert len(numbers) == 4
-    assert [getattr(filter_log, name) for name, _ in numbers] == [int(n) for _, n in numbers]
 
 
 def test_reasons_go_back_to_the_last_allowance_newest_first():

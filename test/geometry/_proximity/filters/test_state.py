@@ -11,13 +11,10 @@ from numba import config
 from oracles.pair_set import PairSet, masks_filter, pairs_between
 
 from drake_geom_ros.geometry._proximity.filters import matrix as filter_matrix
-from drake_geom_ros.geometry._proximity.filters.log import (
-    ALLOW_BETWEEN,
-    ALLOW_WITHIN,
-    EXCLUDE_BETWEEN,
-    EXCLUDE_WITHIN,
-)
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
+
+EXCLUDE_WITHIN, EXCLUDE_BETWEEN, ALLOW_WITHIN, ALLOW_BETWEEN = FilterOperation
 
 WORLD = 1
 
@@ -547,7 +544,7 @@ def test_who_has_no_filter_takes_no_memory():
 
 KEYS = st.integers(1, 12)
 SETS = st.frozensets(KEYS, max_size=6)
-STATEMENTS = st.lists(st.tuples(st.sampled_from([1, 2, 3, 4]), SETS, SETS), max_size=3)
+STATEMENTS = st.lists(st.tuples(st.sampled_from(FilterOperation), SETS, SETS), max_size=3)
 
 
 class AgainstPairSets(RuleBasedStateMachine):

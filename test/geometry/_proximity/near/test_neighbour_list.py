@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
-from drake_geom_ros.geometry._proximity.filters.log import (
-    ALLOW_BETWEEN,
-    ALLOW_WITHIN,
-    EXCLUDE_BETWEEN,
-    EXCLUDE_WITHIN,
-)
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.near.arrays import MADE_AT
@@ -20,6 +15,8 @@ from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.near.skins import PATIENCE
 from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
+
+EXCLUDE_WITHIN, EXCLUDE_BETWEEN, ALLOW_WITHIN, ALLOW_BETWEEN = FilterOperation
 
 
 def near_pairs(world, distance):
