@@ -50,7 +50,11 @@ class Reruns:
     def __init__(self, config):
         self._config = config
         self._failures: dict[str, Failure] = {}
+        self._is_collected = True
         self._folder = Path(config.rootpath) / 'log/flaky'
+
+    def pytest_collectreport(self, report):
+        self._is_collected &= not report.failed
 
     def pytest_runtest_logreport(self, report):
         if report.failed:
@@ -65,7 +69,8 @@ class Reruns:
             for failure in racy:
                 failure.passes_alone = self._passes_alone(failure)
             self._count_as_flaky()
-            if all(failure.passes_alone for failure in self._failures.values()):
+            all_pass = all(failure.passes_alone for failure in self._failures.values())
+            if all_pass and self._is_collected:
                 session.exitstatus = pytest.ExitCode.OK
         return result
 
@@ -99,8 +104,10 @@ class Reruns:
         for outcome in ('failed', 'error'):
             reports = terminal.stats.pop(outcome, [])
             for report in reports:
-                alone = self._failures[report.nodeid].passes_alone
-                terminal.stats.setdefault('flaky' if alone else outcome, []).append(report)
+                # A file that could not be imported has a report, too.
+                failure = self._failures.get(report.nodeid)
+                is_flaky = failure is not None and failure.passes_alone
+                terminal.stats.setdefault('flaky' if is_flaky else outcome, []).append(report)
 
     @pytest.hookimpl(trylast=True)
     def pytest_terminal_summary(self, terminalreporter):

@@ -104,6 +104,16 @@ def test_race(): fail_once('runs')
     assert 'flaky: test_it.py::test_race' in output
 
 
+def test_a_race_beside_a_file_that_cannot_be_imported_is_named_and_the_run_is_red(run, tmp_path):
+    (tmp_path / 'test_broken.py').write_text('import nowhere')
+    body = "@pytest.mark.topics\ndef test_race(): fail_once('runs')"
+    code, output = run(body, '-n', '2', '--continue-on-collection-errors')
+    assert code == 1, output
+    assert 'flaky: test_it.py::test_race' in output
+    assert 'ERROR test_broken.py' in output
+    assert 'KeyError' not in output
+
+
 def test_more_than_five_races_are_red_and_none_runs_again(run, tmp_path):
     code, output = run("""
 @pytest.mark.parametrize('name', 'abcdef')

@@ -20,7 +20,7 @@ NEED_ROS = tuple(
         'live/scene/test_scene_rules.py',
         'live/scene/test_senders.py',
         'live/test_guard.py',
-        'replay/test_decisions.py',
+        'replay/test_recomputed_decisions.py',
         'test_programs.py',
     )
 )

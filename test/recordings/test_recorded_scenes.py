@@ -6,8 +6,8 @@ from recordings import recorder
 from recordings.test_clearance import BALLS, CELL, HERE, URDF, balls  # noqa: F401
 from recordings.test_what_is_lost import still
 
+from drake_geom_ros.command_line.exit_codes import NO
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.command_line.report_making import NOT_WHOLE
 from drake_geom_ros.recordings import Topics, audit, clearance
 from drake_geom_ros.recordings.recorded_poses import recorded_poses
 
@@ -70,7 +70,7 @@ def test_what_the_recorded_scene_has_otherwise_is_a_reservation(
     run = recorded(tmp_path / 'run', text)
     assert clearance(run, balls, between=['a:b']).reservations() == [f'{TOPIC} {told}']
     asked = ['report', str(run), '--scene', str(balls), '--out', str(tmp_path / 'out')]
-    assert main(asked) == NOT_WHOLE
+    assert main(asked) == NO
     assert f'not known: {TOPIC} {told}' in capsys.readouterr().out
     said = []
     recorded_poses(run, balls, 10.0, warn=said.append)

@@ -17,8 +17,8 @@ from recordings.test_clearance import HERE, balls, poses  # noqa: F401
 from recordings.test_what_is_lost import still
 
 from drake_geom_ros.command_line import report
+from drake_geom_ros.command_line.exit_codes import UNFORESEEN
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.command_line.unforeseen import UNFORESEEN
 from drake_geom_ros.recordings import RecordingError, clearance, layouts
 from drake_geom_ros.recordings.layouts import Layouts, rows_of
 from drake_geom_ros.recordings.message_types import JOINTS, POSES

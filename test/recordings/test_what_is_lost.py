@@ -7,8 +7,8 @@ import pytest
 from recordings import recorder
 from recordings.test_clearance import CELL, HERE, balls, poses  # noqa: F401
 
+from drake_geom_ros.command_line.exit_codes import NO
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.command_line.report_making import NOT_WHOLE
 from drake_geom_ros.recordings import (
     IncompleteRecordingError,
     RecordingError,
@@ -199,7 +199,7 @@ def test_maps_that_sensors_see_are_in_no_distance_and_told_of(
     with pytest.raises(IncompleteRecordingError, match='pairs with maps'):
         found.least()
     arguments = ['report', str(run), '--scene', str(balls), '--out', str(tmp_path / 'out')]
-    assert main(arguments) == NOT_WHOLE
+    assert main(arguments) == NO
     assert f'not known: {reserved}' in capsys.readouterr().out
     assert reserved in (tmp_path / 'out' / 'report.html').read_text()
     assert main([*arguments, '--topic', 'obstacles=']) == 0

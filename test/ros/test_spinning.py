@@ -204,10 +204,20 @@ def test_a_second_signal_ends_what_takes_too_long(second):
     assert process.communicate() == ('', '')
 
 
+@pytest.mark.parametrize('name', ['scene_graph_node', 'viewer.scene_viewer', 'pose_player'])
+def test_help_lists_the_parameters(name):
+    done = run_python('-m', f'drake_geom_ros.ros.{name}', '--help')
+    assert done.returncode == 0, done.stderr
+    first, *others = done.stdout.splitlines()
+    assert first.startswith(f'usage: {name.rpartition(".")[2]} --ros-args ')
+    wanted = 'server' if 'viewer' in name else 'scene_file'
+    assert any(line.startswith(f'  {wanted} ') for line in others)
+
+
 def test_arguments_that_are_none_are_refused_in_a_line():
-    done = run_python('-m', 'drake_geom_ros.ros.scene_graph_node', '--help')
+    done = run_python('-m', 'drake_geom_ros.ros.scene_graph_node', '--rate=5')
     assert done.returncode == 2
-    assert "unknown arguments '--help'; only ROS arguments are accepted" in done.stderr
+    assert "unknown arguments '--rate=5'; only ROS arguments are accepted" in done.stderr
     refused = {
         '--ros-args -p': ['-p', 'rate:=1'],
         "'-p rate'": ['--ros-args', '-p', 'rate'],
