@@ -453,8 +453,11 @@ class HeldScene:
         )
 
     def moved_since(self, before: SceneSnapshot) -> dict[tuple[str, str], RigidTransform]:
-        """Return X_PF by source and name of the frames that are elsewhere than before."""
-        frames = list(self.names.labels)
+        """Return X_PF by source and name of the frames that are elsewhere than before.
+
+        Those of sensed maps are left out, which stand where they were seen.
+        """
+        frames = [frame for frame in self.names.labels if frame not in self.names.of_maps]
         ids = np.array([frame.get_value() for frame in frames], dtype=np.int64)
         R_WFs, p_WFs, is_placed = self._context.X_WFs(ids)
         R_was, p_was, was_placed = before.context.X_WFs(ids)

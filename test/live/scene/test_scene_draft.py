@@ -15,6 +15,7 @@ from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.scene import held_scene
 from drake_geom_ros.live.scene.clocks import ALWAYS
+from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.seen_maps import Sighting, has_many, shape_of, showing, stand
 from drake_geom_ros.live.services import (
     files,
@@ -207,6 +208,25 @@ def test_cycles_go_on_while_it_is_made_ready_and_find_all_done(live, arrival):
         distances, _ = cycle(held, 0.0)
         fresh = QueryObject(held.copy()).ComputeSignedDistancePairwiseClosestPoints(REACH)
         assert distances == sorted(np.round(fresh.distance, 6).tolist())
+
+
+def test_a_map_that_comes_while_a_robot_is_replaced_waits_again(live):
+    """Its cells are not in the scene that takes the place of this one."""
+    live.map_sources = MapSources({'points': Plain(forget=lambda: None)})
+    robot = RobotInput(live)
+    robot.take(ROBOT)
+    seen = []
+
+    def rehearse(query):
+        if not seen:
+            seen.append(query)
+            see(live)
+
+    live.rehearse = rehearse
+    assert 'replaces' in robot.take(ROBOT.replace('"l1"', '"l2"'))
+    with live.reading() as held:
+        assert 'obstacles::points' in held.waiting().frames
+        assert held.maps['points'].cells is None
 
 
 @pytest.mark.parametrize('count', [1, 20_001])
