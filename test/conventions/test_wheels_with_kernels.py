@@ -13,7 +13,8 @@ from geometry.scene.test_compilation import CODE
 
 __all__ = ['folder']  # the fixture
 
-pytestmark = [pytest.mark.packaging, pytest.mark.processes]
+# The wheel takes minutes: all kernels are compiled for it.
+pytestmark = [pytest.mark.packaging, pytest.mark.processes, pytest.mark.timeout(3000)]
 TAG = f'cp{sys.version_info.major}{sys.version_info.minor}'
 VERSION = f'{sys.version_info.major}.{sys.version_info.minor}'
 # Of the installed package, not of the folder in which it runs.
@@ -39,7 +40,6 @@ def wheel(tmp_path_factory):
     return path
 
 
-@pytest.mark.timeout(3000)
 def test_its_name_says_for_which_python_and_platform_it_is(wheel):
     name, _, python, abi, system = wheel.stem.split('-')
     assert (name, python, abi) == ('drake_geom_ros', TAG, 'none')
