@@ -155,8 +155,7 @@ def _filter_request(node: _Node) -> None:
     sets = msg.GeometrySet(frames=['ball']), msg.GeometrySet(geometries=['world/floor'])
     statement = msg.CollisionFilterStatement(operation=2, set_a=sets[0], set_b=sets[1])
     request.declaration.statements = [statement]
-    with node.live.editing() as scene:
-        node.guard.answer(filters.apply_transient_filter, scene, request, response)
+    node.guard.answer(filters.apply_transient_filter, node.live, request, response)
     assert response.success, response.message
     with node.live.editing() as scene:
         scene.scene_graph.collision_filter_manager().Flatten()
