@@ -100,5 +100,5 @@ def test_what_cannot_be_shown_is_refused(scene_graph):
         show(scene_graph, see_through=0.0)
     with pytest.raises(ArgumentError, match='not None'):
         show(None)
-    with pytest.raises(ArgumentError, match='two points'):
+    with pytest.raises(ArgumentError, match='the same point'):
         looking([1, 1, 1], [1, 1, 1])

@@ -10,6 +10,7 @@ from oracles.worlds import filters_of, geometry_table, random_rotations, random_
 from drake_geom_ros.geometry._proximity.engine import engine as engines
 from drake_geom_ros.geometry._proximity.engine import prepared
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Effects, Engine
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -142,7 +143,7 @@ def test_filtered_pairs_reach_no_kernel():
     world = random_world(np.random.default_rng(4), 10)
     engine, filters = Engine(), filters_of(world)
     keys = tuple(world.geometries.ids.tolist())
-    filters.apply([(1, keys[:5], keys[:5])])
+    filters.apply([(FilterOperation.EXCLUDE_WITHIN, keys[:5], keys[:5])])
     batch = signed_distances(engine, world, filters, 'exact', math.inf)
     effects = engine.effects
     assert (effects.broadphase_pairs, effects.filtered_pairs) == (45, 10)

@@ -7,6 +7,7 @@ from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Engine
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CLOSED_FORM
 from drake_geom_ros.geometry._proximity.pairs import level_costs
 from drake_geom_ros.geometry._proximity.pairs.level_costs import LAPS, TRIALS, seconds_a_pair
@@ -35,7 +36,7 @@ def test_only_unfiltered_pairs_within_reach_are_computed_cold(monkeypatch):
     world = random_world(np.random.default_rng(3), 60, types=(1, 3))
     filters = filters_of(world)
     keys = tuple(world.geometries.ids.tolist())
-    filters.apply([(1, keys[:30], keys[:30])])
+    filters.apply([(FilterOperation.EXCLUDE_WITHIN, keys[:30], keys[:30])])
     calls = []
     answer = level_costs.answer_pairs
 

@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Engine
+from drake_geom_ros.geometry._proximity.filters.log import FilterOperation
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import balls_inside
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS, PLAIN_DEPTH
@@ -40,7 +41,7 @@ def test_whoever_looks_for_one_contact_answers_as_the_penetrations_do(seed, leve
     keys = tuple(world.geometries.ids.tolist())
     for _ in range(4):
         some = tuple(rng.choice(keys, max(1, count // 2), replace=False).tolist())
-        filters.apply([(1, some, some)])
+        filters.apply([(FilterOperation.EXCLUDE_WITHIN, some, some)])
         for _ in range(3):
             expected = reports(world, filters, level)
             assert has_overlap(engine, world, filters, level) == expected
@@ -69,9 +70,9 @@ def test_a_pair_that_waits_or_is_filtered_is_no_contact():
     keys = tuple(world.geometries.ids.tolist())
     assert has_overlap(engine, world, filters, 'exact')
     assert engine.effects.broadphase_pairs == 0
-    filters.apply([(1, keys, keys)])
+    filters.apply([(FilterOperation.EXCLUDE_WITHIN, keys, keys)])
     assert not has_overlap(engine, world, filters, 'exact')
-    filters.apply([(2, keys[:2], ())])
+    filters.apply([(FilterOperation.EXCLUDE_BETWEEN, keys[:2], ())])
     world.waiting[:] = True
     assert not has_overlap(Engine(), world, filters, 'exact')
 
