@@ -131,8 +131,6 @@ def _timeline_of_recording(
         raise ArgumentError(
             'a recording is played by itself: no --motion, --poses, --states or --joints'
         )
-    if not options.rate > 0.0:
-        raise ArgumentError(f'--rate {options.rate} must be > 0 [Hz]')
     recorded = recorded_poses(
         *(options.scene, posed.description, options.rate),
         topics=topics_of(options),
