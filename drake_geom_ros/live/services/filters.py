@@ -12,6 +12,7 @@ from drake_geom_ros.geometry import (
     ArgumentError,
     CollisionFilterDeclaration,
     FilterId,
+    FrameId,
     SceneGraph,
     SceneGraphContext,
 )
@@ -21,7 +22,7 @@ from drake_geom_ros.live.scene.editable_scene import EditableScene, owned_by
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 
-_MANY = 100  # frames and geometries of a declaration that take longer than a cycle may wait
+_MANY = 100  # names or geometries of a declaration that take longer than a cycle may wait
 
 
 def apply_filter(live: LiveScene, request: Any, response: Any) -> None:
@@ -31,7 +32,7 @@ def apply_filter(live: LiveScene, request: Any, response: Any) -> None:
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.collision_filter_manager(context).Apply(declaration)
 
-    live.change(Change(on, same_content=True), is_short=_is_short(request))
+    live.change(Change(on, same_content=True), is_short=_is_short(live, request))
 
 
 def flatten_filters(live: LiveScene, request: Any, response: Any) -> None:
@@ -42,8 +43,8 @@ def flatten_filters(live: LiveScene, request: Any, response: Any) -> None:
 
 def apply_transient_filter(live: LiveScene, request: Any, response: Any) -> None:
     """Apply a declaration that can be taken back, or that ends with its lease."""
-    lease, owner, is_short = _lease(request), request.owner, _is_short(request)
-    declaration = _declaration(live, request)
+    lease, owner, declaration = _lease(request), request.owner, _declaration(live, request)
+    is_short = _is_short(live, request)
 
     def first(scene: EditableScene) -> None:
         scene.refuse_too_many_filters(owner)
@@ -108,17 +109,18 @@ def _declaration(live: LiveScene, request: Any) -> CollisionFilterDeclaration:
     return declaration_from_message(request.declaration, names)
 
 
-def _is_short(request: Any) -> bool:
-    """Return whether a declaration names so few that it is soon applied in any scene."""
-    return (
-        sum(
-            len(members)
-            for statement in request.declaration.statements
-            for each in (statement.set_a, statement.set_b)
-            for members in (each.frames, each.frame_ids, each.geometries, each.geometry_ids)
-        )
-        < _MANY
-    )
+def _is_short(live: LiveScene, request: Any) -> bool:
+    """Return whether a declaration is soon applied in any scene: of few names and geometries."""
+    statements = request.declaration.statements
+    sets = [each for statement in statements for each in (statement.set_a, statement.set_b)]
+    of_frames = sum(len(each.frames) + len(each.frame_ids) for each in sets)
+    count = sum(len(each.geometries) + len(each.geometry_ids) for each in sets)
+    if of_frames + count >= _MANY:
+        return False
+    with live.reading() as scene:  # a frame stands for all that it carries
+        frames = [scene.names.frame(name) for each in sets for name in each.frames]
+        frames += [FrameId(number) for each in sets for number in each.frame_ids]
+        return count + sum(map(scene.inspector.NumGeometriesForFrame, frames)) < _MANY
 
 
 def _is_of(scene: HeldScene, request: Any) -> bool:

@@ -5,7 +5,9 @@ from types import SimpleNamespace as Plain
 import pytest
 from live.live_scenes import live_scene
 
+from drake_geom_ros.live.scene import held_scene
 from drake_geom_ros.live.services import filters, queries
+from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
 sources: [s]
@@ -154,3 +156,27 @@ def test_a_number_of_nothing_is_not_active(live, number):
     filters.renew_filter(live, Plain(filter_id=number, lease=1.0, owner='a'), renewed)
     filters.remove_filter(live, Plain(filter_id=number, owner='a'), removed)
     assert (renewed.active, removed.removed) == (False, False)
+
+
+def test_a_frame_that_carries_many_geometries_is_no_short_declaration(clock, monkeypatch):
+    """It is one name, and takes as long as the names of all of them would."""
+    monkeypatch.setattr(held_scene, '_MANY', 0)  # any scene is large
+    monkeypatch.setattr(filters, '_MANY', 4)
+    live = live_scene(TEXT, clock)
+    drafts, make_ready = [], live.make_ready
+    monkeypatch.setattr(live, 'make_ready', lambda change: drafts.append(1) or make_ready(change))
+    apply(live, 'about two geometries')
+    assert drafts == []
+    shape = 'shape: {type: sphere, radius: 0.1}'
+    more = ''.join(f'- {{name: g{k}, source: t, frame: c, {shape}}}\n' for k in range(4))
+    with live.editing() as scene:
+        scene.add(read_scene('frames: [{name: c, source: t}]\ngeometries:\n' + more))
+        frame = scene.names.frame('t::c').get_value()
+    nobody = Plain(frames=[], geometries=[], **EMPTY)
+    by_id = Plain(**{**vars(nobody), 'frame_ids': [frame]})
+    for count, members in enumerate((Plain(**{**vars(nobody), 'frames': ['t::c']}), by_id), 1):
+        statement = Plain(operation=EXCLUDE_WITHIN, set_a=members, set_b=nobody)
+        declaration = Plain(statements=[statement])
+        request = Plain(declaration=declaration, owner='', lease=0.0)
+        filters.apply_transient_filter(live, request, Plain())
+        assert len(drafts) == count
