@@ -13,13 +13,13 @@ from drake_geom_ros.sensed_maps.looking_past import compile_looking_past
 from drake_geom_ros.sensed_maps.passes import compile_passes
 
 
-def compile_every_kernel(tell: Tell | None = None) -> None:
-    """Compile what the cache lacks; ``tell(name, number, last)`` is called before each part."""
+def compile_every_kernel(progress: Tell | None = None) -> None:
+    """Compile what the cache lacks; call ``progress(name, number, last)`` before each."""
     compile_passes()
     compile_looking_past()
     decisions.prepare()
     nearest_pairs.prepare()
-    compile_all_kernels(tell)
+    compile_all_kernels(progress)
 
 
 if __name__ == '__main__':

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
-_INTERRUPTED = 130  # exit code, as shells report SIGINT
-_BAD_INPUT = 2
+from drake_geom_ros.command_line.exit_codes import BAD_INPUT, INTERRUPTED
+
 _PACKAGES_OF_ROS = ('rclpy', 'drake_geom_msgs', 'ament_index_python')
 _STDERR = 2
 
@@ -39,7 +39,7 @@ def drake_geom_ros(arguments: Sequence[str] | None = None, prog: str = 'drake_ge
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and words[0] in _OF_ROS:
         return _run_program_of_ros(words, prog)
-    with _ending_at_once(_INTERRUPTED, b'drake_geom_ros: interrupted\n'):
+    with _ending_at_once(INTERRUPTED, b'drake_geom_ros: interrupted\n'):
         from drake_geom_ros.command_line.program import load, main
 
         load(words)
@@ -62,7 +62,7 @@ def _run_program_of_ros(words: Sequence[str], prog: str) -> int:
             'setup file of a ROS 2 distribution, or see docs/installation.md',
             file=sys.stderr,
         )
-        return _BAD_INPUT
+        return BAD_INPUT
 
 
 def _with_scene_parameter(words: Sequence[str]) -> list[str]:
@@ -98,7 +98,7 @@ def pose_player() -> int:
 
 def status() -> int:
     """Print the status of a node."""
-    with _ending_at_once(_INTERRUPTED):
+    with _ending_at_once(INTERRUPTED):
         from drake_geom_ros.ros.status.program import main
 
         return main()
@@ -106,7 +106,7 @@ def status() -> int:
 
 def record() -> int:
     """Record a run of a node."""
-    with _ending_at_once(_INTERRUPTED):
+    with _ending_at_once(INTERRUPTED):
         from drake_geom_ros.ros.recorder.program import main
     return main()
 

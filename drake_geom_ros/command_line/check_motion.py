@@ -12,7 +12,7 @@ from drake_geom_ros.command_line.checked_motions import CLEAR_IN_PIECES, of_moti
 from drake_geom_ros.command_line.exit_codes import DONE, NO, NOT_PROVED
 from drake_geom_ros.command_line.option_values import (
     count,
-    count_or_none,
+    count_or_zero,
     distance,
     finite,
     positive,
@@ -51,7 +51,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         '--max-evaluations',
-        type=count_or_none,
+        type=count_or_zero,
         default=0,
         metavar='N',
         help='0: no limit (default)',

@@ -30,6 +30,6 @@ def run(options: argparse.Namespace) -> int:
         raise ArgumentError(
             "completion needs shtab: pip install 'drake_geom_ros[completion]'"
         ) from None
-    parser = program.parser_of(PROGRAM, {}, tuple(program.COMMANDS))
+    parser = program.parser_of(PROGRAM, options.others, tuple(program.COMMANDS))
     print(shtab.complete(parser, shell=options.shell))
     return DONE

@@ -50,7 +50,7 @@ def count(text: str) -> int:
     return int(text)
 
 
-def count_or_none(text: str) -> int:
+def count_or_zero(text: str) -> int:
     """Return a whole number >= 0."""
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f'{text!r} must be a whole number >= 0')

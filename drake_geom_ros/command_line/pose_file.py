@@ -55,6 +55,8 @@ def read_poses(path: str | Path) -> list[PoseSet]:
     except OSError as error:
         raise SceneFileError(f'cannot be read: {error.strerror}', file) from None
     sets = list((_from_json if is_json(file, text) else _from_csv)(text, file))
+    if not sets:
+        raise SceneFileError('there is no moment in it', file)
     for moment in sets:
         seen: dict[str, Location] = {}
         for pose in moment.poses:

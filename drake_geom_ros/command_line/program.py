@@ -21,6 +21,7 @@ from drake_geom_ros.command_line.exit_codes import (
     UNFORESEEN,
 )
 from drake_geom_ros.command_line.spread_options import spread
+from drake_geom_ros.command_line.standard_input import STANDARD_INPUT
 from drake_geom_ros.command_line.unforeseen import print_unforeseen
 from drake_geom_ros.version import VERSION
 
@@ -66,7 +67,10 @@ def main(
     """
     words = spread(sys.argv[1:] if arguments is None else arguments)
     try:
-        options = parser_of(prog, others or {}, words[:1]).parse_args(words)
+        parser = parser_of(prog, others or {}, words[:1])
+        options = parser.parse_args(words)
+        if list(vars(options).values()).count(STANDARD_INPUT) > 1:
+            parser.error(f'{STANDARD_INPUT!r} is the standard input, which can be one file only')
         code = int(options.run(options))
         sys.stdout.flush()
         return code
@@ -96,6 +100,7 @@ def parser_of(
         epilog=f'Each command explains itself: {prog} query --help.',
     )
     parser.add_argument('--version', action='version', version=f'drake_geom_ros {VERSION}')
+    parser.set_defaults(others=others)
     known = {**COMMANDS, **others}
     if chosen and chosen[0] not in known and not chosen[0].startswith('-'):
         from drake_geom_ros.common.nearest import nearest

@@ -130,4 +130,6 @@ def points_of_file(path: str) -> NDArray[np.float64]:
             f'must hold points, CSV with the columns x,y,z or JSON [[x, y, z], ...]: {error!r}',
             path,
         ) from None
+    if not len(points):
+        raise SceneFileError('there is no point in it', path)
     return points.reshape(-1, 3)

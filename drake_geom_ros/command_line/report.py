@@ -14,7 +14,7 @@ from drake_geom_ros.command_line.exit_codes import (
     NOT_PROVED,
     UNFORESEEN,
 )
-from drake_geom_ros.command_line.option_values import count_or_none, distance, finite, positive
+from drake_geom_ros.command_line.option_values import count_or_zero, distance, finite, positive
 from drake_geom_ros.command_line.recording_input import add_topics_to
 from drake_geom_ros.command_line.report_making import THRESHOLDS, make_report
 from drake_geom_ros.command_line.scene_input import read_and_warn
@@ -112,7 +112,7 @@ def _add_judgements(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--pictures',
-        type=count_or_none,
+        type=count_or_zero,
         default=3,
         metavar='N',
         help='pictures of the closest moments of each set of pairs; 0: none (default: 3)',

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
-from drake_geom_ros.command_line.option_values import count, count_or_none
+from drake_geom_ros.command_line.option_values import count, count_or_zero
 from drake_geom_ros.command_line.scene_input import add_scene_options, read_and_warn
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
@@ -61,7 +61,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--states', type=count, default=10_000, metavar='N', help='samples (default: 10000)'
     )
-    parser.add_argument('--seed', type=count_or_none, default=0, metavar='N', help='default: 0')
+    parser.add_argument('--seed', type=count_or_zero, default=0, metavar='N', help='default: 0')
     parser.add_argument(
         '--without-never', action='store_true', help='go on looking at pairs that never collided'
     )

@@ -187,10 +187,11 @@ def main(args: list[str] | None = None) -> int:
         print(
             usage(
                 'pose_player',
-                '-p scene_file:=FILE [-p trajectory_file:=FILE]',
-                'Plays a motion of a scene as FramePoses messages, on /tf, or as joint states.',
-                _TEXTS,
-                'docs/motions.md describes motion files; ~/restart (std_srvs/Trigger) begins '
+                example='-p scene_file:=FILE [-p trajectory_file:=FILE]',
+                description='Plays a motion of a scene as FramePoses messages, on /tf, or as '
+                'joint states.',
+                texts=_TEXTS,
+                see='docs/motions.md describes motion files; ~/restart (std_srvs/Trigger) begins '
                 'anew.',
             )
         )

@@ -234,11 +234,11 @@ def main(args: list[str] | None = None) -> int:
         print(
             usage(
                 'scene_graph_node',
-                '[-p scene_file:=FILE]',
-                'Keeps a scene, takes poses from topics, and publishes which of its shapes touch, '
-                'how deep and how far apart.',
-                TEXTS,
-                'docs/reference.md lists topics, services and parameters.',
+                example='[-p scene_file:=FILE]',
+                description='Keeps a scene, takes poses from topics, and publishes which of its '
+                'shapes touch, how deep and how far apart.',
+                texts=TEXTS,
+                see='docs/reference.md lists topics, services and parameters.',
             )
         )
         return 0

@@ -13,7 +13,9 @@ def is_help(words: Sequence[str] | None) -> bool:
     return bool(_HELP & set(sys.argv[1:] if words is None else words))
 
 
-def usage(program: str, example: str, description: str, texts: Mapping[str, str], see: str) -> str:
+def usage(
+    program: str, *, example: str, description: str, texts: Mapping[str, str], see: str
+) -> str:
     """Return the help of a program with parameters of such texts."""
     width = max(map(len, texts)) + 2
     return '\n'.join(

@@ -1,5 +1,6 @@
 """The program as it is started: exit codes, one line for an error, no ROS."""
 
+import re
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -143,6 +144,12 @@ def test_a_scene_may_come_from_the_standard_input(monkeypatch, capsys):
     assert capsys.readouterr().out == expected
 
 
+def test_the_standard_input_is_one_file(capsys):
+    with pytest.raises(SystemExit):
+        main(['query', '-', '--poses', '-'])
+    assert 'can be one file only' in capsys.readouterr().err.splitlines()[-1]
+
+
 @pytest.mark.processes
 def test_help_imports_no_geometry():
     script = (
@@ -168,9 +175,10 @@ def test_each_command_explains_itself(capsys, command):
 
 def test_completion_knows_all_commands_and_their_options(capsys):
     pytest.importorskip('shtab')
-    assert main(['completion', 'bash']) == 0
+    assert programs.drake_geom_ros(['completion', 'bash']) == 0
     script = capsys.readouterr().out
-    assert all(command in script for command in COMMANDS)
+    listed = re.search(r'subparsers=\(([^)]*)\)', script)[1].replace("'", '').split()
+    assert {*COMMANDS, 'node', 'status', 'viewer', 'player', 'record'} == set(listed)
     assert '--max-distance' in script
 
 

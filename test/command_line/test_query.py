@@ -136,3 +136,20 @@ def test_the_words_of_batch_ask_the_same(capsys, here, in_batches):
         assert main(['query', str(ROOT / 'scenes/minimal.yaml'), '--what', word]) == 0
         printed.append(capsys.readouterr().out)
     assert printed[0] == printed[1] != ''
+
+
+@pytest.mark.parametrize(
+    ('name', 'text', 'options', 'why'),
+    [
+        ('no.csv', POSES.splitlines()[0] + '\n', ['--poses'], 'no moment in it'),
+        ('no.json', '[]', ['--poses'], 'no moment in it'),
+        ('no.csv', 'x,y,z\n', ['--what', 'points', '--points'], 'no point in it'),
+        ('no.json', '[]', ['--what', 'points', '--points'], 'no point in it'),
+    ],
+)
+def test_a_question_about_nothing_is_no_answer(capsys, tmp_path, name, text, options, why):
+    (tmp_path / name).write_text(text)
+    assert main(['query', SCENE, *options, str(tmp_path / name)]) == 2
+    output, errors = capsys.readouterr()
+    assert output == ''
+    assert why in errors

@@ -70,10 +70,10 @@ def main(args: list[str] | None = None) -> int:
         print(
             usage(
                 'scene_viewer',
-                '[-p server:=/scene_graph]',
-                'Serves a page in the browser with the scene of a running node.',
-                _TEXTS,
-                'docs/viewing.md describes the page.',
+                example='[-p server:=/scene_graph]',
+                description='Serves a page in the browser with the scene of a running node.',
+                texts=_TEXTS,
+                see='docs/viewing.md describes the page.',
             )
         )
         return 0
