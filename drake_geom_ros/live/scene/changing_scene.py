@@ -187,14 +187,14 @@ class ChangingScene(HeldScene):
                 is_part=is_part,
             )
 
-        def first(_: ChangingScene) -> None:
+        def first(scene: ChangingScene) -> None:
             nonlocal X_now
-            X_now = X_PF or self._pose_in(frame, parent)
+            X_now = X_PF or scene._pose_in(frame, parent)
 
         def then(scene: ChangingScene, made: None) -> RigidTransform:
-            self._hang_at(frame, X_now)
-            self._ages.rest(frame.get_value())
-            self._let_go(frame)
+            scene._hang_at(frame, X_now)
+            scene._ages.rest(frame.get_value())
+            scene._let_go(frame)
             return X_now
 
         return Change(on, first, then)
@@ -213,18 +213,18 @@ class ChangingScene(HeldScene):
         def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
             graph.DetachFrame(context=context, source_id=source, frame_id=frame, X_PF=X_now)
 
-        def first(_: ChangingScene) -> None:
+        def first(scene: ChangingScene) -> None:
             nonlocal X_now, since
-            X_now = X_PF or self._pose_in(frame, home)
-            since = self._clocks.arrival().since(0.0)
+            X_now = X_PF or scene._pose_in(frame, home)
+            since = scene._clocks.arrival().since(0.0)
             if X_PF is None:
-                since = oldest(since, self._since_of_line(frame))
+                since = oldest(since, scene._since_of_line(frame))
 
         def then(scene: ChangingScene, made: None) -> RigidTransform:
-            self._hang_at(frame, X_now)
-            self._ages.rest_no_more(frame.get_value(), since)
+            scene._hang_at(frame, X_now)
+            scene._ages.rest_no_more(frame.get_value(), since)
             # TF leaves it there until a transform of this very frame comes.
-            self.feeders.note(MESSAGES, frozenset([frame.get_value()]))
+            scene.feeders.note(MESSAGES, frozenset([frame.get_value()]))
             return X_now
 
         return Change(on, first, then)
