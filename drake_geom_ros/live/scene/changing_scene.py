@@ -192,9 +192,7 @@ class ChangingScene(HeldScene):
             X_now = X_PF or scene._pose_in(frame, parent)
 
         def then(scene: ChangingScene, made: None) -> RigidTransform:
-            scene._hang_at(frame, X_now)
-            scene._ages.rest(frame.get_value())
-            scene._let_go(frame)
+            scene._rest_at(frame, X_now)
             return X_now
 
         return Change(on, first, then)
@@ -216,15 +214,10 @@ class ChangingScene(HeldScene):
         def first(scene: ChangingScene) -> None:
             nonlocal X_now, since
             X_now = X_PF or scene._pose_in(frame, home)
-            since = scene._clocks.arrival().since(0.0)
-            if X_PF is None:
-                since = oldest(since, scene._since_of_line(frame))
+            since = scene._since_now(None if X_PF else frame)
 
         def then(scene: ChangingScene, made: None) -> RigidTransform:
-            scene._hang_at(frame, X_now)
-            scene._ages.rest_no_more(frame.get_value(), since)
-            # TF leaves it there until a transform of this very frame comes.
-            scene.feeders.note(MESSAGES, frozenset([frame.get_value()]))
+            scene._move_again_from(frame, X_now, since)
             return X_now
 
         return Change(on, first, then)
@@ -234,12 +227,30 @@ class ChangingScene(HeldScene):
         self._refuse_unplaced([frame, parent], 'pose')
         return self.query.X_WF(parent).InvertAndCompose(self.query.X_WF(frame))
 
+    def _rest_at(self, frame: FrameId, X_PF: RigidTransform) -> None:
+        """Keep a frame where it hangs now, whatever has posed it before."""
+        self._hang_at(frame, X_PF)
+        self._ages.rest(frame.get_value())
+        self._let_go(frame)
+
+    def _move_again_from(self, frame: FrameId, X_PF: RigidTransform, since: Since) -> None:
+        """Leave a frame in its home, where messages pose it from now on."""
+        self._hang_at(frame, X_PF)
+        self._ages.rest_no_more(frame.get_value(), since)
+        # TF leaves it there until a transform of this very frame comes.
+        self.feeders.note(MESSAGES, frozenset([frame.get_value()]))
+
     def _hang_at(self, frame: FrameId, X_PF: RigidTransform) -> None:
         """Pose a frame that hangs on another one now."""
         self._context.UpdateFramePoses(FramePoseVector({frame: X_PF}))
         self.rules.measure_again()
         if self.history is not None:
             self.history.begin_anew([frame.get_value()], self._clocks.node())
+
+    def _since_now(self, frame: FrameId | None) -> Since:
+        """Return now, or since when the pose of a frame in the world holds, if that is older."""
+        since = self._clocks.arrival().since(0.0)
+        return since if frame is None else oldest(since, self._since_of_line(frame))
 
     def _since_of_line(self, frame: FrameId) -> Since:
         """Return since when the pose of a frame in the world holds, with all that it hangs on."""
