@@ -12,6 +12,7 @@ VERSION = runpy.run_path(f'{NAME}/version.py')['VERSION']
 # another breaks nobody knows yet. What is tested every day is pinned in requirements/.
 CORE = [
     'jsonschema>=4.10',  # scene files against their schema
+    'jsonschema-rs>=0.26',  # whether they are valid, soon
     'lxml>=4.9',  # URDF and SRDF
     # The kernels. With one that was not tested they would compile for three times as long, and
     # what a wheel brings of them would not be used.

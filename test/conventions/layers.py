@@ -163,7 +163,7 @@ LAYERS = {
             *('math', 'common', 'sensors', 'geometry', 'geometry/queries'),
             *('proximity_rules', 'sensed_maps', 'scene_files'),
         ),
-        ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema', 'jsonschema_rs', 'xacro'),
     ),
     'trajectories': (
         (

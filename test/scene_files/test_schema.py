@@ -1,11 +1,16 @@
+import copy
 import json
+import math
+import sys
 
 import jsonschema
 import pytest
 from conventions.source_tree import PACKAGE, name_of
+from hypothesis import given
+from hypothesis import strategies as st
 
 from drake_geom_ros.scene_files.errors import SceneFileError
-from drake_geom_ros.scene_files.schema import check_schema, scene_schema
+from drake_geom_ros.scene_files.schema import check_schema, is_surely_valid, scene_schema
 from drake_geom_ros.scene_files.yaml_text import read_yaml
 
 # Three lines that are right, so that line 4 is to blame.
@@ -174,3 +179,75 @@ def test_a_shape_takes_no_unknown_keys(kind):
     uri = ', uri: a.obj' * (kind == 'mesh')
     with pytest.raises(SceneFileError, match='unknown key; allowed are type'):
         check(HEAD + GEOMETRY % f'{kind}{uri}, colour: red')
+
+
+RIGHT = """
+name: all
+sources: [s]
+robots: [{name: r, urdf: r.urdf, pose: {position: [1, 2, 3]}, adjacent_links: kept}]
+frames: [{name: f, source: s, parent: world, group: 1, pose: {rpy: [0, 0, 1]}}]
+geometries:
+- {name: a, source: s, frame: f, shape: {type: sphere, radius: 0}, roles: {proximity: {}}}
+- {name: b, pose: {quaternion: [0, 0, 0, 1]}, shape: {type: box, size: [1, 1, 1]}}
+"""
+# What JSON does not have, too: YAML does.
+ODD = [
+    None,
+    True,
+    0,
+    1.0,
+    -1,
+    math.nan,
+    math.inf,
+    2**64,
+    -(2**200),
+    '',
+    ' ',
+    's',
+    [],
+    {},
+    [1, 2, 3],
+]
+ODD += [
+    {1: 2},
+    {None: 1},
+    {'position': [1, 2]},
+    {'type': 'sphere', 'radius': -1},
+    (1, 2, 3),
+    5e-324,
+]
+
+
+def places(value, path=()):
+    """Yield the path to each value below one."""
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, inner in items:
+        yield (*path, key)
+        if isinstance(inner, (dict, list)):
+            yield from places(inner, (*path, key))
+
+
+@given(data=st.data())
+def test_what_is_surely_valid_has_no_fault(data):
+    value = copy.deepcopy(read_yaml(RIGHT, 'arms.yaml').value)
+    for _ in range(data.draw(st.integers(0, 2))):
+        *path, key = data.draw(st.sampled_from(list(places(value))))
+        inner = value
+        for step in path:
+            inner = inner[step]
+        inner[key] = copy.deepcopy(data.draw(st.sampled_from(ODD)))
+    faults = list(jsonschema.Draft7Validator(scene_schema()).iter_errors(value))
+    assert not (is_surely_valid(value, scene_schema()) and faults)
+
+
+def test_a_scene_is_surely_valid_where_the_fast_validator_is_there(monkeypatch):
+    value = read_yaml(RIGHT, 'arms.yaml').value
+    assert is_surely_valid(value, scene_schema())
+    monkeypatch.setattr('drake_geom_ros.scene_files.schema.jsonschema_rs', None)
+    assert not is_surely_valid(value, scene_schema())
+    check(RIGHT)
+
+
+def test_a_valid_scene_needs_no_jsonschema(monkeypatch):
+    monkeypatch.setitem(sys.modules, 'jsonschema', None)
+    check(RIGHT)
