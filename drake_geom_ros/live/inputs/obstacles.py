@@ -140,10 +140,12 @@ class ObstacleInput:
         """Take an Octomap in place of the one of before, as it is; raises RuntimeError."""
         start = time.perf_counter()
         refuse_too_many_nodes(octomap, MOST_NODES)
-        generation, cells = self._generation, cells_from_octomap(octomap)
+        generation = self._generation
+        # Before the tree is read, which takes seconds: its stamp is that much older then.
+        moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda *_: ())
+        cells = cells_from_octomap(octomap)
         if not len(cells):
             raise ArgumentError('the tree has no occupied cell: it shows nothing')
-        moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda *_: ())
         taken = _cells_in_box(cells, moment.X_WF, self._settings())
         beyond = len(cells) - len(taken)
         counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))

@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import (
     RoleAssign,
     Sphere,
 )
+from drake_geom_ros.live.conversions.octomap import cells_from_octomap
 from drake_geom_ros.live.inputs import obstacles
 from drake_geom_ros.live.inputs.point_taker import PointTaker
 from drake_geom_ros.live.inputs.tf_input import TfInput
@@ -321,6 +322,21 @@ def test_an_octomap_stands_in_its_frame():
     with pytest.raises(RuntimeError, match='no occupied cell'):
         node.input.take_octomap(octomap(Cells.of_points(np.zeros((0, 3)), 0.1)))
     assert len(node.centres()) == 1
+
+
+def test_an_octomap_that_takes_long_to_read_is_as_old_as_its_stamp(monkeypatch):
+    node = Node('octomap')
+    node.move(100.0, [0, 0, 0])
+
+    def slowly(message):
+        node.clock.now += 60.0
+        return cells_from_octomap(message)
+
+    monkeypatch.setattr(obstacles, 'cells_from_octomap', slowly)
+    cells = Cells.of_points([[0.05, 0.05, 0.05]], 0.1)
+    node.input.take_octomap(octomap(cells, 'arm', 100.0))
+    assert len(node.centres()) == 1
+    assert node.age() == pytest.approx(60.0, abs=1e-6)
 
 
 def transform(parent, child, x, stamp):
