@@ -27,6 +27,8 @@ from drake_geom_ros.geometry._proximity.filters.state import FilterState
 COUNTS = (200, 1000, 5000)
 REPETITIONS = {200: 21, 1000: 7, 5000: 2}  # pydrake takes seconds for a removal among 5000
 APPLIED = 10
+HISTORIES = (60, 600, 6000)  # transient declarations
+REMOVED = 20
 PAIRS = 100_000
 
 
@@ -76,6 +78,17 @@ class Side:
         manager.RemoveDeclaration(second)
         return taken
 
+    def declared(self, pair: list[int]) -> Any:
+        """Exclude a pair of geometries, given by number, for a while; return the filter's id."""
+        a, b = self.sets([[k] for k in pair])
+        declaration = self._geometry.CollisionFilterDeclaration().ExcludeBetween(a, b)
+        return self._manager.ApplyTransient(declaration)
+
+    def remove(self, filter_ids: list[Any]) -> None:
+        """Remove transient declarations one by one."""
+        for filter_id in filter_ids:
+            self._manager.RemoveDeclaration(filter_id)
+
 
 def timed(call: Callable[[], Any]) -> tuple[float, Any]:
     """Return how long a call took [s], and its result."""
@@ -99,6 +112,28 @@ def declarations(count: int, packages: list[str]) -> None:
             text = ''.join(f'{value:14.1f}' for value in medians)
             ratio = f'{medians[0] / medians[1]:10.4f}' if len(medians) > 1 else ''
             print(f'{count:10d}{size:8d}  {name:18}{text}{ratio}')
+
+
+def removals(history: int, packages: list[str]) -> None:
+    """Print what a removal costs under a history of declarations about a pair of geometries each.
+
+    ``first`` is the removal of the oldest one; ``each`` of one after the other, per removal.
+    """
+    count = min(history, 200)
+    taken = []
+    for package in packages:
+        side = Side(package, count)
+        rng = np.random.default_rng(history)
+        pairs = [rng.permutation(count)[:2].tolist() for _ in range(history)]
+        ids = [side.declared(pair) for pair in pairs]
+        first, _ = timed(lambda side=side, ids=ids: side.remove(ids[:1]))
+        rest, _ = timed(lambda side=side, ids=ids: side.remove(ids[1 : 1 + REMOVED]))
+        taken.append((first, rest / min(REMOVED, history - 1)))
+    for k, name in enumerate(('first', 'each')):
+        values = [each[k] * 1e6 for each in taken]
+        text = ''.join(f'{value:14.1f}' for value in values)
+        ratio = f'{values[0] / values[1]:10.4f}' if len(values) > 1 else ''
+        print(f'{history:10d}{"":8}  {"removal, " + name:18}{text}{ratio}')
 
 
 def masking(count: int) -> None:
@@ -159,6 +194,9 @@ def main() -> None:
     Side('drake_geom_ros', 4).seconds([[0], [1], [2], [3]])  # compiles
     for count in counts:
         declarations(count, packages)
+    print(f'{"history":>10}')
+    for history in HISTORIES:
+        removals(history, packages)
     print(f'\n{"geometries":>10}{"mask [us]":>14}{"gather [us]":>14}{"ratio":>10}  {PAIRS} pairs')
     for count in counts:
         masking(count)

@@ -11,7 +11,7 @@ leads to the same matrix.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from enum import Enum
 from typing import NamedTuple
 
@@ -109,12 +109,40 @@ class Entry(NamedTuple):
         return operation, self.keys_a, () if is_within else keys_b
 
 
+class _Mentions:
+    """The transient declarations about each element, so that a removal need not look at all."""
+
+    def __init__(self) -> None:
+        self._noted = 0
+        self._places: dict[int, dict[int, int]] = {}  # in the history, by element and declaration
+
+    def note(self, filter_id: int, made: Iterable[Entry]) -> None:
+        """Note a declaration that comes after all others."""
+        for key in _keys_of(made):
+            self._places.setdefault(key, {})[filter_id] = self._noted
+        self._noted += 1
+
+    def forget(self, filter_id: int, made: Iterable[Entry]) -> None:
+        """Forget a declaration that goes."""
+        for key in _keys_of(made):
+            del self._places[key][filter_id]
+
+    def of(self, entries: Iterable[Entry]) -> list[int]:
+        """Return the declarations about any element of some entries, first to last."""
+        places: dict[int, int] = {}
+        for key in _keys_of(entries):
+            places.update(self._places.get(key, {}))
+        return sorted(places, key=places.__getitem__)
+
+
 class FilterLog:
     """The entries in force, persistent and transient; elements are plain int keys."""
 
     def __init__(self) -> None:
         self._persistent: dict[tuple[object, ...], Entry] = {}
         self._transient: dict[int, list[Entry]] = {}
+        # None until a declaration is removed: most logs are copies of which none is.
+        self._about: _Mentions | None = None
         self._declared = 0
         self._forgotten: set[int] = set()
 
@@ -145,12 +173,17 @@ class FilterLog:
         """Append a transient declaration and return its entries."""
         made = _entries(statements, Origin(_TRANSIENT, filter_id))
         self._transient[filter_id] = made
+        if self._about is not None:
+            self._about.note(filter_id, made)
         return made
 
     def pull(self, filter_id: int) -> list[Entry]:
         """Remove an active transient declaration and return its entries."""
         self._settle()
-        return self._transient.pop(filter_id)
+        made = self._transient.pop(filter_id)
+        if self._about is not None:
+            self._about.forget(filter_id, made)
+        return made
 
     def active_ids(self) -> list[int]:
         """Return the ids of the transient declarations, first to last."""
@@ -169,10 +202,23 @@ class FilterLog:
         self._settle()
         return [entry for made in self._transient.values() for entry in made]
 
+    def history_about(self, entries: Collection[Entry]) -> list[Entry]:
+        """Return the transient declarations about any element of some entries, first to last."""
+        if any(entry.keys_b is None for entry in entries):
+            return self.history()
+        self._settle()
+        if self._about is None:
+            self._about = _Mentions()
+            for filter_id, made in self._transient.items():
+                self._about.note(filter_id, made)
+        about = self._about.of(entries)
+        return [entry for filter_id in about for entry in self._transient[filter_id]]
+
     def flatten(self) -> None:
         """Turn the transient declarations into persistent ones."""
         history = list(self._transient.values())
         self._transient.clear()
+        self._about = None
         for made in history:
             for entry in made:
                 self.relate(entry._replace(origin=Origin(_PERSISTENT, self._declared)))
@@ -241,6 +287,7 @@ class FilterLog:
         for entry in former:
             if rest := entry.without(gone):
                 self.relate(rest)
+        self._about = None
         self._transient = {
             filter_id: [rest for entry in made if (rest := entry.without(gone))]
             for filter_id, made in self._transient.items()
@@ -266,6 +313,13 @@ def _entries(statements: Iterable[Statement], origin: Origin) -> list[Entry]:
         if keys_a and keys_b:
             made.append(Entry(operation.excludes, keys_a, keys_b, origin))
     return made
+
+
+def _keys_of(entries: Iterable[Entry]) -> set[int]:
+    """Return the elements that entries mention by their keys."""
+    return {
+        key for entry in entries for keys in (entry.keys_a, entry.keys_b or ()) for key in keys
+    }
 
 
 def _without(keys: Keys, gone: set[int]) -> Keys:

@@ -282,7 +282,7 @@ class FilterState:
         gone = list(filter(self.is_active, dict.fromkeys(filter_ids)))
         if gone:
             said = [entry for filter_id in gone for entry in self._log.pull(filter_id)]
-            self._replay(self._mentioned(said))
+            self._replay(said)
         return gone
 
     def flatten(self) -> None:
@@ -312,7 +312,7 @@ class FilterState:
         self._log.relate(entry)
         self._write(entry, BASE)
         if self.has_transient_history:
-            self._replay(self._mentioned([entry]))
+            self._replay([entry])
 
     def _write(self, entry: Entry, first_layer: int) -> None:
         slots_a, slots_b = self._sides(entry)
@@ -320,13 +320,14 @@ class FilterState:
             self._bits, self._bit_rows, first_layer, slots_a, slots_b, entry.excludes
         )
 
-    def _replay(self, touched: Slots) -> None:
-        """Rebuild rows of the current configuration from the base and the history."""
+    def _replay(self, said: Collection[Entry]) -> None:
+        """Rebuild the rows that entries mention from the base and from what else is about them."""
+        touched = self._mentioned(said)
         bit_rows = self._rows_of(touched)
         self._bits[CURRENT, bit_rows] = self._bits[BASE, bit_rows]
         is_touched = np.zeros(len(self._bodies), dtype=np.bool_)
         is_touched[touched] = True
-        for entry in self._log.history():
+        for entry in self._log.history_about(said):
             a, b = self._sides(entry)
             matrix = self._bits, self._bit_rows, CURRENT
             filter_matrix.write_rows(*matrix, a[is_touched[a]], b, entry.excludes)
@@ -345,7 +346,10 @@ class FilterState:
 
     def _give_rows(self, slots: Slots) -> None:
         """Give a row of the matrix to each slot that has none."""
-        lacking = np.unique(slots[self._bit_rows[slots] == NO_ROW])
+        without_row = slots[self._bit_rows[slots] == NO_ROW]
+        if not without_row.size:
+            return  # soon, for a history is replayed by this
+        lacking = np.unique(without_row)
         if (more := len(lacking) - len(self._free_rows)) > 0:
             former = self._bits.shape[1]
             capacity = filter_matrix.capacity_for(former + more, former)

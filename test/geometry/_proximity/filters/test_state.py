@@ -495,6 +495,31 @@ def test_a_removal_replays_only_the_rows_that_it_touched(written):
     np.testing.assert_array_equal(changed, np.sort(expected))
 
 
+def test_a_removal_looks_at_no_declaration_about_others(monkeypatch):
+    state = free(300)
+    for filter_id in range(1, 101):
+        state.apply_transient(between((filter_id,), (filter_id + 100,)), filter_id)
+    state.apply_transient(allowed((7, 200), (107,)), 101)
+    looked_at = []
+    sides = FilterState._sides
+    monkeypatch.setattr(
+        FilterState, '_sides', lambda self, entry: looked_at.append(entry) or sides(self, entry)
+    )
+    for filter_id in (50, 7):
+        looked_at.clear()
+        state.remove_declaration(filter_id)
+        related = {entry.origin.name for entry in looked_at}
+        assert related == ({50} if filter_id == 50 else {7, 101})
+    assert not state.filtered(50, 150)
+    assert not state.filtered(7, 107)
+    state.apply_transient(between((7,), (107, 200)), 50)  # the last one, whatever its number
+    looked_at.clear()
+    state.remove_declaration(100)
+    assert [entry.origin.name for entry in looked_at] == [100, 101, 50]
+    assert state.filtered(7, 107)
+    assert state.filtered(7, 200)
+
+
 def test_many_that_go_cost_one_pass_over_those_that_stay(written):
     state = free(20)
     for filter_id in range(1, 101):
