@@ -30,7 +30,8 @@ def tight_box(points: Floats) -> Floats:
     import trimesh
 
     axes: Floats = trimesh.bounds.oriented_bounds(points)[0][:3, :3].T  # type: ignore[no-untyped-call]
-    return axes
+    # Of points in a plane trimesh 4.2 returns a reflection on some CPUs; of a box either will do.
+    return axes if np.linalg.det(axes) > 0.0 else -axes
 
 
 def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:

@@ -12,6 +12,7 @@ import trimesh
 from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import MeshData, MeshFileError
+from drake_geom_ros.geometry.meshes._library import tight_box
 from drake_geom_ros.geometry.meshes.source import MeshFile, hull_of, hull_surface, surface
 from truth.bodies.random_bodies import random_rotation
 
@@ -166,3 +167,13 @@ def test_hulls_of_points_in_lines_have_no_warning():
         vertices, triangles = hull_of(MeshData(points, []))
         assert len(vertices) <= 6
         assert len(triangles) == 2 * len(vertices) - 4
+
+
+@pytest.mark.parametrize('axes', [np.eye(3), -np.eye(3), np.eye(3)[[1, 0, 2]]])
+def test_the_axes_of_a_box_are_a_rotation_whatever_trimesh_returns(axes, monkeypatch):
+    placed = np.eye(4)
+    placed[:3, :3] = axes
+    monkeypatch.setattr(trimesh.bounds, 'oriented_bounds', lambda points: (placed, np.ones(3)))
+    turned = tight_box(np.zeros((3, 3)))
+    assert np.linalg.det(turned) == pytest.approx(1.0)
+    assert np.abs(turned).tolist() == np.abs(axes).T.tolist()
