@@ -29,6 +29,7 @@ from drake_geom_ros.live.outputs.level_costs import LevelCosts
 from drake_geom_ros.live.outputs.replays import Replays
 from drake_geom_ros.live.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
 from drake_geom_ros.live.pose_stream import PoseStream
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.services import filters, motions
@@ -88,7 +89,7 @@ class _Node:
     def __init__(self, scene_file: str) -> None:
         self.live = LiveScene('exact', Clocks(time.time))
         with self.live.editing() as scene:
-            scene.add(read_scene(SCENES / scene_file))
+            scene.make(addition(read_scene(SCENES / scene_file)))
         results = {name: _Publisher() for name in ('penetrations', 'signed_distances')}
         silent = SimpleNamespace(get_subscription_count=lambda: 0)
         publishers = {**results, 'cycle_report': silent}
@@ -158,7 +159,7 @@ def _filter_request(node: _Node) -> None:
     node.guard.answer(filters.apply_transient_filter, node.live, request, response)
     assert response.success, response.message
     with node.live.editing() as scene:
-        scene.scene_graph.collision_filter_manager().Flatten()
+        scene.model.filter_manager.Flatten()
 
 
 WALKS = (

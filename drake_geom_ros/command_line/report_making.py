@@ -110,7 +110,7 @@ def _inputs(
         files += files_read(places_of(paths))
     for each in runs.all():
         with each.playback.live.editing() as live:
-            files += files_of(live.scene_graph, () if scene is None else scene.robots)
+            files += files_of(live.model.scene_graph, () if scene is None else scene.robots)
     return list(dict.fromkeys(files))
 
 
@@ -118,7 +118,7 @@ def _scene_digest(opened: Opened) -> str:
     """Return a digest of a scene, including maps and macros, whatever files they came from."""
     with opened.playback.live.editing() as live:
         try:
-            text = save_scene(live.scene_graph)
+            text = save_scene(live.model.scene_graph)
         except SceneFileError as error:  # contents that the format cannot express
             text = str(error)
     return sha256(text.encode()).hexdigest()

@@ -10,7 +10,6 @@ from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_edges import Refusal, names_in
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.outputs.cycle import Cycle
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 
@@ -95,14 +94,14 @@ class PoseStream:
                 self._posed(scene, frames, start)
         self._diagnostics.take(time.perf_counter() - start)
 
-    def follow(self, scene: EditableScene) -> int:
+    def follow(self, scene: HeldScene) -> int:
         """Pose what hangs on frames that moved, or is new; return how many frames."""
         return self.inputs.follow(scene)
 
     def take_twists(self, message: Any, waited: float) -> None:
         """Take a FrameTwists that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         with self._live.editing() as scene:
-            scene.take_twists(message, waited)
+            scene.poses.take_twists(message, waited)
 
     def hear_transforms(
         self, tf: TfInput, static: bool, message: Any, waited: float, sender: str = ''
@@ -111,7 +110,7 @@ class PoseStream:
         with self._live.editing() as scene:
             if sender and not static:
                 children = frozenset(child for _, child in names_in(message.transforms))
-                scene.senders.note_transforms(sender, children)
+                scene.poses.senders.note_transforms(sender, children)
             return tf.hear(message, static=static, waited=waited)
 
     def pose_by_transforms(self, messages: int, passed_over: int) -> None:
@@ -148,18 +147,18 @@ class PoseStream:
         values = self._settings.values
         self._cycle.rehearse(query, values.max_distance, values.time_budget)
 
-    def _posed(self, scene: EditableScene, frames: int, start: float) -> None:
+    def _posed(self, scene: HeldScene, frames: int, start: float) -> None:
         """Run a cycle for poses whose taking began at ``start``, or leave it to the timer."""
         self._frames += frames
         self._seconds += time.perf_counter() - start
         if self._settings.values.rate == 0.0:
             self._run_cycle(scene)
 
-    def _run_cycle(self, scene: EditableScene) -> None:
+    def _run_cycle(self, scene: HeldScene) -> None:
         if self.active:
             frames, seconds = self._frames, self._seconds
             self._frames, self._seconds = 0, 0.0
             values = self._settings.values
             self._cycle.run(scene, frames, seconds, values.max_distance, values.time_budget)
             if frames:
-                self._diagnostics.answer(scene.lag())
+                self._diagnostics.answer(scene.poses.ages.lag())

@@ -284,7 +284,7 @@ class _Auditor:
         names = {name: GeometryId(value) for value, name in _ids(state).items()}
         try:
             with self._playback.live.editing() as scene:
-                verdict = Judge.of(scene.scene_graph, names).verdict(event)
+                verdict = Judge.of(scene.model.scene_graph, names).verdict(event)
         except GeometryError as error:
             return Compared(Outcome.NOT_REPRODUCIBLE, str(error))
         if verdict.finding == Finding.UNFOUNDED:

@@ -17,6 +17,7 @@ from drake_geom_ros.live.inputs.joint_input import JointInput, NothingOfOursErro
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
@@ -117,7 +118,7 @@ class Playback:
         self._looked = -math.inf
         if description is not None:
             with self.live.editing() as scene:
-                scene.add(description)
+                scene.make(addition(description))
         self._scene_robots = SceneRobots(self.live)
 
     def robots_topics(self) -> set[str]:
@@ -135,7 +136,7 @@ class Playback:
             return
         (self._robot.take_semantics if is_semantic else self._robot.take)(text)
         with self.live.editing() as scene:
-            named = [*files_of(scene.scene_graph, ())]
+            named = [*files_of(scene.model.scene_graph, ())]
         self.robot_files |= {p: digest(p) for p in named if p not in self.robot_files}
 
     def take(self, recorded: Recorded, role: str) -> bool:
@@ -165,7 +166,7 @@ class Playback:
     def differences(self) -> tuple[str, ...]:
         """Return texts on the differences between the recorded ``~/scene`` and this scene."""
         with self.live.reading() as scene:
-            return tuple(self._differences.in_words(scene.inspector))
+            return tuple(self._differences.in_words(scene.model.inspector))
 
     @property
     def next_look(self) -> float:
@@ -192,10 +193,9 @@ class Playback:
     def look(self, time: int) -> None:
         """Collect the current troubles at ``time`` [ns]."""
         with self.live.editing() as scene:
-            doubts = set(scene.sender_troubles())
+            doubts = set(scene.poses.sender_troubles())
             troubles = [*scene.troubles(), *self.inputs.troubles(scene, self.stale_after)]
-            troubles += filter(None, [scene.waiting().in_words(), *scene.warned])
-            scene.warned = []
+            troubles += filter(None, [scene.waiting().in_words(), *scene.log.take()[1]])
         for words in troubles:
             self.note(words, time, is_doubt=words in doubts)
 
@@ -215,7 +215,7 @@ class Playback:
             role = ''
         if role == 'scene':
             with self.live.reading() as held:
-                self._differences.take(recorded.topic.name, message, held.inspector)
+                self._differences.take(recorded.topic.name, message, held.model.inspector)
             return False
         with self.live.editing() as scene:
             if role == 'frame_poses':

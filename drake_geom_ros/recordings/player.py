@@ -107,7 +107,7 @@ class Player:
         may_be = batch.is_good[begin:] & np.array([*is_taken, False])[batch.owner[begin:]]
         may_be &= batch.times[begin:] < self._playback.next_look
         with self._playback.live.reading() as scene:
-            most = max(_SHORTEST, _MOST_POSES // scene.inspector.num_frames())
+            most = max(_SHORTEST, _MOST_POSES // scene.model.inspector.num_frames())
         stops = [*np.flatnonzero(~may_be)[:1].tolist(), len(may_be), most]
         return Stretch(batch, begin, begin + min(stops))
 

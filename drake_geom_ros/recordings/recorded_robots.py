@@ -19,7 +19,7 @@ class SceneRobots:
         self._live = live
         self._same: set[str] = set()  # descriptions of robots that the scene has
         with live.reading() as scene:
-            inspector = scene.inspector
+            inspector = scene.model.inspector
             self._sources = {*map(inspector.GetName, inspector.GetAllSourceIds())}
 
     def has(self, text: str) -> bool:
@@ -39,7 +39,7 @@ class SceneRobots:
         )
         register(alone := SceneGraph(), described)
         with self._live.reading() as scene:
-            own = _robot(table_of(scene.inspector), name)
+            own = _robot(table_of(scene.model.inspector), name)
         recorded = _robot(table_of(alone.model_inspector()), name)
         others = recorded.without(own) | own.without(recorded)
         others |= {each for each, _ in recorded.otherwise(own)}

@@ -13,7 +13,7 @@ import numpy as np
 from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
 from drake_geom_ros.live.inputs.pose_runs import PoseRun
 from drake_geom_ros.live.scene.clocks import Since
-from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.recordings.pair_sets import PairSet, SelectedPairs, selected_pairs
@@ -144,11 +144,11 @@ class PoseSince:
     """Times since when the poses used by a set of pairs hold; in a run, by sender."""
 
     def __init__(
-        self, scene: EditableScene, needed: Collection[FrameId], run: PoseRun | None = None
+        self, scene: HeldScene, needed: Collection[FrameId], run: PoseRun | None = None
     ) -> None:
         frames = {frame.get_value() for frame in needed}
         still = frames if run is None else frames.difference(run.ids.tolist())
-        self._still = {scene.posed_since(FrameId(value)) for value in still}
+        self._still = {scene.poses.since(FrameId(value)) for value in still}
         groups = () if run is None else run.groups
         self._groups = [group for group in groups if not frames.isdisjoint(group.frames)]
 
@@ -213,8 +213,8 @@ class StateBlocks:
             if len(self._times) == len(self._poses):
                 yield from self.rest()
 
-    def _ready(self, scene: EditableScene) -> Iterator[Block]:
-        if scene.version != self._version or self._generation != self._latest.generation:
+    def _ready(self, scene: HeldScene) -> Iterator[Block]:
+        if scene.model.version != self._version or self._generation != self._latest.generation:
             yield from self.rest()
             self._begin(scene)
 
@@ -232,25 +232,24 @@ class StateBlocks:
                 waiting=self._waiting,
             )
 
-    def _watch(self, scene: EditableScene) -> None:
-        scene.keep_rows = self._update
-        self._watched = scene.version
+    def _watch(self, scene: HeldScene) -> None:
+        scene.poses.keep_rows = self._update
+        self._watched = scene.model.version
 
     def _update(self, ids: Indices, rows: Floats) -> None:
         with self._playback.live.reading() as scene:
-            if scene.version != self._watched:  # frames of another scene
+            if scene.model.version != self._watched:  # frames of another scene
                 self._latest.forget()
-                self._watched = scene.version
+                self._watched = scene.model.version
         self._latest.update(ids, rows)
 
-    def _begin(self, scene: EditableScene) -> None:
+    def _begin(self, scene: HeldScene) -> None:
         """Begin a block with the current scene."""
-        if scene.version != self._watched:
+        if scene.model.version != self._watched:
             self._latest.forget()
-            self._watched = scene.version
-        manager = scene.scene_graph.collision_filter_manager()
-        welded = {frame.get_value() for frame in manager.welded_frames()}
-        self._latest.set_still((welded | scene.attached) & self._latest.columns.keys())
+            self._watched = scene.model.version
+        welded = {frame.get_value() for frame in scene.model.filter_manager.welded_frames()}
+        self._latest.set_still((welded | scene.model.attached) & self._latest.columns.keys())
         moving = [f for f in self._latest.columns if f not in self._latest.still]
         self._frames = np.array(moving, dtype=np.int64)
         self._moving = np.array([self._latest.columns[f] for f in moving], dtype=np.int64)
@@ -263,4 +262,4 @@ class StateBlocks:
         most = max(1, min(_MOST_STATES, _NUMBERS // max(1, 7 * len(moving))))
         self._poses = np.zeros((most, len(moving), 7))
         self._ages = np.zeros((most, len(self._pairs)))
-        self._version, self._generation = scene.version, self._latest.generation
+        self._version, self._generation = scene.model.version, self._latest.generation

@@ -133,7 +133,7 @@ class ConfiguredNode:
         )
         self._diagnostics_publisher = publishers['/diagnostics']
         with live.editing() as scene:
-            scene.filters_per_owner = settings.values.filters_per_owner
+            scene.filters.most_per_owner = settings.values.filters_per_owner
         self._namesakes = Namesakes(node)
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
@@ -180,7 +180,7 @@ class ConfiguredNode:
         with self.live.editing() as scene:
             if new.accuracy != old.accuracy:
                 scene.set_accuracy(new.accuracy)
-            scene.filters_per_owner = new.filters_per_owner
+            scene.filters.most_per_owner = new.filters_per_owner
             self.live.files = file_access(new)
             self.live.most_megabytes, self.live.stale_after = new.max_answer_size, new.stale_after
             self.live.time_budget = new.time_budget
@@ -217,7 +217,7 @@ class ConfiguredNode:
         """Listen to poses, points and robot descriptions."""
         if values.closing_speeds:
             with self.live.editing() as scene:
-                scene.watch_motion(values.stale_after)
+                scene.poses.watch_motion(values.stale_after)
         points = PointQueries(
             self.live,
             point_distances,
@@ -306,7 +306,7 @@ class ConfiguredNode:
     def _keep_house(self) -> None:
         self._jumps.look()
         with self.live.editing() as scene:
-            scene.expire_filters()
+            scene.filters.expire()
             self._guard.take('poses that hang on others', self._stream.follow, scene)
             self._guard.take('joint_states', self._joints.follow, scene)
         self._log_what_is_told()
@@ -315,9 +315,8 @@ class ConfiguredNode:
     def _log_what_is_told(self) -> None:
         """Log what became of transient filters, in one line, and warnings, one in a line."""
         with self.live.editing() as scene:
-            notes, scene.told = scene.told, []
-            warned, scene.warned = scene.warned, []
-        for warning in warned:
+            notes, warnings = scene.log.take()
+        for warning in warnings:
             self._guard.tell(warning, warning, once=True)
         if notes:
             self._node.get_logger().info('; '.join(notes))
@@ -326,13 +325,13 @@ class ConfiguredNode:
         with self.live.reading() as scene:
             troubles = [*scene.troubles(), *self._stream.troubles(scene)]
             state = SceneState(
-                scene.version,
-                scene.pose_ages(),
+                scene.model.version,
+                scene.poses.ages_by_name(),
                 scene.waiting(),
-                scene.filter_owners(),
-                scene.unknown_ages(),
+                scene.filters.owners(),
+                scene.poses.unknown_ages(),
                 self._jumps.count,
-                scene.filter_leases(),
+                scene.filters.leases(),
                 scene.rules.in_words(),
             )
         stale_after = self._settings.values.stale_after

@@ -57,9 +57,9 @@ class ObstacleListening:
         live.map_sources = MapSources(self.inputs, now().margin, lambda: now().resolution, changed)
         if names:
             with live.editing() as scene:
-                scene.stand_maps = partial(stand_fed, sources=live.map_sources)
-                scene.told_apart = lambda name: 0.0 if name == OCTOMAP else now().told_apart
-                scene.stand_maps(scene)
+                scene.maps.stand = partial(stand_fed, sources=live.map_sources)
+                scene.maps.told_apart = lambda name: 0.0 if name == OCTOMAP else now().told_apart
+                stand_fed(scene, live.map_sources)
         self._process = self._sensing(names)
         if OCTOMAP in names:
             row, octomap = topics.OCTOMAP, self.inputs[OCTOMAP]

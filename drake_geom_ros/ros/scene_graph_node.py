@@ -152,7 +152,7 @@ class SceneGraphNode(LifecycleNode):
             compile_passes()
         with live.editing() as scene:
             if values.obstacles:
-                scene.history = PoseHistory()
+                scene.poses.history = PoseHistory()
             counts = begin_with_maps(scene, described, values.obstacles, values.obstacle_margin)
         if described is not None:
             hulls = hulls_in_words(described.geometries)
@@ -212,7 +212,7 @@ class SceneGraphNode(LifecycleNode):
         if self._configured is not None:
             self._configured.close()
             with self._configured.live.reading() as scene:
-                self._first_version = scene.version + 1
+                self._first_version = scene.model.version + 1
             self._configured = None
 
     def _parameters_changed(self, old: NodeParameters, new: NodeParameters) -> None:

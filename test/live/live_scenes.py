@@ -2,6 +2,7 @@
 
 import time
 
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene
@@ -46,5 +47,5 @@ def live_scene(text, now=time.monotonic, world_frame='world'):
     """Return a live scene of a file or a text, where steady time is the node's."""
     live = LiveScene('exact', Clocks(now, now), world_frame)
     with live.editing() as scene:
-        scene.add(read_scene(text))
+        scene.make(addition(read_scene(text)))
     return live

@@ -10,6 +10,7 @@ from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings import clearance
@@ -57,7 +58,7 @@ def by_a_live_scene(scene, messages):
     live = LiveScene('exact', clocks)
     inputs = PoseInputs(TfInput(clocks), JointInput(clocks, 1.0, by_default=True))
     with live.editing() as held:
-        held.add(read_scene(str(scene)))
+        held.make(addition(read_scene(str(scene))))
         for t, topic, message in messages:
             now[0] = (recorder.BEGIN + round(t * 1e9)) / 1e9
             if topic == '/poses':

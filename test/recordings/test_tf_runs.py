@@ -175,12 +175,19 @@ def played(run, scene, rate):
             found.append((time, names, poses, block.ages[k].tolist()))
     tf, playback = opened.playback.inputs.tf, opened.playback
     with playback.live.editing() as held:
-        frames = [f for f in held.names.labels if held.query.is_placed(f)]
+        frames = [f for f in held.model.names.labels if held.query.is_placed(f)]
         now = [
-            (held.names.labels[f], held.posed_since(f), held.query.X_WF(f).ToArray().tobytes())
+            (
+                held.model.names.labels[f],
+                held.poses.since(f),
+                held.query.X_WF(f).ToArray().tobytes(),
+            )
             for f in frames
         ]
-        now.append(held.newest_stamp and (held.newest_stamp.sec, held.newest_stamp.nanosec))
+        now.append(
+            held.poses.ages.newest_stamp
+            and (held.poses.ages.newest_stamp.sec, held.poses.ages.newest_stamp.nanosec)
+        )
         wrong = tf.troubles(held)
     children = sorted({c for edges in (LEFT, RIGHT, MARK, THINGS, OTHERS) for _, c in edges})
     edges = [

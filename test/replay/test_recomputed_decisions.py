@@ -42,7 +42,7 @@ def recording(request, tmp_path_factory):
     folder, rng = tmp_path_factory.mktemp('recorded'), np.random.default_rng(3)
     ruled = Ruled(SCENE)
     with ruled.live.editing() as scene:
-        scene.watch_motion(1.0)
+        scene.poses.watch_motion(1.0)
         scene.set_accuracy(request.param)
     for cycle in range(200):
         ruled.wait(0.1 if cycle % 20 else 2.0)
@@ -53,7 +53,7 @@ def recording(request, tmp_path_factory):
             rows = np.hstack([places, np.roll(wxyz, -1, axis=1)])
             message = poses(['hand', 'tray'], rows, source='arm', stamp=int(ruled.clock.now))
             message.header.stamp.nanosec = int(1e9 * (ruled.clock.now % 1.0))
-            scene.take_poses(message)
+            scene.poses.take(message)
             ruled.events.look_at(scene, None, 0.0)
     with ruled.live.reading() as scene:
         (folder / 'scene.yaml').write_text(to_yaml(scene.description()))

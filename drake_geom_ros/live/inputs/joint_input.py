@@ -28,7 +28,6 @@ from drake_geom_ros.live.scene.driven_robot import (
     LinkPoses,
     Moments,
 )
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.feeders import JOINTS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.robot_joints import JointPlace, look_up
@@ -70,11 +69,11 @@ class JointInput:
 
     def topics(self, scene: HeldScene) -> set[str]:
         """Return the topics that robots of the scene name."""
-        return {robot.topic for robot in scene.joints.robots.values() if robot.topic}
+        return {robot.topic for robot in scene.model.joints.robots.values() if robot.topic}
 
     def take(
         self,
-        scene: EditableScene,
+        scene: HeldScene,
         message: Any,
         waited: float,
         topic: str = '',
@@ -90,7 +89,7 @@ class JointInput:
         positions, speeds = _numbers(message, places)
         stamp = stamp_of(message.header.stamp)
         since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
-        robots = scene.joints.robots
+        robots = scene.model.joints.robots
         before = {place.robot: list(robots[place.robot].values) for place in places if place}
         changed: dict[str, set[int]] = {}
         for place, position, speed in zip(places, positions, speeds, strict=True):
@@ -106,34 +105,35 @@ class JointInput:
                 robots[name].values = values
             raise
         self._note_sender(scene, message, sender, changed)
-        if scene.history is not None:
+        if scene.poses.history is not None:
             for name, columns in changed.items():
-                scene.joints.pasts[name].note(columns)
+                scene.model.joints.pasts[name].note(columns)
         return sum(self._pose(scene, move, message.header.stamp) for move in moves if move)
 
     def _note_sender(
-        self, scene: EditableScene, message: Any, sender: str, changed: Mapping[str, set[int]]
+        self, scene: HeldScene, message: Any, sender: str, changed: Mapping[str, set[int]]
     ) -> None:
         """Note who sent values; without an identity by what is listed, and by the values."""
         joints = frozenset((name, column) for name in changed for column in changed[name])
         listed = tuple(message.name), len(message.velocity) > 0, message.header.frame_id
-        scene.senders.note_joints(sender or listed, joints)
+        scene.poses.senders.note_joints(sender or listed, joints)
         if not sender:
             for name, columns in changed.items():
-                scene.senders.note_values(scene.joints.robots[name], columns)
+                scene.poses.senders.note_values(scene.model.joints.robots[name], columns)
 
-    def follow(self, scene: EditableScene) -> int:
+    def follow(self, scene: HeldScene) -> int:
         """Pose the robots whose base has moved, or that are new; return how many frames.
 
         What others posed since is left to them where the base stands: joint values are older.
         """
-        is_new, self._version = self._version != scene.model_version, scene.model_version
+        version, robots = scene.model.model_version, scene.model.joints.robots
+        is_new, self._version = self._version != version, version
         if is_new:
-            self._carriers = {r.name: carriers_of(scene, r) for r in scene.joints.robots.values()}
-        stamp = scene.newest_stamp
+            self._carriers = {r.name: carriers_of(scene, r) for r in robots.values()}
+        stamp = scene.poses.ages.newest_stamp
         if stamp is None:  # nothing ever came
             return 0
-        moved, scene.moved = scene.moved, set()
+        moved, scene.poses.moved = scene.poses.moved, set()
         moves = []
         for robot in self._driven(scene):
             may_have_moved = robot.base is None or not moved.isdisjoint(self._carriers[robot.name])
@@ -148,13 +148,13 @@ class JointInput:
 
     def has_followed(self, scene: HeldScene) -> bool:
         """Return whether ``follow`` has seen this version of the scene."""
-        return self._version == scene.model_version
+        return self._version == scene.model.model_version
 
     def troubles(self, scene: HeldScene, stale_after: float) -> list[str]:
         """Return what is wrong with the joints, in words."""
         troubles = []
         if self._by_default:
-            refused = scene.joints.refused.items()
+            refused = scene.model.joints.refused.items()
             troubles = [f'no joint values drive {name!r}: {why}' for name, why in refused]
         age = self._clocks.ages()
         robots = self._driven(scene)
@@ -196,14 +196,14 @@ class JointInput:
 
     def _driven(self, scene: HeldScene) -> list[DrivenRobot]:
         """Return the robots that somebody may drive."""
-        robots = scene.joints.robots.values()
+        robots = scene.model.joints.robots.values()
         return [robot for robot in robots if robot.topic or self._by_default]
 
     def places(
         self, scene: HeldScene, topic: str, names: tuple[str, ...]
     ) -> list[JointPlace | None]:
         """Return where the numbers of a message go; raises ArgumentError where none goes."""
-        if self._version != scene.model_version:
+        if self._version != scene.model.model_version:
             self._known.clear()
         places = self._known.get((topic, names))
         if places is None:
@@ -266,24 +266,24 @@ class JointInput:
         return _Move(robot, base, links, posed, FramePoseVector.FromArrays(links.ids, links.rows))
 
     def _renew(
-        self, scene: EditableScene, robot: DrivenRobot, base: Base, leave_out: frozenset[int]
+        self, scene: HeldScene, robot: DrivenRobot, base: Base, leave_out: frozenset[int]
     ) -> None:
         """Let the links be as new as a base that was posed again where it stands."""
         rows = {columns: some - leave_out for columns, some in robot.patterns.items()}
         robot.base = base
-        scene.renew(_frames_since(robot, robot.since(base, rows)))
+        scene.poses.renew(_frames_since(robot, robot.since(base, rows)))
 
     def _are_others(self, scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
         """Return the rows of links that somebody else posed last."""
-        by_others = scene.feeders.is_fed_by_others
+        by_others = scene.poses.feeders.is_fed_by_others
         return frozenset(row for row, f in robot.links.items() if by_others(JOINTS, f))
 
-    def _pose(self, scene: EditableScene, move: _Move, stamp: Any) -> int:
+    def _pose(self, scene: HeldScene, move: _Move, stamp: Any) -> int:
         """Pose links; return how many."""
         move.robot.base = move.base
-        past = scene.joints.pasts[move.robot.name]
-        scene.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows, past)
-        if scene.watches_motion and stamp_of(stamp):
+        past = scene.model.joints.pasts[move.robot.name]
+        scene.poses.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows, past)
+        if scene.poses.watches_motion and stamp_of(stamp):
             _tell_twists(scene, move, stamp_of(stamp))
         return len(move.poses)
 
@@ -299,15 +299,15 @@ def _frames_since(robot: DrivenRobot, moments: Moments) -> dict[frozenset[int], 
 
 def base_of(scene: HeldScene, robot: DrivenRobot) -> Base | None:
     """Return where the root link of a robot stands; None where nobody knows."""
-    since = None if robot.root is None else scene.posed_since(robot.root)
-    return scene.joints.base(robot, scene.query, since)
+    since = None if robot.root is None else scene.poses.since(robot.root)
+    return scene.model.joints.base(robot, scene.query, since)
 
 
 def carriers_of(scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
     """Return the frames (values of ids) whose poses say where a robot's root link stands."""
     if robot.root is None:
         return frozenset()
-    inspector, carriers = scene.inspector, set[FrameId]()
+    inspector, carriers = scene.model.inspector, set[FrameId]()
     for frame in (robot.root, inspector.GetHomeFrame(robot.root)):
         while frame != inspector.world_frame_id() and frame not in carriers:
             carriers.add(frame)
@@ -315,19 +315,19 @@ def carriers_of(scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
     return frozenset(frame.get_value() for frame in carriers)
 
 
-def _tell_twists(scene: EditableScene, move: _Move, stamp: int) -> None:
+def _tell_twists(scene: HeldScene, move: _Move, stamp: int) -> None:
     """Set the twists of links, where the speeds of joints and base are known."""
     V_PB = np.zeros(6)
     if move.robot.root is not None and move.base.since != ALWAYS:
-        V_PR = (scene.twists() or {}).get(move.robot.root)
-        if V_PR is None or scene.is_mounted(move.robot.root):
+        V_PR = (scene.poses.twists() or {}).get(move.robot.root)
+        if V_PR is None or scene.model.is_mounted(move.robot.root):
             return  # what carries it moves, too: successive poses tell how links move in that
         V_PB = V_PR
     twists = move.robot.twists(move.links.X_PLs, V_PB)
     for frames, since in move.posed.items():
         if moving := [frame for frame in frames if frame in twists]:
             rows = np.array([twists[frame] for frame in moving])
-            scene.note_joint_twists(np.array(moving, dtype=np.int64), rows, stamp, since)
+            scene.poses.note_joint_twists(np.array(moving, dtype=np.int64), rows, stamp, since)
 
 
 def _are_others(robots: Sequence[DrivenRobot], names: Sequence[str]) -> bool:

@@ -23,7 +23,6 @@ from drake_geom_ros.live.inputs.obstacle_records import (
     ObstacleSettings,
     Place,
 )
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.moments import Hanging, Model, Moment, moment_of
@@ -159,8 +158,8 @@ class ObstacleInput:
         if which == 'none':
             return []
         with self._live.reading() as scene:
-            sources = scene.robot_names() if which == 'robots' else None
-            return bodies_of(query, sources, scene.maps_source)
+            sources = scene.model.robot_names() if which == 'robots' else None
+            return bodies_of(query, sources, scene.model.maps_source)
 
     def _put(self, begun: _Begun, shown: Shown, counts: MapCounts) -> None:
         """Have the scene hold what was seen; what is counted changes with it."""
@@ -179,7 +178,7 @@ class ObstacleInput:
             feeds.sights(),
         )
 
-        def first(scene: EditableScene) -> None:
+        def first(scene: HeldScene) -> None:
             self._refuse_late(scene, begun)
 
         def done() -> None:

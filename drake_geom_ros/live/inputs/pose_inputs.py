@@ -6,7 +6,6 @@ from typing import Any
 
 from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.inputs.tf_input import TfInput
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.held_scene import HeldScene
 
 
@@ -23,14 +22,14 @@ class PoseInputs:
         self.joints = joints
 
     def take_poses(
-        self, scene: EditableScene, message: Any, waited: float = 0.0, sender: str = ''
+        self, scene: HeldScene, message: Any, waited: float = 0.0, sender: str = ''
     ) -> int:
         """Take a FramePoses."""
-        return scene.take_poses(message, waited, sender) + self.follow(scene)
+        return scene.poses.take(message, waited, sender) + self.follow(scene)
 
     def take_joint_states(
         self,
-        scene: EditableScene,
+        scene: HeldScene,
         message: Any,
         waited: float = 0.0,
         topic: str = '',
@@ -42,14 +41,14 @@ class PoseInputs:
         frames = self.joints.take(scene, message, waited, topic, sender)
         return frames and frames + self.follow(scene)
 
-    def pose_by_transforms(self, scene: EditableScene) -> int:
+    def pose_by_transforms(self, scene: HeldScene) -> int:
         """Pose by the transforms that were heard since the last time."""
         frames = 0 if self.tf is None else self.tf.pose(scene)
-        if self.tf is not None and (names := scene.senders.contested_transforms()):
-            scene.senders.note_frames_on(names, self.tf.frames_on(scene, names))
+        if self.tf is not None and (names := scene.poses.senders.contested_transforms()):
+            scene.poses.senders.note_frames_on(names, self.tf.frames_on(scene, names))
         return frames and frames + (0 if self.joints is None else self.joints.follow(scene))
 
-    def follow(self, scene: EditableScene) -> int:
+    def follow(self, scene: HeldScene) -> int:
         """Pose what hangs on frames that moved, or is new."""
         frames = 0 if self.tf is None else self.tf.follow(scene)
         return frames + (0 if self.joints is None else self.joints.follow(scene))

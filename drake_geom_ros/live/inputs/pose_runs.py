@@ -27,7 +27,6 @@ from drake_geom_ros.live.inputs.tf_edges import matrices_of, names_in
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene.clocks import ALWAYS, Since, oldest
 from drake_geom_ros.live.scene.driven_robot import DrivenRobot, or_zero
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.feeders import JOINTS, MESSAGES, TF
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.senders import may_jump_and_return
@@ -85,14 +84,14 @@ def subjects_of(
     if feeder == TF:
         return frozenset(child for _, child in names_in(message.transforms))
     if feeder != JOINTS:
-        return frozenset(scene.listed_in(message).frames)
+        return frozenset(scene.model.reader.listed_in(message).frames)
     assert inputs.joints is not None
     places = inputs.joints.places(scene, topic, tuple(message.name))
     return frozenset(place for place in places if place is not None)
 
 
 def run_of(
-    inputs: PoseInputs, scene: EditableScene, senders: Sequence[Sender], count: int
+    inputs: PoseInputs, scene: HeldScene, senders: Sequence[Sender], count: int
 ) -> PoseRun | None:
     """Return the run of ``count`` messages of some senders; None where it is not that simple."""
     last = [np.searchsorted(each.at, np.arange(count + 1)) for each in senders]
@@ -120,7 +119,7 @@ class _Telling:
     """Collects what senders pose."""
 
     def __init__(
-        self, scene: EditableScene, senders: Sequence[Sender], last: Sequence[Indices]
+        self, scene: HeldScene, senders: Sequence[Sender], last: Sequence[Indices]
     ) -> None:
         """``last`` (m + 1,) of each sender: how many messages it has sent."""
         self._scene, self._senders, self._last = scene, senders, last
@@ -140,8 +139,8 @@ class _Telling:
             return inputs.joints is not None and self._lead(inputs.joints, number, sender)
         if sender.feeder == TF:
             return inputs.tf is not None and self._hear(inputs.tf, number, sender)
-        ids, frames = self._scene.listed_in(sender.sample)
-        since = {self._scene.posed_since(FrameId(value)) for value in frames}
+        ids, frames = self._scene.model.reader.listed_in(sender.sample)
+        since = {self._scene.poses.since(FrameId(value)) for value in frames}
         if len(since) != 1 or None in since:
             return False
         self._heard[number] = next(iter(since)) or ALWAYS
@@ -156,7 +155,7 @@ class _Telling:
 
     def _lead(self, joints: JointInput, number: int, sender: Sender) -> bool:
         places = joints.places(self._scene, sender.topic, tuple(sender.sample.name))
-        robots = self._scene.joints.robots
+        robots = self._scene.model.joints.robots
         for k, place in enumerate(places):
             if place is None:
                 continue
@@ -216,21 +215,21 @@ class _Telling:
 
     def _are_fed_by(self, feeder: str, frames: Collection[int]) -> bool:
         """Return whether nobody else posed any of some frames last."""
-        return all(self._scene.feeders.is_fed_by(feeder, value) for value in frames)
+        return all(self._scene.poses.feeders.is_fed_by(feeder, value) for value in frames)
 
     def _hold(self, feeder: str, groups: Sequence[PosedGroup]) -> bool:
         """Return whether frames are as senders left them, and none is declared static."""
         heard = [self._heard.get(k, ALWAYS) for k in range(self._count)]
         return all(
             self._are_fed_by(feeder, group.frames)
-            and {self._scene.posed_since(FrameId(v)) for v in group.frames} == {group.since(heard)}
+            and {self._scene.poses.since(FrameId(v)) for v in group.frames} == {group.since(heard)}
             for group in groups
         )
 
     def tell_links(self, joints: JointInput) -> bool:
         """Add the links of robots whose joints are led; return whether the messages form a run."""
         for name, led in self._led.items():
-            robot = self._scene.joints.robots[name]
+            robot = self._scene.model.joints.robots[name]
             base = base_of(self._scene, robot)
             if base is None:
                 return False
@@ -303,15 +302,15 @@ def _groups_of(
     return [PosedGroup(frozenset(rows), *key) for key, rows in rows_by_senders.items()]
 
 
-def _stand_alone(inputs: PoseInputs, scene: EditableScene, frames: set[int]) -> bool:
+def _stand_alone(inputs: PoseInputs, scene: HeldScene, frames: set[int]) -> bool:
     """Return whether nothing hangs on frames that move but what moves with them anyway."""
-    welded = scene.scene_graph.collision_filter_manager().welded_frames()
-    held = scene.attached | {frame.get_value() for frame in welded}
-    roots = {r.root.get_value() for r in scene.joints.robots.values() if r.root is not None}
+    welded = scene.model.filter_manager.welded_frames()
+    held = scene.model.attached | {frame.get_value() for frame in welded}
+    roots = {r.root.get_value() for r in scene.model.joints.robots.values() if r.root is not None}
     return (
         frames.isdisjoint(held)
         and frames.isdisjoint(roots)
-        and roots.isdisjoint(scene.attached)
+        and roots.isdisjoint(scene.model.attached)
         and (inputs.tf is None or not inputs.tf.hangs_on_any(scene, frames))
         and (inputs.joints is None or inputs.joints.has_followed(scene))
     )

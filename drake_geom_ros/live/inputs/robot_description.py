@@ -15,6 +15,7 @@ from functools import partial
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_snapshot import SceneSnapshot
@@ -94,12 +95,11 @@ class RobotInput:
         with self._live.editing() as scene:
             self._refuse_same_name(source, scene)
             is_in = self._is_in(scene)
-            addition = scene.addition(robot)
         if is_in:
             self._live.replace(partial(self._in_its_place, robot), self._source)
             done = f'replaces {self._source!r}'
         else:
-            self._live.change(addition, calls_for_more=True)
+            self._live.change(addition(robot), calls_for_more=True)
             done = 'added'
         self._text, self._source = text, source
         return (
@@ -132,7 +132,7 @@ def _name_of(text: str) -> str:
 
 
 def _sources(scene: HeldScene) -> set[str]:
-    inspector = scene.inspector
+    inspector = scene.model.inspector
     return set(map(inspector.GetName, inspector.GetAllSourceIds()))
 
 

@@ -36,11 +36,11 @@ class SensorFrames:
         if not name:
             raise ArgumentError('header.frame_id is empty; it names the frame of the sensor')
         try:
-            frame = scene.names.frame(name)
+            frame = scene.model.names.frame(name)
         except UnknownNameError as unknown:
             problem = str(unknown)
         else:
-            if frame not in scene.names.of_maps:
+            if frame not in scene.model.names.of_maps:
                 return frame, RigidTransform()
             problem = f'{name[:80]!r} is the frame of a sensed map, which no sensor is on'
         tf = self._tf()
@@ -68,5 +68,5 @@ class SensorFrames:
 
 def _ends(scene: HeldScene) -> dict[str, FrameId]:
     """Return the frames of the scene by the names that TF has for them."""
-    alone = {name: own[0] for name, own in scene.names.tf_claims.items() if len(own) == 1}
-    return {**alone, scene.world_frame: scene.names.world}
+    alone = {name: own[0] for name, own in scene.model.names.tf_claims.items() if len(own) == 1}
+    return {**alone, scene.model.world_frame: scene.model.names.world}

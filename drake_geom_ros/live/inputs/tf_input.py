@@ -41,7 +41,6 @@ from drake_geom_ros.live.inputs.tf_edges import Edge, Refusal, plain_name, read_
 from drake_geom_ros.live.inputs.tf_past import Chain, TfPast
 from drake_geom_ros.live.inputs.tf_troubles import SHOWN, Claims, shared, unlinked
 from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks, Since
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.feeders import TF
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.pose_ages import time_of
@@ -120,26 +119,26 @@ class TfInput:
         """Return what a moving transform was at a time [s]: see ``TfPast``."""
         return self._past.at(child, held)
 
-    def pose(self, scene: EditableScene) -> int:
+    def pose(self, scene: HeldScene) -> int:
         """Pose what hangs on what was heard since the last time; return how many frames."""
         changed, self._changed = self._changed, set()
         return self._pose(scene, changed)
 
-    def follow(self, scene: EditableScene) -> int:
+    def follow(self, scene: HeldScene) -> int:
         """Pose the frames of a changed scene by what is known; return how many were posed."""
-        if self._version != scene.model_version or self._moved(self._ends(scene)):
+        if self._version != scene.model.model_version or self._moved(self._ends(scene)):
             return self._pose(scene, set())
         return 0
 
     def hangs_on_any(self, scene: HeldScene, frames: Collection[int]) -> bool:
         """Return whether a chain may end in one of some frames, or was not followed yet."""
-        if self._version != scene.model_version and self._edges:
+        if self._version != scene.model.model_version and self._edges:
             return True
         loose = self._loose_parents()
         names = self._names_of_frames(scene) if loose else ()
         return any(f.get_value() in frames and not loose.isdisjoint(own) for f, own in names)
 
-    def run_of(self, scene: EditableScene, X_PCs: Mapping[str, Floats]) -> PosedByRun | None:
+    def run_of(self, scene: HeldScene, X_PCs: Mapping[str, Floats]) -> PosedByRun | None:
         """Return what transforms (m, 4, 4) of TF frames pose that come again and again.
 
         They are of the parents that TF has for them now, and each later than the one before. None
@@ -147,7 +146,7 @@ class TfInput:
         """
         ends = self._ends(scene)
         is_settled = not (self._changed or self._unknown or self._moved(ends))
-        if not is_settled or self._version != scene.model_version:
+        if not is_settled or self._version != scene.model.model_version:
             return None
         for names in self._with_two_names(scene):
             if ALWAYS not in {self._edges[name].since for name in names}:
@@ -191,7 +190,7 @@ class TfInput:
             *self._claims.told(self._clocks.steady()),
             *self._loops[:SHOWN],
             *unlinked(self._edges, self._names_of_frames(scene), tuple(self._ends(scene))),
-            *shared(self._edges, scene.names),
+            *shared(self._edges, scene.model.names),
         ]
 
     def frames_on(self, scene: HeldScene, names: Collection[str]) -> set[int]:
@@ -204,14 +203,14 @@ class TfInput:
         previous = self._edges.get(child)
         return previous is None or previous.stamp == math.inf or edge.stamp >= previous.stamp
 
-    def _pose(self, scene: EditableScene, heard: set[str]) -> int:
+    def _pose(self, scene: HeldScene, heard: set[str]) -> int:
         """Pose the frames of the scene whose chains hold a changed transform; return how many."""
         ends = self._ends(scene)
         posing = self._posing(scene, heard, ends)
         self._footing = {name: _footing(end) for name, end in ends.items()}
         self._loops, self._unknown = posing.loops, posing.unknown
         if posing.left_out:
-            scene.leave_out(posing.left_out)
+            scene.poses.leave_out(posing.left_out)
         if posing.frames:
             rows = self._rows(scene, posing, ends, {})
             since = held_since(posing.steps, ends, self._edges)
@@ -220,26 +219,26 @@ class TfInput:
                 together.setdefault(since[name], set()).add(value)
             posed = {frozenset(frames): moment for moment, frames in together.items()}
             poses = FramePoseVector.FromArrays(posing.ids, rows)
-            scene.pose(poses, posed, self._stamp, TF, rows, self._past)
-            if scene.history is not None:
+            scene.poses.pose(poses, posed, self._stamp, TF, rows, self._past)
+            if scene.poses.history is not None:
                 followed = zip(posing.frames, posing.names, strict=True)
                 unkept = {f for f, name in followed if self._chained.get(f) != name}
                 if unkept:
                     self._keep_chains(scene, unkept, ends)
         return len(posing.frames)
 
-    def _posing(self, scene: EditableScene, heard: set[str], ends: Mapping[str, Placed]) -> Posing:
+    def _posing(self, scene: HeldScene, heard: set[str], ends: Mapping[str, Placed]) -> Posing:
         """Return the frames that received transforms pose; results by names alone are cached."""
         moved = self._moved(ends)
-        is_new = self._version != scene.model_version
+        is_new = self._version != scene.model.model_version
         if is_new:
-            self._version = scene.model_version
+            self._version = scene.model.model_version
             self._tree_has_changed()
         if is_new or moved or self._unknown:
             return self._followed_up(scene, heard, set(self._edges) if is_new else heard, ends)
         by_turns = tuple(map(self._followed, self._with_two_names(scene)))
-        others = scene.feeders.fed_by_others(TF)
-        key = frozenset(heard), tuple(ends), by_turns, scene.attached, others
+        others = scene.poses.feeders.fed_by_others(TF)
+        key = frozenset(heard), tuple(ends), by_turns, scene.model.attached, others
         posing = self._posings.get(key)
         if posing is None:
             posing = self._followed_up(scene, heard, heard, ends)
@@ -251,7 +250,7 @@ class TfInput:
 
     def _followed_up(
         self,
-        scene: EditableScene,
+        scene: HeldScene,
         heard: set[str],
         changed: set[str],
         ends: Mapping[str, Placed],
@@ -263,10 +262,10 @@ class TfInput:
         affected, left_out = set[FrameId](), []
         for frame, names in self._names_of_frames(scene):
             name = self._followed(names)
-            if frame.get_value() in scene.attached:
+            if frame.get_value() in scene.model.attached:
                 left_out += [frame] if name in heard else []
                 continue
-            if name not in heard and scene.feeders.is_fed_by_others(TF, frame.get_value()):
+            if name not in heard and scene.poses.feeders.is_fed_by_others(TF, frame.get_value()):
                 continue
             if name is not None and chains.lead(name):
                 tf_names[frame] = name
@@ -275,7 +274,7 @@ class TfInput:
         # Of a nested frame the pose in its parent changes when either moves; while the parent
         # waits for a pose from elsewhere it is not known.
         affected |= self._unknown
-        in_parents = {f: scene.inspector.GetParentFrame(f) for f in tf_names}
+        in_parents = {f: scene.model.inspector.GetParentFrame(f) for f in tf_names}
         to_pose = [f for f, P in in_parents.items() if f in affected or P in affected]
         unknown = frozenset(
             f
@@ -283,7 +282,7 @@ class TfInput:
             if not ((P := in_parents[f]) in tf_names or scene.query.is_placed(P))
         )
         frames = tuple(f for f in to_pose if f not in unknown)
-        world = scene.names.world
+        world = scene.model.names.world
         parents = tuple(
             None if (P := in_parents[f]) == world else tf_names.get(P, P) for f in frames
         )
@@ -294,7 +293,7 @@ class TfInput:
 
     def _rows(
         self,
-        scene: EditableScene,
+        scene: HeldScene,
         posing: Posing,
         ends: Mapping[str, Placed],
         X_PCs: Mapping[str, Floats],
@@ -330,7 +329,7 @@ class TfInput:
         """Have the past of the transforms kept that pose frames of the scene."""
         names = self._names_of_frames(scene)
         called = {name: f for f, own in names for name in own}
-        called[scene.world_frame] = scene.names.world
+        called[scene.model.world_frame] = scene.model.names.world
         for frame, own in names:
             first = self._followed(own)
             if frame not in frames or first is None:
@@ -348,7 +347,7 @@ class TfInput:
         The others are frames on the world whose own transform TF does not have, and that were
         posed otherwise.
         """
-        ends = {scene.world_frame: WORLD}
+        ends = {scene.model.world_frame: WORLD}
         names = self._loose_parents() - ends.keys()
         if not names:
             return ends
@@ -356,15 +355,15 @@ class TfInput:
             name = next((n for n in own if n in names), None)
             if name is None or any(n in self._edges for n in own):
                 continue
-            since = scene.posed_since(frame)
-            carrier = scene.inspector.GetParentFrame(frame)
-            stands = carrier == scene.names.world or scene.is_mounted(frame)
+            since = scene.poses.since(frame)
+            carrier = scene.model.inspector.GetParentFrame(frame)
+            stands = carrier == scene.model.names.world or scene.model.is_mounted(frame)
             if (
                 since is not None
                 and stands
-                and frame.get_value() not in scene.attached
+                and frame.get_value() not in scene.model.attached
                 and scene.query.is_placed(frame)
-                and not scene.feeders.is_fed_by(TF, frame.get_value())
+                and not scene.poses.feeders.is_fed_by(TF, frame.get_value())
             ):
                 ends[name] = Placed(scene.query.X_WF(frame).GetAsMatrix4(), since)
         return ends
@@ -375,15 +374,15 @@ class TfInput:
 
     def _names_of_frames(self, scene: HeldScene) -> list[tuple[FrameId, tuple[str, ...]]]:
         """Return the frames of the scene and the TF names that each answers to."""
-        if self._named_version != scene.model_version:
-            names = scene.names
+        if self._named_version != scene.model.model_version:
+            names = scene.model.names
             claims = names.tf_claims
             # A name that two frames answer to poses neither: see tf_troubles.shared.
             self._scene_frames = [
                 (frame, tuple(n for n in names.tf_names(frame) if claims[n] == [frame]))
                 for frame in names.labels
             ]
-            self._named_version = scene.model_version
+            self._named_version = scene.model.model_version
         return self._scene_frames
 
     def _followed(self, names: tuple[str, ...]) -> str | None:

@@ -99,7 +99,7 @@ class Cycle:
             return
         moment, waiting = scene.moment(), scene.waiting()
         waiting.tell_pairs(*self._messages.values(), self.contacts.message)
-        scene.tell_effects(detailed=wanted['cycle_report'])
+        scene.set_detailed_effects(detailed=wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None
         wanted['contact_surfaces'] = pressing and self.contacts.has_participants(scene)
@@ -145,7 +145,7 @@ class Cycle:
         self._replays.look_at(scene, distances, reach)
         self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
         published = [_unpublished('penetrations'), _unpublished('signed_distances')]
-        twists = scene.twists()
+        twists = scene.poses.twists()
         if wanted['penetrations'] or wanted['contact_surfaces']:
             overlaps = distances.penetrations()
         if wanted['penetrations']:
@@ -186,7 +186,7 @@ class Cycle:
         """Publish the CycleReport of a cycle."""
         computed = computed or Effects()
         maps = map_ages(scene)
-        cells = np.array([len(scene.maps[name].cells or ()) for name in maps])
+        cells = np.array([len(scene.maps.by_name[name].cells or ()) for name in maps])
         message = self._messages['cycle_report']
         moment.stamp_report(message)
         message.cycle = self.count
@@ -216,7 +216,7 @@ class Cycle:
         sensors = sensor_ages(scene)
         message.map_sensors = list(sensors)
         message.map_sensor_ages = floats(np.array(list(sensors.values())))
-        message.map_shell_points = [scene.maps[name].shell.points for name in maps]
+        message.map_shell_points = [scene.maps.by_name[name].shell.points for name in maps]
         message.time_budget = time_budget
         message.unrefined_pairs = computed.unrefined_pairs
         self._publishers['cycle_report'].publish(message)

@@ -106,8 +106,8 @@ class RuleEvents:
         rules, settings = scene.rules, self._settings()
         scene.bind_rules()
         seen = None if distances is None else (distances, reach)
-        unreliable = scene.blind_frames(settings.stale_after)
-        self._decided, twists = scene.clocks.steady(), scene.twists()
+        unreliable = scene.poses.blind_frames(settings.stale_after)
+        self._decided, twists = scene.clocks.steady(), scene.poses.twists()
         computed = rules.decide(
             self._decided,
             scene.query,
@@ -115,8 +115,8 @@ class RuleEvents:
             seen,
             twists,
             settings.time_budget,
-            scene.shells(),
-            scene.map_sights(),
+            scene.maps.shells(),
+            scene.maps.sights(),
         )
         self._tell(scene, rules.take_events())
         self._did(computed, time.perf_counter() - start)
@@ -133,7 +133,7 @@ class RuleEvents:
             return
         self._decided = now
         if rules.rules:
-            rules.wait(now, scene.blind_frames(self._settings().stale_after))
+            rules.wait(now, scene.poses.blind_frames(self._settings().stale_after))
         self._tell(scene, rules.take_events())
 
     def forget(self) -> None:
@@ -147,7 +147,7 @@ class RuleEvents:
             moment = scene.moment()
             moment.stamp_header(message)
             message.names_version = moment.names_version
-            fill_events(message, events, scene.names.name_of_value)
+            fill_events(message, events, scene.model.names.name_of_value)
             fill_what_decided(message, events, scene.query, self._settings().stale_after)
             message.oldest_pose_age = [moment.oldest.age] * len(events)
             message.oldest_frame = [moment.oldest.frame] * len(events)

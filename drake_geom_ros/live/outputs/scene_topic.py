@@ -56,9 +56,9 @@ class SceneTopic:
 
     def _note(self, scene: HeldScene) -> None:
         """Keep what an answer refers to until it is published; the scene is held meanwhile."""
-        if scene.names_version == self._noted:
+        if scene.model.names_version == self._noted:
             return
-        self._noted = scene.names_version  # first: a view refers to the scene, too
+        self._noted = scene.model.names_version  # first: a view refers to the scene, too
         if len(self._waiting) >= _MOST_WAITING:
             self._waiting.popleft()
             self.unpublished += 1
@@ -71,8 +71,8 @@ class SceneTopic:
                 self._publish(view)
             if (now := time.monotonic()) > self._next:
                 with self._live.reading() as scene:
-                    model = scene.model_version
-                    if self._version == scene.version:
+                    model = scene.model.model_version
+                    if self._version == scene.model.version:
                         return
                     if self._model == model and now < self._next_maps:
                         return

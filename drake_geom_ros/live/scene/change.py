@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from drake_geom_ros.geometry import SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry import SceneGraph, SceneGraphContext, SourceId
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files import RobotDescription
 
@@ -37,7 +37,9 @@ class Change(Generic[_Scene, _Result]):
       that scene, and returns the result.
 
     ``robots`` and ``rules`` come with it; the robots of sources that are ``gone``, and the rules
-    ``rules_gone``, go. With ``same_content`` it changes nothing but filters and rules.
+    ``rules_gone``, go. With ``same_content`` it changes nothing but filters, rules and shapes.
+    ``maps_source`` returns, from what was made, the source of sensed maps where that may be
+    another one than before, None for no maps.
     """
 
     on: Callable[[SceneGraph, SceneGraphContext | None], Any]
@@ -48,7 +50,12 @@ class Change(Generic[_Scene, _Result]):
     rules: Sequence[ProximityRule] = ()
     rules_gone: Collection[str] = ()
     same_content: bool = False
+    maps_source: Callable[[Any], SourceId | None] | None = None
 
     def robots_after(self, robots: Sequence[RobotDescription]) -> list[RobotDescription]:
         """Return the robots of a scene that the change was made of."""
         return [*(robot for robot in robots if robot.name not in self.gone), *self.robots]
+
+    def maps_after(self, source: SourceId | None, made: Any) -> SourceId | None:
+        """Return the source of sensed maps of a scene that had ``source`` before."""
+        return source if self.maps_source is None else self.maps_source(made)

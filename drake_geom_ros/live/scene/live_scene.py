@@ -31,9 +31,9 @@ from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.live.conversions.names import WORLD, some_of
 from drake_geom_ros.live.scene.change import Change, unchanged
 from drake_geom_ros.live.scene.clocks import Clocks
-from drake_geom_ros.live.scene.editable_scene import EditableScene, PreparedScene, prepared
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.map_sources import MapSources
+from drake_geom_ros.live.scene.prepared_scene import PreparedScene, prepared
 from drake_geom_ros.live.scene.robot_following import pose_followers
 from drake_geom_ros.live.scene.scene_draft import SceneDraft
 from drake_geom_ros.live.scene.scene_snapshot import SceneSnapshot
@@ -75,23 +75,23 @@ class LiveScene:
         self._lock = threading.RLock()
         self._turn = threading.RLock()  # of who takes a draft over; taken before the scene
         self._closed = self._interrupted = False
-        self._scene = EditableScene(SceneGraph(accuracy=accuracy), clocks, world_frame, version)
+        self._scene = HeldScene(SceneGraph(accuracy=accuracy), clocks, world_frame, version)
 
     @property
     def most_megabytes(self) -> float:
         """The largest answer [MB], and the largest images of a camera."""
-        return self._scene.camera_limits.megabytes
+        return self._scene.cameras.limits.megabytes
 
     @most_megabytes.setter
     def most_megabytes(self, limit: float) -> None:
-        self._scene.camera_limits.megabytes = limit
+        self._scene.cameras.limits.megabytes = limit
 
     def name_cameras_for(self, node: str) -> None:
         """Refuse cameras whose topics would have too long names, below a node's full name."""
-        self._scene.camera_limits.of_node(node)
+        self._scene.cameras.limits.of_node(node)
 
     @contextmanager
-    def editing(self) -> Iterator[EditableScene]:
+    def editing(self) -> Iterator[HeldScene]:
         """Hand the scene out to be changed; raises RuntimeError once it is closed."""
         with self._lock:
             if self._closed:
@@ -129,7 +129,7 @@ class LiveScene:
         would refuse, for joints that are none, and for a frame that both pose.
         """
         with self.reading() as scene:
-            requested = None if poses is None else scene.read_poses(poses).poses
+            requested = None if poses is None else scene.model.reader.read(poses).poses
             by_joints = joints is not None and (len(joints.names) or len(joints.positions))
             is_now = not (requested or by_joints)
             view = scene.view(moving=poses is not None and is_now, stale_after=self.stale_after)
@@ -139,13 +139,15 @@ class LiveScene:
                 pose_followers(scene, view, posed)
             if by_joints:
                 positions = np.asarray(joints.positions, dtype=np.float64)
-                moved = scene.joints.moved(joints.names, positions, view.query)
+                moved = scene.model.joints.moved(joints.names, positions, view.query)
                 by_values = set(moved.id_values().tolist())
                 refuse_twice_posed(scene, posed & by_values)
                 view.context.UpdateFramePoses(moved)
                 pose_followers(scene, view, posed | by_values)
-                named = scene.joints.places(joints.names)
-                replaced = posed | by_values - scene.links_of_stale_joints(self.stale_after, named)
+                named = scene.model.joints.places(joints.names)
+                replaced = posed | by_values - scene.poses.links_of_stale_joints(
+                    self.stale_after, named
+                )
         return replace(view, replaced=frozenset(replaced))
 
     def compile_kernels(self) -> list[str]:
@@ -155,7 +157,11 @@ class LiveScene:
         maps, what measures points, for rules about what sensors see beside bodies.
         """
         with self.reading() as scene:
-            cameras, has_maps, view = scene.cameras, bool(scene.maps), scene.view()
+            cameras, has_maps, view = (
+                scene.cameras.by_name(),
+                bool(scene.maps.by_name),
+                scene.view(),
+            )
         kernels = view.context.compile_kernels(self.tell_compiling)
         if has_maps:
             view.query.ComputeSignedDistanceToPoint(np.zeros((1, 3)), 0.0)
@@ -165,7 +171,7 @@ class LiveScene:
             view.query.render_images(pixel, view.names.world, RigidTransform())
         return kernels
 
-    def make_ready(self, change: Change[EditableScene, Any]) -> tuple[SceneDraft, Any]:
+    def make_ready(self, change: Change[HeldScene, Any]) -> tuple[SceneDraft, Any]:
         """Make a change on a copy of the scene, and what queries need of the changed scene.
 
         So files are read and kernels compiled beside the cycle, before the change is made in
@@ -173,7 +179,7 @@ class LiveScene:
         made there; raises what it raises.
         """
         with self.reading() as scene:
-            draft = SceneDraft(scene)
+            draft = SceneDraft(scene.model, scene.rules)
         made = draft.make(change)
         self._get_ready(draft)
         return draft, made
@@ -185,7 +191,7 @@ class LiveScene:
 
     def change(
         self,
-        change: Change[EditableScene, _Result],
+        change: Change[HeldScene, _Result],
         *,
         calls_for_more: bool = False,
         is_short: bool = False,
@@ -198,7 +204,7 @@ class LiveScene:
         """
         for left in reversed(range(_TRIES)):
             with self.reading() as scene:
-                if not calls_for_more and (is_short or not scene.is_large):
+                if not calls_for_more and (is_short or not scene.model.is_large):
                     break
             with self._alone(left):
                 draft, made = self.make_ready(change)
@@ -240,7 +246,7 @@ class LiveScene:
     def replace_all(
         self,
         description: SceneDescription,
-        first: Callable[[EditableScene], object] = lambda scene: None,
+        first: Callable[[HeldScene], object] = lambda scene: None,
     ) -> tuple[int, int]:
         """Put what is described in the place of all; return its frames and geometries.
 
@@ -258,15 +264,15 @@ class LiveScene:
             accuracy = scene.accuracy
         other = prepared(description, list(sources.fed), sources.margin, accuracy)
         with self.reading() as scene:
-            draft = SceneDraft(scene, other.context)
-        draft.maps = other.maps.source
+            draft = SceneDraft(scene.model, scene.rules, other.context)
+        draft.maps_source = other.maps.source
         draft.follow(Change(unchanged, robots=description.robots, rules=description.rules))
         self._get_ready(draft)
         return replace(other, draft=draft)
 
     def _replace(
         self,
-        scene: EditableScene,
+        scene: HeldScene,
         other: PreparedScene,
         before: SceneSnapshot | None = None,
         gone: str = '',
@@ -274,7 +280,7 @@ class LiveScene:
         """Replace the scene; frames that moved since a snapshot stay, but those that are gone."""
         moved = {} if before is None else scene.moved_since(before)
         added = scene.replace(other)
-        scene.put({label: X_PF for label, X_PF in moved.items() if label[0] != gone})
+        scene.poses.put({label: X_PF for label, X_PF in moved.items() if label[0] != gone})
         for feeder in self.map_sources.fed.values():
             feeder.forget()
         return added
@@ -283,7 +289,7 @@ class LiveScene:
 def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:
     """Raise ArgumentError for frames, by the values of their ids, that are posed in two ways."""
     if frames:
-        frame_names = scene.names.frame_names.items()
+        frame_names = scene.model.names.frame_names.items()
         names = [name for frame, name in frame_names if frame.get_value() in frames]
         raise ArgumentError(
             f'joints move {some_of(names)}, and poses pose them, too; leave them out of one'

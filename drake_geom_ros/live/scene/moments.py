@@ -110,8 +110,8 @@ def _look(
         if isinstance(place, str):
             return place
         frame, X_PF = place
-        assert scene.history is not None, 'who takes what sensors saw has it kept'
-        then = _Then(scene, scene.history.around(held))
+        assert scene.poses.history is not None, 'who takes what sensors saw has it kept'
+        then = _Then(scene, scene.poses.history.around(held))
     # The scene moves on from here. The sensor comes first: mostly it is what is waited for.
     if later := then.know_all({frame}) or then.know_all(set(bodies(then.view.query, then.model))):
         return later
@@ -127,11 +127,11 @@ class _Then:
 
     def __init__(self, scene: HeldScene, around: PosesAround) -> None:
         self.view = scene.view()
-        self.names, self.replaced = scene.names, scene.replaced
-        self.model = scene.replaced, scene.model_version
+        self.names, self.replaced = scene.model.names, scene.replaced
+        self.model = scene.replaced, scene.model.model_version
         self.moving: dict[FrameId, NDArray[np.float64]] = {}  # X_PF (7,) of those that do
         self._around = around
-        self._since = {frame: scene.posed_since(frame) for frame in scene.names.labels}
+        self._since = {frame: scene.poses.since(frame) for frame in scene.model.names.labels}
         self._known: dict[FrameId, RigidTransform] = {}
         self._asked: list[FrameId] = []
 

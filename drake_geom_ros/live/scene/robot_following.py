@@ -42,7 +42,7 @@ def pose_followers(scene: HeldScene, view: SceneView, posed: Collection[int]) ->
     on a link that follows, follows too.
     """
     done: dict[str, bytes] = {}
-    for _ in range(len(scene.joints.robots)):
+    for _ in range(len(scene.model.joints.robots)):
         moved = [
             m for m in _moved_robots(scene, view.query) if done.get(m.robot.name) != _bytes(m)
         ]
@@ -65,11 +65,11 @@ def ends_with_followers(
     """
     posed = {frame.get_value() for frame in ends.ids()}
     X_PFs = {frame: ends.value(frame) for frame in ends.ids()}
-    for robot in scene.joints.robots.values():
+    for robot in scene.model.joints.robots.values():
         rows = _rows_that_follow(scene, robot, posed)
         if robot.root is None or not rows or not query.is_placed(robot.root):
             continue
-        if robot.root in X_PFs and robot.root.get_value() not in scene.attached:
+        if robot.root in X_PFs and robot.root.get_value() not in scene.model.attached:
             D = _displacement(robot, query.X_PF(robot.root), X_PFs[robot.root], interpolation)
             placed = [frame for frame in map(FrameId, rows) if query.is_placed(frame)]
             X_PFs.update((frame, D @ query.X_PF(frame)) for frame in placed)
@@ -96,15 +96,15 @@ def refuse_carried_robots(scene: HeldScene, moving: Collection[int]) -> None:
 
     Its links would stay where they are.
     """
-    for robot in scene.joints.robots.values():
+    for robot in scene.model.joints.robots.values():
         if robot.root is None or not set(robot.links.values()).difference(moving):
             continue
-        if carriers := _carriers_of_base(scene.inspector, robot.root).intersection(moving):
+        if carriers := _carriers_of_base(scene.model.inspector, robot.root).intersection(moving):
             raise ArgumentError(_attached(scene, robot, carriers))
 
 
 def _attached(scene: HeldScene, robot: DrivenRobot, carriers: set[int]) -> str:
-    frame_names = scene.names.frame_names.items()
+    frame_names = scene.model.names.frame_names.items()
     name = next(name for frame, name in frame_names if frame.get_value() in carriers)
     return (
         f'the base of {robot.name!r} is attached to {name}, which moves, and the links of the '
@@ -115,7 +115,7 @@ def _attached(scene: HeldScene, robot: DrivenRobot, carriers: set[int]) -> str:
 
 def _moved_robots(scene: HeldScene, query: QueryObject) -> Iterator[_Moved]:
     """Yield the robots whose base stands elsewhere in ``query`` than live."""
-    joints = scene.joints
+    joints = scene.model.joints
     for robot in joints.robots.values():
         base = None if robot.root is None else joints.base(robot, query, ALWAYS)
         if base is None:
@@ -157,12 +157,12 @@ def _rows_that_follow(
     and nothing moves them with the base.
     """
     is_driven = robot.base is not None
-    fed = scene.feeders.is_fed_by
+    fed = scene.poses.feeders.is_fed_by
     return {
         frame: row
         for row, frame in robot.links.items()
         if frame not in posed
-        and frame not in scene.attached
+        and frame not in scene.model.attached
         and (is_driven or not fed(MESSAGES, frame))
     }
 

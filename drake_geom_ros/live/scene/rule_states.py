@@ -15,9 +15,9 @@ from drake_geom_ros.live.scene.held_scene import HeldScene
 def fill_rule_states(message: Any, scene: HeldScene, rules: Any = None) -> None:
     """Fill a ProximityStates message; ``rules`` is a ProximityRules of now that was filled."""
     node, steady = scene.clocks.node(), scene.clocks.steady()
-    message.header.frame_id = scene.world_frame
+    message.header.frame_id = scene.model.world_frame
     stamp_seconds(message.header.stamp, node)
-    message.scene_version, message.next_sequence = scene.version, scene.rules.next_sequence
+    message.scene_version, message.next_sequence = scene.model.version, scene.rules.next_sequence
     if rules is None:
         fill_rules(message.rules, scene.rules.rules)
     else:

@@ -1,33 +1,20 @@
 """A change of the live scene on a copy, with all that cycles need of the changed scene.
 
 What takes long is done here, beside the cycles, which go on with the scene as it was. The live
-scene then becomes the draft in a moment: see ``EditableScene.take_over``.
+scene then becomes the draft in a moment: see ``HeldScene.take_over``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 from drake_geom_ros.geometry import QueryObject, SceneGraph, SceneGraphContext
-from drake_geom_ros.live.conversions.frame_poses import FramePosesReader
-from drake_geom_ros.live.conversions.names import NameTable
 from drake_geom_ros.live.scene.change import Change
-from drake_geom_ros.live.scene.held_scene import HeldScene, attached_in, is_large
-from drake_geom_ros.live.scene.robot_joints import RobotJoints
-from drake_geom_ros.live.scene.scene_rules import BoundRules
-from drake_geom_ros.live.scene.waiting_maps import WaitingMaps
+from drake_geom_ros.live.scene.scene_model import ModelTables, SceneModel, is_large
+from drake_geom_ros.live.scene.scene_rules import BoundRules, SceneRules
 
 Tell = Callable[[str, int, int], None]
-
-
-class Named(NamedTuple):
-    """Names of a scene, and the tables that follow from them."""
-
-    names: NameTable
-    reader: FramePosesReader
-    joints: RobotJoints
-    attached: frozenset[int]
 
 
 class SceneDraft:
@@ -37,22 +24,23 @@ class SceneDraft:
     The live scene is held by who makes a draft, and by nobody while it is changed and made ready.
     """
 
-    def __init__(self, scene: HeldScene, context: SceneGraphContext | None = None) -> None:
-        self.context: SceneGraphContext = scene.copy() if context is None else context
-        self.robots = [] if context is not None else scene.robots
-        self.named: Named | None = None  # None: as in the live scene
+    def __init__(
+        self, model: SceneModel, rules: SceneRules, context: SceneGraphContext | None = None
+    ) -> None:
+        self.context: SceneGraphContext = model.context.copy() if context is None else context
+        self.robots = [] if context is not None else list(model.robots)
+        self.tables: ModelTables | None = None  # None: as in the live scene
         self.rules: BoundRules | None = None
-        self.is_large = scene.is_large
-        self.maps = scene.maps_source
-        self._world_frame = scene.world_frame
-        self._rules, self._joints = scene.rules, scene.joints
+        self.is_large = model.is_large
+        self.maps_source = model.maps_source
+        self._world_frame, self._joints = model.world_frame, model.joints
+        self._rules = rules
         self._change: Change[Any, Any] | None = None
 
     def make(self, change: Change[Any, Any]) -> Any:
         """Make a change on the copy, and return what it made."""
         made = change.on(SceneGraph(), self.context)
-        if isinstance(made, WaitingMaps):  # names of maps are others than those of users' frames
-            self.maps = made.source
+        self.maps_source = change.maps_after(self.maps_source, made)
         self.follow(change)
         return made
 
@@ -64,12 +52,10 @@ class SceneDraft:
         self.robots = change.robots_after(self.robots)
         inspector = QueryObject(self.context).inspector()
         self.is_large = is_large(inspector)
-        prefixes = {robot.name: robot.frame_prefix for robot in self.robots}
-        names = NameTable(inspector, self._world_frame, prefixes, maps=self.maps)
-        frames = {label: frame for frame, label in names.labels.items()}
-        joints = RobotJoints(self.robots, frames, self._joints)
-        _ = joints.entries
-        self.named = Named(names, FramePosesReader(names), joints, attached_in(inspector))
+        self.tables = ModelTables.of(
+            inspector, self._world_frame, self.robots, self.maps_source, self._joints
+        )
+        _ = self.tables.joints.entries
 
     def get_ready(
         self,
@@ -90,7 +76,7 @@ class SceneDraft:
         if change is not None:
             rules = self._rules.after(change.rules, change.rules_gone)
         if rules:
-            self.rules = self._rules.prepared(query, rules, same_names=self.named is None)
+            self.rules = self._rules.prepared(query, rules, same_names=self.tables is None)
             rehearse(self.rules.narrowed)
         query.inspector().geometry_version()
         self.context.what_if()  # views of the scene share what this makes

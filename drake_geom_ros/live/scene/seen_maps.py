@@ -19,12 +19,14 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changes.addition import addition
+from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS, Since
-from drake_geom_ros.live.scene.editable_scene import EditableScene
 from drake_geom_ros.live.scene.feeders import OBSTACLES
-from drake_geom_ros.live.scene.held_scene import HeldScene, SeenMap
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.out_of_sight import Sight
+from drake_geom_ros.live.scene.scene_maps import SeenMap
 from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.waiting_maps import NAMED_AS_MAPS
@@ -56,18 +58,18 @@ def shape_of(cells: Cells, margin: float) -> OccupiedCells:
     return shape
 
 
-def stand(scene: EditableScene, name: str, margin: float = 0.0) -> SeenMap:
+def stand(scene: HeldScene, name: str, margin: float = 0.0) -> SeenMap:
     """Return a map of the scene; one that is not there is registered, and waits.
 
     Raises ArgumentError where the scene has a source of its own that is called as that of maps.
     """
-    if name not in scene.maps:
-        scene.make(scene.standing_maps([], [name], margin))
-    return scene.maps[name]
+    if name not in scene.maps.by_name:
+        scene.make(standing_maps(scene, [], [name], margin))
+    return scene.maps.by_name[name]
 
 
 def begin_with_maps(
-    scene: EditableScene,
+    scene: HeldScene,
     description: SceneDescription | None,
     names: Sequence[str],
     margin: float = 0.0,
@@ -81,37 +83,32 @@ def begin_with_maps(
         raise ArgumentError(NAMED_AS_MAPS)
     for name in names:
         stand(scene, name, margin)
-    return (0, 0) if description is None else scene.add(description)
+    return (0, 0) if description is None else scene.make(addition(description))
 
 
-def stand_fed(scene: EditableScene, sources: MapSources) -> None:
+def stand_fed(scene: HeldScene, sources: MapSources) -> None:
     """Have a scene hold the maps that topics feed where they have gone; they wait then."""
     for name, feeder in sources.fed.items():
-        if name not in scene.maps:
+        if name not in scene.maps.by_name:
             feeder.forget()
             stand(scene, name, sources.margin)
 
 
 def showing(
-    scene: EditableScene,
+    scene: HeldScene,
     name: str,
     sighting: Sighting,
-    first: Callable[[EditableScene], object] = lambda scene: None,
+    first: Callable[[HeldScene], object] = lambda scene: None,
     done: Callable[[], object] = lambda: None,
-) -> Change[EditableScene, None]:
+) -> Change[HeldScene, None]:
     """Return the change after which a map of the scene holds what was seen, and nothing else.
 
     ``first`` raises RuntimeError where that is not to be any more; ``done`` is called with the
     scene held.
     """
-    seen_map = scene.maps[name]
-    frame, version = seen_map.frame, 0
-    source = scene.inspector.GetOwningSourceId(frame)
-
-    def look(scene: EditableScene) -> None:
-        nonlocal version
-        first(scene)
-        version = scene.version
+    seen_map = scene.maps.by_name[name]
+    frame = seen_map.frame
+    source = scene.model.inspector.GetOwningSourceId(frame)
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.ChangeShape(
@@ -121,20 +118,19 @@ def showing(
             shape=sighting.shape,
         )
 
-    def then(scene: EditableScene, _: None) -> None:
-        scene.map_changes += scene.version - version
+    def then(scene: HeldScene, _: None) -> None:
         poses = FramePoseVector({frame: sighting.X_WM})
         posed = {frozenset([frame.get_value()]): sighting.since}
-        scene.pose(poses, posed, sighting.stamp, OBSTACLES)
+        scene.poses.pose(poses, posed, sighting.stamp, OBSTACLES)
         # What stands in the world and what was seen of it are both at rest, wherever that is.
-        manager = scene.scene_graph.collision_filter_manager()
+        manager = scene.model.filter_manager
         if frame not in manager.welded_frames():
             manager.WeldToWorld([frame])
         held = sighting.cells, sighting.shell, sighting.feeds, sighting.sights
-        scene.maps[name] = SeenMap(frame, seen_map.geometry, *held)
+        scene.maps.by_name[name] = SeenMap(frame, seen_map.geometry, *held)
         done()
 
-    return Change(on, look, then, same_content=True)
+    return Change(on, first, then, same_content=True)
 
 
 def has_many(cells: Cells) -> bool:
@@ -145,7 +141,9 @@ def has_many(cells: Cells) -> bool:
 def sensor_ages(scene: HeldScene) -> dict[str, float]:
     """Return the age [s] of what each sensor showed, of the maps that several feed, by words."""
     several = {
-        name: seen_map.feeds for name, seen_map in scene.maps.items() if len(seen_map.feeds) > 1
+        name: seen_map.feeds
+        for name, seen_map in scene.maps.by_name.items()
+        if len(seen_map.feeds) > 1
     }
     if not several:  # as of most scenes
         return {}
@@ -158,8 +156,8 @@ def sensor_ages(scene: HeldScene) -> dict[str, float]:
 def map_ages(scene: HeldScene) -> dict[str, float]:
     """Return the age [s] of what each map holds; inf for one that waits, 0 of a file."""
     ages = {}
-    for name, seen_map in scene.maps.items():
-        since = scene.posed_since(seen_map.frame)
+    for name, seen_map in scene.maps.by_name.items():
+        since = scene.poses.since(seen_map.frame)
         if since is None or seen_map.cells is None:
             ages[name] = math.inf
         else:

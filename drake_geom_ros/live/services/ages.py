@@ -12,12 +12,12 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 def get_pose_ages(live: LiveScene, request: Any, response: Any) -> None:
     """Report the age of the pose of each frame, the oldest first."""
     with live.reading() as scene:
-        names, inspector = scene.names, scene.inspector
+        names, inspector = scene.model.names, scene.model.inspector
         frames = list(dict.fromkeys(map(names.frame, request.frames)))
         if names.world in frames:
             raise ArgumentError('frames holds the world frame, which has no pose')
         frames = frames or list(names.labels)
-        ages = scene.pose_ages()
+        ages = scene.poses.ages_by_name()
         waiting = set(scene.query.waiting_frames())
         rows = [
             (

@@ -10,7 +10,8 @@ from typing import Any
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.changes.addition import addition, exchange
+from drake_geom_ros.live.scene.changes.removal import in_order_of_removal
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_snapshot import MAPS
@@ -37,20 +38,19 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         raise ArgumentError('replace is true, so replaced_sources must be empty: all is removed')
     if request.replaced_sources:
         with live.editing() as scene:
-            sources = scene.in_order_of_removal(map(scene.names.source, request.replaced_sources))
-            exchange = scene.exchange(sources, description)
-        added = live.change(exchange, calls_for_more=True)
+            replaced = map(scene.model.names.source, request.replaced_sources)
+            sources = in_order_of_removal(scene.model.inspector, replaced)
+            change = exchange(scene, sources, description)
+        added = live.change(change, calls_for_more=True)
     elif request.replace:
 
-        def first(scene: EditableScene) -> None:
+        def first(scene: HeldScene) -> None:
             lost.extend(_maps_that_go(live, scene))
-            scene.warned += lost
+            scene.log.warnings += lost
 
         added = live.replace_all(description, first)
     else:
-        with live.editing() as scene:
-            addition = scene.addition(description)
-        added = live.change(addition, calls_for_more=True)
+        added = live.change(addition(description), calls_for_more=True)
     response.frames, response.geometries = added
     response.message = '\n'.join([*description.warnings, *lost])
 
@@ -60,7 +60,7 @@ def _maps_that_go(live: LiveScene, scene: HeldScene) -> list[str]:
     return [
         f'the map {MAPS}::{name}/{GEOMETRY} of {counted(len(seen_map.cells or ()), "cell")} went '
         'with the scene of before and is in no answer; call load_obstacles again'
-        for name, seen_map in scene.maps.items()
+        for name, seen_map in scene.maps.by_name.items()
         if name not in live.map_sources.fed
     ]
 

@@ -18,9 +18,9 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.live.conversions.filters import declaration_from_message
 from drake_geom_ros.live.scene.change import Change
-from drake_geom_ros.live.scene.editable_scene import EditableScene, owned_by
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.scene_filters import owned_by
 
 _MANY = 100  # names or geometries of a declaration that take longer than a cycle may wait
 
@@ -38,7 +38,7 @@ def apply_filter(live: LiveScene, request: Any, response: Any) -> None:
 def flatten_filters(live: LiveScene, request: Any, response: Any) -> None:
     """Make the current configuration the persistent one."""
     with live.editing() as scene:
-        scene.scene_graph.collision_filter_manager().Flatten()
+        scene.model.filter_manager.Flatten()
 
 
 def apply_transient_filter(live: LiveScene, request: Any, response: Any) -> None:
@@ -46,17 +46,19 @@ def apply_transient_filter(live: LiveScene, request: Any, response: Any) -> None
     lease, owner, declaration = _lease(request), request.owner, _declaration(live, request)
     is_short = _is_short(live, request)
 
-    def first(scene: EditableScene) -> None:
-        scene.refuse_too_many_filters(owner)
+    def first(scene: HeldScene) -> None:
+        scene.filters.refuse_too_many(owner)
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> FilterId:
         return graph.collision_filter_manager(context).ApplyTransient(declaration)
 
-    def then(scene: EditableScene, filter_id: FilterId) -> int:
-        scene.lease(filter_id, lease)
-        scene.own(filter_id, owner, is_short=is_short)
+    def then(scene: HeldScene, filter_id: FilterId) -> int:
+        scene.filters.lease(filter_id, lease)
+        scene.filters.own(filter_id, owner, is_short=is_short)
         until = f'for {lease:g} s' if lease else 'until it is removed'
-        scene.told.append(f'transient filter {filter_id.get_value()} {until}{owned_by(owner)}')
+        scene.log.notes.append(
+            f'transient filter {filter_id.get_value()} {until}{owned_by(owner)}'
+        )
         return filter_id.get_value()
 
     change = Change(on, first, then, same_content=True)
@@ -67,10 +69,10 @@ def renew_filter(live: LiveScene, request: Any, response: Any) -> None:
     """Prolong the lease of a transient declaration, unless another asked for it."""
     lease, filter_id = _lease(request), FilterId(request.filter_id)
     with live.editing() as scene:
-        manager = scene.scene_graph.collision_filter_manager()
-        response.active = _is_of(scene, request) and manager.IsActive(filter_id)
+        is_active = scene.model.filter_manager.IsActive(filter_id)
+        response.active = is_active and _is_of(scene, request)
         if response.active:
-            scene.lease(filter_id, lease)
+            scene.filters.lease(filter_id, lease)
 
 
 def remove_filter(live: LiveScene, request: Any, response: Any) -> None:
@@ -80,16 +82,16 @@ def remove_filter(live: LiveScene, request: Any, response: Any) -> None:
         if not _is_of(scene, request):
             response.removed = False
             return
-        is_short = scene.is_short(filter_id)
+        is_short = scene.filters.is_short(filter_id)
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> bool:
         return graph.collision_filter_manager(context).RemoveDeclaration(filter_id)
 
-    def then(scene: EditableScene, removed: bool) -> bool:
+    def then(scene: HeldScene, removed: bool) -> bool:
         if removed:
-            scene.lease(filter_id, 0.0)
-            owner = owned_by(scene.owner_of(filter_id))
-            scene.told.append(f'transient filter {request.filter_id} removed{owner}')
+            scene.filters.lease(filter_id, 0.0)
+            owner = owned_by(scene.filters.owner_of(filter_id))
+            scene.log.notes.append(f'transient filter {request.filter_id} removed{owner}')
         return removed
 
     response.removed = live.change(Change(on, then=then, same_content=True), is_short=is_short)
@@ -105,7 +107,7 @@ def _lease(request: Any) -> float:
 def _declaration(live: LiveScene, request: Any) -> CollisionFilterDeclaration:
     """Return the declaration of a request, by the names of now."""
     with live.reading() as scene:
-        names = scene.names
+        names = scene.model.names
     return declaration_from_message(request.declaration, names)
 
 
@@ -118,11 +120,11 @@ def _is_short(live: LiveScene, request: Any) -> bool:
     if of_frames + count >= _MANY:
         return False
     with live.reading() as scene:  # a frame stands for all that it carries
-        frames = [scene.names.frame(name) for each in sets for name in each.frames]
+        frames = [scene.model.names.frame(name) for each in sets for name in each.frames]
         frames += [FrameId(number) for each in sets for number in each.frame_ids]
-        return count + sum(map(scene.inspector.NumGeometriesForFrame, frames)) < _MANY
+        return count + sum(map(scene.model.inspector.NumGeometriesForFrame, frames)) < _MANY
 
 
 def _is_of(scene: HeldScene, request: Any) -> bool:
     """Return whether a filter is of who asks; of anybody, where a request does not say who."""
-    return request.owner in ('', scene.owner_of(FilterId(request.filter_id)))
+    return request.owner in ('', scene.filters.owner_of(FilterId(request.filter_id)))

@@ -45,7 +45,7 @@ def view_of_joints(
     in two ways.
     """
     with live.reading() as scene:
-        robots, places = scene.joints, scene.joints.places(names)
+        robots, places = scene.model.joints, scene.model.joints.places(names)
         values = _values(robots, chosen)
         named = {place.robot for place in places}
         # The links of the robots that are named follow their joints, see joints_of.
@@ -54,12 +54,12 @@ def view_of_joints(
             [chosen.names[k] for k in others], [float(chosen.positions[k]) for k in others]
         )
         view = live.view(poses, rest)
-        posed = {frame.get_value() for frame in scene.read_poses(poses).poses.ids()}
+        posed = {frame.get_value() for frame in scene.model.reader.read(poses).poses.ids()}
         joints = joints_of(robots, names, view, values)
         moving = set(joints.id_values.tolist())
         refuse_twice_posed(scene, posed & moving)
         refuse_carried_robots(scene, moving)
-        old = scene.links_of_stale_joints(live.stale_after, {*places, *values})
+        old = scene.poses.links_of_stale_joints(live.stale_after, {*places, *values})
         replaced = view.replaced | moving.difference(old)
         heard = {name: robots.robots[name].positions() for name in named}
     now = [values.get(place, heard[place.robot][place.column]) for place in places]

@@ -12,10 +12,10 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 def get_joint_positions(live: LiveScene, request: Any, response: Any) -> None:
     """Report the value, the speed and the age of each joint."""
     with live.reading() as scene:
-        robots = scene.joints.robots
-        places = scene.joints.places(request.names)
+        robots = scene.model.joints.robots
+        places = scene.model.joints.places(request.names)
         if not request.names:
-            places = scene.joints.every_place()
+            places = scene.model.joints.every_place()
         age = live.clocks.ages()
         for place in places:
             robot = robots[place.robot]

@@ -83,7 +83,7 @@ def _to_poses(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, No
     if request.ignore_limits:
         raise ArgumentError('ignore_limits is of a motion of joints; `end` moves frames by poses')
     with live.reading() as scene:
-        ends = scene.read_poses(request.end).poses
+        ends = scene.model.reader.read(request.end).poses
         view = live.view(request.start, request.start_joints)
         ends = ends_with_followers(scene, view.query, ends, request.interpolation)
     check = view.query.CheckMotion(

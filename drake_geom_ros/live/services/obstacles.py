@@ -8,6 +8,7 @@ from typing import Any
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -23,13 +24,13 @@ def clear_obstacles(live: LiveScene, request: Any, response: Any) -> None:
     """Forget one map, or all; those that topics feed wait again."""
     sources = live.map_sources
     with live.editing() as scene:
-        names = [request.map] if request.map else list(scene.maps)
-        if unknown := [name for name in names if name not in scene.maps]:
+        names = [request.map] if request.map else list(scene.maps.by_name)
+        if unknown := [name for name in names if name not in scene.maps.by_name]:
             raise ArgumentError(
-                f'map is {unknown[0][:80]!r}; maps: {", ".join(scene.maps) or "none"}'
+                f'map is {unknown[0][:80]!r}; maps: {", ".join(scene.maps.by_name) or "none"}'
             )
         fed = [name for name in names if name in sources.fed]
-        change = scene.standing_maps(names, fed, sources.margin)
+        change = standing_maps(scene, names, fed, sources.margin)
 
     def first(scene: HeldScene) -> None:
         for name in fed:
@@ -53,13 +54,13 @@ def load_obstacles(live: LiveScene, request: Any, response: Any) -> None:
         raise ArgumentError(f'path is {request.path!r}, and the file holds nothing')
     shape = shape_of(cells, sources.margin)
     with live.editing() as scene:
-        is_new = FILE not in scene.maps
-        change = scene.standing_maps([], [FILE], sources.margin)
+        is_new = FILE not in scene.maps.by_name
+        change = standing_maps(scene, [], [FILE], sources.margin)
     if is_new:
         live.change(change, calls_for_more=True)
     with live.editing() as scene:
         # It holds for good; no stamp is newer for it.
-        stamp = scene.newest_stamp
+        stamp = scene.poses.ages.newest_stamp
         sighting = Sighting(cells, shape, RigidTransform(), ALWAYS, stamp)
         showing_cells = showing(scene, FILE, sighting)
     live.change(showing_cells, calls_for_more=has_many(cells))
@@ -74,7 +75,10 @@ def save_obstacles(live: LiveScene, request: Any, response: Any) -> None:
     target = SavedFile(live.files.new_file(request.path, 'path'), MAP_FILE)
     with live.reading() as scene:
         name = _named(scene, request.map)
-        cells, X_WM = scene.maps[name].cells, scene.query.X_WF(scene.maps[name].frame)
+        cells, X_WM = (
+            scene.maps.by_name[name].cells,
+            scene.query.X_WF(scene.maps.by_name[name].frame),
+        )
     assert cells is not None, 'a map that waits is refused'
     if not X_WM.IsExactlyIdentity():
         cells = cells.moved(X_WM.rotation().matrix(), X_WM.translation())
@@ -84,10 +88,10 @@ def save_obstacles(live: LiveScene, request: Any, response: Any) -> None:
 
 def _named(scene: HeldScene, name: str) -> str:
     """Return the name of a map that holds something; raises ArgumentError for another one."""
-    there = [each for each, seen_map in scene.maps.items() if seen_map.cells is not None]
+    there = [each for each, seen_map in scene.maps.by_name.items() if seen_map.cells is not None]
     if name in there or (not name and len(there) == 1):
         return name or there[0]
-    waiting = [each for each in scene.maps if each not in there]
+    waiting = [each for each in scene.maps.by_name if each not in there]
     raise ArgumentError(
         f'map is {name[:80]!r}; maps that hold something: {", ".join(there) or "none"}; '
         f'that wait for their first message: {", ".join(waiting) or "none"}'

@@ -6,7 +6,7 @@ from typing import Any
 
 from drake_geom_ros.live.conversions.proximity_rules import rule_from_message
 from drake_geom_ros.live.scene.change import Change, unchanged
-from drake_geom_ros.live.scene.editable_scene import EditableScene
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.rule_states import fill_rule_states
 from drake_geom_ros.proximity_rules import RuleError
@@ -16,19 +16,19 @@ def add_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
     """Add a rule that some pair of the scene can enter."""
     rule = rule_from_message(request.rule)
 
-    def first(scene: EditableScene) -> None:
-        if rule.min_time_to_contact and not scene.watches_motion:
+    def first(scene: HeldScene) -> None:
+        if rule.min_time_to_contact and not scene.poses.watches_motion:
             raise RuleError(
                 f'proximity rule {rule.name[:80]!r}: min_time_to_contact needs twists, and nobody '
                 'watches how bodies move; set the parameter closing_speeds'
             )
 
-    def then(scene: EditableScene, _: None) -> str:
+    def then(scene: HeldScene, _: None) -> str:
         scene.bind_rules()
         state = scene.rules.add([rule])
         response.pairs, response.left_out_pairs = state.pairs, state.left_out
-        scene.told.append(f'proximity rule {rule.name!r} watches {state.pairs} pairs')
-        return '; '.join(scene.finer_than_maps(rule.name))
+        scene.log.notes.append(f'proximity rule {rule.name!r} watches {state.pairs} pairs')
+        return '; '.join(scene.maps.finer_rules(rule.name))
 
     change = Change(unchanged, first, then, rules=[rule], same_content=True)
     response.message = live.change(change)
@@ -38,10 +38,10 @@ def remove_proximity_rule(live: LiveScene, request: Any, response: Any) -> None:
     """Remove a rule."""
     name = request.name
 
-    def then(scene: EditableScene, _: None) -> None:
+    def then(scene: HeldScene, _: None) -> None:
         scene.bind_rules()
         scene.rules.remove(name)
-        scene.told.append(f'proximity rule {name!r} removed')
+        scene.log.notes.append(f'proximity rule {name!r} removed')
 
     live.change(Change(unchanged, then=then, rules_gone=[name], same_content=True))
 

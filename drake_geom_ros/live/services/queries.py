@@ -28,9 +28,9 @@ from drake_geom_ros.live.conversions.results import (
     fill_point_distances,
     fill_signed_distances,
 )
-from drake_geom_ros.live.scene.editable_scene import owned_by
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.point_blocks import distances_to
+from drake_geom_ros.live.scene.scene_filters import owned_by
 from drake_geom_ros.live.scene.scene_view import SceneView
 
 # What an answer takes while it is made and sent: the rows of the query, the arrays of the message,

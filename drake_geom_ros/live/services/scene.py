@@ -21,6 +21,8 @@ from drake_geom_ros.live.conversions.fields import fill_pose, pose_from_message
 from drake_geom_ros.live.conversions.names import WORLD
 from drake_geom_ros.live.conversions.scene import role_from_number
 from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
+from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.math import RigidTransform
 
@@ -37,13 +39,13 @@ def register_source(live: LiveScene, request: Any, response: Any) -> None:
 def register_frame(live: LiveScene, request: Any, response: Any) -> None:
     """Register a frame in the world or in another frame."""
     with live.reading() as scene:
-        if request.name.strip() in (WORLD, scene.world_frame):
+        if request.name.strip() in (WORLD, scene.model.world_frame):
             raise ArgumentError(f'name is {request.name!r}, which is the name of the world frame')
-        source = scene.names.source(request.source)
-        scene.refuse_maps(source)
-        parent = scene.names.world
-        if request.parent not in ('', WORLD, scene.world_frame):
-            parent = scene.names.frame(request.parent, request.source)
+        source = scene.model.names.source(request.source)
+        scene.maps.refuse(source)
+        parent = scene.model.names.world
+        if request.parent not in ('', WORLD, scene.model.world_frame):
+            parent = scene.model.names.frame(request.parent, request.source)
     frame = GeometryFrame(request.name, request.frame_group)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> FrameId:
@@ -58,9 +60,9 @@ def remove_role(live: LiveScene, request: Any, response: Any) -> None:
     """Take a role away."""
     role = role_from_number(request.role)
     with live.reading() as scene:
-        source, geometry = scene.owned_geometry(request.geometry)
+        source, geometry = scene.model.owned_geometry(request.geometry)
         if role == Role.kProximity:
-            scene.refuse_maps(source)
+            scene.maps.refuse(source)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> int:
         return graph.RemoveRole(context=context, source_id=source, geometry_id=geometry, role=role)
@@ -71,8 +73,8 @@ def remove_role(live: LiveScene, request: Any, response: Any) -> None:
 def remove_geometry(live: LiveScene, request: Any, response: Any) -> None:
     """Remove a geometry."""
     with live.reading() as scene:
-        source, geometry = scene.owned_geometry(request.geometry)
-        scene.refuse_maps(source)
+        source, geometry = scene.model.owned_geometry(request.geometry)
+        scene.maps.refuse(source)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.RemoveGeometry(context=context, source_id=source, geometry_id=geometry)
@@ -83,34 +85,34 @@ def remove_geometry(live: LiveScene, request: Any, response: Any) -> None:
 def remove_source(live: LiveScene, request: Any, response: Any) -> None:
     """Remove a source and all that is its."""
     with live.editing() as scene:
-        removal = scene.removal(scene.names.source(request.source))
-    response.frames, response.geometries = live.change(removal)
+        change = removal(scene, scene.model.names.source(request.source))
+    response.frames, response.geometries = live.change(change)
 
 
 def attach(live: LiveScene, request: Any, response: Any) -> None:
     """Let a frame follow another one."""
     X_PF = _given_pose(request)
     with live.editing() as scene:
-        names = scene.names
+        names = scene.model.names
         frame, parent = names.frame(request.frame), names.frame(request.parent)
         if frame == names.world:
             raise ArgumentError(
                 f'frame is {request.frame!r}, the world frame, which follows nothing'
             )
         for each in (frame, parent):
-            scene.refuse_maps(scene.inspector.GetOwningSourceId(each))
-        attachment = scene.attachment(frame, parent, X_PF, is_part=request.part_of_robot)
-    fill_pose(response.pose, live.change(attachment))
+            scene.maps.refuse(scene.model.inspector.GetOwningSourceId(each))
+        change = attachment(scene, frame, parent, X_PF, is_part=request.part_of_robot)
+    fill_pose(response.pose, live.change(change))
 
 
 def detach(live: LiveScene, request: Any, response: Any) -> None:
     """Put an attached frame back on the one that it was registered on."""
     X_PF = _given_pose(request)
     with live.editing() as scene:
-        frame = scene.names.frame(request.frame)
-        scene.refuse_maps(scene.inspector.GetOwningSourceId(frame))
-        detachment = scene.detachment(frame, X_PF)
-    fill_pose(response.pose, live.change(detachment))
+        frame = scene.model.names.frame(request.frame)
+        scene.maps.refuse(scene.model.inspector.GetOwningSourceId(frame))
+        change = detachment(scene, frame, X_PF)
+    fill_pose(response.pose, live.change(change))
 
 
 def _given_pose(request: Any) -> RigidTransform | None:

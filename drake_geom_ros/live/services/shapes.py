@@ -55,8 +55,8 @@ def _registered(
         with _at(place.format(k)):
             instances.append(_instance(live, message))
     with live.reading() as scene:
-        source = scene.names.source(source_name)
-        scene.refuse_maps(source)
+        source = scene.model.names.source(source_name)
+        scene.maps.refuse(source)
         parents: list[FrameId | GeometryId] = []
         is_new = False
         for k, (message, instance) in enumerate(zip(messages, instances, strict=True)):
@@ -104,12 +104,12 @@ def _instance(live: LiveScene, message: Any) -> GeometryInstance:
 
 def _parent(scene: HeldScene, message: Any, source: str) -> tuple[FrameId | GeometryId, bool]:
     """Return what a geometry is to be fixed to, and whether it is anchored by that."""
-    names = scene.names
+    names = scene.model.names
     if not message.parent_geometry:
         frame = names.frame(message.frame, source)
         return frame, frame == names.world
     geometry = names.geometry(message.parent_geometry)
-    return geometry, scene.inspector.GetFrameId(geometry) == names.world
+    return geometry, scene.model.inspector.GetFrameId(geometry) == names.world
 
 
 @contextmanager
@@ -130,10 +130,10 @@ def assign_role(live: LiveScene, request: Any, response: Any) -> None:
     assign = RoleAssign.kReplace if request.assign else RoleAssign.kNew
     properties = properties_from_message(request.role)
     with live.reading() as scene:
-        source, geometry = scene.owned_geometry(request.geometry)
+        source, geometry = scene.model.owned_geometry(request.geometry)
         is_new = False
         if isinstance(properties, ProximityProperties):
-            scene.refuse_maps(source)
+            scene.maps.refuse(source)
             is_new = properties.HasGroup(HYDROELASTIC) or _is_new(scene, geometry)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> None:
@@ -152,9 +152,9 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
     """Give a geometry another shape."""
     shape = shape_from_message(request.shape, live.files)
     with live.reading() as scene:
-        source, geometry = scene.owned_geometry(request.geometry)
-        scene.refuse_maps(source)
-        proximity = scene.inspector.GetProximityProperties(geometry)
+        source, geometry = scene.model.owned_geometry(request.geometry)
+        scene.maps.refuse(source)
+        proximity = scene.model.inspector.GetProximityProperties(geometry)
         is_new = proximity is not None and (
             proximity.HasGroup(HYDROELASTIC) or _is_new(scene, geometry, shape)
         )
@@ -167,7 +167,7 @@ def change_shape(live: LiveScene, request: Any, response: Any) -> None:
 
 def _is_new(scene: HeldScene, geometry: GeometryId, shape: Shape | None = None) -> bool:
     """Return whether a geometry of the scene, with another shape perhaps, needs preparation."""
-    inspector = scene.inspector
+    inspector = scene.model.inspector
     anchored = inspector.GetFrameId(geometry) == inspector.world_frame_id()
     return _calls_for_more(scene, shape or inspector.GetShape(geometry), anchored)
 
@@ -179,9 +179,9 @@ def _calls_for_more(scene: HeldScene, shape: Shape, anchored: bool) -> bool:
     which for many shapes, one after the other, would cost more than registering them. In a large
     scene every change is made ready.
     """
-    if scene.is_large or isinstance(shape, Convex | Mesh):
+    if scene.model.is_large or isinstance(shape, Convex | Mesh):
         return True
-    inspector = scene.inspector
+    inspector = scene.model.inspector
     world = inspector.world_frame_id()
     return not any(
         type(inspector.GetShape(geometry)) is type(shape)

@@ -115,7 +115,7 @@ class CameraPublisher:
         if not heard:
             return
         with self._live.reading() as scene:
-            cameras, view = scene.cameras, scene.view()
+            cameras, view = scene.cameras.by_name(), scene.view()
         state = view.query.image_state()
         for each, kinds in heard:
             is_there = cameras.get(each.camera.name) == (each.frame, each.camera)
@@ -170,7 +170,7 @@ class CameraPublisher:
     def _follow(self) -> None:
         """Open and close topics as cameras come and go."""
         with self._live.reading() as scene:
-            cameras, world = scene.cameras, scene.names.world
+            cameras, world = scene.cameras.by_name(), scene.model.names.world
         gone = [
             name
             for name, each in self._open.items()
@@ -194,7 +194,7 @@ class CameraPublisher:
     def _refuse(self, camera: CameraDescription, error: Exception) -> None:
         """Warn that nothing of a camera is published."""
         with self._live.editing() as scene:
-            scene.warned.append(
+            scene.log.warnings.append(
                 f'the topics of the camera {camera.name[:80]!r} cannot be opened, so nothing of '
                 f'it is published: {error}'
             )

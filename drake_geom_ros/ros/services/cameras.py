@@ -24,20 +24,20 @@ def add_camera(live: LiveScene, request: Any, response: Any) -> None:
     """Add a camera."""
     message = request.camera
     with live.editing() as scene:
-        frame = _frame(scene.names, message)
-        scene.add_camera(frame, camera_from_message(message, message.name))
+        frame = _frame(scene.model.names, message)
+        scene.cameras.add(frame, camera_from_message(message, message.name))
 
 
 def remove_camera(live: LiveScene, request: Any, response: Any) -> None:
     """Remove a camera; its topics go when images are next due."""
     with live.editing() as scene:
-        scene.remove_camera(request.name)
+        scene.cameras.remove(request.name)
 
 
 def list_cameras(live: LiveScene, request: Any, response: Any) -> None:
     """Report the cameras by name."""
     with live.reading() as scene:
-        cameras, names = scene.cameras, scene.names
+        cameras, names = scene.cameras.by_name(), scene.model.names
     for name in sorted(cameras):
         response.cameras.append(Camera())
         fill_camera(response.cameras[-1], *cameras[name], names)
@@ -48,7 +48,7 @@ def render_image(live: LiveScene, request: Any, response: Any) -> None:
     view = live.view(request.poses, request.joints)
     if request.camera:
         with live.reading() as scene:
-            frame, camera = scene.camera(request.camera)
+            frame, camera = scene.cameras.get(request.camera)
     else:
         requested = camera_from_message(request.given, 'given')
         frame, camera = _frame(view.names, request.given), requested
@@ -56,7 +56,7 @@ def render_image(live: LiveScene, request: Any, response: Any) -> None:
     if unknown := [kind for kind in want if kind not in IMAGES]:
         raise ArgumentError(f'images holds {unknown[:5]}; it must be of {list(IMAGES)}')
     with live.reading() as scene:
-        if reason := scene.camera_limits.refusal_of_images(camera, want):
+        if reason := scene.cameras.limits.refusal_of_images(camera, want):
             raise ArgumentError(reason)
     images = view.query.render_images(camera_of(camera), frame, camera.X_FC, want)
     stamp = view.moment.newest_stamp

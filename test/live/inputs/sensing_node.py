@@ -51,9 +51,9 @@ class Node:
         self.taker = PointTaker(self.input)
         self.live.map_sources = MapSources({name: self.input})
         with self.live.editing() as held:
-            held.history = PoseHistory()
-            held.stand_maps = partial(stand_fed, sources=self.live.map_sources)
-            held.stand_maps(held)
+            held.poses.history = PoseHistory()
+            held.maps.stand = partial(stand_fed, sources=self.live.map_sources)
+            held.maps.stand(held)
 
     def _note_change(self):
         self.changes += 1
@@ -61,21 +61,21 @@ class Node:
     def move(self, stamp, position, yaw=0.0):
         """Pose the arm, by a message of a stamp."""
         with self.live.editing() as scene:
-            arm = scene.names.frame('arm')
+            arm = scene.model.names.frame('arm')
             X = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), position)
             poses = FramePoseVector({arm: X})
             since = scene.clocks.arrival().since(stamp)
             posed = {frozenset([arm.get_value()]): since}
             rows = X.ToArray()[np.newaxis]
-            scene.pose(poses, posed, stamp_of(stamp), MESSAGES, rows)
+            scene.poses.pose(poses, posed, stamp_of(stamp), MESSAGES, rows)
 
     def centres(self):
         """Return the centres of the cells in the world."""
         with self.live.reading() as scene:
-            known = scene.maps[self.name]
+            known = scene.maps.by_name[self.name]
             if known.cells is None:
                 return None
-            shape = scene.inspector.GetShape(known.geometry)
+            shape = scene.model.inspector.GetShape(known.geometry)
             assert shape.centres().tolist() == known.cells.centres().tolist()
             return scene.query.X_WF(known.frame).multiply(shape.centres().T).T
 
@@ -87,7 +87,7 @@ class Node:
         """Return names and distances of all pairs, and how many wait."""
         with self.live.reading() as scene:
             found = scene.query.ComputeSignedDistancePairwiseClosestPoints()
-            names = {g.get_value(): n for g, n in scene.names.geometry_names.items()}
+            names = {g.get_value(): n for g, n in scene.model.names.geometry_names.items()}
             rows = zip(found.id_A, found.id_B, found.distance, strict=True)
             told = {frozenset((names[a], names[b])): d for a, b, d in rows}
             return told, scene.waiting().pairs

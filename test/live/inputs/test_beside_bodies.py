@@ -9,6 +9,7 @@ from live.inputs.sensing_node import Node, cloud, header
 
 from drake_geom_ros.geometry import ProximityProperties, RoleAssign
 from drake_geom_ros.live.inputs.point_taker import PointTaker
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.services.obstacles import clear_obstacles
 from drake_geom_ros.proximity_rules import ProximityRule
 
@@ -62,9 +63,13 @@ class Watched:
         with self.node.live.editing() as scene:
             scene.bind_rules()
             rules = scene.rules
-            blind = scene.blind_frames(1.0)
+            blind = scene.poses.blind_frames(1.0)
             rules.decide(
-                self.stamp, scene.query, blind, shells=scene.shells(), sights=scene.map_sights()
+                self.stamp,
+                scene.query,
+                blind,
+                shells=scene.maps.shells(),
+                sights=scene.maps.sights(),
             )
             (state,) = rules.states()
             return state, rules.speed_scale()
@@ -223,11 +228,15 @@ def test_answers_say_how_many_points_are_beside_bodies_and_how_near():
 def test_a_padding_of_the_body_makes_its_own_surface_no_thicker():
     watched = Watched()
     with watched.node.live.editing() as scene:
-        geometry = scene.names.geometry('arm/forearm')
+        geometry = scene.model.names.geometry('arm/forearm')
         padded = ProximityProperties()
         padded.AddProperty('proximity', 'padding', 0.2)
-        source = scene.inspector.GetOwningSourceId(geometry)
-        scene.scene_graph.AssignRole(source, geometry, padded, RoleAssign.kReplace)
+        source = scene.model.inspector.GetOwningSourceId(geometry)
+        scene.make(
+            Change(
+                lambda graph, _: graph.AssignRole(source, geometry, padded, RoleAssign.kReplace)
+            )
+        )
     watched.see(ball(0.15), WALL)
     assert watched.node.input.counts.on_bodies == 0
     state, _ = watched.decide()
@@ -253,10 +262,10 @@ def test_a_rule_that_asks_for_less_than_a_map_can_tell_is_named_with_the_limit()
         watched = Watched(enter=enter, **changes)
         settings = watched.node.settings
         with watched.node.live.editing() as scene:
-            scene.told_apart = lambda _, told=settings.told_apart: told
-            (named,) = scene.finer_than_maps() or ['']
-            assert scene.finer_than_maps('hands off') == ([named] if named else [])
-            assert scene.finer_than_maps('another') == []
+            scene.maps.told_apart = lambda _, told=settings.told_apart: told
+            (named,) = scene.maps.finer_rules() or ['']
+            assert scene.maps.finer_rules('hands off') == ([named] if named else [])
+            assert scene.maps.finer_rules('another') == []
             assert (named in scene.troubles()) == bool(named)
         assert named.startswith('proximity rules hands off are' if limit else '')
         assert limit in named

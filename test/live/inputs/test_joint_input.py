@@ -72,11 +72,13 @@ def state(names, positions, stamp=0.0, velocities=()):
 
 
 def pose(scene, frame):
-    return scene.query.X_WF(scene.names.frame(frame)).GetAsMatrix4()
+    return scene.query.X_WF(scene.model.names.frame(frame)).GetAsMatrix4()
 
 
 def waiting(scene):
-    return {scene.names.frame_names[f].partition('::')[2] for f in scene.query.waiting_frames()}
+    return {
+        scene.model.names.frame_names[f].partition('::')[2] for f in scene.query.waiting_frames()
+    }
 
 
 def expected(q, X_WB=None):
@@ -144,9 +146,9 @@ def test_without_a_base_nothing_is_posed_until_it_comes_and_then_all_is(folder, 
 
 
 def place(scene, frame, X_WF):
-    frame = scene.names.frame(frame)
+    frame = scene.model.names.frame(frame)
     stamp = Plain(sec=1000, nanosec=0)
-    scene.pose(
+    scene.poses.pose(
         FramePoseVector({frame: X_WF}), {frozenset([frame.get_value()]): ALWAYS}, stamp, MESSAGES
     )
 
@@ -171,7 +173,7 @@ def test_a_robots_own_topic_drives_it_alone(folder, clock):
         message = state(JOINTS_OF_ARM, (0.1, 0.2, 0.0))
         assert joints.take(scene, message, 0.0, '/left/joint_states') == 4
         assert_stands(scene, [0.1, 0.2, 0.0], X_WB, 'left')
-        assert not scene.query.is_placed(scene.names.frame('right::hand'))
+        assert not scene.query.is_placed(scene.model.names.frame('right::hand'))
         assert joints.take(scene, message, 0.0) == 4
         assert_stands(scene, [0.1, 0.2, 0.0], X_WB, 'right')
     live, joints = opened(scene_text(folder, mine, 'name: right'), clock, by_default=False)
@@ -201,11 +203,11 @@ def test_a_wrong_message_is_refused_whole(folder, clock, message, words):
     live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
     with live.editing() as scene:
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 999.5), 0.0)
-        ages = scene.pose_ages()
+        ages = scene.poses.ages_by_name()
         with pytest.raises(RuntimeError, match=words):
             joints.take(scene, message, 0.0)
         assert_stands(scene, [0.1, 0.2, 0.0], X_WB)
-        assert scene.pose_ages() == ages
+        assert scene.poses.ages_by_name() == ages
         # Nothing of it is kept for later either.
         joints.take(scene, state(['finger'], [0.0], 1000.0), 0.0)
         assert_stands(scene, [0.1, 0.2, 0.0], X_WB)
@@ -221,12 +223,12 @@ def test_strangers_numbers_may_be_anything(folder, clock):
 def test_messages_with_times_that_go_back_count_as_they_come(folder, clock):
     live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
     with live.editing() as scene:
-        scene.watch_motion(GAP)
+        scene.poses.watch_motion(GAP)
         for stamp, q in ((1000.0, 0.1), (999.5, 0.2), (999.9, 0.3), (0.0, 0.4), (998.0, 0.5)):
             joints.take(scene, state(JOINTS_OF_ARM, (q, 0.0, 0.0), stamp), 0.0)
             assert_stands(scene, [q, 0.0, 0.0], X_WB)
         # The newest time of all does not make what came last younger than it says it is.
-        assert scene.pose_ages()['arm::hand'] == 2.0
+        assert scene.poses.ages_by_name()['arm::hand'] == 2.0
 
 
 def test_efforts_alone_are_no_values(folder, clock):
@@ -245,7 +247,7 @@ def test_a_link_is_as_old_as_its_oldest_joint(folder, clock):
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0), 0.0)
         clock.now += 3.0
         joints.take(scene, state(['shoulder'], [0.2], 1003.0), 0.0)
-        ages = scene.pose_ages()
+        ages = scene.poses.ages_by_name()
         assert ages['arm::upper'] == 0.0
         assert ages['arm::hand'] == ages['arm::left'] == ages['arm::right'] == 3.0
         assert ages['arm::base'] == ages['arm::mark'] == 0.0
@@ -259,11 +261,11 @@ def test_velocities_that_are_nan_are_not_known_and_the_positions_count(folder, c
         unknown = [0.5, math.nan, math.nan]
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0, unknown), 0.0)
         assert_stands(scene, [0.1, 0.2, 0.0], X_WB)
-        values = scene.joints.robots['arm'].values
+        values = scene.model.joints.robots['arm'].values
         assert values[0].speed == 0.5
         assert all(math.isnan(value.speed) for value in values[1:])
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.3, 0.0), 1000.5, unknown), 0.0)
-        assert scene.joints.robots['arm'].values[1].speed == pytest.approx(0.2)
+        assert scene.model.joints.robots['arm'].values[1].speed == pytest.approx(0.2)
 
 
 def test_a_stamp_that_is_sent_again_is_no_new_value(folder, clock):
@@ -271,24 +273,24 @@ def test_a_stamp_that_is_sent_again_is_no_new_value(folder, clock):
     with live.editing() as scene:
         message = state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 950.0)
         joints.take(scene, message, 0.0)
-        assert scene.pose_ages()['arm::hand'] == 50.0
+        assert scene.poses.ages_by_name()['arm::hand'] == 50.0
         clock.now += 20.0
         joints.take(scene, message, 0.0)
-        assert scene.pose_ages()['arm::hand'] == 70.0
+        assert scene.poses.ages_by_name()['arm::hand'] == 70.0
 
 
 def test_values_with_stamps_of_another_clock_are_that_old_and_told(folder, clock):
     live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
     with live.editing() as scene:
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 939.0), 0.0)
-        assert scene.pose_ages()['arm::hand'] == 61.0
+        assert scene.poses.ages_by_name()['arm::hand'] == 61.0
         (told,) = scene.troubles()
         assert 'the poses of 4 frames bear stamps of another clock, up to 61.0 s before' in told
         assert 'arm::hand' in told
-        hand = scene.names.frame('arm::hand').get_value()
-        assert scene.blind_frames(1000.0).foreign.keys() >= {hand}
+        hand = scene.model.names.frame('arm::hand').get_value()
+        assert scene.poses.blind_frames(1000.0).foreign.keys() >= {hand}
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1003.0), 0.0)
-        assert math.isinf(scene.pose_ages()['arm::hand'])
+        assert math.isinf(scene.poses.ages_by_name()['arm::hand'])
         (told,) = scene.troubles()
         assert 'up to 3.0 s after the time of the node, so they count as of unknown age' in told
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0), 0.0)
@@ -308,10 +310,10 @@ def test_links_of_a_base_that_is_posed_again_where_it_stands_are_as_new_as_it(
             place = (0.1 * k * by_steps, 0.0, 0.0)
             inputs.take_poses(scene, stamped_pose('base', place, stamp))
             inputs.take_joint_states(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), clock.now))
-        assert max(scene.pose_ages().values()) == 0.0
+        assert max(scene.poses.ages_by_name().values()) == 0.0
         clock.now += 0.5
         inputs.take_joint_states(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), clock.now))
-        ages = scene.pose_ages()
+        ages = scene.poses.ages_by_name()
         assert ages['arm::mark'] == ages['arm::base'] == ages['arm::hand'] == 0.5
 
 
@@ -331,11 +333,11 @@ def test_a_jump_of_the_clock_makes_ages_unknown_until_values_come_anew(folder, c
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0), 0.0)
         live.clocks.begin_anew()
         joints.take(scene, state(['shoulder'], [0.1], 1000.0), 0.0)
-        ages = scene.pose_ages()
+        ages = scene.poses.ages_by_name()
         assert ages['arm::upper'] == 0.0
         assert math.isinf(ages['arm::hand'])
         joints.take(scene, state(['wrist', 'finger'], [0.2, 0.0], 1000.0), 0.0)
-        assert scene.pose_ages()['arm::hand'] == 0.0
+        assert scene.poses.ages_by_name()['arm::hand'] == 0.0
 
 
 def test_a_joint_outside_its_limits_is_used_and_told(folder, clock):
@@ -348,21 +350,21 @@ def test_a_joint_outside_its_limits_is_used_and_told(folder, clock):
 
 
 def test_a_robot_that_is_replaced_goes_on_with_what_was_heard(folder, clock):
-    from drake_geom_ros.live.scene.editable_scene import prepared
+    from drake_geom_ros.live.scene.prepared_scene import prepared
 
     live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
     with live.editing() as scene:
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0), 0.0)
         clock.now += 2.0
         text = scene_text(folder, 'name: arm, pose: {position: [7, 0, 0]}')
-        stamp = scene.newest_stamp
+        stamp = scene.poses.ages.newest_stamp
         scene.replace(prepared(read_scene(text)))
-        assert scene.newest_stamp is None
+        assert scene.poses.ages.newest_stamp is None
         assert 'hand' in waiting(scene)
         # The next message, of one joint, brings all of them.
         joints.take(scene, state(['shoulder'], [0.3], 1002.0), 0.0)
         assert_stands(scene, [0.3, 0.2, 0.0], RigidTransform([7.0, 0.0, 0.0]))
-        assert scene.pose_ages()['arm::hand'] == 2.0
+        assert scene.poses.ages_by_name()['arm::hand'] == 2.0
         assert stamp is not None
 
 
@@ -380,8 +382,8 @@ def test_tf_leaves_alone_what_joint_states_pose(folder, clock):
     live, joints = opened(scene_text(folder, f'name: arm, {AT}'), clock)
     with live.editing() as scene:
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.0), 0.0)
-        hand = scene.names.frame('hand').get_value()
-        assert scene.feeders.is_fed_by(JOINTS, hand)
+        hand = scene.model.names.frame('hand').get_value()
+        assert scene.poses.feeders.is_fed_by(JOINTS, hand)
         place(scene, 'hand', RigidTransform([0.0, 0.0, 9.0]))
         joints.take(scene, state(JOINTS_OF_ARM, (0.1, 0.2, 0.0), 1000.1), 0.0)
         place(scene, 'hand', RigidTransform([0.0, 0.0, 9.0]))
@@ -395,7 +397,7 @@ def test_speeds_of_joints_tell_how_links_move(folder, clock):
     step = 1e-6
     before, after = expected(q - step * rates, X_WB), expected(q + step * rates, X_WB)
     with live.editing() as scene:
-        scene.watch_motion(GAP)
+        scene.poses.watch_motion(GAP)
         joints.take(scene, state(JOINTS_OF_ARM, q, 1000.0, rates), 0.0)
         assert_twists(scene, before, after, step, 1e-8)
         # Without speeds those between the values of each joint count, whoever sends them.
@@ -409,33 +411,33 @@ def test_speeds_of_joints_tell_how_links_move(folder, clock):
 
 
 def assert_twists(scene, before, after, step, tolerance):
-    twists = scene.twists()
+    twists = scene.poses.twists()
     for link in ('upper', 'hand', 'left', 'right'):
-        V = twists[scene.names.frame(f'arm::{link}')]
+        V = twists[scene.model.names.frame(f'arm::{link}')]
         moved = (after[link] - before[link]) / (2.0 * step)
         np.testing.assert_allclose(V[3:], moved[:3, 3], rtol=0, atol=tolerance)
         spin = moved[:3, :3] @ ((after[link] + before[link]) / 2.0)[:3, :3].T
         np.testing.assert_allclose(
             V[:3], [spin[2, 1], spin[0, 2], spin[1, 0]], rtol=0, atol=tolerance
         )
-    assert not twists[scene.names.frame('arm::mark')].any()
+    assert not twists[scene.model.names.frame('arm::mark')].any()
 
 
 def test_a_base_that_moves_carries_the_speeds_along(folder, clock):
     live, joints = opened(scene_text(folder, 'name: arm'), clock)
     with live.editing() as scene:
-        scene.watch_motion(GAP)
-        base = scene.names.frame('base')
+        scene.poses.watch_motion(GAP)
+        base = scene.model.names.frame('base')
         for k in range(2):
             clock.now = 1000.0 + 0.1 * k
             stamp = Plain(sec=1000, nanosec=k * 10**8)
             since = live.clocks.arrival().since(clock.now)
-            scene.pose(
+            scene.poses.pose(
                 FramePoseVector({base: RigidTransform([0.3 * k, 0.0, 0.0])}),
                 {frozenset([base.get_value()]): since},
                 stamp,
                 MESSAGES,
             )
         joints.take(scene, state(JOINTS_OF_ARM, (0, 0, 0), clock.now, (1.0, 0.0, 0.0)), 0.0)
-        V = scene.twists()[scene.names.frame('hand')]
+        V = scene.poses.twists()[scene.model.names.frame('hand')]
         np.testing.assert_allclose(V, [0, 0, 1, 3, 1, 0], rtol=0, atol=1e-9)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from live.inputs.test_joint_input import BALL, opened, pose, state, waiting
+from live.inputs.test_joint_input import BALL, opened, state, waiting
 from live.live_scenes import Clock
 
 from drake_geom_ros.live.services.joint_views import GivenJoints
@@ -42,12 +42,13 @@ def text(tmp_path):
     return f'robots: [{{name: cart, urdf: {tmp_path}/cart.urdf, pose: {{position: [0, 0, 0]}}}}]\n'
 
 
-def assert_stands(scene, links, values=VALUES):
+def assert_stands(query, names, links, values=VALUES):
     kinematics = Kinematics(read_scene(ROBOT, 'urdf').robots[0].tree)
     q = [values.get(name, 0.0) for name in kinematics.joint_names]
     X_WLs = dict(zip(kinematics.link_names, kinematics.link_transforms(q), strict=True))
     for link in links:
-        np.testing.assert_allclose(pose(scene, f'cart::{link}'), X_WLs[link], rtol=0, atol=1e-14)
+        X_WL = query.X_WF(names.frame(f'cart::{link}')).GetAsMatrix4()
+        np.testing.assert_allclose(X_WL, X_WLs[link], rtol=0, atol=1e-14)
 
 
 def test_links_stand_where_the_values_of_planar_and_floating_joints_put_them(text):
@@ -56,7 +57,7 @@ def test_links_stand_where_the_values_of_planar_and_floating_joints_put_them(tex
         message = state(VALUES, VALUES.values(), 1000.0)
         assert joints.take(scene, message, 0.0) == len(LINKS) - 1
         assert not waiting(scene)
-        assert_stands(scene, LINKS)
+        assert_stands(scene.query, scene.model.names, LINKS)
 
 
 @pytest.mark.parametrize('first', [CART, ('up',), ('swing', 'fly/z')])
@@ -66,10 +67,10 @@ def test_links_wait_only_for_the_values_that_move_them(text, first):
         joints.take(scene, state(first, [VALUES[name] for name in first], 1000.0), 0.0)
         stand = {'base', 'cart', 'lift'} if first == CART else {'base'}
         assert waiting(scene) == set(LINKS) - stand
-        assert_stands(scene, stand)
+        assert_stands(scene.query, scene.model.names, stand)
         others = [name for name in VALUES if name not in first]
         joints.take(scene, state(others, [VALUES[name] for name in others], 1000.0), 0.0)
-        assert_stands(scene, LINKS)
+        assert_stands(scene.query, scene.model.names, LINKS)
 
 
 def test_a_question_may_give_their_values(text):
@@ -78,4 +79,4 @@ def test_a_question_may_give_their_values(text):
         joints.take(scene, state(VALUES, VALUES.values(), 1000.0), 0.0)
     given = {'slide/x': -1.0, 'fly/yaw': 1.0}
     view = live.view(None, GivenJoints(tuple(given), tuple(given.values())))
-    assert_stands(view, LINKS, {**VALUES, **given})
+    assert_stands(view.query, view.names, LINKS, {**VALUES, **given})

@@ -117,7 +117,7 @@ def test_octomaps_of_two_servers_are_joined_in_the_coarser_grid():
     assert [0.1, 0.1] in (found[:, 1:].round(9)).tolist()
     assert (abs(found[:, 0] - 1.25) <= 0.2).any()
     with node.live.reading() as scene:
-        assert scene.maps['octomap'].cells.resolution == 0.2
+        assert scene.maps.by_name['octomap'].cells.resolution == 0.2
 
 
 def test_camera_infos_of_two_cameras_are_each_for_their_own_images():

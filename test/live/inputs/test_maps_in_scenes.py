@@ -14,7 +14,9 @@ from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene import seen_maps
-from drake_geom_ros.live.scene.editable_scene import prepared
+from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changes.addition import addition, exchange
+from drake_geom_ros.live.scene.prepared_scene import prepared
 from drake_geom_ros.live.scene.scene_rules import Blind
 from drake_geom_ros.live.services import files, obstacles, scene, shapes
 from drake_geom_ros.math import RigidTransform
@@ -43,7 +45,7 @@ def test_walls_of_a_source_called_as_that_of_maps_are_no_map():
     obstacles.clear_obstacles(live, Plain(map=''), response)
     assert response.cells == 0
     with live.reading() as held:
-        assert held.names.geometry('obstacles::world/wall') is not None
+        assert held.model.names.geometry('obstacles::world/wall') is not None
         assert 'obstacles' in held.description().sources
 
 
@@ -53,14 +55,14 @@ def test_no_map_is_put_into_a_source_of_that_name():
     node = Node()
     for change in (
         lambda held: held.replace(prepared(read_scene(WALLS))),
-        lambda held: held.add(read_scene(WALLS)),
-        lambda held: held.swap([held.names.source('s')], read_scene(WALLS)),
+        lambda held: held.make(addition(read_scene(WALLS))),
+        lambda held: held.make(exchange(held, [held.model.names.source('s')], read_scene(WALLS))),
     ):
         with node.live.editing() as held, pytest.raises(RuntimeError, match='obstacles'):
             change(held)
     with node.live.reading() as held:
-        assert set(held.maps) == {'points'}
-        assert held.names.frame('s::arm') is not None
+        assert set(held.maps.by_name) == {'points'}
+        assert held.model.names.frame('s::arm') is not None
 
 
 def test_only_messages_change_what_is_the_maps():
@@ -87,11 +89,14 @@ def test_only_messages_change_what_is_the_maps():
         with pytest.raises(RuntimeError, match='sensed maps'):
             serve(node.live, request, Plain())
     with node.live.editing() as held:
-        before = set(held.names.frame_names.values())
-        for sources in ([held.maps_source], [held.names.source('s'), held.maps_source]):
+        before = set(held.model.names.frame_names.values())
+        for sources in (
+            [held.model.maps_source],
+            [held.model.names.source('s'), held.model.maps_source],
+        ):
             with pytest.raises(RuntimeError, match='sensed maps'):
-                held.swap(sources, read_scene(SCENE))
-        assert set(held.names.frame_names.values()) == before
+                held.make(exchange(held, sources, read_scene(SCENE)))
+        assert set(held.model.names.frame_names.values()) == before
 
 
 def test_roles_to_be_drawn_by_are_for_anybody_to_give_to_a_map_and_to_take():
@@ -122,13 +127,13 @@ def test_a_map_of_a_file_that_goes_with_the_scene_is_told_of(tmp_path):
 
     assert load(replace=False, replaced_sources=['s']) == ''
     with node.live.reading() as held:
-        assert set(held.maps) == {'points', 'file'}
+        assert set(held.maps.by_name) == {'points', 'file'}
     lost = load(replace=True)
     assert 'obstacles::file/map of 2 cells' in lost
     assert 'load_obstacles' in lost
     with node.live.editing() as held:
-        assert set(held.maps) == {'points'}
-        assert held.warned == [lost]
+        assert set(held.maps.by_name) == {'points'}
+        assert held.log.warnings == [lost]
     assert load(replace=True) == ''
 
 
@@ -168,7 +173,7 @@ def test_a_cloud_of_the_old_scene_is_not_put_into_the_new_one():
                 if change == 'replace':
                     held.replace(prepared(read_scene(MOVED)))
                 else:
-                    held.swap([held.names.source('s')], read_scene(MOVED))
+                    held.make(exchange(held, [held.model.names.source('s')], read_scene(MOVED)))
 
         in_between(node, another_scene)
         with pytest.raises(RuntimeError, match='while the message was taken'):
@@ -208,26 +213,26 @@ def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
             )
             seen_maps.stand(held, name)
             held.make(seen_maps.showing(held, name, seen))
-        held.scene_graph.collision_filter_manager().Apply(
+        held.model.scene_graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration().ExcludeBetween(
-                GeometrySet([held.maps['other'].geometry]),
-                GeometrySet([held.names.geometry('s::arm/hand')]),
+                GeometrySet([held.maps.by_name['other'].geometry]),
+                GeometrySet([held.model.names.geometry('s::arm/hand')]),
             )
         )
         rule = ProximityRule('r', ('obstacles::file',), ('s::arm',), enter=1.0, leave=1.1)
         held.bind_rules()
         held.rules.add([rule])
-        before = dict(held.maps)
+        before = dict(held.maps.by_name)
     pairs, _ = node.pairs()
     response = Plain(cells=None)
     obstacles.clear_obstacles(node.live, Plain(map='points'), response)
     assert response.cells == 1
     with node.live.reading() as held:
-        assert {n: held.maps[n] for n in ('file', 'other')} == {
+        assert {n: held.maps.by_name[n] for n in ('file', 'other')} == {
             n: before[n] for n in ('file', 'other')
         }
-        assert held.maps['points'].geometry != before['points'].geometry
-        assert held.maps['points'].cells is None
+        assert held.maps.by_name['points'].geometry != before['points'].geometry
+        assert held.maps.by_name['points'].cells is None
     left, waiting = node.pairs()
     assert waiting == 1
     assert left == {p: d for p, d in pairs.items() if 'obstacles::points/map' not in p}
@@ -236,10 +241,10 @@ def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
         assert held.rules.rules == (rule,)
     obstacles.clear_obstacles(node.live, Plain(map='file'), response)
     with node.live.reading() as held:
-        assert set(held.maps) == {'points', 'other'}
+        assert set(held.maps.by_name) == {'points', 'other'}
     obstacles.clear_obstacles(node.live, Plain(map=''), response)
     with node.live.reading() as held:
-        assert set(held.maps) == {'points'}
+        assert set(held.maps.by_name) == {'points'}
 
 
 def test_what_others_posed_stays_where_it_is_when_a_map_comes(tmp_path):
@@ -266,8 +271,8 @@ def test_what_others_posed_stays_where_it_is_when_a_map_comes(tmp_path):
                 inputs.take_joint_states(held, values)
             else:
                 inputs.follow(held)
-            link = held.names.frame('r::l')
-            return held.query.X_WF(link).translation()[0], held.pose_ages()['r::l']
+            link = held.model.names.frame('r::l')
+            return held.query.X_WF(link).translation()[0], held.poses.ages_by_name()['r::l']
 
     assert posed(joint=0.7)[0] == 0.7
     node.clock.now = 100.1
@@ -275,7 +280,7 @@ def test_what_others_posed_stays_where_it_is_when_a_map_comes(tmp_path):
     node.taker.take_cloud(cloud([[1, 0, 0]], stamp=100.1))
     assert posed() == (3.0, 0.0)
     with node.live.editing() as held:  # a change of the model itself
-        held.scene_graph.RegisterSource('another')
+        held.make(Change(lambda graph, _: graph.RegisterSource('another')))
     assert posed() == (3.0, 0.0)
     assert posed(joint=0.8)[0] == 0.8  # who comes last counts, as ever
 
@@ -292,7 +297,7 @@ def test_a_map_makes_nobody_pose_anew_what_tf_told_before():
     node.taker.take_cloud(cloud([[0, 1, 0]]))
     with node.live.editing() as held:
         assert node.tf.follow(held) == 0
-        assert not node.tf.hangs_on_any(held, {held.names.frame('s::mast').get_value()})
+        assert not node.tf.hangs_on_any(held, {held.model.names.frame('s::mast').get_value()})
 
 
 def test_the_frame_of_a_map_has_no_name_in_tf_nor_for_poses():
@@ -309,10 +314,10 @@ def test_the_frame_of_a_map_has_no_name_in_tf_nor_for_poses():
             frame_ids=[], poses=[9.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
         )  # fmt: skip
         with pytest.raises(RuntimeError, match='sensed map'):
-            held.take_poses(asked)
-        asked.frame_ids, asked.frame_names = [held.maps['points'].frame.get_value()], []
+            held.poses.take(asked)
+        asked.frame_ids, asked.frame_names = [held.maps.by_name['points'].frame.get_value()], []
         with pytest.raises(RuntimeError, match='sensed map'):
-            held.take_poses(asked)
+            held.poses.take(asked)
     np.testing.assert_array_equal(node.centres(), before)
     with pytest.raises(RuntimeError, match='sensed map'):
         node.taker.take_cloud(cloud([[1, 0, 0]], frame='obstacles::points'))
@@ -352,7 +357,13 @@ def test_rules_are_about_the_same_pairs_whatever_a_map_holds(monkeypatch):
     assert nearest == [False, True, False]
     assert not bound
     with node.live.editing() as held:  # what is reported changes, and then pairs do
-        geometry = held.names.geometry('s::arm/hand')
-        held.scene_graph.RemoveRole(held.names.source('s'), geometry, Role.kProximity)
+        geometry = held.model.names.geometry('s::arm/hand')
+        held.make(
+            Change(
+                lambda graph, _: graph.RemoveRole(
+                    held.model.names.source('s'), geometry, Role.kProximity
+                )
+            )
+        )
         held.bind_rules()
     assert bound

@@ -19,6 +19,7 @@ from drake_geom_ros.live.inputs import obstacles
 from drake_geom_ros.live.inputs.point_taker import PointTaker
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene import moments
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.sensed_maps.cells import Cells
 from drake_geom_ros.sensed_maps.octree import binary_of_cells
 
@@ -67,23 +68,25 @@ def test_points_are_left_out_on_bodies_as_they_are_by_now():
 
     def become(radius):
         with node.live.editing() as scene:
-            scene.scene_graph.ChangeShape(source, hand, Sphere(radius))
+            scene.make(Change(lambda graph, _: graph.ChangeShape(source, hand, Sphere(radius))))
         take()
 
     take()
     take()
     with node.live.editing() as scene:
-        hand = scene.names.geometry('arm/hand')
-        source = scene.inspector.GetOwningSourceId(hand)
+        hand = scene.model.names.geometry('arm/hand')
+        source = scene.model.inspector.GetOwningSourceId(hand)
     become(0.22)
     become(0.245)
     with node.live.editing() as scene:
         padded = ProximityProperties()
         padded.AddProperty('proximity', 'padding', 0.75)
-        scene.scene_graph.AssignRole(source, hand, padded, RoleAssign.kReplace)
+        scene.make(
+            Change(lambda graph, _: graph.AssignRole(source, hand, padded, RoleAssign.kReplace))
+        )
     take()  # a sensor sees a body without its padding
     with node.live.editing() as scene:
-        scene.scene_graph.RemoveGeometry(source, hand)
+        scene.make(Change(lambda graph, _: graph.RemoveGeometry(source, hand)))
     take()
     node.settings = node.settings._replace(self_filter='none')
     take()
@@ -318,7 +321,7 @@ def test_an_octomap_stands_in_its_frame():
     assert near(node.centres(), [[2.55, 0.05, 0.05]])
     assert frozenset(['s::world/post', 'obstacles::octomap/map']) not in node.pairs()[0]
     with node.live.reading() as held:
-        assert held.warned == []
+        assert held.log.warnings == []
     with pytest.raises(RuntimeError, match='no occupied cell'):
         node.input.take_octomap(octomap(Cells.of_points(np.zeros((0, 3)), 0.1)))
     assert len(node.centres()) == 1

@@ -53,7 +53,7 @@ def queries(live, done):
 
 def distances(scene, message):
     """Return {(point, geometry): distance} by names."""
-    names = {id.get_value(): name for id, name in scene.names.geometry_names.items()}
+    names = {id.get_value(): name for id, name in scene.model.names.geometry_names.items()}
     pairs = zip(message.point_index, message.id_g, message.distance, strict=True)
     return {(k, names[g].split('/')[1]): pytest.approx(d, abs=1e-12) for k, g, d in pairs}
 
@@ -63,7 +63,7 @@ def test_points_in_the_world(scene, queries):
     assert distances(scene, message) == {(0, 'ball'): 0.2, (0, 'floor'): 0.3, (2, 'floor'): -0.1}
     assert message.threshold == 0.5
     assert message.header.frame_id == 'map'
-    assert message.scene_version == scene.version
+    assert message.scene_version == scene.model.version
 
 
 def test_an_answer_bears_the_stamp_of_its_cloud(queries):

@@ -14,6 +14,8 @@ from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene import moments
+from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
 from drake_geom_ros.live.scene.moments import moment_of
 from drake_geom_ros.math import RigidTransform
 
@@ -151,7 +153,7 @@ def test_a_change_of_the_model_makes_nothing_of_the_past_unknown(scenes):
         for part in SPEEDS:
             node.tell_part(part, stamp)
     with node.live.editing() as scene:
-        scene.scene_graph.RegisterSource('another')
+        scene.make(Change(lambda graph, _: graph.RegisterSource('another')))
         node.inputs.follow(scene)
     assert node.then('r::two', 100.1).translation()[:2] == pytest.approx([0.4, -0.2], abs=1e-6)
 
@@ -204,8 +206,8 @@ def test_what_was_attached_was_where_it_was_before():
     node.move(100.0, [1, 0, 0])
     node.move(100.1, [1, 0, 0])
     with node.live.editing() as scene:
-        arm, mast = (scene.names.frame(name) for name in ('arm', 'mast'))
-        scene.attach(arm, mast, RigidTransform([0, 0, 0.5]))
+        arm, mast = (scene.model.names.frame(name) for name in ('arm', 'mast'))
+        scene.make(attachment(scene, arm, mast, RigidTransform([0, 0, 0.5])))
     with pytest.raises(RuntimeError, match='hung on another'):
         then(100.05)
     node.clock.now = 100.2
@@ -216,7 +218,7 @@ def test_what_was_attached_was_where_it_was_before():
     assert then(100.2) == [0.0, 0.0, 2.5]
     node.clock.now = 100.3
     with node.live.editing() as scene:
-        scene.detach(arm, None)
+        scene.make(detachment(scene, arm, None))
     for stamp in (100.2, 100.3):
         with pytest.raises(RuntimeError, match='s::arm'):
             then(stamp)
@@ -234,8 +236,8 @@ def test_a_robot_on_its_own_link_is_refused_and_no_endless_question(scenes):
         node.joint(stamp, j=0.0, k=0.0)
         node.pose(stamp, 'r::base', 0.0)
     with node.live.reading() as scene:
-        base, one = (scene.names.frame(f'r::{name}') for name in ('base', 'one'))
-        then = moments._Then(scene, scene.history.around(100.05))
+        base, one = (scene.model.names.frame(f'r::{name}') for name in ('base', 'one'))
+        then = moments._Then(scene, scene.poses.history.around(100.05))
     then._around.row = lambda frame, then: then.X_PF(
         one if FrameId(frame) == base else base
     ).ToArray()

@@ -9,7 +9,7 @@ from oracles.small_scene import TETRAHEDRON
 from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometrySet
 from drake_geom_ros.live.conversions.file_access import FileAccess
 from drake_geom_ros.live.inputs.robot_description import RobotInput
-from drake_geom_ros.live.scene.editable_scene import prepared
+from drake_geom_ros.live.scene.prepared_scene import prepared
 from drake_geom_ros.scene_files import RobotOptions, read_scene
 
 TABLE = """
@@ -47,12 +47,12 @@ def robot(live):
 
 
 def frames(scene):
-    return {name for name in scene.names.frame_names.values() if name != 'world'}
+    return {name for name in scene.model.names.frame_names.values() if name != 'world'}
 
 
 def explain(scene, a, b):
-    manager = scene.scene_graph.collision_filter_manager()
-    return manager.explain(*(scene.names.geometry(f'{name}/collision_0') for name in (a, b)))
+    manager = scene.model.scene_graph.collision_filter_manager()
+    return manager.explain(*(scene.model.names.geometry(f'{name}/collision_0') for name in (a, b)))
 
 
 def test_a_robot_becomes_a_source_with_adjacent_links_filtered(scene, robot):
@@ -65,9 +65,9 @@ def test_a_robot_becomes_a_source_with_adjacent_links_filtered(scene, robot):
 def test_the_same_text_again_changes_nothing(scene, robot):
     text = urdf('arm', 'base', 'hand')
     robot.take(text)
-    version = scene.version
+    version = scene.model.version
     assert robot.take(text) == ''
-    assert scene.version == version
+    assert scene.model.version == version
 
 
 def test_a_robot_that_was_lost_with_its_scene_comes_back(scene, robot):
@@ -80,26 +80,28 @@ def test_a_robot_that_was_lost_with_its_scene_comes_back(scene, robot):
 
 def test_another_text_takes_its_place_and_all_else_stays(scene, robot):
     robot.take(urdf('arm', 'base', 'upper', 'hand'))
-    manager = scene.scene_graph.collision_filter_manager()
+    manager = scene.model.scene_graph.collision_filter_manager()
     names = ('table/top', 'hand/collision_0', 'base/collision_0')
-    top, hand, base = (scene.names.geometry(name) for name in names)
-    leg = scene.names.geometry('table/leg')
+    top, hand, base = (scene.model.names.geometry(name) for name in names)
+    leg = scene.model.names.geometry('table/leg')
     manager.Apply(
         CollisionFilterDeclaration()
         .ExcludeBetween(GeometrySet([top]), GeometrySet([hand]))
         .ExcludeBetween(GeometrySet([leg]), GeometrySet([base]))
         .ExcludeWithin(GeometrySet([top, leg]))
     )
-    version = scene.version
+    version = scene.model.version
     assert "replaces 'arm'" in robot.take(urdf('arm2', 'base', 'grip', radius=0.2))
-    assert scene.version > version
+    assert scene.model.version > version
     assert frames(scene) == {'room::table', 'arm2::base', 'arm2::grip'}
-    assert scene.query.X_WF(scene.names.frame('table')).translation()[2] == 2.0
+    assert scene.query.X_WF(scene.model.names.frame('table')).translation()[2] == 2.0
     assert explain(scene, 'base', 'grip')
     # Filters between the table and the robot of before are gone with it.
-    manager = scene.scene_graph.collision_filter_manager()
+    manager = scene.model.scene_graph.collision_filter_manager()
     for one, other in (('table/top', 'grip/collision_0'), ('table/leg', 'base/collision_0')):
-        assert not manager.explain(scene.names.geometry(one), scene.names.geometry(other))
+        assert not manager.explain(
+            scene.model.names.geometry(one), scene.model.names.geometry(other)
+        )
 
 
 @pytest.mark.parametrize(
@@ -122,16 +124,16 @@ def test_another_text_takes_its_place_and_all_else_stays(scene, robot):
 )
 def test_what_cannot_be_is_refused_and_changes_nothing(scene, robot, text, words):
     robot.take(urdf('arm', 'base', 'hand'))
-    version, before = scene.version, frames(scene)
+    version, before = scene.model.version, frames(scene)
     with pytest.raises(RuntimeError, match=words):
         robot.take(text)
-    assert (scene.version, frames(scene)) == (version, before)
+    assert (scene.model.version, frames(scene)) == (version, before)
 
 
 def test_what_is_not_understood_is_told_with_the_robot(scene, robot):
     text = urdf('arm', 'base', 'hand').replace('<sphere', '<sphere unit="mm"')
     assert 'added' in robot.take(text)
-    (warning,) = scene.warned
+    (warning,) = scene.log.warnings
     assert warning.startswith(
         '<text>:1: link[base].collision.geometry.sphere: the attribute `unit`'
     )
@@ -141,7 +143,7 @@ def test_links_without_a_collision_shape_are_named_in_the_log(scene, robot):
     drawn = '<link name="cover"><visual><geometry><sphere radius="1"/></geometry></visual></link>'
     text = urdf('arm', 'base', 'hand').replace('</robot>', f'{drawn}</robot>')
     assert '1 warning' in robot.take(text)
-    (warning,) = scene.warned
+    (warning,) = scene.log.warnings
     assert 'have a <visual> and no <collision>, so no query sees them: cover.' in warning
 
 
@@ -165,9 +167,9 @@ def test_an_srdf_leaves_out_its_pairs_whether_it_comes_before_or_after(scene, ro
     assert robot.take_semantics(srdf('arm', 'base', 'hand')) == ''
     assert 'pairs of its SRDF left out' in robot.take(urdf('arm', 'base', 'upper', 'hand'))
     assert explain(scene, 'base', 'hand')
-    version = scene.version
+    version = scene.model.version
     assert robot.take_semantics(srdf('arm', 'base', 'hand')) == ''
-    assert scene.version == version
+    assert scene.model.version == version
     # Another one takes its place, as another robot would.
     robot.take(urdf('arm', 'base', 'upper', 'wrist', 'hand'))
     assert "replaces 'arm'" in robot.take_semantics(srdf('arm', 'upper', 'hand'))
@@ -177,12 +179,12 @@ def test_an_srdf_leaves_out_its_pairs_whether_it_comes_before_or_after(scene, ro
 
 def test_an_srdf_of_another_robot_or_that_is_none_changes_nothing(scene, robot):
     robot.take(urdf('arm', 'base', 'upper', 'hand'))
-    version = scene.version
+    version = scene.model.version
     told = "the SRDF of 'leg' waits for its URDF; the robot is 'arm'"
     assert robot.take_semantics(srdf('leg', 'base', 'hand')) == told
     with pytest.raises(RuntimeError, match='text'):
         robot.take_semantics('no srdf')
-    assert scene.version == version
+    assert scene.model.version == version
     assert 'left out' not in robot.take(urdf('arm', 'base', 'hand'))
 
 
@@ -192,7 +194,7 @@ def test_of_an_srdf_with_unknown_links_the_rest_counts(scene, robot):
     text += srdf('arm', 'base', 'hand').partition('>')[2]
     assert robot.take_semantics(text).endswith('left out, 1 warning')
     assert explain(scene, 'base', 'hand')
-    (warning,) = scene.warned
+    (warning,) = scene.log.warnings
     assert "disable_collisions: link 'toe' is not in the robot 'arm'" in warning
 
 
@@ -202,7 +204,7 @@ def test_a_robot_that_its_srdf_does_not_fit_is_told(scene, robot):
     robot.take(urdf('arm', 'base', 'upper', 'hand'))
     told = robot.take(urdf('arm', 'base', 'upper', 'grip'))
     assert '1 warning' in told
-    assert "link 'hand' is not in the robot 'arm'" in scene.warned[-1]
+    assert "link 'hand' is not in the robot 'arm'" in scene.log.warnings[-1]
     assert not explain(scene, 'base', 'grip')
     assert 'pairs of its SRDF left out' in robot.take_semantics(srdf('arm', 'base', 'grip'))
     assert explain(scene, 'base', 'grip')
@@ -223,7 +225,7 @@ def test_what_parameters_say_of_robots_holds_for_one_that_comes_by_topic(
     assert done.endswith('; of 2 meshes the convex hull counts')
     assert explain(scene, 'base', 'far')
     for name, solid, padding in (('tool', True, 0.01), ('base', False, 0.02)):
-        geometry = scene.names.geometry(f'{name}/collision_0')
-        properties = scene.inspector.GetProximityProperties(geometry)
+        geometry = scene.model.names.geometry(f'{name}/collision_0')
+        properties = scene.model.inspector.GetProximityProperties(geometry)
         assert properties.GetPropertyOrDefault('mesh', 'solid', False) is solid
         assert properties.GetProperty('proximity', 'padding') == padding

@@ -23,6 +23,8 @@ from live.inputs.test_joint_input import (
 from live.live_scenes import Clock
 from live.services.test_states import NO_POSES, answer
 
+from drake_geom_ros.live.scene.changes.addition import exchange
+from drake_geom_ros.live.scene.changes.removal import in_order_of_removal
 from drake_geom_ros.live.services.joints import get_joint_positions
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene, to_yaml
@@ -54,7 +56,7 @@ def test_a_robot_stands_as_its_file_says_and_its_age_is_unknown(folder, clock):
     with live.editing() as scene:
         assert not waiting(scene)
         assert_stands(scene, Q_READY, X_WB)
-        ages = scene.pose_ages()
+        ages = scene.poses.ages_by_name()
         assert math.isinf(ages['arm::hand'])
         assert ages['arm::mark'] == 0.0
         assert math.isinf(scene.moment().oldest_pose_age)
@@ -70,12 +72,12 @@ def test_messages_of_some_joints_leave_the_others_as_the_file_says(folder, clock
     with live.editing() as scene:
         joints.take(scene, state(['shoulder'], [1.0], 1000.0), 0.0)
         assert_stands(scene, (1.0, *Q_READY[1:]), X_WB)
-        ages = scene.pose_ages()
+        ages = scene.poses.ages_by_name()
         assert ages['arm::upper'] == 0.0
         assert math.isinf(ages['arm::hand'])
-        assert not scene.unknown_ages().frames  # no clock jumped
+        assert not scene.poses.unknown_ages().frames  # no clock jumped
         joints.take(scene, state(['wrist', 'finger'], [0.0, 0.0], 1000.0), 0.0)
-        assert scene.pose_ages()['arm::hand'] == 0.0
+        assert scene.poses.ages_by_name()['arm::hand'] == 0.0
         assert not joints.troubles(scene, 1.0)
 
 
@@ -113,7 +115,7 @@ def test_a_saved_scene_stands_where_the_robot_is_now(folder, clock):
         text = to_yaml(scene.description())
     again, _ = opened(text, clock)
     with again.editing() as scene:
-        assert scene.joints.robots['arm'].configuration() == {
+        assert scene.model.joints.robots['arm'].configuration() == {
             'shoulder': 2.5,
             'wrist': -0.3,
             'finger': 0.02,
@@ -185,9 +187,9 @@ def test_speeds_of_the_carriers_joints_reach_what_it_carries(folder, clock):
     live, joints = opened(mounted(folder), clock)
     rates, step = np.array([0.5, -1.0, 0.2, 0.3, -0.6, 0.1]), 1e-6
     with live.editing() as scene:
-        scene.watch_motion(GAP)
+        scene.poses.watch_motion(GAP)
         joints.take(scene, state(NAMES, Q, 1000.0, rates), 0.0)
-        twists = scene.twists()
+        twists = scene.poses.twists()
         ends = []
         for sign in (-1, 1):
             q = np.array(Q) + sign * step * rates
@@ -195,11 +197,11 @@ def test_speeds_of_the_carriers_joints_reach_what_it_carries(folder, clock):
             ends.append(expected(q[3:], X_WM))
         for link in ('upper', 'hand', 'left', 'right'):
             moved = (ends[1][link] - ends[0][link]) / (2.0 * step)
-            V = twists[scene.names.frame(f'tool::{link}')]
+            V = twists[scene.model.names.frame(f'tool::{link}')]
             np.testing.assert_allclose(V[3:], moved[:3, 3], rtol=0, atol=1e-8)
         # A later message of the carrier alone changes the twist of what it carries, too.
         joints.take(scene, state(NAMES[:3], Q[:3], 1000.0, (0.0, 0.0, 0.0)), 0.0)
-        V = scene.twists()[scene.names.frame('tool::base')]
+        V = scene.poses.twists()[scene.model.names.frame('tool::base')]
         assert not V.any()
 
 
@@ -208,13 +210,15 @@ def test_a_carrier_is_replaced_with_what_it_carries_or_not_at_all(folder, clock)
     text = mounted(folder)
     with live.editing() as scene:
         joints.take(scene, state(NAMES, Q, 1000.0), 0.0)
-        names = scene.names
+        names = scene.model.names
         described = read_scene(text)
         with pytest.raises(RuntimeError, match="of 'tool' are mounted on its frames"):
-            scene.swap([names.source('big')], described)
-        sources = scene.in_order_of_removal(map(names.source, ('cell', 'big', 'tool')))
-        assert [scene.inspector.GetName(s) for s in sources] == ['tool', 'big', 'cell']
-        scene.swap(sources, described)
+            scene.make(exchange(scene, [names.source('big')], described))
+        sources = in_order_of_removal(
+            scene.model.inspector, map(names.source, ('cell', 'big', 'tool'))
+        )
+        assert [scene.model.inspector.GetName(s) for s in sources] == ['tool', 'big', 'cell']
+        scene.make(exchange(scene, sources, described))
         joints.follow(scene)
         assert_both_stand(scene, Q, X_WB)
 
@@ -225,6 +229,6 @@ def test_a_mounted_robot_waits_for_its_carrier(folder, clock):
     with live.editing() as scene:
         joints.take(scene, state(NAMES, Q, 1000.0), 0.0)
         assert waiting(scene) == {'cart'}
-        assert not scene.query.is_placed(scene.names.frame('tool::hand'))
+        assert not scene.query.is_placed(scene.model.names.frame('tool::hand'))
         place(scene, 'cart', X_WB)
         assert_both_stand(scene, Q, X_WB)

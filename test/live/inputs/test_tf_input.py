@@ -11,6 +11,7 @@ from live.live_scenes import live_scene
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.live.inputs import tf_input
 from drake_geom_ros.live.inputs.tf_input import TfInput
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks
 from drake_geom_ros.live.scene.feeders import MESSAGES
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
@@ -28,7 +29,7 @@ def test_a_name_that_two_sources_have_needs_the_source(scene, tf):
     assert take(tf, scene, message(transform('world', 'base', at(1))), static=False) == 0
     assert take(tf, scene, message(transform('world', 'right/base', at(2))), static=False) == 1
     assert position(scene, 'right::base') == [2, 0, 0]
-    assert not scene.query.is_placed(scene.names.frame('left::base'))
+    assert not scene.query.is_placed(scene.model.names.frame('left::base'))
 
 
 def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(scene, tf):
@@ -36,7 +37,7 @@ def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(scene, tf):
     assert take(tf, scene, message(transform('/odom', 'tool', X_AB)), static=False) == 0
     assert take(tf, scene, message(transform('map', 'odom', X_AB)), static=True) == 0
     assert take(tf, scene, message(transform('world', 'map', X_AB)), static=True) == 1
-    X_WF = scene.query.X_WF(scene.names.frame('tool'))
+    X_WF = scene.query.X_WF(scene.model.names.frame('tool'))
     expected = (X_AB @ X_AB @ X_AB).GetAsMatrix4()
     np.testing.assert_allclose(X_WF.GetAsMatrix4(), expected, rtol=0, atol=1e-14)
 
@@ -45,7 +46,7 @@ def test_a_nested_frame_is_posed_in_its_parent(scene, tf):
     both = transform('world', 'left/base', at(1)), transform('left/base', 'hand', at(2))
     assert take(tf, scene, message(*both), static=False) == 2
     assert position(scene, 'hand') == [3, 0, 0]
-    assert scene.query.X_PF(scene.names.frame('hand')).translation().tolist() == [2, 0, 0]
+    assert scene.query.X_PF(scene.model.names.frame('hand')).translation().tolist() == [2, 0, 0]
     # The parent moves alone: both must follow, and the hand goes with it.
     assert take(tf, scene, message(transform('world', 'left/base', at(5))), static=False) == 2
     assert position(scene, 'hand') == [7, 0, 0]
@@ -59,12 +60,12 @@ def test_a_nested_frame_is_posed_in_its_parent(scene, tf):
 
 def test_what_hangs_on_a_frame_that_waits_waits_with_it(scene, tf):
     """In the world TF knows the hand; in its base, of which nobody knows where it is, nobody."""
-    base, hand = scene.names.frame('left::base'), scene.names.frame('hand')
+    base, hand = scene.model.names.frame('left::base'), scene.model.names.frame('hand')
     assert take(tf, scene, message(transform('world', 'hand', at(4))), static=True) == 0
     assert take(tf, scene, message(transform('world', 'tool', at(1))), static=False) == 1
     assert {base, hand} <= set(scene.query.waiting_frames())
     # The base gets its pose elsewhere; with whatever TF brings next the hand follows.
-    scene.pose(
+    scene.poses.pose(
         FramePoseVector({base: at(1)}), {frozenset([base.get_value()]): ALWAYS}, NO_STAMP, MESSAGES
     )
     assert take(tf, scene, message(transform('world', 'tool', at(2))), static=False) == 2
@@ -98,9 +99,9 @@ def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
     # One link of the chain goes on, the other is silent: the pose is as old as the silent one.
     take(tf, scene, message(transform('cart', 'tool', at(2))), static=False)
     assert position(scene, 'tool') == [3, 0, 0]
-    assert scene.pose_ages()['right::tool'] == pytest.approx(3.0)
+    assert scene.poses.ages_by_name()['right::tool'] == pytest.approx(3.0)
     take(tf, scene, message(transform('world', 'cart', at(1))), static=False)
-    assert scene.pose_ages()['right::tool'] == 0.0
+    assert scene.poses.ages_by_name()['right::tool'] == 0.0
 
 
 def test_a_chain_over_a_jump_of_the_clock_has_no_age_until_all_of_it_is_new(
@@ -109,22 +110,22 @@ def test_a_chain_over_a_jump_of_the_clock_has_no_age_until_all_of_it_is_new(
     links = transform('world', 'cart', at(1), 999.5), transform('cart', 'tool', at(1), 999.0)
     take(tf, scene, message(transform('world', 'left/base', at(0))), static=True)
     take(tf, scene, message(*links), static=False)
-    assert scene.pose_ages()['right::tool'] == pytest.approx(1.0)
+    assert scene.poses.ages_by_name()['right::tool'] == pytest.approx(1.0)
     clock.now = 999.75
     live.clocks.begin_anew()
     take(tf, scene, message(transform('cart', 'tool', at(2), 999.25)), static=False)
-    ages = scene.pose_ages()
+    ages = scene.poses.ages_by_name()
     assert math.isinf(ages['right::tool'])
     assert ages['left::base'] == 0.0
     take(tf, scene, message(transform('world', 'cart', at(1), 999.5)), static=False)
-    assert scene.pose_ages()['right::tool'] == pytest.approx(0.5)
+    assert scene.poses.ages_by_name()['right::tool'] == pytest.approx(0.5)
 
 
 def test_what_is_static_does_not_grow_old(scene, tf, clock):
     take(tf, scene, message(transform('world', 'tool', at(1))), static=True)
     clock.now += 1e6
-    assert scene.pose_ages()['right::tool'] == 0.0
-    assert math.isinf(scene.pose_ages()['left::hand'])
+    assert scene.poses.ages_by_name()['right::tool'] == 0.0
+    assert math.isinf(scene.poses.ages_by_name()['left::hand'])
 
 
 def test_messages_that_came_together_pose_once_and_each_is_as_old_as_it_is(scene, tf, clock):
@@ -133,24 +134,24 @@ def test_messages_that_came_together_pose_once_and_each_is_as_old_as_it_is(scene
     newer = message(transform('cart', 'tool', at(2), 999.9))
     assert take(tf, scene, cart, tool, newer, static=False) == 1
     assert position(scene, 'tool') == [3, 0, 0]
-    assert scene.pose_ages()['right::tool'] == 0.75
+    assert scene.poses.ages_by_name()['right::tool'] == 0.75
     assert tf.pose(scene) == 0
 
 
 def test_a_transform_without_a_stamp_is_as_old_as_its_message(scene, tf):
     tf.hear(message(transform('world', 'tool', at(1))), static=False, waited=0.5)
     tf.pose(scene)
-    assert scene.pose_ages()['right::tool'] == 0.5
+    assert scene.poses.ages_by_name()['right::tool'] == 0.5
 
 
 def test_a_transform_whose_old_stamp_is_repeated_is_not_new_again(scene, tf, clock):
     repeated = message(transform('world', 'tool', at(1), 999.5))
     for second in range(90):
         take(tf, scene, repeated, static=False)
-        assert scene.pose_ages()['right::tool'] == pytest.approx(0.5 + second)
+        assert scene.poses.ages_by_name()['right::tool'] == pytest.approx(0.5 + second)
         clock.now += 1.0
     take(tf, scene, message(transform('world', 'tool', at(1), 1089.75)), static=False)
-    assert scene.pose_ages()['right::tool'] == pytest.approx(0.25)
+    assert scene.poses.ages_by_name()['right::tool'] == pytest.approx(0.25)
 
 
 def test_a_late_transform_is_ignored(scene, tf):
@@ -183,7 +184,7 @@ def test_more_frames_than_are_kept_are_refused(scene, tf, monkeypatch):
     # Refused whole: neither is the frame known, nor has time gone back.
     with pytest.raises(RuntimeError, match='make 4 TF frames; at most 3'):
         take(tf, scene, message(transform('world', 'tool', at(1))), static=False)
-    assert not scene.query.is_placed(scene.names.frame('right::tool'))
+    assert not scene.query.is_placed(scene.model.names.frame('right::tool'))
 
 
 def test_time_that_goes_back_forgets_what_moved(scene, tf):
@@ -199,7 +200,7 @@ def test_time_that_goes_back_forgets_what_moved(scene, tf):
 
 def test_a_changed_scene_is_posed_by_what_is_known(scene, tf):
     take(tf, scene, message(transform('world', 'late', at(3))), static=True)
-    scene.add(read_scene('frames:\n- {name: late}'))
+    scene.make(addition(read_scene('frames:\n- {name: late}')))
     assert tf.follow(scene) == 1
     assert position(scene, 'late') == [3, 0, 0]
     assert tf.follow(scene) == 0
@@ -228,7 +229,7 @@ def test_a_bad_transform_is_left_out_and_named(scene, tf, bad, words):
     assert words in refusal.reason
     assert repr(bad.child_frame_id) in refusal.reason
     assert position(scene, 'left::base') == [1, 0, 0]
-    assert not scene.query.is_placed(scene.names.frame('right::tool'))
+    assert not scene.query.is_placed(scene.model.names.frame('right::tool'))
 
 
 def test_of_many_bad_transforms_a_few_are_named(scene, tf):
@@ -250,13 +251,13 @@ def test_what_was_let_go_stays_until_tf_speaks_of_it_again(scene, tf, clock):
     take(tf, scene, message(transform('gripper', 'tool', at(1))), static=True)
     move(1)
     assert position(scene, 'tool') == [2, 0, 0]
-    tool = scene.names.frame('tool')
-    scene.pose(
+    tool = scene.model.names.frame('tool')
+    scene.poses.pose(
         FramePoseVector({tool: at(9)}), {frozenset([tool.get_value()]): ALWAYS}, NO_STAMP, MESSAGES
     )
     move(3)
     assert position(scene, 'tool') == [9, 0, 0]
-    scene.add(read_scene('frames:\n- {name: late}'))
+    scene.make(addition(read_scene('frames:\n- {name: late}')))
     tf.follow(scene)
     assert position(scene, 'tool') == [9, 0, 0]
     clock.now += 2.0
@@ -293,7 +294,7 @@ def test_what_hangs_on_a_frame_that_the_scene_file_poses_stands_on_it(clock):
         assert take(tf, scene, chain, static=False) == 1
         assert position(scene, 'hand') == [1, 0, 2]
         assert not tf.troubles(scene)
-        assert scene.pose_ages()['left::hand'] == 0.0
+        assert scene.poses.ages_by_name()['left::hand'] == 0.0
         # TF may have the base itself later: then that counts.
         tf.hear(message(transform('world', 'left/base', at(5.0))), static=True)
         assert tf.pose(scene) == 2
@@ -306,12 +307,12 @@ def test_what_hangs_on_a_frame_that_messages_pose_follows_it_and_is_as_old(clock
     with live.editing() as scene:
         take(tf, scene, message(transform('left/base', 'left/hand', at(1.0))), static=True)
         assert tf.follow(scene) == 0
-        scene.take_poses(frame_poses('base', 0, 3, 0))
+        scene.poses.take(frame_poses('base', 0, 3, 0))
         assert tf.follow(scene) == 1
         assert position(scene, 'hand') == [1, 3, 0]
         assert tf.follow(scene) == 0
         clock.now += 3.0
-        assert scene.pose_ages()['left::hand'] == 3.0
+        assert scene.poses.ages_by_name()['left::hand'] == 3.0
 
 
 def test_what_tf_posed_before_is_no_place_to_stand_on(scene, tf):

@@ -75,6 +75,6 @@ def test_a_tf_name_of_two_frames_poses_neither_and_is_told():
         )
         each = transform('world', 'c', at(2)), transform('world', 'x::y/d', at(3))
         assert take(tf, scene, message(*each), static=False) == 2
-        assert scene.query.X_WF(scene.names.frame('a/b::c')).translation()[0] == 2
-        assert scene.query.X_WF(scene.names.frame('x::y::d')).translation()[0] == 3
-        assert not scene.query.is_placed(scene.names.frame('a::b/c'))
+        assert scene.query.X_WF(scene.model.names.frame('a/b::c')).translation()[0] == 2
+        assert scene.query.X_WF(scene.model.names.frame('x::y::d')).translation()[0] == 3
+        assert not scene.query.is_placed(scene.model.names.frame('a::b/c'))

@@ -39,4 +39,4 @@ def at(x):
 
 
 def position(scene, name):
-    return scene.query.X_WF(scene.names.frame(name)).translation().tolist()
+    return scene.query.X_WF(scene.model.names.frame(name)).translation().tolist()

@@ -48,11 +48,11 @@ def test_ages_of_poses_go_on_until_it_is_published(clock, monkeypatch):
     live, topic = live_scene(TEXT, clock), Topic()
     contacts = contact_topic.ContactTopic(topic, Message, lambda: False, bool, pytest.fail)
     with live.editing() as scene:
-        a, b = (scene.names.frame(f's::{name}') for name in 'ab')
+        a, b = (scene.model.names.frame(f's::{name}') for name in 'ab')
         poses = FramePoseVector({a: RigidTransform(), b: RigidTransform([0.15, 0.0, 0.0])})
         since = scene.clocks.arrival().since(0.0)
         frames = frozenset([a.get_value(), b.get_value()])
-        scene.pose(poses, {frames: since}, Plain(sec=0, nanosec=0), 'test')
+        scene.poses.pose(poses, {frames: since}, Plain(sec=0, nanosec=0), 'test')
         clock.now = CYCLE
         distances = scene.query.ComputeSignedDistancePairwiseClosestPoints(0.0)
         contacts.answer(scene, scene.moment(), distances.penetrations(), 0.0)

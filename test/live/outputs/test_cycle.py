@@ -13,6 +13,7 @@ from drake_geom_ros.live.outputs.effects import NO_SUBSCRIBER, Beside
 from drake_geom_ros.live.outputs.level_costs import LevelCosts
 from drake_geom_ros.live.outputs.replays import Replays
 from drake_geom_ros.live.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene
 
@@ -61,11 +62,12 @@ class Asked:
     def waiting(self):
         return self._scene.waiting()
 
-    def tell_effects(self, *, detailed):
-        self._scene.tell_effects(detailed=detailed)
+    def set_detailed_effects(self, *, detailed):
+        self._scene.set_detailed_effects(detailed=detailed)
 
-    def twists(self):
-        return self._scene.twists()
+    @property
+    def poses(self):
+        return self._scene.poses
 
     @property
     def rules(self):
@@ -236,10 +238,10 @@ def seconds_of(report):
 
 def test_filters_and_the_cache_have_seconds_of_their_own(live, asked, cycle, topics):
     with live.editing() as scene:
-        scene.add(read_scene(MORE))
-        names = scene.names
+        scene.make(addition(read_scene(MORE)))
+        names = scene.model.names
         pair = GeometrySet([names.geometry('a/ball'), names.geometry('b/ball')])
-        filters = scene.scene_graph.collision_filter_manager()
+        filters = scene.model.scene_graph.collision_filter_manager()
         filters.Apply(CollisionFilterDeclaration().ExcludeWithin(pair))
     first = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
     assert (first['broadphase_pairs'], first['filtered_pairs']) == (6, 1)
@@ -247,8 +249,10 @@ def test_filters_and_the_cache_have_seconds_of_their_own(live, asked, cycle, top
     assert seconds_of(first)['cache'] == 0.0
     # One of the four moves: of its three pairs kernels answer, of the other two the memory.
     with live.editing() as scene:
-        frame = scene.names.frame('c')
-        scene._context.UpdateFramePoses(FramePoseVector({frame: RigidTransform([0, 0.01, 0])}))
+        frame = scene.model.names.frame('c')
+        scene.model.context.UpdateFramePoses(
+            FramePoseVector({frame: RigidTransform([0, 0.01, 0])})
+        )
     report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
     seconds = seconds_of(report)
     assert (report['cached_pairs'], report['method_pairs']) == (2, [3])
@@ -265,19 +269,21 @@ def test_who_does_not_read_the_report_does_not_pay_for_its_seconds(live, asked, 
     for names, detailed in ((('cycle_report',), True), (('penetrations',), False)):
         run(asked, cycle, topics, *names)
         with live.reading() as scene:
-            assert state_of(scene._context).engine.detailed == detailed
+            assert state_of(scene.model.context).engine.detailed == detailed
 
 
 def test_what_waits_for_a_pose_is_counted_and_named(live, asked, cycle, topics):
     with live.editing() as scene:
-        scene.add(read_scene(MORE.replace(', pose: {}', '')))
+        scene.make(addition(read_scene(MORE.replace(', pose: {}', ''))))
     report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
     assert report['waiting_frames'] == ['more::c', 'more::d']
     assert report['waiting_pairs'] == 5
     assert len(topics['signed_distances'].published[-1]['id_a']) == 1
     with live.editing() as scene:
-        frames = map(scene.names.frame, 'cd')
-        scene._context.UpdateFramePoses(FramePoseVector(dict.fromkeys(frames, RigidTransform())))
+        frames = map(scene.model.names.frame, 'cd')
+        scene.model.context.UpdateFramePoses(
+            FramePoseVector(dict.fromkeys(frames, RigidTransform()))
+        )
     report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
     assert (report['waiting_frames'], report['waiting_pairs']) == ([], 0)
     assert len(topics['signed_distances'].published[-1]['id_a']) == 6

@@ -8,6 +8,7 @@ from live.live_scenes import live_scene
 
 from drake_geom_ros.geometry import GeometryId
 from drake_geom_ros.live.outputs.geometry_poses import GeometryPoses
+from drake_geom_ros.live.scene.change import Change
 
 TEXT = """
 sources: [s]
@@ -74,8 +75,8 @@ def test_a_changed_scene_is_seen(live):
     )
     poses.publish()
     with live.editing() as scene:
-        seen = scene.names.geometry('a/seen')
-        source = scene.inspector.GetOwningSourceId(seen)
-        scene.scene_graph.RemoveGeometry(source, seen)
+        seen = scene.model.names.geometry('a/seen')
+        source = scene.model.inspector.GetOwningSourceId(seen)
+        scene.make(Change(lambda graph, _: graph.RemoveGeometry(source, seen)))
     poses.publish()
     assert [len(message.ids) for message in publisher.messages] == [3, 2]

@@ -13,6 +13,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.live.outputs import markers
 from drake_geom_ros.live.outputs.marker_publisher import MarkerPublisher
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.feeders import MESSAGES
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.viewing import looks
@@ -85,7 +86,7 @@ def test_a_moving_scene_is_sent_once_and_then_what_moved(scene, publisher, drawi
 
 
 def move(scene, frame, X_PF):
-    scene._context.UpdateFramePoses(FramePoseVector({scene.names.frame(frame): X_PF}))
+    scene.model.context.UpdateFramePoses(FramePoseVector({scene.model.names.frame(frame): X_PF}))
 
 
 def test_who_comes_late_gets_everything(publisher, drawing):
@@ -105,14 +106,14 @@ def test_nothing_is_drawn_for_nobody(publisher, drawing):
 def test_what_is_removed_vanishes_and_ids_stay(scene, publisher, drawing):
     drawing.publish()
     before = {key for key, m in publisher.shown.items() if m.ns == 'proximity'}
-    capsule = scene.names.geometry('a/capsule')
-    source = scene.inspector.GetOwningSourceId(capsule)
-    scene.scene_graph.ChangeShape(source, capsule, Sphere(0.1))
+    capsule = scene.model.names.geometry('a/capsule')
+    source = scene.model.inspector.GetOwningSourceId(capsule)
+    scene.make(Change(lambda graph, _: graph.ChangeShape(source, capsule, Sphere(0.1))))
     drawing.publish()
     after = {key for key, m in publisher.shown.items() if m.ns == 'proximity'}
     assert after < before
     assert len(before - after) == 2
-    scene.scene_graph.RemoveGeometry(source, capsule)
+    scene.make(Change(lambda graph, _: graph.RemoveGeometry(source, capsule)))
     drawing.publish()
     assert publisher.names().count('proximity') == 1
     drawing.clear()
@@ -126,8 +127,8 @@ def test_what_never_had_a_pose_is_not_drawn_until_it_has(publisher):
     drawing.publish()
     before = publisher.names()
     with live.editing() as scene:
-        poses = FramePoseVector({scene.names.frame('a'): RigidTransform()})
-        scene.pose(poses, {}, Plain(sec=0, nanosec=0), MESSAGES)
+        poses = FramePoseVector({scene.model.names.frame('a'): RigidTransform()})
+        scene.poses.pose(poses, {}, Plain(sec=0, nanosec=0), MESSAGES)
     drawing.publish()
     capsule = len(markers.parts_of(Capsule(0.1, 0.4)))
     assert publisher.names().count('proximity') == before.count('proximity') + capsule

@@ -108,11 +108,13 @@ def test_a_solid_is_drawn_as_itself(monkeypatch):
 
 
 def test_colours_come_from_the_properties(scene):
-    ball, seen = (scene.names.geometry(f'b/{name}') for name in ('ball', 'seen'))
-    colours = [looks.colour_of(scene.inspector, id, Role.kIllustration) for id in (ball, seen)]
+    ball, seen = (scene.model.names.geometry(f'b/{name}') for name in ('ball', 'seen'))
+    colours = [
+        looks.colour_of(scene.model.inspector, id, Role.kIllustration) for id in (ball, seen)
+    ]
     assert colours[0] == (1.0, 0.0, 0.0, 0.5)
     assert Rgba(*colours[1]).a() == 1.0
-    assert looks.colour_of(scene.inspector, ball, Role.kProximity)[3] < 1.0
+    assert looks.colour_of(scene.model.inspector, ball, Role.kProximity)[3] < 1.0
 
 
 def test_ids_of_any_geometry_fit_into_a_marker():

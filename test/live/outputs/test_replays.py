@@ -36,9 +36,9 @@ def broken(monkeypatch):
 
 def cycle(scene, replays, x):
     """Pose the balls, ask, and let the replays look."""
-    names = scene.names
+    names = scene.model.names
     poses = {names.frame('a'): RigidTransform([0.5, 0, 0]), names.frame('b'): _at(x)}
-    scene._context.UpdateFramePoses(FramePoseVector(poses))
+    scene.model.context.UpdateFramePoses(FramePoseVector(poses))
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
     replays.look_at(scene, results, 10.0)
     return results

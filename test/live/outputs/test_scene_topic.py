@@ -9,6 +9,7 @@ from live.live_scenes import Topic, live_scene
 from drake_geom_ros.geometry import GeometryInstance, Sphere
 from drake_geom_ros.live.outputs import scene_topic
 from drake_geom_ros.live.outputs.scene_topic import SceneTopic
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.math import RigidTransform
 
 TEXT = 'sources: [s]\nframes: [{name: a, source: s}]\n'
@@ -53,36 +54,47 @@ def topic(live, publisher, did):
     return SceneTopic(live, publisher, types, lambda: 'now', lambda *what: did.append(what))
 
 
+def register_source(scene, name):
+    return scene.make(Change(lambda graph, _: graph.RegisterSource(name)))
+
+
+def register_ball(scene, source, ball):
+    return scene.make(Change(lambda graph, _: graph.RegisterAnchoredGeometry(source, ball)))
+
+
 def test_each_version_is_published_once(scene, topic, publisher, did):
     for _ in range(3):
         topic.publish()
     (message,) = publisher.published
     assert (message.header.frame_id, message.header.stamp) == ('map', 'now')
-    assert message.scene_version == scene.version
+    assert message.scene_version == scene.model.version
     ((count, seconds),) = did
     assert (count, seconds > 0.0) == (0, True)
     assert 'a' in [frame.name for frame in message.frames]
-    scene.scene_graph.RegisterSource('t')
+    register_source(scene, 't')
     while len(publisher.published) < 2:
         topic.publish()
-    assert [m.scene_version for m in publisher.published] == [scene.version - 1, scene.version]
+    assert [m.scene_version for m in publisher.published] == [
+        scene.model.version - 1,
+        scene.model.version,
+    ]
 
 
 def test_all_names_that_answers_refer_to_are_published_in_order_and_shapes_when_there_is_time(
     scene, topic, publisher, monkeypatch
 ):
     monkeypatch.setattr(scene_topic, 'fill_scene', lambda *_: None)  # versions are enough here
-    source = scene.scene_graph.RegisterSource('t')
+    source = register_source(scene, 't')
     named = []
     for k in range(5):
         instance = GeometryInstance(RigidTransform(), Sphere(0.1), f'ball {k}')
-        ball = scene.scene_graph.RegisterAnchoredGeometry(source, instance)
+        ball = register_ball(scene, source, instance)
         if k != 3:  # to which nobody refers
             named.append(scene.moment().names_version)
     monkeypatch.setattr(time, 'monotonic', lambda: 100.0)
     topic.publish()
     assert [m.names_version for m in publisher.published] == named
-    scene.scene_graph.ChangeShape(source, ball, Sphere(0.2))
+    scene.make(Change(lambda graph, _: graph.ChangeShape(source, ball, Sphere(0.2))))
     assert scene.moment().names_version == named[-1] < scene.moment().version
     monkeypatch.setattr(topic, '_next', 101.0)
     topic.publish()
@@ -90,12 +102,12 @@ def test_all_names_that_answers_refer_to_are_published_in_order_and_shapes_when_
     monkeypatch.setattr(topic, '_next', 99.0)
     topic.publish()
     assert publisher.published[-1].names_version == named[-1]
-    assert publisher.published[-1].scene_version == scene.version
+    assert publisher.published[-1].scene_version == scene.model.version
 
 
 def test_what_cannot_be_published_in_time_is_counted(scene, topic, publisher):
     for k in range(scene_topic._MOST_WAITING + 3):
-        scene.scene_graph.RegisterSource(f'{k}')
+        register_source(scene, f'{k}')
         scene.moment()
     assert topic.unpublished == 3
     topic.publish()
@@ -114,6 +126,6 @@ def test_a_scene_that_takes_long_is_not_published_at_once_again(
     publisher.takes = slowly
     for seconds, count in ((0.0, 1), (9.9, 1), (0.2, 2)):
         now[0] += seconds
-        scene.scene_graph.RegisterSource(f'after {now[0]}')
+        register_source(scene, f'after {now[0]}')
         topic.publish()
         assert len(publisher.published) == count

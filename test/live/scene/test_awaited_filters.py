@@ -5,6 +5,7 @@ from live.live_scenes import live_scene
 
 from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometrySet
 from drake_geom_ros.live.inputs.robot_description import RobotInput
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.scene_files import SceneFileError, read_scene, to_yaml
 
 CELL = """
@@ -32,7 +33,7 @@ def live():
 def reasons(live, a, b):
     with live.reading() as scene:
         manager = scene.view().filters
-        return manager.explain(scene.names.geometry(a), scene.names.geometry(b))
+        return manager.explain(scene.model.names.geometry(a), scene.model.names.geometry(b))
 
 
 def troubles(live):
@@ -45,14 +46,14 @@ def test_they_wait_told_and_hold_when_the_robot_comes(live):
     assert len(told) == 3
     assert "<text>:8: filters[0]: it waits for 'arm'" in told[0]
     with live.reading() as scene:
-        assert any("waits for 'arm'" in warning for warning in scene.warned)
+        assert any("waits for 'arm'" in warning for warning in scene.log.warnings)
     RobotInput(live).take(ROBOT)
     assert troubles(live) == []
     assert reasons(live, 'world/table', 'base/ball') == ['persistent declaration 0']
     assert reasons(live, 'world/wall', 'hand/ball') == ['persistent declaration 1']
     assert reasons(live, 'world/table', 'hand/ball') == []
     with live.reading() as scene:
-        assert any("holds now that 'arm' is there" in told for told in scene.told)
+        assert any("holds now that 'arm' is there" in told for told in scene.log.notes)
 
 
 def test_they_hold_for_the_robot_that_takes_its_place(live):
@@ -73,21 +74,23 @@ def test_a_link_that_the_robot_does_not_have_is_told(live):
 
 def test_while_transient_filters_are_active_they_wait(live):
     with live.editing() as scene:
-        manager = scene.scene_graph.collision_filter_manager()
-        geometries = GeometrySet([scene.names.geometry('world/table')])
+        manager = scene.model.scene_graph.collision_filter_manager()
+        geometries = GeometrySet([scene.model.names.geometry('world/table')])
         filter_id = manager.ApplyTransient(CollisionFilterDeclaration().ExcludeWithin(geometries))
-        scene.add(
-            read_scene(
-                'frames: [{name: base, source: arm}, {name: hand, source: arm}]\n'
-                'geometries:\n'
-                '- {name: ball, source: arm, frame: base, shape: {type: sphere, radius: 1}}\n'
-                '- {name: ball, source: arm, frame: hand, shape: {type: sphere, radius: 1}}\n'
+        scene.make(
+            addition(
+                read_scene(
+                    'frames: [{name: base, source: arm}, {name: hand, source: arm}]\n'
+                    'geometries:\n'
+                    '- {name: ball, source: arm, frame: base, shape: {type: sphere, radius: 1}}\n'
+                    '- {name: ball, source: arm, frame: hand, shape: {type: sphere, radius: 1}}\n'
+                )
             )
         )
     assert any('transient' in told for told in troubles(live))
     with live.editing() as scene:
         manager.RemoveDeclaration(filter_id)
-        scene.bind_filters()
+        scene.filters.bind()
     assert troubles(live) == []
 
 

@@ -7,7 +7,8 @@ from live.live_scenes import Topic, live_scene
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.scene.camera_limits import LONGEST_TOPIC, CameraLimits
-from drake_geom_ros.live.scene.editable_scene import prepared
+from drake_geom_ros.live.scene.changes.addition import addition, exchange
+from drake_geom_ros.live.scene.prepared_scene import prepared
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 
@@ -42,20 +43,22 @@ def test_a_camera_is_refused_at_each_door(live, bad, word):
     (camera,) = description.cameras
     with live.editing() as scene:
         with pytest.raises(ArgumentError, match=word):
-            scene.add_camera(scene.names.world, camera)
+            scene.cameras.add(scene.model.names.world, camera)
         with pytest.raises(SceneFileError, match=rf'<text>:3: cameras\[0\]: .*{word}'):
-            scene.add(description)
+            scene.make(addition(description))
         with pytest.raises(SceneFileError, match=word):
             scene.replace(prepared(description))
         with pytest.raises(SceneFileError, match=word):
-            scene.swap([scene.names.source('SceneGraphInternal')], description)
-        assert scene.cameras.keys() == {'a'}
+            scene.make(
+                exchange(scene, [scene.model.names.source('SceneGraphInternal')], description)
+            )
+        assert scene.cameras.by_name().keys() == {'a'}
 
 
 def test_the_longest_name_and_the_largest_images_are_taken(live):
     with live.editing() as scene:
-        scene.add(read_scene(text('n' * LONG, 500, 250)))
-        assert len(scene.cameras) == 2
+        scene.make(addition(read_scene(text('n' * LONG, 500, 250))))
+        assert len(scene.cameras.by_name()) == 2
 
 
 def test_a_bare_scene_has_no_limits():
@@ -86,15 +89,15 @@ def test_a_camera_whose_topics_do_not_open_stops_no_other_and_leaks_none():
     live = live_scene(text('a'))
     with live.editing() as scene:
         for name in ('q', 'z'):
-            scene.add(read_scene(text(name)))
+            scene.make(addition(read_scene(text(name))))
     surface = Surface()
     cameras = CameraPublisher(live, surface, *[Plain()] * 3)
     for _ in range(5):
         cameras.publish()
     assert sum(each.of_camera for each in surface.open) == 8
     with live.editing() as scene:
-        (told,) = [each for each in scene.warned if 'camera' in each]
+        (told,) = [each for each in scene.log.warnings if 'camera' in each]
         assert "'q' cannot be opened" in told
-        scene.remove_camera('q')
+        scene.cameras.remove('q')
     cameras.publish()
     assert sum(each.of_camera for each in surface.open) == 8

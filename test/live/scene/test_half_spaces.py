@@ -56,7 +56,7 @@ def test_services_say_yes_and_lists_say_what_is_not_in_them(place):
 def test_diagnostics_tell_them(place):
     live, (given, overlap) = live_scene(TEXT), PLACES[place]
     with live.editing() as scene:
-        scene.take_poses(given)
+        scene.poses.take(given)
         assert [t for t in scene.troubles() if 'half spaces' in t] == [TOLD] * overlap
 
 
@@ -66,7 +66,7 @@ def test_a_rule_is_entered_by_them(tmp_path):
     def decide(given):
         ruled.clock.now += 0.1
         with ruled.live.editing() as scene:
-            scene.take_poses(given)
+            scene.poses.take(given)
             ruled.events.look_at(scene, None, 0.0)
             (state,) = scene.rules.states()
         return state.is_entered, state.lowest

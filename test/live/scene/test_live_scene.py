@@ -18,11 +18,13 @@ from drake_geom_ros.geometry import (
     QueryObject,
     Sphere,
 )
-from drake_geom_ros.live.scene import held_scene
+from drake_geom_ros.live.scene import scene_model
 from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import Clocks
-from drake_geom_ros.live.scene.editable_scene import EditableScene, prepared
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.prepared_scene import prepared
 from drake_geom_ros.live.scene.scene_rules import Blind
 from drake_geom_ros.live.scene.seen_maps import stand
 from drake_geom_ros.math import RigidTransform
@@ -58,13 +60,13 @@ def message_of(source, **frames):
 
 
 def distance(scene):
-    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
+    a, b = (scene.model.names.geometry(f's::{f}/ball') for f in 'ab')
     return scene.query.ComputeSignedDistancePairClosestPoints(a, b).distance
 
 
 def test_frames_stand_where_the_file_puts_them_until_posed(scene):
     assert distance(scene) == pytest.approx(0.8)
-    assert scene.take_poses(message(a=-1)) == 1
+    assert scene.poses.take(message(a=-1)) == 1
     assert distance(scene) == pytest.approx(1.8)
 
 
@@ -73,24 +75,24 @@ def test_ages_of_poses(scene, clock):
     assert scene.moment().oldest_pose_age == 0.0  # all rest where the file put them
     first, second = message(a=0), message(b=1)
     first.header.stamp.sec = int(clock.now)
-    scene.take_poses(first)
+    scene.poses.take(first)
     clock.now += 2.0
     assert scene.moment().oldest_pose_age == pytest.approx(2.0)
     second.header.stamp.sec = int(clock.now)
-    scene.take_poses(second)
+    scene.poses.take(second)
     clock.now += 0.5
     assert scene.moment().oldest_pose_age == pytest.approx(2.5)
-    assert scene.pose_ages() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
+    assert scene.poses.ages_by_name() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
 
 
 def test_a_pose_whose_old_stamp_is_repeated_is_not_new_again(scene, clock):
     clock.now = 1.5
     for second in range(90):
-        scene.take_poses(message(a=0, b=1))  # stamped 1 s
+        scene.poses.take(message(a=0, b=1))  # stamped 1 s
         assert scene.moment().oldest_pose_age == pytest.approx(0.5 + second)
         clock.now += 1.0
-    scene.take_poses(message(b=1))
-    assert scene.pose_ages() == pytest.approx({'s::a': 90.5, 's::b': 90.5})
+    scene.poses.take(message(b=1))
+    assert scene.poses.ages_by_name() == pytest.approx({'s::a': 90.5, 's::b': 90.5})
 
 
 def test_an_empty_scene_has_no_old_poses(clock):
@@ -100,11 +102,11 @@ def test_an_empty_scene_has_no_old_poses(clock):
 def test_a_refused_message_leaves_everything(scene, clock):
     good, bad = message(a=0, b=1), message(a=5, b=math.nan)
     good.header.stamp.sec = int(clock.now)
-    scene.take_poses(good)
+    scene.poses.take(good)
     clock.now += 1.0
     bad.header.stamp.sec = int(clock.now)
     with pytest.raises(RuntimeError, match='not finite'):
-        scene.take_poses(bad)
+        scene.poses.take(bad)
     assert distance(scene) == pytest.approx(0.8)
     assert scene.moment().oldest_pose_age == pytest.approx(1.0)
     assert scene.moment().newest_stamp.sec == good.header.stamp.sec
@@ -126,7 +128,7 @@ def test_no_other_thread_has_the_scene_meanwhile(live, door):
     with live.editing() as scene:
         thread.start()
         assert not entered.wait(0.05)
-        scene.take_poses(message(a=0, b=1))
+        scene.poses.take(message(a=0, b=1))
     thread.join(60.0)
     assert entered.is_set()
 
@@ -134,73 +136,73 @@ def test_no_other_thread_has_the_scene_meanwhile(live, door):
 def test_what_if_is_not_what_is(live, scene):
     before = distance(scene)
     query = live.view(message(b=3)).query
-    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
+    a, b = (scene.model.names.geometry(f's::{f}/ball') for f in 'ab')
     assert query.ComputeSignedDistancePairClosestPoints(a, b).distance == pytest.approx(2.8)
     assert distance(scene) == before
 
 
 def test_a_lease_ends_and_renewal_prolongs_it(scene, clock):
-    manager = scene.scene_graph.collision_filter_manager()
-    balls = GeometrySet([scene.names.geometry(f's::{f}/ball') for f in 'ab'])
+    manager = scene.model.scene_graph.collision_filter_manager()
+    balls = GeometrySet([scene.model.names.geometry(f's::{f}/ball') for f in 'ab'])
     declaration = CollisionFilterDeclaration().ExcludeWithin(balls)
     kept, lost, free = (manager.ApplyTransient(declaration) for _ in range(3))
-    scene.lease(kept, 1.0)
-    scene.lease(lost, 1.0)
-    scene.lease(free, 0.0)
+    scene.filters.lease(kept, 1.0)
+    scene.filters.lease(lost, 1.0)
+    scene.filters.lease(free, 0.0)
     clock.now += 0.9
-    assert scene.expire_filters() == []
-    scene.lease(kept, 1.0)
+    assert scene.filters.expire() == []
+    scene.filters.lease(kept, 1.0)
     clock.now += 0.2
-    assert scene.expire_filters() == [lost]
+    assert scene.filters.expire() == [lost]
     assert [manager.IsActive(f) for f in (kept, lost, free)] == [True, False, True]
-    scene.lease(kept, 0.0)
+    scene.filters.lease(kept, 0.0)
     clock.now += 1e6
-    assert scene.expire_filters() == []
+    assert scene.filters.expire() == []
 
 
 def test_a_scene_that_cannot_be_loaded_changes_nothing(scene):
-    text, version = to_yaml(scene.description()), scene.version
+    text, version = to_yaml(scene.description()), scene.model.version
     other = TEXT.replace('[s]', '[t]').replace('source: s', 'source: t')
     other = read_scene(other.replace('frame: b', 'frame: nowhere'))
-    for change in (scene.add, prepared):
+    for change in (lambda other: scene.make(addition(other)), prepared):
         with pytest.raises(RuntimeError, match='nowhere'):
             change(other)
-        assert (to_yaml(scene.description()), scene.version) == (text, version)
+        assert (to_yaml(scene.description()), scene.model.version) == (text, version)
     with pytest.raises(RuntimeError, match='taken'):
-        scene.add(read_scene(TEXT))
-    assert (to_yaml(scene.description()), scene.version) == (text, version)
+        scene.make(addition(read_scene(TEXT)))
+    assert (to_yaml(scene.description()), scene.model.version) == (text, version)
 
 
 def test_replacing_grows_the_version_and_keeps_the_text(scene):
-    text, version = to_yaml(scene.description()), scene.version
+    text, version = to_yaml(scene.description()), scene.model.version
     assert scene.replace(prepared(read_scene(text))) == (2, 2)
-    assert scene.version > version
+    assert scene.model.version > version
     assert to_yaml(scene.description()) == text
-    assert isinstance(scene.names.frame('world'), FrameId)
+    assert isinstance(scene.model.names.frame('world'), FrameId)
 
 
 def test_who_waits_for_a_pose_goes_on_waiting_in_a_scene_that_was_saved(scene):
-    scene.add(read_scene('sources: [t]\nframes: [{name: c, source: t}]'))
+    scene.make(addition(read_scene('sources: [t]\nframes: [{name: c, source: t}]')))
     for _ in range(2):
         assert scene.waiting().frames == ['t::c']
         text = to_yaml(scene.description())
         assert scene.replace(prepared(read_scene(text))) == (3, 2)
-    scene.take_poses(message_of('t', c=2))
+    scene.poses.take(message_of('t', c=2))
     assert scene.waiting()[:3] == ([], 0, 0)
     assert scene.waiting().in_words() == ''
 
 
 def test_an_empty_scene_has_the_world_alone_and_goes_on_counting(clock):
     with LiveScene('exact', Clocks(clock), version=7).reading() as scene:
-        assert scene.version == 7
-    assert scene.names.frame('world') == scene.inspector.world_frame_id()
+        assert scene.model.version == 7
+    assert scene.model.names.frame('world') == scene.model.inspector.world_frame_id()
     with pytest.raises(RuntimeError, match='no frame'):
-        scene.names.frame('s::a')
+        scene.model.names.frame('s::a')
 
 
 def test_the_accuracy_of_queries_that_name_none(scene):
     scene.set_accuracy('bound')
-    scene.take_poses(message(a=0, b=0.15))
+    scene.poses.take(message(a=0, b=0.15))
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     assert results.method.tolist() == [4]
     scene.set_accuracy('exact')
@@ -258,10 +260,15 @@ def told(live):
         results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
         return (
             to_yaml(scene.description()),
-            [*zip(*map(scene.inspector.full_names, (results.id_A, results.id_B)), strict=True)],
+            [
+                *zip(
+                    *map(scene.model.inspector.full_names, (results.id_A, results.id_B)),
+                    strict=True,
+                )
+            ],
             results.distance.tolist(),
-            scene.names.labels.values(),
-            scene.pose_ages(),
+            scene.model.names.labels.values(),
+            scene.poses.ages_by_name(),
         )
 
 
@@ -270,11 +277,9 @@ def test_what_was_registered_on_a_copy_is_what_would_be_registered(clock, monkey
     plain, live = live_scene(TEXT, clock), live_scene(TEXT, clock)
     description = read_scene(MORE)
     with plain.editing() as scene:
-        assert scene.add(description) == (3, 2)
-    with live.editing() as scene:
-        addition = scene.addition(description)
-    monkeypatch.setattr(EditableScene, 'make', None)
-    assert live.change(addition, calls_for_more=True) == (3, 2)
+        assert scene.make(addition(description)) == (3, 2)
+    monkeypatch.setattr(HeldScene, 'make', None)
+    assert live.change(addition(description), calls_for_more=True) == (3, 2)
     one, other = told(plain), told(live)
     assert [*one[3]] == [*other[3]]
     assert one[:3] + one[4:] == other[:3] + other[4:]
@@ -282,12 +287,11 @@ def test_what_was_registered_on_a_copy_is_what_would_be_registered(clock, monkey
 
 @pytest.mark.parametrize('change', ['a frame', 'a filter', 'a shape', 'nothing but a pose'])
 def test_what_changed_since_the_copy_was_made_stays(live, change):
-    with live.editing() as scene:
-        addition = scene.addition(read_scene(MORE))
+    more = addition(read_scene(MORE))
     before, made = {}, []
 
     def meanwhile(graph, context):
-        loaded = addition.on(graph, context)
+        loaded = more.on(graph, context)
         made.append(loaded)
         if len(made) == 1:
             with live.editing() as scene:
@@ -295,38 +299,50 @@ def test_what_changed_since_the_copy_was_made_stays(live, change):
                 before.update(pairs_of(scene))
         return loaded
 
-    assert live.change(replace(addition, on=meanwhile), calls_for_more=True) == (3, 2)
+    assert live.change(replace(more, on=meanwhile), calls_for_more=True) == (3, 2)
     # A change of the scene has it registered anew, by other ids.
     assert len(made) == (1 if change == 'nothing but a pose' else 2)
     with live.editing() as scene:
         assert before.items() <= pairs_of(scene).items()
-        assert (change == 'a frame') == (('s', 'late') in scene.names.labels.values())
-        assert {*made[-1].frames.values()} <= {*scene.names.labels}
+        assert (change == 'a frame') == (('s', 'late') in scene.model.names.labels.values())
+        assert {*made[-1].frames.values()} <= {*scene.model.names.labels}
         # The scene goes on changing as ever.
-        scene.scene_graph.RegisterFrame(scene.names.source('t'), GeometryFrame('later'))
-        assert ('t', 'later') in scene.names.labels.values()
+        scene.make(
+            Change(
+                lambda graph, _: graph.RegisterFrame(
+                    scene.model.names.source('t'), GeometryFrame('later')
+                )
+            )
+        )
+        assert ('t', 'later') in scene.model.names.labels.values()
 
 
 def _change(scene, change):
     """Make a change of the scene of two balls, by its name."""
-    source = scene.names.source('s')
-    a, b = (scene.names.frame(f's::{f}') for f in 'ab')
+    source = scene.model.names.source('s')
+    a, b = (scene.model.names.frame(f's::{f}') for f in 'ab')
     if change == 'a frame':
-        scene.scene_graph.RegisterFrame(source, GeometryFrame('late'))
+        scene.make(Change(lambda graph, _: graph.RegisterFrame(source, GeometryFrame('late'))))
     elif change == 'a filter':
         pair = GeometrySet(frame_ids=[a, b])
-        manager = scene.scene_graph.collision_filter_manager()
+        manager = scene.model.scene_graph.collision_filter_manager()
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(pair))
     elif change == 'a shape':
-        scene.scene_graph.ChangeShape(source, scene.names.geometry('s::a/ball'), Sphere(0.3))
+        scene.make(
+            Change(
+                lambda graph, _: graph.ChangeShape(
+                    source, scene.model.names.geometry('s::a/ball'), Sphere(0.3)
+                )
+            )
+        )
     else:
-        assert scene.take_poses(message(a=-1)) == 1
+        assert scene.poses.take(message(a=-1)) == 1
 
 
 def pairs_of(scene):
     """Return the distances of all pairs by their names."""
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
-    names = map(scene.inspector.full_names, (results.id_A, results.id_B))
+    names = map(scene.model.inspector.full_names, (results.id_A, results.id_B))
     return dict(zip(zip(*names, strict=True), results.distance.tolist(), strict=True))
 
 
@@ -334,14 +350,14 @@ def drafted(live, change):
     """Make a change on a draft, whatever the size of the scene, while the scene goes on."""
     draft, result = live.make_ready(Change(change))
     with live.editing() as scene:
-        scene.take_poses(message(a=-1, b=3))
+        scene.poses.take(message(a=-1, b=3))
         assert scene.take_over(draft)
     return result
 
 
 def one_more(live, name='more', x=4.0):
     with live.reading() as scene:
-        source = scene.names.source('s')
+        source = scene.model.names.source('s')
     ball = GeometryInstance(RigidTransform([x, 0, 0]), Sphere(0.5), name)
     ball.set_proximity_properties(ProximityProperties())
     return drafted(live, lambda graph, on: graph.RegisterAnchoredGeometry(on, source, ball))
@@ -356,15 +372,15 @@ def test_a_draft_is_taken_over_at_the_poses_that_came_since(live, clock):
     geometry = one_more(live)
     assert [len(found) for found in asked] == [3, 2]  # of the draft, and of what rules ask of it
     with live.editing() as scene:
-        assert scene.version == scene.moment().version
-        assert scene.names.geometry('s::world/more') == geometry
+        assert scene.model.version == scene.moment().version
+        assert scene.model.names.geometry('s::world/more') == geometry
         assert distance(scene) == pytest.approx(3.8)
         found = scene.query.ComputeSignedDistancePairwiseClosestPoints()
         assert sorted(found.distance) == pytest.approx([0.4, 3.8, 4.4])
         assert not scene.query.effects().near_list_made  # the draft has made it
-        assert scene.unknown_ages().frames == []
+        assert scene.poses.unknown_ages().frames == []
         # And goes on as ever.
-        scene.take_poses(message(a=0, b=1))
+        scene.poses.take(message(a=0, b=1))
         scene.bind_rules()
         scene.rules.decide(clock(), scene.query, Blind([], []))
         assert scene.rules.states()[0].pairs == 2
@@ -374,41 +390,43 @@ def test_a_draft_is_taken_over_at_the_poses_that_came_since(live, clock):
 def test_a_draft_of_a_scene_that_changed_since_is_not_taken_over(live):
     draft, _ = live.make_ready(Change(lambda graph, on: graph.RegisterSource(on, 't')))
     with live.editing() as scene:
-        scene.scene_graph.RegisterSource('u')
+        scene.make(Change(lambda graph, _: graph.RegisterSource('u')))
         assert not scene.take_over(draft)
-        assert scene.names.source('u') is not None
+        assert scene.model.names.source('u') is not None
 
 
 def test_a_large_scene_changes_by_a_draft_or_where_others_change_it_all_the_time_as_ever(
     live, monkeypatch
 ):
-    monkeypatch.setattr(held_scene, '_MANY', 0)
+    monkeypatch.setattr(scene_model, '_MANY', 0)
     made = []
 
     def change(graph, context):
         made.append(context)
         if len(made) < least:
             with live.editing() as scene:
-                scene.scene_graph.RegisterSource(f'other {len(made)} {least}')
+                scene.make(
+                    Change(lambda graph, _: graph.RegisterSource(f'other {len(made)} {least}'))
+                )
         return graph.RegisterSource(context=context, name=f'new {least}')
 
     for least in (1, 2, 9):
         made.clear()
-        live.change(Change(change, then=lambda scene, source: scene.told.append(source)))
+        live.change(Change(change, then=lambda scene, source: scene.log.notes.append(source)))
         assert len(made) == min(least, 4)
         assert (made[-1] is None) == (least == 9)
         with live.editing() as scene:
-            assert scene.told == [scene.names.source(f'new {least}')]
-            scene.told.clear()
+            assert scene.log.notes == [scene.model.names.source(f'new {least}')]
+            scene.log.notes.clear()
 
 
 def test_frames_that_are_removed_by_a_draft_are_posed_no_more(live):
     with live.editing() as scene:
-        source = scene.names.source('s')
+        source = scene.model.names.source('s')
     frames = drafted(live, lambda graph, on: graph.RemoveSource(on, source))
     with live.editing() as scene:
         scene.forget_source('s', frames)
-        assert scene.pose_ages() == {}
+        assert scene.poses.ages_by_name() == {}
         with pytest.raises(RuntimeError, match='no source'):
-            scene.take_poses(message(a=0))
+            scene.poses.take(message(a=0))
         assert len(scene.query.ComputeSignedDistancePairwiseClosestPoints()) == 0

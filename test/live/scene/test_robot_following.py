@@ -11,6 +11,7 @@ from live.services.test_states import NO_POSES, cell_in, request
 
 from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
+from drake_geom_ros.live.scene.changes.attachment import attachment
 from drake_geom_ros.live.services.queries import (
     compute_signed_distance_to_point,
     find_collision_candidates,
@@ -42,7 +43,7 @@ class Live:
     def frames(self, view=None):
         with self.live.reading() as scene:
             query = scene.query if view is None else view.query
-            labels = scene.names.labels
+            labels = scene.model.names.labels
             return {
                 label: query.X_WF(frame).GetAsMatrix4()
                 for frame, label in labels.items()
@@ -66,8 +67,11 @@ def both(tmp_path):
     with cell.live.editing() as scene:
         names = [f'other::{name}' for name in JOINTS_OF_ARM]
         cell.inputs.take_joint_states(scene, state(names, NOW))
-        frame, parent = scene.names.frame('other::base'), scene.names.frame('arm::hand')
-        scene.attach(frame, parent, RigidTransform([0.0, 0.0, 0.5]))
+        frame, parent = (
+            scene.model.names.frame('other::base'),
+            scene.model.names.frame('arm::hand'),
+        )
+        scene.make(attachment(scene, frame, parent, RigidTransform([0.0, 0.0, 0.5])))
         cell.inputs.follow(scene)
     return cell
 
@@ -135,7 +139,7 @@ def test_links_that_messages_pose_one_by_one_stay_as_they_do_live(tmp_path):
     cell = Live(cell_in(tmp_path))
     cell.inputs.joints = None
     with cell.live.editing() as scene:
-        for robot in scene.joints.robots.values():
+        for robot in scene.model.joints.robots.values():
             robot.base = None
     cell.pose(base=[0, 0, 0, 0, 0, 0, 1.0], hand=[0, 0, 1, 0, 0, 0, 1.0])
     frames = cell.frames(cell.live.view(poses(base=FAR)))

@@ -13,7 +13,9 @@ from live.live_scenes import Clock, live_scene
 
 from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.live.inputs.robot_description import RobotInput
-from drake_geom_ros.live.scene import held_scene
+from drake_geom_ros.live.scene import scene_model
+from drake_geom_ros.live.scene.changes.addition import addition
+from drake_geom_ros.live.scene.changes.attachment import attachment
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.seen_maps import Sighting, has_many, shape_of, showing, stand
@@ -58,12 +60,12 @@ ROBOT = """<robot name="robot">
 
 @pytest.fixture
 def live(monkeypatch):
-    monkeypatch.setattr(held_scene, '_MANY', 0)  # any scene is large
+    monkeypatch.setattr(scene_model, '_MANY', 0)  # any scene is large
     live = live_scene(SCENE, Clock(100.0))
     monkeypatch.setattr(filters, '_MANY', 0)  # and any declaration is long
     with live.editing() as held:
         stand(held, 'points')
-        held.add(read_scene(PART))
+        held.make(addition(read_scene(PART)))
     return live
 
 
@@ -72,7 +74,7 @@ def cycle(held, x):
     stamp = Plain(sec=1, nanosec=int(1000 * x) + 1)
     header = Plain(stamp=stamp, frame_id='')
     row = [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
-    held.take_poses(Plain(header=header, source='', frame_names=['s::a'], frame_ids=[], poses=row))
+    held.poses.take(Plain(header=header, source='', frame_names=['s::a'], frame_ids=[], poses=row))
     found = held.query.ComputeSignedDistancePairwiseClosestPoints(REACH)
     return sorted(np.round(found.distance, 6).tolist()), held.query.effects().near_list_made
 
@@ -138,7 +140,8 @@ def another_robot(live):
 
 def detach(live):
     with live.editing() as held:
-        held.attach(held.names.frame('parts::part'), held.names.frame('s::a'), None)
+        part, carrier = (held.model.names.frame(name) for name in ('parts::part', 's::a'))
+        held.make(attachment(held, part, carrier))
     request = Plain(frame='parts::part', pose_given=False)
     scene.detach(live, request, Plain(pose=Plain(position=Plain(), orientation=Plain())))
 
@@ -199,14 +202,16 @@ def test_cycles_go_on_while_it_is_made_ready_and_find_all_done(live, arrival):
     assert len(asked) == len(seen) == 2  # once more of what the rule is about
     assert [len(found) for found, _ in seen] == [len(before)] * 2  # about the scene of before
     with live.editing() as held:
-        places = held.query.X_WF(held.names.frame('s::a')).translation()
+        places = held.query.X_WF(held.model.names.frame('s::a')).translation()
         assert places[0] == 0.02  # what came in between holds
         if arrival != 'a map':  # which is placed and welded now
             assert not cycle(held, 0.0)[1]
         held.bind_rules()
         assert not any(state.is_entered for state in held.rules.states())
         distances, _ = cycle(held, 0.0)
-        fresh = QueryObject(held.copy()).ComputeSignedDistancePairwiseClosestPoints(REACH)
+        fresh = QueryObject(held.model.context.copy()).ComputeSignedDistancePairwiseClosestPoints(
+            REACH
+        )
         assert distances == sorted(np.round(fresh.distance, 6).tolist())
 
 
@@ -226,12 +231,12 @@ def test_a_map_that_comes_while_a_robot_is_replaced_waits_again(live):
     assert 'replaces' in robot.take(ROBOT.replace('"l1"', '"l2"'))
     with live.reading() as held:
         assert 'obstacles::points' in held.waiting().frames
-        assert held.maps['points'].cells is None
+        assert held.maps.by_name['points'].cells is None
 
 
 @pytest.mark.parametrize('count', [1, 20_001])
 def test_a_map_of_few_cells_in_a_small_scene_needs_no_draft(live, monkeypatch, count):
-    monkeypatch.setattr(held_scene, '_MANY', 1000)
+    monkeypatch.setattr(scene_model, '_MANY', 1000)
     drafts, make_ready = [], live.make_ready
     monkeypatch.setattr(
         live, 'make_ready', lambda change: drafts.append(change) or make_ready(change)
@@ -240,4 +245,4 @@ def test_a_map_of_few_cells_in_a_small_scene_needs_no_draft(live, monkeypatch, c
     see(live, cells)
     assert len(drafts) == (count > 20_000)
     with live.reading() as held:
-        assert held.maps['points'].cells is cells
+        assert held.maps.by_name['points'].cells is cells

@@ -12,6 +12,8 @@ from std_msgs.msg import Float64
 
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.live.outputs.rule_events import RuleEvents, RuleSettings, RuleTopics
+from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
+from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.seen_maps import begin_with_maps
@@ -56,7 +58,7 @@ class Ruled:
     def move(self, *place, cycle=True):
         """Pose the hand; with a ``cycle``, decide by it."""
         with self.live.editing() as scene:
-            scene.take_poses(poses(['hand'], [(*place, 0, 0)[:3]], source='arm'))
+            scene.poses.take(poses(['hand'], [(*place, 0, 0)[:3]], source='arm'))
             if cycle:
                 self.events.look_at(scene, None, 0.0)
 
@@ -74,7 +76,7 @@ class Ruled:
 
 
 def frame(scene, name):
-    return next(f for f, label in scene.names.frame_names.items() if label.endswith(name))
+    return next(f for f, label in scene.model.names.frame_names.items() if label.endswith(name))
 
 
 @pytest.fixture
@@ -88,14 +90,14 @@ def ruled():
 def test_what_is_attached_grows_old_with_what_holds_it(ruled):
     with ruled.live.editing() as scene:
         hand, part = frame(scene, 'hand'), frame(scene, 'part')
-        scene.attach(part, hand, RigidTransform([0.5, 0, 0]))
+        scene.make(attachment(scene, part, hand, RigidTransform([0.5, 0, 0])))
     assert ruled.wait() == []
     assert ruled.wait(2.0) == [('part', True)]
     assert ruled.topics.events.published[-1].why[0] == Why.STALE
     ruled.move(1.0)
     ruled.wait()
     with ruled.live.editing() as scene:
-        scene.detach(part, RigidTransform([0, 3, 0]))
+        scene.make(detachment(scene, part, RigidTransform([0, 3, 0])))
     ruled.wait()
     assert ruled.wait(2.0) == []
 
@@ -103,10 +105,12 @@ def test_what_is_attached_grows_old_with_what_holds_it(ruled):
 def test_what_is_put_somewhere_without_a_cycle_is_seen(ruled):
     with ruled.live.editing() as scene:
         X_HP = RigidTransform([-0.7, 0, 0])
-        scene.attach(frame(scene, 'part'), frame(scene, 'hand'), X_HP, is_part=False)
+        scene.make(
+            attachment(scene, frame(scene, 'part'), frame(scene, 'hand'), X_HP, is_part=False)
+        )
     assert ruled.wait() == [('part', True)]
     with ruled.live.editing() as scene:
-        scene.detach(frame(scene, 'part'), RigidTransform([0, 3, 0]))
+        scene.make(detachment(scene, frame(scene, 'part'), RigidTransform([0, 3, 0])))
     assert ruled.wait() == [('part', False)]
     ruled.move(0.25, cycle=False)  # as poses come that hang on others, or between two cycles
     assert ruled.wait() == [('hand', True)]
@@ -175,7 +179,7 @@ def test_a_rule_that_goes_on_without_a_name_is_told_of():
     ruled.wait()
     with ruled.live.editing() as scene:
         assert not scene.rules.troubles(watches_motion=True)
-        scene.make(scene.removal(scene.names.source('cell')))
+        scene.make(removal(scene, scene.model.names.source('cell')))
     ruled.wait()
     with ruled.live.reading() as scene:
         (told,) = scene.rules.troubles(watches_motion=True)
@@ -186,12 +190,12 @@ def test_a_rule_by_time_to_contact_is_not_left_where_nobody_knows_how_its_body_m
     text = TEXT.replace('level: warn', 'level: warn, min_time_to_contact: 3.0')
     ruled = Ruled(text, stale_after=10.0)
     with ruled.live.editing() as scene:
-        scene.watch_motion(10.0)
+        scene.poses.watch_motion(10.0)
 
     def move(x, stamp):
         with ruled.live.editing() as scene:
             message = poses(['hand'], [(x, 0, 0)], source='arm', stamp=stamp)
-            scene.take_poses(message)
+            scene.poses.take(message)
             ruled.events.look_at(scene, None, 0.0)
         told = ruled.topics.events.published
         return [(n, e, w) for m in told for n, e, w in zip(m.rule, m.entered, m.why, strict=True)]
@@ -210,7 +214,7 @@ def test_a_rule_by_time_to_contact_is_not_left_where_nobody_knows_how_its_body_m
 def test_numbers_have_no_gap_whoever_ends_a_rule(ruled):
     with ruled.live.editing() as scene:
         scene.rules.remove('hand')
-        scene.make(scene.removal(scene.names.source('cell')))
+        scene.make(removal(scene, scene.model.names.source('cell')))
     ruled.wait()
     numbers = [n for message in ruled.topics.events.published for n in message.sequence]
     assert numbers == list(range(1, len(numbers) + 1))
@@ -228,7 +232,7 @@ def test_what_a_robot_carries_counts_as_the_robot_unless_it_is_turned_off(ruled,
     assert ruled.wait() == []
     with ruled.live.editing() as scene:
         hand, part = frame(scene, 'hand'), frame(scene, 'part')
-        scene.attach(part, hand, RigidTransform(PART_AT), is_part=is_part)
+        scene.make(attachment(scene, part, hand, RigidTransform(PART_AT), is_part=is_part))
     told = ruled.wait()
     assert ('part', True) in told
     assert (('hand', True) in told) == is_part
@@ -236,7 +240,7 @@ def test_what_a_robot_carries_counts_as_the_robot_unless_it_is_turned_off(ruled,
         message = ruled.topics.events.published[-1]
         assert 'cell::part/box' in {*message.geometry_a, *message.geometry_b}
     with ruled.live.editing() as scene:
-        scene.detach(part, RigidTransform([0, 3, 0]))
+        scene.make(detachment(scene, part, RigidTransform([0, 3, 0])))
     told = ruled.wait()
     assert ('part', False) in told
     assert (('hand', False) in told) == is_part
@@ -272,14 +276,14 @@ def test_a_rule_about_maps_that_the_node_listens_to_is_no_trouble_at_the_start()
     live = LiveScene('exact', Clocks(Clock(), Clock()))
     with live.editing() as scene:
         assert begin_with_maps(scene, described, ['points', 'depth']) == (2, 3)
-        assert scene.warned == []
+        assert scene.log.warnings == []
         assert scene.troubles() == []
         (seen,) = [s for s in scene.rules.states() if s.rule.name == 'seen']
         assert seen.pairs == 2
     without = LiveScene('exact', Clocks(Clock(), Clock()))
     with without.editing() as scene:
         begin_with_maps(scene, described, [])
-        (told,) = scene.warned
+        (told,) = scene.log.warnings
         assert "'obstacles' stands for no geometry" in told
 
 
@@ -289,4 +293,4 @@ def test_a_scene_with_a_source_called_as_that_of_maps_is_refused_beside_maps():
     with live.editing() as scene:
         with pytest.raises(RuntimeError, match="has a source 'obstacles'"):
             begin_with_maps(scene, described, ['points'])
-        assert scene.maps == {}
+        assert scene.maps.by_name == {}

@@ -30,8 +30,8 @@ class Heard:
 
     def contested(self):
         with self.live.reading() as scene:
-            labels = {f.get_value(): label[1] for f, label in scene.names.labels.items()}
-            return {labels[value] for value in scene.contested_frames()}
+            labels = {f.get_value(): label[1] for f, label in scene.model.names.labels.items()}
+            return {labels[value] for value in scene.poses.contested_frames()}
 
     def troubles(self):
         with self.live.reading() as scene:

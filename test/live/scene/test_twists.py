@@ -31,7 +31,7 @@ class Scene:
         self.clock = clock
         self.live = live_scene(TEXT, now=clock)
         with self.live.editing() as scene:
-            scene.watch_motion(longest_gap=1.0)
+            scene.poses.watch_motion(longest_gap=1.0)
 
     def message(self, stamp, frames, **fields):
         seconds = int(stamp)
@@ -43,12 +43,12 @@ class Scene:
         rows = [(*pose, 0, 0, 0, 1)[:7] for pose in frames.values()]
         poses = [float(number) for row in rows for number in row]
         with self.live.editing() as scene:
-            scene.take_poses(self.message(stamp, frames, poses=poses))
+            scene.poses.take(self.message(stamp, frames, poses=poses))
 
     def tell(self, stamp, **frames):
         twists = [float(number) for row in frames.values() for number in row]
         with self.live.editing() as scene:
-            scene.take_twists(self.message(stamp, frames, twists=twists))
+            scene.poses.take_twists(self.message(stamp, frames, twists=twists))
 
     def jump(self, now):
         self.clock.now = now
@@ -62,9 +62,9 @@ class Scene:
         """Return the closing speeds of a and tool against b; None where nobody knows."""
         with self.live.editing() as scene:
             distances = scene.query.ComputeSignedDistancePairwiseClosestPoints()
-            found = closing_speeds(distances, scene.twists())
-            name = scene.inspector.GetNameByFrameId
-            frames = {f.get_value(): name(f) for f in scene.inspector.GetAllFrameIds()}
+            found = closing_speeds(distances, scene.poses.twists())
+            name = scene.model.inspector.GetNameByFrameId
+            frames = {f.get_value(): name(f) for f in scene.model.inspector.GetAllFrameIds()}
         pairs = zip(distances.frame_id_A.tolist(), distances.frame_id_B.tolist(), strict=True)
         return {
             frames[a]: round(float(speed), 9) if known else None
@@ -223,9 +223,9 @@ def test_what_is_fixed_after_it_moved_rests(scene):
     scene.pose(10.1, a=(0.1, 0, 0))
     assert scene.speeds()['a'] == pytest.approx(1.0)
     with scene.live.editing() as held:
-        (a,) = held.names.frames_called('a')
+        (a,) = held.model.names.frames_called('a')
         fixed = FramePoseVector({a: RigidTransform()})
-        held.pose(fixed, {frozenset([a.get_value()]): ALWAYS}, Plain(sec=0, nanosec=0), TF)
+        held.poses.pose(fixed, {frozenset([a.get_value()]): ALWAYS}, Plain(sec=0, nanosec=0), TF)
     assert scene.speeds() == {'a': 0.0, 'tool': 0.0}
 
 
@@ -246,5 +246,5 @@ def test_what_is_no_twist_is_refused(scene, stamp, twist, why):
 
 def test_a_scene_that_is_not_watched_says_nothing():
     with live_scene(TEXT).editing() as scene:
-        assert scene.twists() is None
+        assert scene.poses.twists() is None
         assert scene.view(moving=True).twists is None

@@ -5,7 +5,8 @@ from types import SimpleNamespace as Plain
 import pytest
 from live.live_scenes import live_scene
 
-from drake_geom_ros.live.scene import held_scene
+from drake_geom_ros.live.scene import scene_model
+from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.services import filters, queries
 from drake_geom_ros.scene_files import read_scene
 
@@ -51,7 +52,7 @@ def state(live):
 
 def told(live):
     with live.editing() as scene:
-        lines, scene.told = scene.told, []
+        lines, scene.log.notes = scene.log.notes, []
     return lines
 
 
@@ -64,7 +65,7 @@ def test_owners_stand_beside_the_filters_that_they_asked_for(live):
     assert reasons[-1] == f"transient declaration {planner} (owner 'planner')"
     with live.editing() as scene:
         filters.remove_filter(live, Plain(filter_id=planner, owner=''), Plain())
-        assert scene.filter_owners() == {nobody: ''}
+        assert scene.filters.owners() == {nobody: ''}
     assert state(live) == ({nobody: ''}, [f'transient declaration {nobody}'])
 
 
@@ -76,7 +77,7 @@ def test_what_becomes_of_a_filter_is_told_with_its_owner(live, clock):
     ]
     clock.now += 6.0
     with live.editing() as scene:
-        scene.expire_filters()
+        scene.filters.expire()
         filters.remove_filter(live, Plain(filter_id=nobody, owner=''), Plain())
         filters.remove_filter(live, Plain(filter_id=nobody, owner=''), Plain())
     assert told(live) == [
@@ -91,7 +92,7 @@ def test_leases_that_end_together_are_told_in_a_line_for_each_owner(live, clock)
     told(live)
     clock.now += 6.0
     with live.editing() as scene:
-        assert len(scene.expire_filters()) == 8
+        assert len(scene.filters.expire()) == 8
     some = ', '.join(map(str, numbers[:5]))
     assert told(live) == [
         f"the lease of 7 transient filters ({some} ...) expired: removed (owner 'planner')",
@@ -101,7 +102,7 @@ def test_leases_that_end_together_are_told_in_a_line_for_each_owner(live, clock)
 
 def test_an_owner_has_no_more_filters_than_one_may_have(live, clock):
     with live.editing() as scene:
-        scene.filters_per_owner = 2
+        scene.filters.most_per_owner = 2
     ids = [apply(live, 'planner', 5.0), apply(live, 'planner')]
     with pytest.raises(RuntimeError, match=r"owner 'planner' has 2 .* filters_per_owner"):
         apply(live, 'planner')
@@ -112,7 +113,7 @@ def test_an_owner_has_no_more_filters_than_one_may_have(live, clock):
     # A lease that ended, and a filter that was removed, make room.
     clock.now += 6.0
     with live.editing() as scene:
-        scene.expire_filters()
+        scene.filters.expire()
         filters.remove_filter(live, Plain(filter_id=others[0], owner=''), Plain())
     for owner in ('planner', ''):
         apply(live, owner)
@@ -126,7 +127,7 @@ def test_who_is_gone_is_forgotten(live):
     filters.flatten_filters(live, Plain(), Plain())
     assert state(live)[0] == {}
     with live.editing() as scene:
-        assert scene._owners == {}
+        assert scene.filters._owners == {}
 
 
 @pytest.mark.parametrize(
@@ -139,14 +140,14 @@ def test_who_says_who_asks_reaches_its_own_filters_only(live, clock, owner, may)
     filters.renew_filter(live, request, renewed)
     clock.now += 6.0
     with live.editing() as scene:
-        assert bool(scene.expire_filters()) is not may
+        assert bool(scene.filters.expire()) is not may
     again = apply(live, 'planner', 5.0)
     filters.remove_filter(live, Plain(filter_id=again, owner=owner), removed)
     assert (renewed.active, removed.removed) == (may, may)
     assert (again in state(live)[0]) is not may
     clock.now += 6.0
     with live.editing() as scene:  # the lease of one that was not removed still ends
-        scene.expire_filters()
+        scene.filters.expire()
     assert again not in state(live)[0]
 
 
@@ -160,7 +161,7 @@ def test_a_number_of_nothing_is_not_active(live, number):
 
 def test_a_frame_that_carries_many_geometries_is_no_short_declaration(clock, monkeypatch):
     """It is one name, and takes as long as the names of all of them would."""
-    monkeypatch.setattr(held_scene, '_MANY', 0)  # any scene is large
+    monkeypatch.setattr(scene_model, '_MANY', 0)  # any scene is large
     monkeypatch.setattr(filters, '_MANY', 4)
     live = live_scene(TEXT, clock)
     drafts, make_ready = [], live.make_ready
@@ -170,8 +171,8 @@ def test_a_frame_that_carries_many_geometries_is_no_short_declaration(clock, mon
     shape = 'shape: {type: sphere, radius: 0.1}'
     more = ''.join(f'- {{name: g{k}, source: t, frame: c, {shape}}}\n' for k in range(4))
     with live.editing() as scene:
-        scene.add(read_scene('frames: [{name: c, source: t}]\ngeometries:\n' + more))
-        frame = scene.names.frame('t::c').get_value()
+        scene.make(addition(read_scene('frames: [{name: c, source: t}]\ngeometries:\n' + more)))
+        frame = scene.model.names.frame('t::c').get_value()
     nobody = Plain(frames=[], geometries=[], **EMPTY)
     by_id = Plain(**{**vars(nobody), 'frame_ids': [frame]})
     for count, members in enumerate((Plain(**{**vars(nobody), 'frames': ['t::c']}), by_id), 1):

@@ -17,6 +17,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
 )
 from drake_geom_ros.live.inputs.joint_input import JointInput
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.services.motions import OUTCOMES, check_motion
 from drake_geom_ros.scene_files import load_scene
 
@@ -222,8 +223,8 @@ def test_a_budget_that_is_spent_is_unknown(live, checker):
 def test_filters_hold(live):
     way = {'start': poses(free=BEFORE_POST), 'end': poses(free=BEHIND_POST)}
     with live.editing() as scene:
-        names = scene.names
-        manager = scene.scene_graph.collision_filter_manager()
+        names = scene.model.names
+        manager = scene.model.scene_graph.collision_filter_manager()
         post, ball = (names.geometry(name) for name in ('world/post', 'free/ball'))
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet([post, ball])))
     assert answer(live, **way).outcome == CLEAR
@@ -300,7 +301,13 @@ def test_joints_of_which_nothing_was_heard_are_named(text):
 
 def test_a_frame_without_a_pose_makes_no_motion_clear(live):
     with live.editing() as scene:
-        scene.scene_graph.RegisterFrame(scene.names.source('cell'), GeometryFrame('new'))
+        scene.make(
+            Change(
+                lambda graph, _: graph.RegisterFrame(
+                    scene.model.names.source('cell'), GeometryFrame('new')
+                )
+            )
+        )
     for fields in ({'end': poses(free=AT_POST)}, {'path': trajectory([[0, 0, 0]])}):
         with pytest.raises(RuntimeError, match='never had a pose'):
             answer(live, **fields)

@@ -168,7 +168,7 @@ def query(live):
 
 def version(live):
     with live.reading() as scene:
-        return scene.version
+        return scene.model.version
 
 
 @pytest.mark.clock

@@ -11,6 +11,7 @@ from live.live_scenes import Clock, live_scene
 from drake_geom_ros.batch import Joints, evaluate
 from drake_geom_ros.geometry import GeometryFrame, SceneGraph
 from drake_geom_ros.live.inputs.joint_input import JointInput
+from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.services.states import FREE, OUTSIDE_LIMITS, TOO_NEAR, evaluate_states
 from drake_geom_ros.scene_files import load_scene
 
@@ -130,7 +131,7 @@ def test_half_spaces_that_overlap_are_not_free_whatever_is_wanted(text, live, st
 def test_ids_are_those_of_the_live_scene(live, states):
     found = answer(live, states, want='least')
     with live.reading() as scene:
-        known = {id.get_value() for id in scene.names.geometry_names}
+        known = {id.get_value() for id in scene.model.names.geometry_names}
     assert set(found.id_a) | set(found.id_b) <= known
 
 
@@ -218,7 +219,13 @@ def test_numbers_that_are_none_and_answers_that_are_too_large_are_refused(live, 
 
 def test_what_has_no_pose_makes_no_state_free(live, states):
     with live.editing() as scene:
-        scene.scene_graph.RegisterFrame(scene.names.source('cell'), GeometryFrame('new'))
+        scene.make(
+            Change(
+                lambda graph, _: graph.RegisterFrame(
+                    scene.model.names.source('cell'), GeometryFrame('new')
+                )
+            )
+        )
     with pytest.raises(RuntimeError, match='never had a pose'):
         answer(live, states)
 
@@ -261,7 +268,7 @@ def test_an_answer_names_the_frames_whose_stale_poses_of_now_it_rests_on(text):
     moved = Plain(**{**vars(NO_POSES), 'frame_names': ['free'], 'poses': [9, 9, 9, 0, 0, 0, 1.0]})
     with live.editing() as scene:
         joints.take(scene, state(JOINTS_OF_ARM, (0.0, 0.0, 0.05)), 0.0)
-        scene.take_poses(moved)
+        scene.poses.take(moved)
 
     def stale_of(names, values, poses=NO_POSES):
         found = Plain()

@@ -11,7 +11,7 @@ make_change = LiveScene.change
 
 def has_leases(live):
     with live.reading() as scene:
-        return bool(scene.filter_leases())
+        return bool(scene.filters.leases())
 
 
 def change(live, *what, **how):

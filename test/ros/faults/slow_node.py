@@ -3,10 +3,10 @@
 import sys
 import threading
 
-from drake_geom_ros.live.scene import editable_scene
+from drake_geom_ros.live.scene.changes import addition
 from drake_geom_ros.ros import scene_graph_node
 
-warm_up, on_cleanup = editable_scene.warm_up, scene_graph_node.SceneGraphNode.on_cleanup
+warm_up, on_cleanup = addition.warm_up, scene_graph_node.SceneGraphNode.on_cleanup
 begun = threading.Event()
 
 
@@ -21,7 +21,7 @@ def cleaning_up(*what):
     return on_cleanup(*what)
 
 
-editable_scene.warm_up = slowly
+addition.warm_up = slowly
 scene_graph_node.SceneGraphNode.on_cleanup = cleaning_up
 
 if __name__ == '__main__':

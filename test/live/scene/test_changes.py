@@ -6,6 +6,8 @@ import pytest
 from live.live_scenes import Clock, live_scene
 
 from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.scene.changes.addition import addition
+from drake_geom_ros.live.scene.changes.attachment import detachment
 from drake_geom_ros.live.services import ages, files, scene, shapes
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene, to_yaml
@@ -68,12 +70,12 @@ def detach(live, **fields):
 
 def take(live, names, xs, stamp=0):
     with live.editing() as held:
-        return held.take_poses(poses(names, xs, stamp))
+        return held.poses.take(poses(names, xs, stamp))
 
 
 def x_of(live, name):
     with live.reading() as held:
-        return held.query.X_WF(held.names.frame(name)).translation()[0]
+        return held.query.X_WF(held.model.names.frame(name)).translation()[0]
 
 
 def pose_ages(live, *names):
@@ -181,11 +183,11 @@ def test_a_removed_source_is_forgotten(live):
     answer = call(live, scene.remove_source, Plain(), source='arm')
     assert (answer.frames, answer.geometries) == (1, 1)
     with live.reading() as held:
-        assert held.cameras == {}
-        assert held.pose_ages().keys() == {'parts::part'}
+        assert held.cameras.by_name() == {}
+        assert held.poses.ages_by_name().keys() == {'parts::part'}
         assert held.moment().oldest.age < 60.0
     with live.editing() as held:
-        held.add(read_scene('frames:\n- {name: hand, source: arm}'))
+        held.make(addition(read_scene('frames:\n- {name: hand, source: arm}')))
     assert pose_ages(live)[0]['arm::hand'] == float('inf')
 
 
@@ -211,8 +213,8 @@ def test_a_replaced_source_keeps_the_poses_of_its_frames(live, clock):
     assert x_of(live, 'hand') == x_of(live, 'tip') == 1.0
     assert pose_ages(live)[0] == {'arm::hand': 2.0, 'arm::tip': 0.0, 'parts::part': 2.0}
     with live.reading() as held:
-        assert 'arm::hand/cube' in held.names.geometry_names.values()
-        assert 'arm::hand/ball' not in held.names.geometry_names.values()
+        assert 'arm::hand/cube' in held.model.names.geometry_names.values()
+        assert 'arm::hand/ball' not in held.model.names.geometry_names.values()
 
 
 @pytest.mark.parametrize(
@@ -226,13 +228,13 @@ def test_a_replaced_source_keeps_the_poses_of_its_frames(live, clock):
 )
 def test_a_refused_replacement_changes_nothing(live, text, sources, word):
     with live.reading() as held:
-        version = held.version
+        version = held.model.version
     answer = load(live, text, *sources)
     assert not answer.success
     assert word in answer.message
     with live.reading() as held:
-        assert held.version == version
-        assert held.cameras.keys() == {'wrist'}
+        assert held.model.version == version
+        assert held.cameras.by_name().keys() == {'wrist'}
 
 
 def geometry(name, radius=0.1, frame='part'):
@@ -253,7 +255,8 @@ def test_several_geometries_come_at_once(live):
     assert answer.success, answer.message
     with live.reading() as held:
         names = [
-            held.names.geometry_names[held.names.geometry_of_value(i)] for i in answer.geometry_ids
+            held.model.names.geometry_names[held.model.names.geometry_of_value(i)]
+            for i in answer.geometry_ids
         ]
     assert names == [f'parts::part/g{k}' for k in range(5)]
 
@@ -266,7 +269,7 @@ def test_of_several_geometries_none_comes_where_one_is_refused(live, last):
     assert not answer.success
     assert answer.message.startswith('geometries[2]: ')
     with live.reading() as held:
-        assert held.inspector.num_geometries() == 3
+        assert held.model.inspector.num_geometries() == 3
 
 
 def test_tf_leaves_an_attached_frame_alone(live):
@@ -282,7 +285,7 @@ def test_tf_leaves_an_attached_frame_alone(live):
         tf.pose(held)
         assert x_of(live, 'part') == 3.0
         assert 'left out' in held.troubles()[0]
-        held.detach(held.names.frame('part'), RigidTransform([1.0, 0, 0]))
+        held.make(detachment(held, held.model.names.frame('part'), RigidTransform([1.0, 0, 0])))
         tf.pose(held)
         assert x_of(live, 'part') == 1.0
     tf.hear(message(transform('world', 'part', at(9.0), stamp=6.0)), static=False)

@@ -1,0 +1,1 @@
+"""Changes of the live scene, said once: each function returns a ``Change`` and makes nothing."""
