@@ -141,7 +141,15 @@ class Model:
         ``role`` selects those with that role. Raises UnknownIdError for an unknown id.
         """
         checked_type(geometry_set, GeometrySet, 'geometry_set')
-        geometry_ids, frame_ids = members_of(geometry_set)
+        return self.resolve_members(*members_of(geometry_set), role)
+
+    def resolve_members(
+        self,
+        geometry_ids: Iterable[GeometryId],
+        frame_ids: Iterable[FrameId],
+        role: Role | None = None,
+    ) -> list[GeometryId]:
+        """Return geometries, and those on frames, as ``resolve`` does."""
         records = [self.geometry(id) for id in geometry_ids]
         for frame_id in frame_ids:
             records += self.geometries_on(frame_id)

@@ -265,11 +265,10 @@ class CollisionFilterManager:
         if not members.frames and self._filters.knows(members.geometries):
             return members.geometries  # the common case, ten times as fast as resolving each
         ids = [GeometryId(value) for value in members.geometries]
-        return self._keys(GeometrySet(ids, members.frames))
+        return _values(self._model.resolve_members(ids, members.frames, Role.kProximity))
 
     def _keys(self, geometry_set: GeometrySet) -> tuple[int, ...]:
-        ids = self._model.resolve(geometry_set, Role.kProximity)
-        return tuple(geometry_id.get_value() for geometry_id in ids)
+        return _values(self._model.resolve(geometry_set, Role.kProximity))
 
     def _key(self, geometry_id: GeometryId) -> int:
         record = self._model.geometry(geometry_id)
@@ -279,6 +278,10 @@ class CollisionFilterManager:
                 'it has no proximity role. See SceneGraph.AssignRole'
             )
         return geometry_id.get_value()
+
+
+def _values(ids: Iterable[GeometryId]) -> tuple[int, ...]:
+    return tuple([geometry_id.get_value() for geometry_id in ids])
 
 
 def _ids(keys: Iterable[int]) -> list[GeometryId]:

@@ -17,16 +17,13 @@ OPERATIONS = dict(enumerate(FilterOperation, 1))  # by their numbers in Collisio
 
 def geometry_set_from_message(message: Any, names: NameTable) -> GeometrySet:
     """Return a GeometrySet; raises UnknownNameError for what the scene does not hold."""
-    frames = [names.frame(name) for name in message.frames]
-    frames += [names.frame_of_value(value) for value in message.frame_ids]
-    geometries = [names.geometry(name) for name in message.geometries]
-    geometries += [names.geometry_of_value(value) for value in message.geometry_ids]
+    frames, geometries = names.members(message)
     return GeometrySet(geometry_ids=geometries, frame_ids=frames)
 
 
 def declaration_from_message(message: Any, names: NameTable) -> CollisionFilterDeclaration:
     """Return a CollisionFilterDeclaration; raises RuntimeError, naming the statement."""
-    declaration = CollisionFilterDeclaration()
+    resolved: list[tuple[FilterOperation, GeometrySet, GeometrySet]] = []
     for number, statement in enumerate(message.statements):
         try:
             set_a = geometry_set_from_message(statement.set_a, names)
@@ -40,6 +37,9 @@ def declaration_from_message(message: Any, names: NameTable) -> CollisionFilterD
                 f'statements[{number}].operation is {statement.operation}; it must be one of '
                 f'{allowed}'
             )
+        resolved.append((operation, set_a, set_b))
+    declaration = CollisionFilterDeclaration()
+    for operation, set_a, set_b in resolved:
         sets = (set_a, set_b) if operation.takes_two_sets else (set_a,)
         declaration.Declare(operation, *sets)
     return declaration

@@ -6,12 +6,12 @@ The table is made from an inspector.
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import islice
 from types import MappingProxyType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from drake_geom_ros.common.counting import plural
 from drake_geom_ros.common.nearest import nearest
@@ -72,6 +72,7 @@ class NameTable:
         self._owners: dict[FrameId | GeometryId, str] = {}
         self._called: dict[str, list[FrameId]] = defaultdict(list)
         self._geometries: dict[str, list[GeometryId]] = defaultdict(list)
+        self._num_on: Counter[FrameId] = Counter()  # geometries on each frame
         self.frame_names: dict[FrameId, str] = {}
         self.geometry_names: dict[GeometryId, str] = {}
         world = inspector.world_frame_id()
@@ -100,11 +101,13 @@ class NameTable:
             name = inspector.GetName(geometry)
             source, frame = inspector.GetOwningSourceName(geometry), inspector.GetFrameId(geometry)
             self._owners[geometry] = source
+            self._num_on[frame] += 1
             self.geometry_names[geometry] = f'{source}::{short[frame]}/{name}'
             frames = self._world_names if frame == world else {short[frame]}
             aliases = {f'{called}/{name}' for called in frames}
             for key in aliases | {f'{source}::{alias}' for alias in aliases}:
                 self._geometries[key].append(geometry)
+        self.frame_values = tuple(frame.get_value() for frame in self.labels)  # of ids
         self._hints: dict[tuple[str, str], str] = {}
         self._known_frames: dict[int | None, FrameId] = {
             f.get_value(): f for f in self.frame_names
@@ -206,6 +209,19 @@ class NameTable:
         if value in self._known_geometries:
             return self._known_geometries[value]
         raise UnknownNameError(self._problem('geometry', f'#{value}', [], self.geometry_names))
+
+    def members(self, geometry_set: Any) -> tuple[list[FrameId], list[GeometryId]]:
+        """Return the frames and geometries that a GeometrySet message names, by name and by id."""
+        frames = [self.frame(name) for name in geometry_set.frames]
+        frames += [self.frame_of_value(value) for value in geometry_set.frame_ids]
+        geometries = [self.geometry(name) for name in geometry_set.geometries]
+        geometries += [self.geometry_of_value(value) for value in geometry_set.geometry_ids]
+        return frames, geometries
+
+    def num_members(self, geometry_set: Any) -> int:
+        """Return how many geometries a GeometrySet message stands for."""
+        frames, geometries = self.members(geometry_set)
+        return len(geometries) + sum([self._num_on[frame] for frame in frames])
 
     def name_of_value(self, value: int) -> str:
         """Return the name of the geometry with that id; empty for 0, which names none."""

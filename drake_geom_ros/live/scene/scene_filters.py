@@ -32,11 +32,25 @@ class SceneFilters:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""
         self._leases.grant(filter_id, seconds)
 
-    def own(self, filter_id: FilterId, owner: str, *, is_short: bool) -> None:
-        """Keep in mind who asked for a transient filter, and whether it is soon removed."""
-        self._owners[filter_id.get_value()] = owner
+    def begin(self, filter_id: FilterId, owner: str, seconds: float, *, is_short: bool) -> int:
+        """Keep the owner and the lease of a transient filter that was applied; return its number.
+
+        ``is_short``: it is soon removed, in a large scene too.
+        """
+        number = filter_id.get_value()
+        self._owners[number] = owner
         if not is_short:
-            self._long.add(filter_id.get_value())
+            self._long.add(number)
+        self.lease(filter_id, seconds)
+        until = f'for {seconds:g} s' if seconds else 'until it is removed'
+        self._log.notes.append(f'transient filter {number} {until}{owned_by(owner)}')
+        return number
+
+    def end(self, filter_id: FilterId) -> None:
+        """Forget the lease of a transient filter that was removed."""
+        self.lease(filter_id, 0.0)
+        owner = owned_by(self.owner_of(filter_id))
+        self._log.notes.append(f'transient filter {filter_id.get_value()} removed{owner}')
 
     def refuse_too_many(self, owner: str) -> None:
         """Raise FilterError where an owner has as many transient filters as one may have."""
@@ -52,7 +66,10 @@ class SceneFilters:
 
     def owners(self) -> dict[int, str]:
         """Return who asked for each active transient filter, by its id; empty: nobody said."""
-        active = [each.get_value() for each in self._model.filter_manager.active_filter_ids()]
+        manager = self._model.filter_manager
+        active = []
+        if manager.has_transient_history():
+            active = [each.get_value() for each in manager.active_filter_ids()]
         # Those of filters that are gone are forgotten here.
         self._owners = {number: self._owners.get(number, '') for number in active}
         self._long.intersection_update(active)

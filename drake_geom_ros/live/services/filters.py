@@ -12,27 +12,26 @@ from drake_geom_ros.geometry import (
     ArgumentError,
     CollisionFilterDeclaration,
     FilterId,
-    FrameId,
     SceneGraph,
     SceneGraphContext,
 )
 from drake_geom_ros.live.conversions.filters import declaration_from_message
+from drake_geom_ros.live.conversions.names import NameTable
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.live.scene.scene_filters import owned_by
 
 _MANY = 100  # names or geometries of a declaration that take longer than a cycle may wait
 
 
 def apply_filter(live: LiveScene, request: Any, response: Any) -> None:
     """Apply a persistent declaration."""
-    declaration = _declaration(live, request)
+    declaration, is_short = _declaration(live, request)
 
     def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
         graph.collision_filter_manager(context).Apply(declaration)
 
-    live.change(Change(on, same_content=True), is_short=_is_short(live, request))
+    live.change(Change(on, same_content=True), is_short=is_short)
 
 
 def flatten_filters(live: LiveScene, request: Any, response: Any) -> None:
@@ -43,8 +42,8 @@ def flatten_filters(live: LiveScene, request: Any, response: Any) -> None:
 
 def apply_transient_filter(live: LiveScene, request: Any, response: Any) -> None:
     """Apply a declaration that can be taken back, or that ends with its lease."""
-    lease, owner, declaration = _lease(request), request.owner, _declaration(live, request)
-    is_short = _is_short(live, request)
+    lease, owner = _lease(request), request.owner
+    declaration, is_short = _declaration(live, request)
 
     def first(scene: HeldScene) -> None:
         scene.filters.refuse_too_many(owner)
@@ -53,13 +52,7 @@ def apply_transient_filter(live: LiveScene, request: Any, response: Any) -> None
         return graph.collision_filter_manager(context).ApplyTransient(declaration)
 
     def then(scene: HeldScene, filter_id: FilterId) -> int:
-        scene.filters.lease(filter_id, lease)
-        scene.filters.own(filter_id, owner, is_short=is_short)
-        until = f'for {lease:g} s' if lease else 'until it is removed'
-        scene.log.notes.append(
-            f'transient filter {filter_id.get_value()} {until}{owned_by(owner)}'
-        )
-        return filter_id.get_value()
+        return scene.filters.begin(filter_id, owner, lease, is_short=is_short)
 
     change = Change(on, first, then, same_content=True)
     response.filter_id = live.change(change, is_short=is_short)
@@ -89,9 +82,7 @@ def remove_filter(live: LiveScene, request: Any, response: Any) -> None:
 
     def then(scene: HeldScene, removed: bool) -> bool:
         if removed:
-            scene.filters.lease(filter_id, 0.0)
-            owner = owned_by(scene.filters.owner_of(filter_id))
-            scene.log.notes.append(f'transient filter {request.filter_id} removed{owner}')
+            scene.filters.end(filter_id)
         return removed
 
     response.removed = live.change(Change(on, then=then, same_content=True), is_short=is_short)
@@ -104,25 +95,23 @@ def _lease(request: Any) -> float:
     return float(request.lease)
 
 
-def _declaration(live: LiveScene, request: Any) -> CollisionFilterDeclaration:
-    """Return the declaration of a request, by the names of now."""
+def _declaration(live: LiveScene, request: Any) -> tuple[CollisionFilterDeclaration, bool]:
+    """Return the declaration of a request by the names of now, and whether it ``_is_short``."""
     with live.reading() as scene:
         names = scene.model.names
-    return declaration_from_message(request.declaration, names)
+    declaration = declaration_from_message(request.declaration, names)
+    return declaration, _is_short(request.declaration, names)
 
 
-def _is_short(live: LiveScene, request: Any) -> bool:
-    """Return whether a declaration is soon applied in any scene: of few names and geometries."""
-    statements = request.declaration.statements
+def _is_short(declaration: Any, names: NameTable) -> bool:
+    """Return whether a message is soon applied in any scene: of few names and geometries."""
+    statements = declaration.statements
     sets = [each for statement in statements for each in (statement.set_a, statement.set_b)]
-    of_frames = sum(len(each.frames) + len(each.frame_ids) for each in sets)
-    count = sum(len(each.geometries) + len(each.geometry_ids) for each in sets)
-    if of_frames + count >= _MANY:
-        return False
-    with live.reading() as scene:  # a frame stands for all that it carries
-        frames = [scene.model.names.frame(name) for each in sets for name in each.frames]
-        frames += [FrameId(number) for each in sets for number in each.frame_ids]
-        return count + sum(map(scene.model.inspector.NumGeometriesForFrame, frames)) < _MANY
+    lists = [(s.frames, s.frame_ids, s.geometries, s.geometry_ids) for s in sets]
+    return (
+        sum(len(each) for four in lists for each in four) < _MANY
+        and sum(map(names.num_members, sets)) < _MANY
+    )
 
 
 def _is_of(scene: HeldScene, request: Any) -> bool:
