@@ -60,6 +60,11 @@ def seconds_of(stamp: Any) -> float:
     return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
+def nanoseconds_of(stamp: Any) -> int:
+    """Return a builtin_interfaces/Time as a whole number [ns]."""
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
+
+
 def stamp_seconds(stamp: Any, seconds: float) -> None:
     """Fill a builtin_interfaces/Time; seconds before 0, which it has none for, are 0."""
     whole, part = divmod(round(max(0.0, seconds) * 1e9), 10**9)

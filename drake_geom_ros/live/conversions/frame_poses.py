@@ -38,6 +38,7 @@ class FramePosesReader:
 
     def __init__(self, names: NameTable) -> None:
         self._names = names
+        self._world_frame = names.frame_names[names.world]
         self._known: dict[tuple[str, tuple[str, ...], tuple[int, ...]], ListedFrames] = {}
 
     def read(self, message: Any) -> ReadPoses:
@@ -65,11 +66,11 @@ class FramePosesReader:
 
     def listed_in(self, message: Any) -> ListedFrames:
         """Return the frames that a message names; raises RuntimeError for names that are none."""
-        world_frame, frame_id = self._names.frame_names[self._names.world], message.header.frame_id
-        if frame_id not in ('', world_frame):
+        frame_id = message.header.frame_id
+        if frame_id not in ('', self._world_frame):
             raise ArgumentError(
                 f'header.frame_id is {frame_id[:80]!r}; it must be the world frame, '
-                f'{world_frame!r}, or empty'
+                f'{self._world_frame!r}, or empty'
             )
         if len(message.frame_names) and len(message.frame_ids):
             raise ArgumentError('frame_names and frame_ids are both given; exactly one must be')

@@ -21,12 +21,15 @@ PENETRATION_SIZE = 105
 SIGNED_DISTANCE_SIZE = 106
 POINT_DISTANCE_SIZE = 78
 CANDIDATE_SIZE = 16
+# The arrays that messages bear, under the same names in lower case.
+_OF_PAIRS = ('id_A', 'id_B', 'nhat_BA_W', 'error_bound', 'method')
+_OF_PENETRATIONS = (*_OF_PAIRS, 'p_WCa', 'p_WCb', 'depth')
+_OF_DISTANCES = (*_OF_PAIRS, 'p_ACa', 'p_BCb', 'distance', 'is_nhat_BA_W_unique')
 
 
 def fill_penetrations(message: Any, results: PenetrationResults) -> None:
     """Fill the arrays of a PenetrationPairs message."""
-    arrays = {'p_wca': results.p_WCa, 'p_wcb': results.p_WCb, 'depth': results.depth}
-    fill_arrays(message, _arrays_of_pairs(results) | arrays)
+    fill_arrays(message, _arrays(results, _OF_PENETRATIONS))
 
 
 def fill_signed_distances(
@@ -34,26 +37,14 @@ def fill_signed_distances(
 ) -> None:
     """Fill the arrays of a SignedDistancePairs message."""
     message.max_distance = max_distance
-    arrays = {
-        'p_aca': results.p_ACa,
-        'p_bcb': results.p_BCb,
-        'distance': results.distance,
-        'is_nhat_ba_w_unique': results.is_nhat_BA_W_unique,
-    }
-    fill_arrays(message, _arrays_of_pairs(results) | arrays)
+    fill_arrays(message, _arrays(results, _OF_DISTANCES))
 
 
-def _arrays_of_pairs(
-    results: PenetrationResults | SignedDistanceResults,
+def _arrays(
+    results: PenetrationResults | SignedDistanceResults, names: tuple[str, ...]
 ) -> dict[str, NDArray[Any]]:
-    """Return the fields that all messages of pairs have."""
-    return {
-        'id_a': results.id_A,
-        'id_b': results.id_B,
-        'nhat_ba_w': results.nhat_BA_W,
-        'error_bound': results.error_bound,
-        'method': results.method,
-    }
+    """Return arrays of results by the names of fields, which are the same in lower case."""
+    return {name.lower(): getattr(results, name) for name in names}
 
 
 def fill_closing_speeds(message: Any, speeds: ClosingSpeeds | None) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
-from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.live.conversions.fields import nanoseconds_of, seconds_of
 from drake_geom_ros.live.conversions.names import shortened, some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN, Clocks, Since
 from drake_geom_ros.live.scene.driven_robot import (
@@ -31,9 +31,10 @@ from drake_geom_ros.live.scene.driven_robot import (
 from drake_geom_ros.live.scene.feeders import JOINTS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.robot_joints import JointPlace, look_up
-from drake_geom_ros.live.scene.twists import stamp_of
+from drake_geom_ros.math.array_types import Floats
 
 _NANOSECONDS = 1e-9  # [s]
+_NO_IDS = np.zeros(0, dtype=np.int64)
 _MOST_LISTS = 64  # lists of names of which it is kept which joints they mean
 
 
@@ -48,7 +49,14 @@ class _Move(NamedTuple):
     base: Base
     links: LinkPoses
     posed: Mapping[frozenset[int], Since]
+
+
+class _Moves(NamedTuple):
+    """The links of all robots that a message moves."""
+
+    each: list[_Move]
     poses: FramePoseVector
+    rows: Floats  # (n, 7) of these
 
 
 class JointInput:
@@ -87,8 +95,8 @@ class JointInput:
         """
         places = self.places(scene, topic, tuple(message.name))
         positions, speeds = _numbers(message, places)
-        stamp = stamp_of(message.header.stamp)
-        since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
+        stamp, held = nanoseconds_of(message.header.stamp), seconds_of(message.header.stamp)
+        since = self._clocks.arrival(waited).since(held)
         robots = scene.model.joints.robots
         before = {place.robot: list(robots[place.robot].values) for place in places if place}
         changed: dict[str, set[int]] = {}
@@ -99,7 +107,7 @@ class JointInput:
                 values[place.column] = self._joined(values[place.column], value)
                 changed.setdefault(place.robot, set()).add(place.column)
         try:
-            moves = [self._move(scene, robots[name], c) for name, c in changed.items()]
+            moves = self._moves(scene, [(robots[name], changed[name]) for name in changed])
         except RuntimeError:  # a link would stand farther than any scene reaches
             for name, values in before.items():
                 robots[name].values = values
@@ -108,7 +116,7 @@ class JointInput:
         if scene.poses.history is not None:
             for name, columns in changed.items():
                 scene.model.joints.pasts[name].note(columns)
-        return sum(self._pose(scene, move, message.header.stamp) for move in moves if move)
+        return self._pose(scene, moves, message.header.stamp)
 
     def _note_sender(
         self, scene: HeldScene, message: Any, sender: str, changed: Mapping[str, set[int]]
@@ -134,17 +142,17 @@ class JointInput:
         if stamp is None:  # nothing ever came
             return 0
         moved, scene.poses.moved = scene.poses.moved, set()
-        moves = []
+        standing = []
         for robot in self._driven(scene):
             may_have_moved = robot.base is None or not moved.isdisjoint(self._carriers[robot.name])
             if not (is_new or may_have_moved):
                 continue
-            others, base = self._are_others(scene, robot), base_of(scene, robot)
+            base = base_of(scene, robot)
             if is_new or _bytes(base) != _bytes(robot.base):
-                moves.append(self._move(scene, robot, None, leave_out=others))
+                standing.append((robot, None))
             elif base and robot.base and base.since != robot.base.since:
-                self._renew(scene, robot, base, others)
-        return sum(self._pose(scene, move, stamp) for move in moves if move)
+                self._renew(scene, robot, base, self._are_others(scene, robot))
+        return self._pose(scene, self._moves(scene, standing), stamp) if standing else 0
 
     def has_followed(self, scene: HeldScene) -> bool:
         """Return whether ``follow`` has seen this version of the scene."""
@@ -233,37 +241,32 @@ class JointInput:
                 speed = before.speed
         return JointValue(value.position, speed, value.stamp, since)
 
-    def _move(
-        self,
-        scene: HeldScene,
-        robot: DrivenRobot,
-        changed: set[int] | None,
-        leave_out: frozenset[int] = frozenset(),
-    ) -> _Move | None:
-        """Return where links stand that changed columns move, all for None; raises RuntimeError.
+    def _moves(
+        self, scene: HeldScene, changed: Sequence[tuple[DrivenRobot, set[int] | None]]
+    ) -> _Moves:
+        """Return where links stand that changed columns move; None: all follow a base.
 
-        Links that no joint moves move only where they wait, or with the base. None: no link of
-        the robot can be posed. Rows of ``leave_out`` move with the base alone.
+        Left out are robots of which no link can be posed. Raises RuntimeError for a place beyond
+        that of any scene.
         """
-        base = base_of(scene, robot)
-        if base is None:
-            return None
-        moved = robot.base is not None and _bytes(base) != _bytes(robot.base)
+        bases = bases_of(scene, [robot for robot, _ in changed])
         waiting = {frame.get_value() for frame in scene.query.waiting_frames()}
-        rows = {}
-        for columns, some in robot.patterns.items():
-            if not columns and not moved:
-                some = frozenset(row for row in some if robot.links[row] in waiting)
-            elif columns and changed is not None and not moved and changed.isdisjoint(columns):
-                continue
-            rows[columns] = some if moved else some - leave_out
-        moments = robot.since(base, rows)
-        if not moments:
-            return None
-        links = robot.link_poses(base, robot.positions(), set().union(*moments.values()))
-        # Of what stands as the scene file says the age stays unknown.
-        posed = _frames_since(robot, moments)
-        return _Move(robot, base, links, posed, FramePoseVector.FromArrays(links.ids, links.rows))
+        choices = []
+        for (robot, columns), base in zip(changed, bases, strict=True):
+            if base is not None:
+                others = frozenset() if columns is not None else self._are_others(scene, robot)
+                rows = _rows_to_pose(robot, base, columns, others, waiting)
+                choices.append((robot, base, rows))
+        moves = []
+        for robot, base, rows in choices:
+            if moments := robot.since(base, rows):
+                links = robot.link_poses(base, robot.positions(), set().union(*moments.values()))
+                # Of what stands as the scene file says the age stays unknown.
+                moves.append(_Move(robot, base, links, _frames_since(robot, moments)))
+        ids = [move.links.ids for move in moves]
+        rows_of_all = np.concatenate([move.links.rows for move in moves] or [np.zeros((0, 7))])
+        poses = FramePoseVector.FromArrays(np.concatenate(ids or [_NO_IDS]), rows_of_all)
+        return _Moves(moves, poses, rows_of_all)
 
     def _renew(
         self, scene: HeldScene, robot: DrivenRobot, base: Base, leave_out: frozenset[int]
@@ -278,14 +281,42 @@ class JointInput:
         by_others = scene.poses.feeders.is_fed_by_others
         return frozenset(row for row, f in robot.links.items() if by_others(JOINTS, f))
 
-    def _pose(self, scene: HeldScene, move: _Move, stamp: Any) -> int:
-        """Pose links; return how many."""
-        move.robot.base = move.base
-        past = scene.model.joints.pasts[move.robot.name]
-        scene.poses.pose(move.poses, move.posed, stamp, JOINTS, move.links.rows, past)
-        if scene.poses.watches_motion and stamp_of(stamp):
-            _tell_twists(scene, move, stamp_of(stamp))
-        return len(move.poses)
+    def _pose(self, scene: HeldScene, moves: _Moves, stamp: Any) -> int:
+        """Pose links, all at once; return how many."""
+        if not moves.each:
+            return 0
+        for move in moves.each:
+            move.robot.base = move.base
+        posed = {frames: since for move in moves.each for frames, since in move.posed.items()}
+        past = scene.model.joints.past_of_links
+        scene.poses.pose(moves.poses, posed, stamp, JOINTS, moves.rows, past)
+        if scene.poses.watches_motion and (time := nanoseconds_of(stamp)):
+            for move in moves.each:
+                _tell_twists(scene, move, time)
+        return len(moves.rows)
+
+
+def _rows_to_pose(
+    robot: DrivenRobot,
+    base: Base,
+    changed: set[int] | None,
+    leave_out: frozenset[int],
+    waiting: set[int],
+) -> dict[tuple[int, ...], frozenset[int]]:
+    """Return the rows of links that changed columns move, all for None, by what they depend on.
+
+    Links that no joint moves move only where they wait, or with the base. Rows of ``leave_out``
+    move with the base alone.
+    """
+    moved = robot.base is not None and _bytes(base) != _bytes(robot.base)
+    rows = {}
+    for columns, some in robot.patterns.items():
+        if not columns and not moved:
+            some = frozenset(row for row in some if robot.links[row] in waiting)
+        elif columns and changed is not None and not moved and changed.isdisjoint(columns):
+            continue
+        rows[columns] = some if moved else some - leave_out
+    return rows
 
 
 def _frames_since(robot: DrivenRobot, moments: Moments) -> dict[frozenset[int], Since]:
@@ -299,8 +330,14 @@ def _frames_since(robot: DrivenRobot, moments: Moments) -> dict[frozenset[int], 
 
 def base_of(scene: HeldScene, robot: DrivenRobot) -> Base | None:
     """Return where the root link of a robot stands; None where nobody knows."""
-    since = None if robot.root is None else scene.poses.since(robot.root)
-    return scene.model.joints.base(robot, scene.query, since)
+    return bases_of(scene, [robot])[0]
+
+
+def bases_of(scene: HeldScene, robots: Sequence[DrivenRobot]) -> list[Base | None]:
+    """Return where the root links of robots stand; None where nobody knows."""
+    since, values = scene.poses.ages.since, [robot.root_value for robot in robots]
+    sinces = [None if value is None else since(value) for value in values]
+    return scene.model.joints.bases(robots, scene.query, sinces)
 
 
 def carriers_of(scene: HeldScene, robot: DrivenRobot) -> frozenset[int]:
@@ -350,16 +387,21 @@ def _numbers(message: Any, places: Sequence[JointPlace | None]) -> tuple[list[fl
     """Return the positions and speeds of a message; raises ArgumentError for what is wrong."""
     positions = np.asarray(message.position, dtype=np.float64)
     speeds = np.asarray(message.velocity, dtype=np.float64)
-    expected = f'for {counted(len(places), "name")}; it must hold one for each'
-    if len(positions) != len(places):
-        raise ArgumentError(f'position holds {counted(len(positions), "number")} {expected}')
-    if len(speeds) not in (0, len(places)):
-        raise ArgumentError(f'velocity holds {counted(len(speeds), "number")} {expected}, or none')
+    for what, numbers, allowed in (
+        ('position', positions, (len(places),)),
+        ('velocity', speeds, (0, len(places))),
+    ):
+        if len(numbers) not in allowed:
+            raise ArgumentError(
+                f'{what} holds {counted(len(numbers), "number")} for '
+                f'{counted(len(places), "name")}; it must hold one for each'
+                f'{", or none" if 0 in allowed else ""}'
+            )
     is_own = np.array([place is not None for place in places], dtype=np.bool_)
     # A driver without an interface for velocities sends NaN for each: it is not known then.
-    allowed = np.isfinite(positions), np.isfinite(speeds) | np.isnan(speeds)
+    finite = np.isfinite(positions), np.isfinite(speeds) | np.isnan(speeds)
     for what, numbers, good in zip(
-        ('position', 'velocity'), (positions, speeds), allowed, strict=True
+        ('position', 'velocity'), (positions, speeds), finite, strict=True
     ):
         wrong = np.flatnonzero(is_own[: len(numbers)] & ~good)
         if wrong.size:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry import FrameId, FramePoseVector
+from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.live.inputs.joint_input import JointInput, base_of
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_edges import matrices_of, names_in
@@ -140,7 +140,7 @@ class _Telling:
         if sender.feeder == TF:
             return inputs.tf is not None and self._hear(inputs.tf, number, sender)
         ids, frames = self._scene.model.reader.listed_in(sender.sample)
-        since = {self._scene.poses.since(FrameId(value)) for value in frames}
+        since = {self._scene.poses.ages.since(value) for value in frames}
         if len(since) != 1 or None in since:
             return False
         self._heard[number] = next(iter(since)) or ALWAYS
@@ -222,7 +222,7 @@ class _Telling:
         heard = [self._heard.get(k, ALWAYS) for k in range(self._count)]
         return all(
             self._are_fed_by(feeder, group.frames)
-            and {self._scene.poses.since(FrameId(v)) for v in group.frames} == {group.since(heard)}
+            and {self._scene.poses.ages.since(v) for v in group.frames} == {group.since(heard)}
             for group in groups
         )
 

@@ -99,7 +99,7 @@ class Cycle:
             return
         moment, waiting = scene.moment(), scene.waiting()
         waiting.tell_pairs(*self._messages.values(), self.contacts.message)
-        scene.set_detailed_effects(detailed=wanted['cycle_report'])
+        scene.model.context.set_detailed_effects(wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None
         wanted['contact_surfaces'] = pressing and self.contacts.has_participants(scene)

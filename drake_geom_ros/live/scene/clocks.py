@@ -128,6 +128,11 @@ class Clocks:
 
         return age
 
+    def ages_of(self, moments: Iterable[Since]) -> list[float]:
+        """Return several ages [s], like ``age``, for which the clocks are read once."""
+        age = self.ages()
+        return [age(since) for since in moments]
+
     def step(self) -> float:
         """Return by how much [s] the node's time has left steady time since the last look.
 

@@ -80,8 +80,9 @@ class HeldScene:
         """
         change.first(self)
         made = change.on(self.model.scene_graph, None)
-        self.model.robots = change.robots_after(self.model.robots)
-        self.model.maps_source = change.maps_after(self.model.maps_source, made)
+        if not change.same_content:
+            self.model.robots = change.robots_after(self.model.robots)
+            self.model.maps_source = change.maps_after(self.model.maps_source, made)
         self.model.refresh(same_content=change.same_content)
         return change.then(self, made)
 
@@ -180,10 +181,6 @@ class HeldScene:
         self.model.context.set_default_accuracy(accuracy)
         self.rules.change_accuracy()
 
-    def set_detailed_effects(self, *, detailed: bool) -> None:
-        """Let queries measure the seconds of the cache apart, which costs them microseconds."""
-        self.model.context.set_detailed_effects(detailed)
-
     # What the parts say together.
 
     def moment(self) -> SceneStamp:
@@ -230,18 +227,19 @@ class HeldScene:
         It names the poses that are older than ``stale_after`` [s].
         """
         model, poses = self.model, self.poses
-        context = model.context.what_if()
+        context, owners = model.context.what_if(), self.filters.owners()
+        beside, twists = self.maps.beside_bodies(), poses.twists() if moving else None
+        unknown, stale = poses.unknown_ages(), poses.ages.stale(stale_after)
         return SceneView(
-            context,
-            model.scene_graph.collision_filter_manager(context),
-            model.names,
-            self.moment(),
-            self.filters.owners(),
-            poses.unknown_ages(),
-            model.joints.entries,
-            poses.twists() if moving else None,
-            self.maps.beside_bodies(),
-            poses.ages.stale(stale_after),
+            context=context,
+            names=model.names,
+            moment=self.moment(),
+            filter_owners=owners,
+            unknown_ages=unknown,
+            joints=model.joints.entries,
+            twists=twists,
+            beside=beside,
+            stale=stale,
         )
 
     def snapshot(self) -> SceneSnapshot:

@@ -7,7 +7,7 @@ of each joint of that very time, and not of what came last of each by then.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -37,6 +37,10 @@ class JointPast:
             if (value := robot.values[column]) is not None:
                 self._tracks[robot.joint_names[column]].note(value.position, value.since)
 
+    def frames(self) -> Collection[int]:
+        """Return the frames of the links, by the values of their ids."""
+        return self._robot.links.values()
+
     def around(self, time: float) -> PoseThen:
         """Return the poses of links at a time [s]."""
         robot = self._robot
@@ -56,6 +60,21 @@ class JointPast:
             return row
 
         return pose
+
+
+class LinksPast:
+    """The past of all links of several robots: the parts of poses that came in one message."""
+
+    def __init__(self, pasts: Mapping[str, JointPast]) -> None:
+        """``pasts`` are by robot; those that are added later count, too."""
+        self._pasts = pasts
+
+    def around(self, time: float) -> PoseThen:
+        """Return the poses of links at a time [s]."""
+        poses: dict[int, PoseThen] = {}
+        for past in self._pasts.values():
+            poses.update(dict.fromkeys(past.frames(), past.around(time)))
+        return lambda frame, then: poses[frame](frame, then)
 
 
 def _position(joint: str, bracket: Bracket[float]) -> float:

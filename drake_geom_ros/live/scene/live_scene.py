@@ -21,20 +21,19 @@ from typing import Any, TypeVar
 import numpy as np
 
 from drake_geom_ros.geometry import (
-    ArgumentError,
     GeometryError,
     QueryObject,
     SceneGraph,
 )
 from drake_geom_ros.geometry.render import CameraProperties
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
-from drake_geom_ros.live.conversions.names import WORLD, some_of
+from drake_geom_ros.live.conversions.names import WORLD
 from drake_geom_ros.live.scene.change import Change, unchanged
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.prepared_scene import PreparedScene, prepared
-from drake_geom_ros.live.scene.robot_following import pose_followers
+from drake_geom_ros.live.scene.robot_following import pose_followers, refuse_twice_posed
 from drake_geom_ros.live.scene.scene_draft import SceneDraft
 from drake_geom_ros.live.scene.scene_snapshot import SceneSnapshot
 from drake_geom_ros.live.scene.scene_view import SceneView
@@ -129,13 +128,14 @@ class LiveScene:
         would refuse, for joints that are none, and for a frame that both pose.
         """
         with self.reading() as scene:
-            requested = None if poses is None else scene.model.reader.read(poses).poses
+            read = None if poses is None else scene.model.reader.read(poses)
             by_joints = joints is not None and (len(joints.names) or len(joints.positions))
-            is_now = not (requested or by_joints)
+            posed = set() if read is None else set(read.frames)
+            is_now = not (posed or by_joints)
             view = scene.view(moving=poses is not None and is_now, stale_after=self.stale_after)
-            posed = replaced = set() if requested is None else set(requested.id_values().tolist())
-            if requested:
-                view.context.UpdateFramePoses(requested)
+            replaced = posed
+            if read is not None and posed:
+                view.context.UpdateFramePoses(read.poses)
                 pose_followers(scene, view, posed)
             if by_joints:
                 positions = np.asarray(joints.positions, dtype=np.float64)
@@ -284,13 +284,3 @@ class LiveScene:
         for feeder in self.map_sources.fed.values():
             feeder.forget()
         return added
-
-
-def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:
-    """Raise ArgumentError for frames, by the values of their ids, that are posed in two ways."""
-    if frames:
-        frame_names = scene.model.names.frame_names.items()
-        names = [name for frame, name in frame_names if frame.get_value() in frames]
-        raise ArgumentError(
-            f'joints move {some_of(names)}, and poses pose them, too; leave them out of one'
-        )

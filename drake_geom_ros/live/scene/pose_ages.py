@@ -204,19 +204,20 @@ class PoseAges:
 
     def stale(self, seconds: float) -> dict[int, float]:
         """Return the ages [s] of the poses that are older than ``seconds``, by frame."""
-        age = self._clocks.ages()
-        groups = [(fs, t, age(t.since)) for fs, t in self._together.items()]
-        return {
-            f: old for fs, t, old in groups if old > seconds for f in fs if self._posed.get(f) is t
-        }
+        groups = zip(self._together.items(), self._ages_of_groups(), strict=True)
+        old = [(frames, group, age) for (frames, group), age in groups if age > seconds]
+        return {f: age for fs, group, age in old for f in fs if self._posed.get(f) is group}
+
+    def _ages_of_groups(self) -> list[float]:
+        """Return the age [s] of each set of frames that were posed together."""
+        return self._clocks.ages_of([each.since for each in self._together.values()])
 
     def older_than(self, seconds: float, names: NameTable) -> set[int]:
         """Return the frames whose poses are older [s], or of unknown age; those that wait, too."""
         if self.oldest(names).age <= seconds:
             return set()
         age, posed = self._clocks.ages(), self._posed
-        frames = {f.get_value() for f in names.frame_names if f != names.world}
-        return {f for f in frames if f not in posed or age(posed[f].since) > seconds}
+        return {f for f in names.frame_values if f not in posed or age(posed[f].since) > seconds}
 
     def lag(self) -> float:
         """Return the age [s] of what was noted last; inf: unknown, 0: it does not grow old."""
@@ -224,19 +225,18 @@ class PoseAges:
 
     def oldest(self, names: NameTable) -> Oldest:
         """Return the age [s] of the oldest frame pose, inf when one is unknown, and its frame."""
-        frames = len(names.frame_names) - 1
+        frames, posed = names.frame_values, self._posed
         if not frames:
             return Oldest(0.0, 0)
-        if len(self._posed) < frames:
-            waiting = (v for f in names.frame_names if (v := f.get_value()) not in self._posed)
-            return Oldest(math.inf, next(v for v in waiting if v != names.world.get_value()))
-        together, age = self._together, self._clocks.ages()
-        of = max(together, key=lambda frames: age(together[frames].since))
-        oldest = age(together[of].since)
+        if len(posed) < len(frames):
+            return Oldest(math.inf, next(value for value in frames if value not in posed))
+        ages = self._ages_of_groups()
+        oldest = max(ages)
         if not oldest:
             return Oldest(0.0, 0)
+        group_frames, group = list(self._together.items())[ages.index(oldest)]
         # Some of those that were posed together were posed otherwise since.
-        return Oldest(oldest, next(f for f in of if self._posed.get(f) is together[of]))
+        return Oldest(oldest, next(f for f in group_frames if posed.get(f) is group))
 
 
 def _again(before: _Together | None, since: Since, stamp: Any) -> Since:

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry import (
     QueryObject,
     SceneGraphInspector,
 )
+from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.driven_robot import Base, DrivenRobot
 from drake_geom_ros.live.scene.feeders import MESSAGES
@@ -97,10 +98,22 @@ def refuse_carried_robots(scene: HeldScene, moving: Collection[int]) -> None:
     Its links would stay where they are.
     """
     for robot in scene.model.joints.robots.values():
-        if robot.root is None or not set(robot.links.values()).difference(moving):
+        if robot.root is None or robot.root_value not in scene.model.attached:
+            continue
+        if not set(robot.links.values()).difference(moving):
             continue
         if carriers := _carriers_of_base(scene.model.inspector, robot.root).intersection(moving):
             raise ArgumentError(_attached(scene, robot, carriers))
+
+
+def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:
+    """Raise ArgumentError for frames, by the values of their ids, that are posed in two ways."""
+    if frames:
+        frame_names = scene.model.names.frame_names.items()
+        names = [name for frame, name in frame_names if frame.get_value() in frames]
+        raise ArgumentError(
+            f'joints move {some_of(names)}, and poses pose them, too; leave them out of one'
+        )
 
 
 def _attached(scene: HeldScene, robot: DrivenRobot, carriers: set[int]) -> str:

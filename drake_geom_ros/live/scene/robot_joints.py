@@ -20,7 +20,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.live.conversions.names import shortened, some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN, Since
 from drake_geom_ros.live.scene.driven_robot import Base, DrivenRobot, JointEntry, JointValue
-from drake_geom_ros.live.scene.joint_past import JointPast
+from drake_geom_ros.live.scene.joint_past import JointPast, LinksPast
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import RobotDescription
 
@@ -44,6 +44,7 @@ class RobotJoints:
         """``frames`` by source and name; values of ``before`` go on where names are the same."""
         self.robots: dict[str, DrivenRobot] = {}
         self.pasts: dict[str, JointPast] = {}  # of these, filled where somebody has to know
+        self.past_of_links = LinksPast(self.pasts)
         self._homes: dict[str, tuple[FrameId | None, bool]] = {}
         self.refused: dict[str, str] = {}  # robots that no joint values can pose, and why
         for robot in robots:
@@ -76,26 +77,48 @@ class RobotJoints:
 
         That is in the frame that carries the robot, or in the world.
         """
-        if robot.base_is_world:
-            return Base(robot.described_X_PB, ALWAYS)
-        if robot.root is None:
-            return None
-        home, is_attached = self._home(robot.name, robot.root, query)
-        try:
-            if home is None:  # as arrays: it is asked for with each message
-                (R_PB,), (p_PB,), (is_placed,) = query.X_WFs([robot.root.get_value()])
-                if not is_placed:
-                    return None
+        return self.bases([robot], query, [since])[0]
+
+    def bases(
+        self,
+        robots: Sequence[DrivenRobot],
+        query: QueryObject,
+        sinces: Sequence[Since | None],
+    ) -> list[Base | None]:
+        """Return where robots stand, as ``base``; those that stand in the world at one look."""
+        bases: list[Base | None] = [None] * len(robots)
+        in_world, values = list[int](), list[int]()
+        for k, robot in enumerate(robots):
+            if robot.base_is_world:
+                bases[k] = Base(robot.described_X_PB, ALWAYS)
+            elif robot.root is None or robot.root_value is None:
+                continue
+            elif self._home(robot.name, robot.root, query)[0] is None:
+                in_world.append(k)
+                values.append(robot.root_value)
             else:
-                X_PB = (
-                    query.X_PF(robot.root)
-                    if not is_attached
-                    else query.X_WF(home).InvertAndCompose(query.X_WF(robot.root))  # attached
-                )
-                R_PB, p_PB = X_PB.rotation().matrix(), X_PB.translation()
+                bases[k] = self._carried_base(robot, robot.root, query, sinces[k])
+        if values:
+            for k, R_PB, p_PB, is_placed in zip(in_world, *query.X_WFs(values), strict=True):
+                if is_placed:
+                    X_PB = robots[k].pose_of_base(R_PB, p_PB)
+                    bases[k] = Base(X_PB, sinces[k] or UNKNOWN)
+        return bases
+
+    def _carried_base(
+        self, robot: DrivenRobot, root: FrameId, query: QueryObject, since: Since | None
+    ) -> Base | None:
+        """Return where a robot stands in the frame that carries it."""
+        home, is_attached = self._home(robot.name, root, query)
+        assert home is not None
+        try:
+            X_PB = query.X_PF(root)
+            if is_attached:
+                X_PB = query.X_WF(home).InvertAndCompose(query.X_WF(root))
         except PoseError:
             return None
-        return Base(robot.pose_of_base(R_PB, p_PB), since or UNKNOWN)
+        X = robot.pose_of_base(X_PB.rotation().matrix(), X_PB.translation())
+        return Base(X, since or UNKNOWN)
 
     def _home(self, name: str, root: FrameId, query: QueryObject) -> tuple[FrameId | None, bool]:
         """Return the frame that carries a robot, None for the world, and whether it is attached.

@@ -11,7 +11,13 @@ from drake_geom_ros.live.scene.out_of_sight import MapSights, Sight
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_rules import SceneRules
 from drake_geom_ros.live.scene.scene_snapshot import MAPS
-from drake_geom_ros.live.scene.seen_shells import NO_SHELL, BesideBodies, SeenShell, beside_bodies
+from drake_geom_ros.live.scene.seen_shells import (
+    NO_SHELL,
+    NOTHING_BESIDE,
+    BesideBodies,
+    SeenShell,
+    beside_bodies,
+)
 from drake_geom_ros.sensed_maps import Cells
 
 
@@ -53,7 +59,9 @@ class SceneMaps:
 
     def beside_bodies(self) -> BesideBodies:
         """Return how many points were seen beside bodies, and how near."""
-        return beside_bodies(each.shell for each in self.by_name.values())
+        if not self.by_name:
+            return NOTHING_BESIDE
+        return beside_bodies([each.shell for each in self.by_name.values()])
 
     def sights(self) -> list[MapSights]:
         """Return where sensors can see, of the maps that these feed."""

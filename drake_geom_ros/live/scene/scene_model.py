@@ -106,7 +106,6 @@ class SceneModel:
         self.query = scene_graph.get_query_output_port().Eval(context)
         self.robots, self.maps_source = list(robots), maps_source
         self._base, self._cell_changes = version, 0
-        self.model_version = -1
         self._come_to(tables)
 
     def take_over(
@@ -129,34 +128,32 @@ class SceneModel:
             self._come_to(tables)
         return True
 
-    def _come_to(self, tables: ModelTables | None) -> None:
-        """Come to a version with its tables; those that are None are made."""
-        if tables is not None:
-            tables.joints.go_on_as(self.joints)
-            self._note_versions()
-            self.names, self.reader, self.joints, self.attached = tables
-        else:
-            self.refresh()
-
-    def _note_versions(self) -> None:
-        self.version = self._base + self.scene_graph.model_version()
-        self.names_version = self._base + self.scene_graph.names_version()
-        self.model_version = self.version - self._cell_changes
-
     def refresh(self, *, same_content: bool = False) -> None:
         """Have everything be of the scene graph as it is now.
 
         ``same_content``: at most shapes and filters changed, so that the tables stay.
         """
+        version = self._base + self.scene_graph.model_version()
+        if version == self.version:
+            return
         if same_content:
-            version = self._base + self.scene_graph.model_version()
             self._cell_changes += version - self.version
-        before = self.model_version
-        self._note_versions()
-        if self.model_version != before:
-            self.names, self.reader, self.joints, self.attached = ModelTables.of(
-                *(self.inspector, self.world_frame, self.robots, self.maps_source, self.joints)
+            self.version = version
+        else:
+            self._come_to(None)
+
+    def _come_to(self, tables: ModelTables | None) -> None:
+        """Come to the version of the scene graph; ``tables`` that are None are made."""
+        self.version = self._base + self.scene_graph.model_version()
+        self.names_version = self._base + self.scene_graph.names_version()
+        self.model_version = self.version - self._cell_changes
+        if tables is None:
+            tables = ModelTables.of(
+                self.inspector, self.world_frame, self.robots, self.maps_source, self.joints
             )
+        else:
+            tables.joints.go_on_as(self.joints)
+        self.names, self.reader, self.joints, self.attached = tables
 
     @property
     def is_large(self) -> bool:

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry import (
     SourceId,
     closing_speeds,
 )
-from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.live.conversions.fields import nanoseconds_of, seconds_of
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks, Since, oldest
 from drake_geom_ros.live.scene.feeders import JOINTS, MESSAGES, OBSTACLES, TF, Feeders
@@ -28,7 +28,7 @@ from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.live.scene.sender_troubles import clock_troubles, sender_troubles
 from drake_geom_ros.live.scene.senders import Joint, Senders, links_of
-from drake_geom_ros.live.scene.twists import FrameTwists, stamp_of
+from drake_geom_ros.live.scene.twists import FrameTwists
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import LoadedScene
 
@@ -84,12 +84,13 @@ class ScenePoses:
         """
         poses, frames, rows = self._model.reader.read(message)
         stamp = message.header.stamp
-        since = self._clocks.arrival(waited).since(seconds_of(stamp))
+        held = seconds_of(stamp)
+        since = self._clocks.arrival(waited).since(held)
         posed = self.ages.posed_by(frames, since, stamp)
         if sender:
             self.senders.note_frames(sender, frames)
         self.pose(poses, posed, stamp, MESSAGES, rows)
-        return len(poses)
+        return len(frames)
 
     def pose(
         self,
@@ -109,12 +110,14 @@ class ScenePoses:
         if self.keep_rows is not None and rows is not None:
             self.keep_rows(ids, rows)
         welded = self._model.filter_manager.welded_frames()
+        free_ids = ids
         if self._model.attached:
             poses, posed = self._without_attached(poses, posed)
+            free_ids = poses.id_values()
         if self.history is not None and rows is not None:
             self.history.note((ids, rows), posed, feeder, self._clocks.node(), parts)
         self._model.context.UpdateFramePoses(poses)
-        self.moved.update(poses.id_values().tolist())
+        self.moved.update(free_ids.tolist())
         self._rules.measure_again()
         if welded and feeder != OBSTACLES:  # a map is welded again where it is posed
             self._warn_of_welds(welded)
@@ -170,7 +173,7 @@ class ScenePoses:
         Raises RuntimeError where its stamp says no time.
         """
         frames, twists = self._model.reader.read_twists(message)
-        stamp = stamp_of(message.header.stamp)
+        stamp = nanoseconds_of(message.header.stamp)
         if not stamp:
             raise ArgumentError('header.stamp is 0; twists belong to the poses of their time')
         if self._twists is not None:
@@ -233,9 +236,10 @@ class ScenePoses:
 
     def links_of_stale_joints(self, seconds: float, named: Collection[Joint]) -> set[int]:
         """Return the links of joints whose values are older [s], but for those ``named``."""
-        robots, age = self._model.joints.robots.values(), self._clocks.ages()
-        values = ((r.name, k, value) for r in robots for k, value in enumerate(r.values))
-        old = {(n, k) for n, k, value in values if value and age(value.since) > seconds}
+        robots = self._model.joints.robots.values()
+        values = [(r.name, k, v.since) for r in robots for k, v in enumerate(r.values) if v]
+        ages = self._clocks.ages_of([since for _, _, since in values])
+        old = {(n, k) for (n, k, _), age in zip(values, ages, strict=True) if age > seconds}
         return links_of(robots, old.difference(named))
 
     def troubles(self) -> list[str]:
@@ -388,6 +392,6 @@ def _stamps(posed: PosedFrames, stamp: Any, feeder: str) -> dict[int, tuple[int,
     for frames, since in posed.items():
         own = 0
         if since != ALWAYS:
-            own = int(since.held * 1e9) if feeder == TF else stamp_of(stamp)
+            own = int(since.held * 1e9) if feeder == TF else nanoseconds_of(stamp)
         stamps.update(dict.fromkeys(frames, (own, since)))
     return stamps

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from drake_geom_ros.geometry import (
     PenetrationResults,
     QueryObject,
     Role,
+    SceneGraph,
     SceneGraphContext,
     SignedDistanceResults,
     closing_speeds,
@@ -78,7 +80,6 @@ class SceneView:
     """The scene at a moment: nobody changes it, so that any thread may ask it, for any time."""
 
     context: SceneGraphContext
-    filters: CollisionFilterManager
     names: NameTable
     moment: SceneStamp
     filter_owners: Mapping[int, str]  # of the active transient filters, by id
@@ -89,10 +90,15 @@ class SceneView:
     stale: Mapping[int, float] = field(default_factory=dict)  # ages [s] of old poses, by frame
     replaced: frozenset[int] = frozenset()  # frames that a question poses, by values of ids
 
-    @property
+    @cached_property
     def query(self) -> QueryObject:
         """The query object of this moment."""
         return QueryObject(self.context)
+
+    @property
+    def filters(self) -> CollisionFilterManager:
+        """The collision filters of this moment."""
+        return SceneGraph().collision_filter_manager(self.context)
 
     def closing_speeds(
         self, results: SignedDistanceResults | PenetrationResults

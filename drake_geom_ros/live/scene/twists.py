@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -206,11 +206,6 @@ def _carried(
     )
     carried = np.concatenate((V_WP[:3], V_WP[3:] + np.cross(V_WP[:3], p_PF_W)))
     return carried + np.concatenate((R_WP @ V_PF[:3], R_WP @ V_PF[3:]))
-
-
-def stamp_of(stamp: Any) -> int:
-    """Return a builtin_interfaces/Time in nanoseconds."""
-    return int(stamp.sec) * 10**9 + int(stamp.nanosec)
 
 
 def _twist(before: RigidTransform, after: RigidTransform, seconds: float) -> Floats:

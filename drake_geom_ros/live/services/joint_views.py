@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,8 +11,8 @@ import numpy as np
 from drake_geom_ros.batch.joints import Arm, Joints
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.scene.driven_robot import or_zero
-from drake_geom_ros.live.scene.live_scene import LiveScene, refuse_twice_posed
-from drake_geom_ros.live.scene.robot_following import refuse_carried_robots
+from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.robot_following import refuse_carried_robots, refuse_twice_posed
 from drake_geom_ros.live.scene.robot_joints import JointPlace, RobotJoints
 from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.math.array_types import Floats
@@ -48,14 +47,14 @@ def view_of_joints(
         robots, places = scene.model.joints, scene.model.joints.places(names)
         values = _values(robots, chosen)
         named = {place.robot for place in places}
-        # The links of the robots that are named follow their joints, see joints_of.
+        # The links of the robots that are named follow their joints, see _joints_of.
         others = [k for k, place in enumerate(values) if place.robot not in named]
         rest = GivenJoints(
             [chosen.names[k] for k in others], [float(chosen.positions[k]) for k in others]
         )
         view = live.view(poses, rest)
-        posed = {frame.get_value() for frame in scene.model.reader.read(poses).poses.ids()}
-        joints = joints_of(robots, names, view, values)
+        posed = set(scene.model.reader.listed_in(poses).frames)
+        joints = _joints_of(robots, names, places, view, values)
         moving = set(joints.id_values.tolist())
         refuse_twice_posed(scene, posed & moving)
         refuse_carried_robots(scene, moving)
@@ -74,24 +73,26 @@ def _values(robots: RobotJoints, chosen: GivenJoints) -> dict[JointPlace, float]
             f'positions holds {len(chosen.positions)} numbers for {len(chosen.names)} joint '
             'names; it must hold one for each'
         )
+    if not len(chosen.names):
+        return {}
     if not np.isfinite(chosen.positions).all():
         raise ArgumentError('positions of joints must be finite')
     positions = map(float, chosen.positions)
     return dict(zip(robots.places(list(chosen.names)), positions, strict=True))
 
 
-def joints_of(
+def _joints_of(
     robots: RobotJoints,
     names: list[str],
+    places: Sequence[JointPlace],
     view: SceneView,
-    chosen: Mapping[JointPlace, float] = MappingProxyType({}),
+    chosen: Mapping[JointPlace, float],
 ) -> Joints:
-    """Return the named joints for batches; the others of their robots stay as they are now.
+    """Return the joints of names for batches; the others of their robots stay as they are now.
 
-    Or as they are ``chosen``. Raises ArgumentError for names that mean no joint, and for a robot
-    of which another joint, or the base, is not known.
+    Or as they are ``chosen``. Raises ArgumentError for no names, and for a robot of which another
+    joint, or the base, is not known.
     """
-    places = robots.places(names)
     if not places:
         raise ArgumentError('joint_names is empty; name the joints that positions are of')
     arms, ids = [], []

@@ -133,12 +133,13 @@ def timed_path(trajectory: Any, joints: Joints, start: Floats) -> TimedPath:
     points = trajectory.points
     if not len(points):
         raise ArgumentError('path has joint names and no points; give at least one')
+    count = joints.count
     for number, point in enumerate(points):
-        _check_point(number, point, joints.count)
+        _check_point(number, point, count)
     # Number by number: NumPy holds the interpreter's lock while it looks at 100 000 arrays.
     numbers = (number for point in points for number in point.positions)
-    rows = np.fromiter(numbers, np.float64, len(points) * joints.count)
-    rows = rows.reshape(len(points), joints.count)
+    rows = np.fromiter(numbers, np.float64, len(points) * count)
+    rows = rows.reshape(len(points), count)
     bad = np.argwhere(~np.isfinite(rows))
     if bad.size:
         number, column = bad[0].tolist()

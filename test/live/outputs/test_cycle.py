@@ -62,8 +62,9 @@ class Asked:
     def waiting(self):
         return self._scene.waiting()
 
-    def set_detailed_effects(self, *, detailed):
-        self._scene.set_detailed_effects(detailed=detailed)
+    @property
+    def model(self):
+        return self._scene.model
 
     @property
     def poses(self):

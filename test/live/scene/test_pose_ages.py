@@ -12,7 +12,16 @@ from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks
 from drake_geom_ros.live.scene.pose_ages import PoseAges
 
 WORLD, A, B = (FrameId.get_new_id() for _ in range(3))
-NAMES = Plain(world=WORLD, frame_names={WORLD: 'world', A: 's::a', B: 's::b'})
+
+
+def table_of(**frames):
+    """Return what a table of names says of the world and of frames by name."""
+    names = {frame: name for name, frame in frames.items()}
+    values = tuple(frame.get_value() for frame in names)
+    return Plain(world=WORLD, frame_names={WORLD: 'world', **names}, frame_values=values)
+
+
+NAMES = table_of(**{'s::a': A, 's::b': B})
 
 
 @pytest.fixture
@@ -65,7 +74,7 @@ def test_what_holds_for_ever_is_new(ages, note):
 
 
 def test_without_frames_nothing_is_old(ages):
-    assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'world'})).age == 0.0
+    assert ages.oldest(table_of()).age == 0.0
 
 
 def test_the_newest_stamp_is_that_of_the_newest_pose_whoever_came_last(ages, note):
@@ -161,7 +170,7 @@ def test_a_repeated_stamp_is_not_older_while_the_nodes_time_rests():
     frames = frozenset([A.get_value()])
     for _ in range(3):
         ages.note(ages.posed_by(frames, clocks.arrival().since(100.0), stamp), stamp)
-        assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'w', A: 'a'})).age == 0.0
+        assert ages.oldest(table_of(a=A)).age == 0.0
         steady.now += 40.0
 
 
@@ -189,9 +198,7 @@ class AgesOfEach:
 
 FRAMES = [FrameId.get_new_id() for _ in range(4)]
 VALUES = [frame.get_value() for frame in FRAMES]
-NAMES_OF_EACH = Plain(
-    world=WORLD, frame_names={WORLD: 'w', **{f: str(f.get_value()) for f in FRAMES}}
-)
+NAMES_OF_EACH = table_of(**{str(f.get_value()): f for f in FRAMES})
 
 
 @given(
