@@ -7,6 +7,7 @@ import threading
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.model.scene_content import SceneHolder, content_of
 from drake_geom_ros.geometry.queries.posed_scene import PosedScene
 from drake_geom_ros.math.array_types import Indices
@@ -24,8 +25,9 @@ class SceneMark:
         self._lock = threading.Lock()
         self._posed = self._content if isinstance(self._content, PosedScene) else None
         if self._posed is not None:
-            self._posed.up_to_date_world().update()  # so that a query changes no revision
-            self._still = self._poses(self._posed)
+            world = self._posed.up_to_date_world()
+            world.update()  # so that a query changes no revision
+            self._still = self._poses(world)
         self._seen = self._now()
         self._pose_holder = self._place()  # a reference, so that no other object gets its id
 
@@ -40,9 +42,10 @@ class SceneMark:
         now, seen = self._now(), self._seen
         if self._posed is None or now[:3] != seen[:3]:
             return False
-        if not np.array_equal(self._poses(self._posed), self._still):
+        world = self._posed.up_to_date_world()
+        if not np.array_equal(self._poses(world), self._still):
             return False
-        self._posed.up_to_date_world().update()
+        world.update()
         self._seen, self._pose_holder = self._now(), self._place()
         return True
 
@@ -62,8 +65,7 @@ class SceneMark:
             return self._content.model.first_X_PFs
         return self._posed.world
 
-    def _poses(self, posed: PosedScene) -> NDArray[np.float64]:
+    def _poses(self, world: World) -> NDArray[np.float64]:
         """Return the poses (k, 12) of the frames that no state poses."""
-        world = posed.up_to_date_world()
         others = ~np.isin(world.frames.ids, self._frame_ids)
         return np.hstack((world.R_PFs[others].reshape(-1, 9), world.p_PFs[others]))

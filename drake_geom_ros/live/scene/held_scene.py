@@ -232,6 +232,7 @@ class HeldScene:
         unknown, stale = poses.unknown_ages(), poses.ages.stale(stale_after)
         return SceneView(
             context=context,
+            query=QueryObject(context),
             names=model.names,
             moment=self.moment(),
             filter_owners=owners,

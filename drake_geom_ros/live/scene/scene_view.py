@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -80,6 +79,7 @@ class SceneView:
     """The scene at a moment: nobody changes it, so that any thread may ask it, for any time."""
 
     context: SceneGraphContext
+    query: QueryObject  # of the context
     names: NameTable
     moment: SceneStamp
     filter_owners: Mapping[int, str]  # of the active transient filters, by id
@@ -89,11 +89,6 @@ class SceneView:
     beside: BesideBodies = NOTHING_BESIDE
     stale: Mapping[int, float] = field(default_factory=dict)  # ages [s] of old poses, by frame
     replaced: frozenset[int] = frozenset()  # frames that a question poses, by values of ids
-
-    @cached_property
-    def query(self) -> QueryObject:
-        """The query object of this moment."""
-        return QueryObject(self.context)
 
     @property
     def filters(self) -> CollisionFilterManager:

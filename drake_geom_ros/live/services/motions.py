@@ -61,9 +61,9 @@ def check_motion(live: LiveScene, request: Any, response: Any) -> None:
         )
     view, check, path = (_along_path if by_joints else _to_poses)(live, request)
     _fill(response, check, view, path)
+    view.beside.fill(response)
     response.scene_version = view.moment.version
     response.oldest_pose_age = view.moment.oldest_pose_age
-    view.beside.fill(response)
     response.stale_frames = view.stale_frames()
     response.message = view.reservations()
 

@@ -120,6 +120,19 @@ def test_each_part_is_where_it_was_at_that_very_time(scenes, data):
         assert node.then(frame, stamp).translation()[:2] == pytest.approx(expected, abs=1e-6)
 
 
+def test_links_of_two_robots_of_one_message_are_where_each_was(scenes):
+    two = ', pose: {}}, {name: q, urdf: r.urdf, pose: {position: [0, 5, 0]}'
+    node = Robot(scenes(keys=two))
+    for stamp, way in ((100.0, 0.0), (100.2, 1.0)):
+        node.joint(stamp, **{'r::j': way, 'q::j': -2.0 * way, 'r::k': 0.0, 'q::k': way})
+    for frame, expected in (
+        ('r::two', [0.5, 0.0]),
+        ('q::one', [-1.0, 5.0]),
+        ('q::two', [-1.0, 5.5]),
+    ):
+        assert node.then(frame, 100.1).translation()[:2] == pytest.approx(expected, abs=1e-6)
+
+
 def test_a_part_of_which_nothing_came_since_is_waited_for_and_not_taken_for_that_of_then(scenes):
     node = Robot(scenes())
     for k in range(5):
