@@ -114,7 +114,7 @@ class LiveScene:
 
     @contextmanager
     def reading(self) -> Iterator[HeldScene]:
-        """Hand the scene out to be looked at."""
+        """Hand the scene out to be looked at, a closed one too."""
         with self._lock:
             yield self._scene
 
@@ -124,8 +124,8 @@ class LiveScene:
         ``poses`` is a FramePoses, ``joints`` a JointPositions. Frames that are not named, nor
         moved by a joint that is, keep their live poses, but for links, which follow the base of
         their robot as they do live; where nothing is named, the view knows how
-        all move, if anybody watches that. Raises RuntimeError for a message that ``take_poses``
-        would refuse, for joints that are none, and for a frame that both pose.
+        all move, if anybody watches that. Raises RuntimeError for a message that
+        ``ScenePoses.take`` would refuse, for joints that are none, and for a frame that both pose.
         """
         with self.reading() as scene:
             read = None if poses is None else scene.model.reader.read(poses)

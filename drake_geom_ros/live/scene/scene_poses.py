@@ -1,4 +1,4 @@
-"""Where the frames of the live scene are, since when, and who said so."""
+"""Poses of the frames of the live scene: their ages, their senders, twists and the past."""
 
 from __future__ import annotations
 

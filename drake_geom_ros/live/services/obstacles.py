@@ -8,12 +8,12 @@ from typing import Any
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.scene.changes.showing import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_sources import FILE
-from drake_geom_ros.live.scene.seen_maps import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.services.saved_file import MAP_FILE, SavedFile
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map

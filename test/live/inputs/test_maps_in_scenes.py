@@ -15,6 +15,7 @@ from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene import seen_maps
 from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changes import showing
 from drake_geom_ros.live.scene.changes.addition import addition, exchange
 from drake_geom_ros.live.scene.prepared_scene import prepared
 from drake_geom_ros.live.scene.scene_rules import Blind
@@ -200,11 +201,11 @@ def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
     node.move(100.0, [0, 0, 0])
     node.taker.take_cloud(cloud([[1, 0, 0]]))
     cells = Cells.of_points([[0.5, 0.5, 0.5]], 0.1)
-    shape = seen_maps.shape_of(cells, 0.0)
+    shape = showing.shape_of(cells, 0.0)
     with node.live.editing() as held:
         since = held.clocks.arrival().since(100.0)
         for name in ('file', 'other'):
-            seen = seen_maps.Sighting(
+            seen = showing.Sighting(
                 Cells.of_points([[0.5, 0.5, 0.5]], 0.1),
                 shape,
                 RigidTransform(),
@@ -212,7 +213,7 @@ def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
                 stamp_of(100),
             )
             seen_maps.stand(held, name)
-            held.make(seen_maps.showing(held, name, seen))
+            held.make(showing.showing(held, name, seen))
         held.model.scene_graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration().ExcludeBetween(
                 GeometrySet([held.maps.by_name['other'].geometry]),
