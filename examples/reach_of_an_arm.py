@@ -1,6 +1,6 @@
 """Maps where an arm's hand can be among obstacles, and how close it gets to them: a picture.
 
-    python examples/reach_of_an_arm.py [--states 200000] [--output reach.png]
+    python examples/reach_of_an_arm.py [--states 200000] [--out reach.png]
 
 The left arm of the demo's cell is put into random postures. Each cell of the map, a slice through
 the scene seen from the side, shows the largest clearance of the postures that bring the hand
@@ -30,7 +30,7 @@ def main() -> None:
     """Draw the map."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--states', type=int, default=200_000)
-    parser.add_argument('--output', type=Path, default=Path('reach.png'))
+    parser.add_argument('--out', type=Path, default=Path('reach.png'))
     options = parser.parse_args()
 
     scene_graph = SceneGraph()
@@ -76,8 +76,8 @@ def main() -> None:
     figure.colorbar(image, label='largest clearance [m]')
     axes.set(xlabel='x [m]', ylabel='z [m]', aspect='equal')
     axes.set_title('where the left hand can be: red cells only with a collision')
-    figure.savefig(options.output, dpi=120)
-    print(f'wrote {options.output}')
+    figure.savefig(options.out, dpi=120)
+    print(f'wrote {options.out}')
 
 
 if __name__ == '__main__':

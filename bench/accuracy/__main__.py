@@ -36,7 +36,7 @@ def parsed(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument('--quick', action='store_true', help='less of everything, in a minute')
     parser.add_argument(
-        '--output',
+        '--out',
         metavar='DIR',
         help='default: docs/accuracy, with --quick or --cases out/accuracy',
     )
@@ -84,8 +84,8 @@ def run(options: argparse.Namespace) -> int:
 
 def output_of(options: argparse.Namespace) -> Path:
     """Return the folder to write to."""
-    if options.output:
-        return Path(options.output)
+    if options.out:
+        return Path(options.out)
     tree = Path(__file__).parents[2]
     if not options.quick and not options.cases:
         return tree / 'docs' / 'accuracy'

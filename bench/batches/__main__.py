@@ -55,9 +55,7 @@ def million(ours: Ours) -> None:
             command = [sys.executable, '-m', 'drake_geom_ros', 'batch', str(path / 'cell.yaml')]
             command += [str(path / 'states.npy'), '--what', what]
             start = time.perf_counter()
-            with subprocess.Popen(
-                [*command, '--output', str(path / f'{what}.npz')], cwd=ROOT
-            ) as it:
+            with subprocess.Popen([*command, '--out', str(path / f'{what}.npz')], cwd=ROOT) as it:
                 peak = peak_of(it)
             took = time.perf_counter() - start
             print(f'a million states, {what}: {took:.1f} s, peak memory {peak:.0f} MB')

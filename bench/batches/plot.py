@@ -1,6 +1,6 @@
 """Where more workers stop helping a batch, drawn from what ``bench.batches --cluster`` measured.
 
-    python -m bench.batches.plot --microseconds 24 --task 2.3 --bytes 330 --output docs/batches.png
+    python -m bench.batches.plot --microseconds 24 --task 2.3 --bytes 330 --out docs/batches.png
 
 Workers compute, the scheduler hands out tasks one after the other, and one machine sends all
 states and takes all results by its link: a batch is as fast as the slowest of the three.
@@ -25,7 +25,7 @@ def main() -> None:
     parser.add_argument('--microseconds', type=float, required=True, help='a state')
     parser.add_argument('--task', type=float, required=True, help='of the scheduler [ms]')
     parser.add_argument('--bytes', type=float, required=True, help='a state, in and out')
-    parser.add_argument('--output', type=Path, required=True)
+    parser.add_argument('--out', type=Path, required=True)
     given = parser.parse_args()
     one = 1e6 / given.microseconds  # states a second
     workers = np.geomspace(1, MOST, 200)
@@ -46,7 +46,7 @@ def main() -> None:
     axes.set_title('least distances of two arms: a batch is as fast as its lowest line')
     axes.grid(which='both', alpha=0.3)
     axes.legend(loc='lower right')
-    figure.savefig(given.output, dpi=110)
+    figure.savefig(given.out, dpi=110)
 
 
 if __name__ == '__main__':

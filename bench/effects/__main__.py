@@ -1,6 +1,6 @@
 """What each scene of a ladder calls for, measured and written to docs/effects.md.
 
-    python -m bench.effects [--runs 3] [--quick] [--output docs/effects.md]
+    python -m bench.effects [--runs 3] [--quick] [--out docs/effects.md]
 
 Each rung runs in new processes: once with an empty cache of kernels, which fills up along the
 ladder, and some times with the full one. Then the real node runs some of them, where ROS is.
@@ -90,7 +90,7 @@ def main() -> None:
     parser.add_argument('--runs', type=int, default=3, help='of each rung with a warm cache')
     parser.add_argument('--seconds', type=float, default=2.0, help='of poses to the node')
     parser.add_argument('--quick', action='store_true', help='keep the cache of kernels, one run')
-    parser.add_argument('--output', type=Path, default=ROOT / 'docs/effects.md')
+    parser.add_argument('--out', type=Path, default=ROOT / 'docs/effects.md')
     options = parser.parse_args()
     runs = 1 if options.quick else options.runs
     with tempfile.TemporaryDirectory(prefix='effects-') as name:
@@ -115,8 +115,8 @@ def main() -> None:
         f'{report.ALLOCATED}\n{report.allocated(LADDER, warm)}',
         node,
     )
-    options.output.write_text('\n'.join(sections))
-    print(f'written: {options.output}')
+    options.out.write_text('\n'.join(sections))
+    print(f'written: {options.out}')
 
 
 if __name__ == '__main__':

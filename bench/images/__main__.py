@@ -1,6 +1,6 @@
 """Time of colour, depth and label images: our engines, pydrake's RenderEngineVtk, and moderngl.
 
-    ./run exec python -m bench.images [--rounds 9] [--output out/images.json]
+    ./run exec python -m bench.images [--rounds 9] [--out out/images.json]
     ./run exec python -m bench.images.plot out/images.json docs/images_cost.png
 
 Two arms and a table at 640 x 480, one script under both imports, and how their images differ; then
@@ -169,7 +169,7 @@ def in_a_process(name: str, rounds: int) -> dict[str, Any]:
     """Return what is measured of an engine in a process of its own, for its memory."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / 'found.json'
-        words = ['--engine', name, '--rounds', str(rounds), '--output', str(path)]
+        words = ['--engine', name, '--rounds', str(rounds), '--out', str(path)]
         subprocess.run([sys.executable, '-m', 'bench.images', *words], check=True)
         found: dict[str, Any] = json.loads(path.read_text())
     return found
@@ -179,7 +179,7 @@ def main() -> None:
     """Measure and print, and write a file where one is named."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--rounds', type=int, default=9)
-    parser.add_argument('--output', help='JSON file')
+    parser.add_argument('--out', help='JSON file')
     parser.add_argument('--engine', choices=tuple(LIBRARIES), help='only this one')
     parser.add_argument('--compare', action='store_true', help='only how images differ')
     options = parser.parse_args()
@@ -192,9 +192,9 @@ def main() -> None:
         found['difference'] = difference()
     for name, value in found.items():
         print(f'{name:32}', json.dumps(value))
-    if options.output:
-        Path(options.output).parent.mkdir(parents=True, exist_ok=True)
-        Path(options.output).write_text(json.dumps(found, indent=1))
+    if options.out:
+        Path(options.out).parent.mkdir(parents=True, exist_ok=True)
+        Path(options.out).write_text(json.dumps(found, indent=1))
 
 
 if __name__ == '__main__':

@@ -13,7 +13,7 @@ STATES = 3000
 
 def test_it_maps_the_reach(tmp_path):
     picture = tmp_path / 'reach.png'
-    said = output(EXAMPLES / 'reach_of_an_arm.py', '--states', str(STATES), '--output', picture)
+    said = output(EXAMPLES / 'reach_of_an_arm.py', '--states', str(STATES), '--out', picture)
     inside, states, reached, free = map(int, re.findall(r'\d+', said.split('wrote')[0]))
     assert states == STATES
     assert 0 < free < reached < inside < states

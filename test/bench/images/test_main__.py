@@ -16,7 +16,7 @@ def test_images_are_those_of_pydrake_but_at_silhouettes(tmp_path):
     output = tmp_path / 'difference.json'
     # In a process of its own: without the graphics libraries VTK ends it by a fault.
     done = subprocess.run(
-        [sys.executable, '-m', 'bench.images', '--compare', '--output', str(output)],
+        [sys.executable, '-m', 'bench.images', '--compare', '--out', str(output)],
         cwd=ROOT,
         capture_output=True,
         text=True,
