@@ -68,6 +68,10 @@ def read_states(path: str | Path, names: Sequence[str] | None = None) -> StateRo
                 rows, own = _from_csv(path)
     except SceneFileError:
         raise
+    except OSError as error:
+        if error.strerror is None:  # NumPy's about what is no array
+            raise SceneFileError(f'cannot be read as states: {error}', str(path)) from None
+        raise SceneFileError(f'cannot be read: {error.strerror}', str(path)) from None
     except Exception as error:
         # There are many kinds: errors of zip files, their compression, arrays and tables.
         reason = ' '.join(str(error).split()) or repr(error)

@@ -7,7 +7,9 @@ written with all digits.
 
 import csv
 import json
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TextIO
 
 import numpy as np
@@ -20,9 +22,21 @@ Table = Mapping[str, Any]
 _METHOD_NAMES = {number: name for name, number in METHODS.items()}
 
 
-def distances(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
-    """Return the signed distances up to a limit [m]; witness points in the world."""
-    pairs = scene.query.ComputeSignedDistancePairwiseClosestPoints(limit, accuracy=accuracy)
+@dataclass(frozen=True)
+class Asked:
+    """What a question is about, beside the scene."""
+
+    max_distance: float = math.inf  # [m]
+    accuracy: str = 'exact'
+    points: Any = None  # (m, 3) [m] in the world
+    count: int = 1  # pairs of ``nearest``
+
+
+def distances(scene: PosedScene, asked: Asked) -> Table:
+    """Return the signed distances up to the maximum distance; witness points in the world."""
+    pairs = scene.query.ComputeSignedDistancePairwiseClosestPoints(
+        asked.max_distance, accuracy=asked.accuracy
+    )
     return _pairs(scene, pairs.id_A, pairs.id_B) | {
         'distance': pairs.distance,
         'p_wca': pairs.p_WCa,
@@ -34,9 +48,19 @@ def distances(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Ta
     }
 
 
-def penetrations(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+def nearest(scene: PosedScene, asked: Asked) -> Table:
+    """Return the ``count`` pairs with the smallest lower bounds, distance minus error bound."""
+    table = distances(scene, asked)
+    order = np.argsort(table['distance'] - table['error_bound'], kind='stable')[: asked.count]
+    return {
+        name: values[order] if isinstance(values, np.ndarray) else [values[k] for k in order]
+        for name, values in table.items()
+    }
+
+
+def penetrations(scene: PosedScene, asked: Asked) -> Table:
     """Return the overlapping pairs."""
-    overlaps = scene.query.ComputePointPairPenetration(accuracy=accuracy)
+    overlaps = scene.query.ComputePointPairPenetration(accuracy=asked.accuracy)
     return _pairs(scene, overlaps.id_A, overlaps.id_B) | {
         'depth': overlaps.depth,
         'p_wca': overlaps.p_WCa,
@@ -47,34 +71,38 @@ def penetrations(scene: PosedScene, limit: float, points: Any, accuracy: str) ->
     }
 
 
-def point_distances(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
-    """Return the signed distances up to a limit [m] from points (m, 3) [m] in the world."""
-    nearest = scene.query.ComputeSignedDistanceToPoint(points, limit, accuracy=accuracy)
+def point_distances(scene: PosedScene, asked: Asked) -> Table:
+    """Return the signed distances of the points up to the maximum distance."""
+    found = scene.query.ComputeSignedDistanceToPoint(
+        asked.points, asked.max_distance, accuracy=asked.accuracy
+    )
     return {
-        'point_index': nearest.point_index,
-        'geometry': _names(scene, nearest.id_G),
-        'distance': nearest.distance,
-        'p_gn': nearest.p_GN,
-        'grad_w': nearest.grad_W,
-        'is_grad_w_unique': nearest.is_grad_W_unique,
-        'error_bound': nearest.error_bound,
-        'method': _methods(nearest.method),
+        'point_index': found.point_index,
+        'geometry': _names(scene, found.id_G),
+        'distance': found.distance,
+        'p_gn': found.p_GN,
+        'grad_w': found.grad_W,
+        'is_grad_w_unique': found.is_grad_W_unique,
+        'error_bound': found.error_bound,
+        'method': _methods(found.method),
     }
 
 
-def candidates(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+def candidates(scene: PosedScene, asked: Asked) -> Table:
     """Return the candidate pairs, which bounding volumes do not separate."""
     ids = scene.query.collision_candidates()
     return _pairs(scene, ids[:, 0], ids[:, 1])
 
 
-def collisions(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+def collisions(scene: PosedScene, asked: Asked) -> Table:
     """Return one row with the flag whether any pair overlaps."""
-    return {'has_collisions': np.array([scene.query.HasCollisions(accuracy=accuracy)])}
+    return {'has_collisions': np.array([scene.query.HasCollisions(accuracy=asked.accuracy)])}
 
 
-KINDS: dict[str, Callable[[PosedScene, float, Any, str], Table]] = {
+KINDS: dict[str, Callable[[PosedScene, Asked], Table]] = {
     'distance': distances,
+    'least': nearest,
+    'nearest': nearest,
     'penetration': penetrations,
     'points': point_distances,
     'candidates': candidates,
@@ -93,8 +121,8 @@ def half_spaces_beside(scene: PosedScene) -> list[str]:
     ]
 
 
-OF_PAIRS = ('distance', 'penetration')  # kinds that are lists of pairs
-LIMITED = ('distance', 'points')  # kinds with a maximum distance
+OF_PAIRS = ('distance', 'least', 'nearest', 'penetration')  # kinds that are lists of pairs
+LIMITED = ('distance', 'least', 'nearest', 'points')  # kinds with a maximum distance
 
 
 def _names(scene: PosedScene, ids: NDArray[Any]) -> list[str]:

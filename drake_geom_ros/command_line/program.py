@@ -5,24 +5,23 @@ Only the module of the command that runs is imported: help and completion take n
 
 import argparse
 import errno
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, NoReturn
+from typing import Any
 
 from drake_geom_ros.command_line.exit_codes import (
     BAD_INPUT,
     INTERRUPTED,
-    READER_LEFT,
     UNFORESEEN,
 )
 from drake_geom_ros.command_line.spread_options import spread
 from drake_geom_ros.command_line.standard_input import STANDARD_INPUT
 from drake_geom_ros.command_line.unforeseen import print_unforeseen
+from drake_geom_ros.program_parser import ProgramParser
 from drake_geom_ros.version import VERSION
 
 COMMANDS = {
@@ -39,14 +38,6 @@ COMMANDS = {
     'compile': 'compile what queries run, before anybody waits for it',
     'completion': 'print the completion script for bash, zsh or tcsh',
 }
-
-
-class _Parser(argparse.ArgumentParser):
-    """Reports a wrong argument under the name of the program, and names what was meant."""
-
-    def error(self, message: str) -> NoReturn:
-        self.print_usage(sys.stderr)
-        self.exit(BAD_INPUT, f'drake_geom_ros: {message}\n')
 
 
 def load(words: Sequence[str]) -> None:
@@ -75,9 +66,7 @@ def main(
         sys.stdout.flush()
         return code
     except BrokenPipeError:
-        # The reader closed the pipe. Python flushes once more at exit, so give it another file.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return READER_LEFT
+        raise  # to ``programs``: the reader has left, which is no error of the input
     except KeyboardInterrupt:
         print('drake_geom_ros: interrupted', file=sys.stderr)
         return INTERRUPTED
@@ -93,7 +82,7 @@ def parser_of(
     prog: str, others: Mapping[str, str], chosen: Sequence[str]
 ) -> argparse.ArgumentParser:
     """Return the parser of the program, with the arguments of the chosen commands alone."""
-    parser = _Parser(
+    parser = ProgramParser(
         prog=prog,
         description='Answers about a scene file, without ROS; with ROS 2 the node, and what looks '
         'at it.',

@@ -18,11 +18,12 @@ from drake_geom_ros.command_line.answers import (
     KINDS,
     LIMITED,
     OF_PAIRS,
+    Asked,
     Table,
     half_spaces_beside,
 )
 from drake_geom_ros.command_line.configurations import add_joints_to, pose_joints
-from drake_geom_ros.command_line.option_values import distance
+from drake_geom_ros.command_line.option_values import count, distance
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options
@@ -59,11 +60,14 @@ def add_to(commands: Any) -> None:
         '--points', metavar='FILE', help='points for --what points: CSV x,y,z or JSON [[x, y, z]]'
     )
     parser.add_argument(
+        '--count', type=count, default=1, metavar='K', help='pairs for --what nearest (default: 1)'
+    )
+    parser.add_argument(
         '--max-distance',
         type=distance,
         default=math.inf,
         metavar='D',
-        help='with --what distance or points: leave out what is farther apart [m] (default: inf)',
+        help='leave out what is farther apart [m] (default: inf)',
     )
     parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
     parser.add_argument('--format', choices=tuple(FORMATS), default='csv')
@@ -79,11 +83,16 @@ def run(options: argparse.Namespace) -> int:
         raise SceneFileError('--what points and --points FILE go together', options.scene)
     if options.what not in LIMITED and options.max_distance < math.inf:
         raise SceneFileError(
-            f'--max-distance goes with --what {" or ".join(LIMITED)}; {options.what} is of what '
+            f'--max-distance goes with --what {", ".join(LIMITED)}; {options.what} is of what '
             'overlaps. For a margin ask for distances, or: batch --what collision --max-distance',
             options.scene,
         )
+    if options.count != 1 and options.what != 'nearest':
+        raise SceneFileError(
+            f'--count {options.count} goes with --what nearest, not {options.what}', options.scene
+        )
     points = points_of_file(options.points) if options.points else None
+    asked = Asked(options.max_distance, options.accuracy, points, options.count)
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = PosedScene(options.scene, options.srdf, options.package_root)
     pose_joints(scene, options.joints)
@@ -99,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
             scene.check_whole()
             if options.what in OF_PAIRS:
                 beside.update(dict.fromkeys(half_spaces_beside(scene)))
-            yield moment.time, ask(scene, options.max_distance, points, options.accuracy)
+            yield moment.time, ask(scene, asked)
 
     # Everything is computed before the file is opened, so that bad input keeps an old file.
     done = list(answers())
@@ -126,8 +135,9 @@ def points_of_file(path: str) -> NDArray[np.float64]:
             rows = list(csv.DictReader(text.splitlines()))
             points = np.array([[float(row[axis]) for axis in 'xyz'] for row in rows])
     except (KeyError, TypeError, ValueError) as error:
+        reason = f'there is no column {error}' if isinstance(error, KeyError) else str(error)
         raise SceneFileError(
-            f'must hold points, CSV with the columns x,y,z or JSON [[x, y, z], ...]: {error!r}',
+            f'must hold points, CSV with the columns x,y,z or JSON [[x, y, z], ...]: {reason}',
             path,
         ) from None
     if not len(points):

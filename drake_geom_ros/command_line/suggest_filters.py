@@ -212,10 +212,11 @@ def _chosen(description: SceneDescription, name: str | None, file: str) -> str:
     names = [robot.name for robot in description.robots]
     if name is None and len(names) == 1:
         return names[0]
+    if not names:
+        raise SceneFileError('there is no robot, between whose links there could be filters', file)
     if name not in names:
         remedy = 'name one by --robot' if name is None else f'--robot {name!r} is none of them'
-        there = f'robots are {", ".join(names)}' if names else 'there is no robot'
-        raise SceneFileError(f'{there}; {remedy}', file)
+        raise SceneFileError(f'robots are {", ".join(names)}; {remedy}', file)
     return str(name)
 
 

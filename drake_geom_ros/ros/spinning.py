@@ -22,7 +22,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -292,11 +291,11 @@ def run_node(
             node.destroy_node()
             del node
         except StuckError as error:
-            print(f'{Path(sys.argv[0]).stem}: {error}; ended without it', file=sys.stderr)
+            print(f'drake_geom_ros: {error}; ended without it', file=sys.stderr)
             sys.stderr.flush()
             os._exit(1)  # what is stuck would keep an orderly end waiting
         except expected as error:
-            print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)
+            print(f'drake_geom_ros: {error}', file=sys.stderr)
             return 2
         finally:
             # What rclpy keeps of a life-cycle node ends with the garbage, as does a node that was
@@ -317,7 +316,10 @@ def _initialise(args: list[str]) -> None:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         others = remove_ros_args(args)
     except RuntimeError as error:  # rcl's, which are not exported
-        raise _BadArgumentsError(error) from None
+        what = str(error)
+        if what.startswith('['):  # a list of those that it does not know
+            what = f'ROS has no arguments {what}; a parameter is given as -p NAME:=VALUE'
+        raise _BadArgumentsError(what) from None
     if others:
         raise _BadArgumentsError(
             f'unknown arguments {" ".join(others)!r}; only ROS arguments are accepted, such as '

@@ -16,7 +16,12 @@ def is_help(words: Sequence[str] | None) -> bool:
 def usage(
     program: str, *, example: str, description: str, texts: Mapping[str, str], see: str
 ) -> str:
-    """Return the help of a program with parameters of such texts."""
+    """Return the help of a program with parameters of such texts.
+
+    It is called ``program``, or as it was started where it is a command of ``drake_geom_ros``.
+    """
+    if sys.argv[0].startswith('drake_geom_ros '):
+        program = sys.argv[0]
     width = max(map(len, texts)) + 2
     return '\n'.join(
         [

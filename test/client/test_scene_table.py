@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from demo import demo_scenes as scenes
+from demo.demo_scenes import SCENE
 
 from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
-from examples import demo_scenes as scenes
-from examples.demo_scenes import SCENE
 
 
 def test_names():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.command_line.answers import KINDS, write_csv, write_json, write_table
+from drake_geom_ros.command_line.answers import KINDS, Asked, write_csv, write_json, write_table
 from drake_geom_ros.command_line.posed_scene import PosedScene
 
 
@@ -17,8 +17,8 @@ def scene():
     return PosedScene(str(ROOT / 'scenes/minimal.yaml'))
 
 
-def ask(scene, what, limit=10.0, points=None):
-    return KINDS[what](scene, limit, points, 'exact')
+def ask(scene, what, limit=10.0, points=None, **asked):
+    return KINDS[what](scene, Asked(limit, points=points, **asked))
 
 
 def test_distances_name_both_and_give_points_in_the_world(scene):
@@ -29,6 +29,19 @@ def test_distances_name_both_and_give_points_in_the_world(scene):
     np.testing.assert_allclose(table['p_wca'], [[0.05, 0, 1]], rtol=0, atol=1e-13)
     np.testing.assert_allclose(table['p_wcb'], [[0.4, 0, 1]], rtol=0, atol=1e-13)
     assert table['method'] == ['closed_form']
+
+
+def test_the_nearest_pairs_are_those_with_the_smallest_lower_bounds(scene):
+    every = ask(scene, 'distance')
+    lower = every['distance'] - every['error_bound']
+    for count in (1, 2, 10):
+        table = ask(scene, 'nearest', count=count)
+        assert (table['distance'] - table['error_bound']).tolist() == sorted(lower)[:count]
+        rows = [every['distance'].tolist().index(d) for d in table['distance'].tolist()]
+        assert table['geometry_a'] == [every['geometry_a'][row] for row in rows]
+        np.testing.assert_array_equal(table['p_wca'], every['p_wca'][rows])
+    assert ask(scene, 'least')['distance'].tolist() == ask(scene, 'nearest')['distance'].tolist()
+    assert ask(scene, 'least', limit=0.1)['geometry_a'] == []
 
 
 def test_points_are_answered_by_index(scene):

@@ -45,8 +45,13 @@ def test_what_a_scene_needs_is_compiled_beforehand():
 
 
 @pytest.mark.processes
-def test_a_reader_that_leaves_early_is_no_error():
-    script = f'{sys.executable} -m drake_geom_ros check {SCENE} | true; echo "${{PIPESTATUS[0]}}"'
+@pytest.mark.parametrize(
+    'arguments', [f'check {SCENE}', 'query --help', 'node --help', 'status --help', 'demo --help']
+)
+def test_a_reader_that_leaves_early_is_no_error(arguments):
+    if not arguments.startswith(('check', 'query')):
+        pytest.importorskip('rclpy')
+    script = f'{sys.executable} -m drake_geom_ros {arguments} | true; echo "${{PIPESTATUS[0]}}"'
     done = subprocess.run(
         ['bash', '-c', script], cwd=ROOT, capture_output=True, text=True, timeout=800
     )
@@ -61,6 +66,12 @@ def test_a_reader_that_leaves_early_is_no_error():
         (['query', SCENE, '--poses', 'poses.txt'], ['poses.txt', '.csv', '.json']),
         (['query', SCENE, '--poses', '/nowhere.csv'], ['/nowhere.csv']),
         (['query', SCENE, '--what', 'points'], ['--points']),
+        (['query', SCENE, '--count', '2'], ['--count 2 goes with --what nearest']),
+        (
+            ['batch', SCENE, 'no.npy', '--out', 'x.npz'],
+            ['no.npy: cannot be read: No such'],
+        ),
+        (['suggest-filters', SCENE], ['there is no robot']),
         (['query', SCENE, '--points', 'p.csv'], ['--what points']),
         (['query', SCENE, '--what', 'points', '--points', '/nowhere.csv'], ['/nowhere.csv']),
         (['query', SCENE, '--out', '/nowhere/out.csv'], ['/nowhere/out.csv: there is no folder']),
@@ -114,6 +125,7 @@ def test_wrong_usage_is_exit_code_2(capsys, arguments):
     ('arguments', 'words'),
     [
         (['qery'], "there is no command 'qery'; nearest: 'query'"),
+        (['query', SCENE, '--max-distanse', '1'], "--max-distanse; nearest: '--max-distance'"),
         (['query', SCENE, '--max-distance', '0.5m'], "'0.5m' has a unit; write a number alone"),
         (['query', SCENE, '--max-distance', 'far'], "'far' is no number"),
         (['query', SCENE, '--max-distance', '-1'], "'-1' must be a distance >= 0 [m]"),
@@ -161,7 +173,7 @@ def test_help_imports_no_geometry():
         [sys.executable, '-c', script], capture_output=True, text=True, timeout=800, check=True
     )
     assert done.stdout.splitlines()[-1] == '[]'
-    for name in (*COMMANDS, 'node', 'status', 'viewer', 'player', 'record'):
+    for name in (*COMMANDS, 'node', 'status', 'viewer', 'player', 'demo', 'record'):
         assert f'    {name}' in done.stdout
 
 
@@ -178,7 +190,7 @@ def test_completion_knows_all_commands_and_their_options(capsys):
     assert programs.drake_geom_ros(['completion', 'bash']) == 0
     script = capsys.readouterr().out
     listed = re.search(r'subparsers=\(([^)]*)\)', script)[1].replace("'", '').split()
-    assert {*COMMANDS, 'node', 'status', 'viewer', 'player', 'record'} == set(listed)
+    assert {*COMMANDS, 'node', 'status', 'viewer', 'player', 'demo', 'record'} == set(listed)
     assert '--max-distance' in script
 
 
@@ -199,8 +211,30 @@ def test_without_ros_a_program_of_ros_says_what_to_do(monkeypatch, capsys):
     assert 'status needs ROS 2, and there is no rclpy here' in capsys.readouterr().err
 
 
-def test_a_scene_behind_node_is_its_parameter(monkeypatch):
+def test_a_program_that_lacks_an_extra_names_it(monkeypatch, capsys):
+    def lacking():
+        raise ModuleNotFoundError("No module named 'rosbags'", name='rosbags.typesys')
+
+    monkeypatch.setitem(programs._OF_ROS, 'record', ('', lacking))
+    monkeypatch.setattr(sys, 'argv', ['before'])
+    assert programs.drake_geom_ros(['record']) == 2
+    said = capsys.readouterr().err
+    assert (
+        said == "drake_geom_ros: record needs rosbags: pip install 'drake_geom_ros[recordings]'\n"
+    )
+
+
+def test_a_scene_of_a_node_that_is_not_there_is_refused_at_once(capsys):
+    assert programs.drake_geom_ros(['node', '/nowhere.yaml']) == 2
+    assert (
+        capsys.readouterr().err == 'drake_geom_ros: /nowhere.yaml: there is no such scene file\n'
+    )
+
+
+def test_a_scene_behind_node_is_its_parameter(monkeypatch, tmp_path):
     seen = []
+    (tmp_path / 'cell.yaml').touch()
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, 'argv', ['before'])
     monkeypatch.setitem(programs._OF_ROS, 'node', ('', lambda: seen.append(sys.argv[1:]) or 0))
     assert programs.drake_geom_ros(['node', 'cell.yaml', '--ros-args', '-p', 'rate:=5.0']) == 0

@@ -104,7 +104,8 @@ def test_nothing_is_answered_while_a_frame_has_no_pose(capsys, tmp_path):
 @pytest.mark.parametrize('what', ['penetration', 'candidates', 'collisions'])
 def test_a_limit_that_would_be_ignored_is_refused(capsys, what):
     assert main(['query', SCENE, '--what', what, '--max-distance', '0.5']) == 2
-    assert '--max-distance goes with --what distance or points' in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert '--max-distance goes with --what distance, least, nearest, points;' in said
 
 
 @pytest.mark.parametrize('what', ['distance', 'penetration', 'candidates', 'collisions'])

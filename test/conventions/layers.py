@@ -132,8 +132,14 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'live/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
-    'ros/recorder': (('common', 'ros', 'ros/recorder'), ('ROS', 'rosbags')),
-    'ros/status': (('common', 'client', 'ros/sensing', 'ros', 'ros/status'), ('ROS',)),
+    'ros/recorder': (
+        ('common', 'scene_files', 'program_parser', 'ros', 'ros/recorder'),
+        ('ROS', 'rosbags'),
+    ),
+    'ros/status': (
+        ('common', 'client', 'program_parser', 'ros/sensing', 'ros', 'ros/status'),
+        ('ROS',),
+    ),
     'ros': (
         (
             *(*_LIVE, 'trajectories', 'cross_check', 'live/services'),
@@ -147,9 +153,13 @@ ROS_ROOMS = {
 LAYERS = {
     '': (('programs', 'version'), ()),
     'version': ((), ()),
+    'program_parser': (('common',), ()),
     'every_kernel': (('geometry', 'proximity_rules', 'sensed_maps'), ()),
     # What is started, each of which imports the rest of itself.
-    'programs': (('command_line', 'ros', 'ros/recorder', 'ros/viewer', 'ros/status'), ()),
+    'programs': (
+        ('command_line', 'demo', 'ros', 'ros/recorder', 'ros/viewer', 'ros/status'),
+        (),
+    ),
     'math': (('math',), ('numpy',)),
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy', 'tqdm')),
@@ -215,11 +225,20 @@ LAYERS = {
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
             *('viewing', 'viewing/page', 'recordings', 'sensed_maps', 'version'),
+            'program_parser',
         ),
         ('numpy', 'PIL', 'matplotlib'),
     ),
     # What asks a node is no part of it.
     'client': (('math', 'common', 'client'), ('numpy', 'ROS')),
+    # What a user's own node would do, shown.
+    'demo': (
+        (
+            *('math', 'common', 'sensors', 'geometry', 'scene_files', 'trajectories', 'client'),
+            *('live/conversions', 'program_parser', 'ros', 'demo'),
+        ),
+        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
+    ),
     **LIVE_ROOMS,
     **ROS_ROOMS,
 }

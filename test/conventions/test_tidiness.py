@@ -30,7 +30,11 @@ def small_numbers(source):
 
 def is_allowed(path, number):
     """Return whether a file may hold a small number."""
-    nanosecond = number == NANOSECOND and path.relative_to(PACKAGE).parts[0] in ('live', 'ros')
+    nanosecond = number == NANOSECOND and path.relative_to(PACKAGE).parts[0] in (
+        'live',
+        'ros',
+        'demo',
+    )
     return nanosecond or path.name in NUMBERS_ALLOWED
 
 

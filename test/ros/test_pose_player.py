@@ -204,21 +204,21 @@ def test_without_loop_it_stays_at_the_end(start, tmp_path, client):
 def test_a_player_without_a_scene_says_how_to_give_one(tmp_path):
     player = Process(tmp_path / 'log', ROOT / 'scripts/pose_player')
     assert player.popen.wait(120.0) == 2
-    assert 'pose_player: scene_file is empty' in player.output()
+    assert 'drake_geom_ros: scene_file is empty' in player.output()
     assert '-p scene_file:=FILE' in player.output()
 
 
 def test_a_topic_that_cannot_be_is_refused(start):
     player = start(topic='not a topic')
     assert player.popen.wait(120.0) == 2
-    assert 'pose_player: Invalid topic name' in player.output()
+    assert 'drake_geom_ros: Invalid topic name' in player.output()
     assert 'Traceback' not in player.output()
 
 
 def test_a_file_that_cannot_be_played_is_refused(start):
     player = start(trajectory_file='/absent.yaml')
     assert player.popen.wait(120.0) == 2
-    assert 'pose_player: /absent.yaml' in player.output()
+    assert 'drake_geom_ros: /absent.yaml' in player.output()
 
 
 def test_a_robot_that_is_not_installed_is_found_in_package_roots(tmp_path, start, client):

@@ -232,7 +232,7 @@ def test_arguments_that_are_none_are_refused_in_a_line():
     )
     done = run_python('-c', code)
     assert done.stdout == '2\n' * len(refused), done.stderr
-    lines = [line for line in done.stderr.splitlines() if line.startswith('scene_graph_node: ')]
+    lines = [line for line in done.stderr.splitlines() if line.startswith('drake_geom_ros: ')]
     assert all(words in line for words, line in zip(refused, lines, strict=True))
     assert 'Traceback' not in done.stderr
 

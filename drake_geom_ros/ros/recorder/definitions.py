@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
+
+from drake_geom_ros.scene_files import share_folders
 
 
 class UnknownTypeError(RuntimeError):
@@ -37,13 +36,15 @@ class Definitions:
 
 def _text_of(kind: str) -> str:
     package, _, name = kind.split('/')
-    try:
-        path = Path(get_package_share_directory(package)) / 'msg' / f'{name}.msg'
-        return path.read_text()
-    except (PackageNotFoundError, OSError) as error:
-        raise UnknownTypeError(
-            f'the type {kind} cannot be recorded: its definition is not installed ({error})'
-        ) from None
+    folders = share_folders()
+    for folder in folders:
+        path = folder / package / 'msg' / f'{name}.msg'
+        if path.is_file():
+            return path.read_text()
+    raise UnknownTypeError(
+        f'the type {kind} cannot be recorded: its definition is in none of '
+        f'{", ".join(map(str, folders))}'
+    )
 
 
 def _parts(fields: object) -> list[str]:

@@ -13,6 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.program_parser import ProgramParser
 from drake_geom_ros.ros.recorder.recorded_topics import topics_of
 from drake_geom_ros.ros.recorder.recorder import Recorder
 from drake_geom_ros.ros.spinning import StopSignals
@@ -22,8 +23,7 @@ _LOOK = 0.1  # [s] between two looks whether to stop
 
 
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog='record',
+    parser = ProgramParser(
         description='Records the topics of a scene_graph node that `drake_geom_ros report` needs, '
         'as MCAP, until Ctrl-C. A topic is recorded from its first publisher on.',
     )
@@ -64,19 +64,21 @@ def main(words: Sequence[str] | None = None) -> int:
     print(f'record: {counted(len(topics), "topic")} to {options.out}; Ctrl-C ends', flush=True)
     with StopSignals(once=True) as signals:
         reported: set[str] = set()
-        while not (signals.received or recorder.failure) and time.monotonic() < end:
-            executor.spin_once(timeout_sec=_LOOK)
-            for topic in sorted(recorder.heard - reported):
-                print(f'record: {topic}', flush=True)
-                reported.add(topic)
-        recorder.close()
+        try:
+            while not (signals.received or recorder.failure) and time.monotonic() < end:
+                executor.spin_once(timeout_sec=_LOOK)
+                for topic in sorted(recorder.heard - reported):
+                    print(f'record: {topic}', flush=True)
+                    reported.add(topic)
+        finally:  # where nobody reads the output any more too
+            recorder.close()
     node.destroy_node()
     rclpy.try_shutdown()
     return _report(recorder, options.out)
 
 
 def _warn(text: str) -> None:
-    print(f'record: {text}', file=sys.stderr, flush=True)
+    print(f'drake_geom_ros: {text}', file=sys.stderr, flush=True)
 
 
 def _report(recorder: Recorder, folder: Path) -> int:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from drake_geom_ros.client import NoAnswerError, RefusedError, SceneGraphClient
+from drake_geom_ros.program_parser import ProgramParser
 from drake_geom_ros.ros.spinning import StopSignals
 from drake_geom_ros.ros.status.gathering import Watcher, pause
 from drake_geom_ros.ros.status.status_text import in_words
@@ -42,8 +43,7 @@ class _Client(SceneGraphClient):
 
 
 def _arguments(words: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog='status',
+    parser = ProgramParser(
         description='Shows topics with rates, scene, waiting and stale frames, refusals, filters '
         'and leases of a running scene_graph node. It changes nothing.',
     )
@@ -83,9 +83,9 @@ def main(words: list[str] | None = None) -> int:
     except (NoAnswerError, RefusedError) as error:
         domain = os.environ.get('ROS_DOMAIN_ID', '0')
         print(
-            f'status: no answer of {options.node} in ROS domain {domain}: {error}. Is it running '
-            'and active, with this ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE? --node names '
-            'another.',
+            f'drake_geom_ros: no answer of {options.node} in ROS domain {domain}: {error}. Is it '
+            'running and active, with this ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE? '
+            '--node names another.',
             file=sys.stderr,
         )
         return _NO_ANSWER

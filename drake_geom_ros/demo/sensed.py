@@ -23,6 +23,8 @@ from sensor_msgs.msg import CameraInfo as CameraInfoMessage
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
+from drake_geom_ros.demo.processes import ProcessGroup, ros_environment
+from drake_geom_ros.demo.shipped_scenes import shipped_scene
 from drake_geom_ros.geometry import (
     FramePoseVector,
     GeometryInstance,
@@ -40,9 +42,7 @@ from drake_geom_ros.scene_files import (
 )
 from drake_geom_ros.sensors import CameraInfo
 from drake_geom_ros.trajectories.motion_file import load_motion
-from examples.demo.processes import ProcessGroup, ros_environment
 
-_SCENES = Path(__file__).parents[2] / 'scenes'
 _KEEP = 0.15  # [m]
 _RADIUS = 0.06  # [m] of the ball
 _WHERE = 1.8  # [s] of the motion: the ball hangs where the left hand is then
@@ -64,9 +64,9 @@ class World:
     """What is really there: the scene of the file, and the ball; a camera sees all of it."""
 
     def __init__(self) -> None:
-        self.file = _SCENES / 'two_pandas.yaml'
+        self.file = shipped_scene('two_pandas.yaml')
         description = read_scene(self.file)
-        self.motion = load_motion(_SCENES / 'two_pandas_motion.yaml', description)
+        self.motion = load_motion(shipped_scene('two_pandas_motion.yaml'), description)
         self._graph = SceneGraph()
         self._loaded = load_scene(self.file, self._graph)
         add_renderers(self._graph)

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
+from demo import demo_scenes as scenes
 
-from examples import demo_scenes as scenes
-from examples.demo import recording as module
-from examples.demo.recording import Recording, percentiles
+from drake_geom_ros.demo import recording as module
+from drake_geom_ros.demo.recording import Recording, percentiles
 
 
 def _add(made, time, ids, distance):

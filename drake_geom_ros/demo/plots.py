@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from examples.demo.recording import Recording
+from drake_geom_ros.demo.recording import Recording
 
 _MOST_LISTED = 12  # changes of filters that have a number and a line of text: the last ones
 _MOST_LABELS = 12  # spells of contact that have a name; of more only the deepest one

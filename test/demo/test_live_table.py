@@ -1,9 +1,10 @@
 import io
 import re
 
-from examples import demo_scenes as scenes
-from examples.demo.live_table import Screen, lines
-from examples.demo.recording import FilterChange, Recording
+from demo import demo_scenes as scenes
+
+from drake_geom_ros.demo.live_table import Screen, lines
+from drake_geom_ros.demo.recording import FilterChange, Recording
 
 
 class _Terminal(io.StringIO):

@@ -12,8 +12,8 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
 from drake_geom_ros.client.scene_table import Geometry
-from examples.demo.recording import Approach, Recording
-from examples.demo.surfaces import faces_of
+from drake_geom_ros.demo.recording import Approach, Recording
+from drake_geom_ros.demo.surfaces import faces_of
 
 Floats = NDArray[np.float64]
 _ROBOT_COLOURS = ('#3f7fbf', '#d9822b')

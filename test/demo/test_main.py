@@ -12,7 +12,7 @@ from ros.harness import ROOT, environment, run_python
 
 pytestmark = pytest.mark.processes
 
-DEMO = 'examples.demo'
+DEMO = 'drake_geom_ros.demo'
 PANDA = 'package://example-robot-data/robots/panda_description/urdf/panda_collision.urdf'
 SCENE = f"""\
 robots:
@@ -104,7 +104,7 @@ def test_a_robot_without_geometries_ends_it_with_the_reason_and_no_files(files):
 def test_a_wrong_file_is_told_before_anything_starts(tmp_path):
     arguments = '--scene', tmp_path / 'absent.yaml', '--out', tmp_path / 'out'
     run = run_python('-m', DEMO, *arguments)
-    assert run.returncode == 1
+    assert run.returncode == 2
     assert 'absent.yaml' in run.stderr
     assert not (tmp_path / 'out').exists()
 
@@ -112,7 +112,7 @@ def test_a_wrong_file_is_told_before_anything_starts(tmp_path):
 def test_results_of_somebody_else_are_left_alone(tmp_path):
     (tmp_path / 'results.csv').write_text('mine\n')
     run = run_python('-m', DEMO, '--out', tmp_path)
-    assert run.returncode == 1
+    assert run.returncode == 2
     assert 'not written by this command' in run.stderr
     assert [path.name for path in tmp_path.iterdir()] == ['results.csv']
     assert (tmp_path / 'results.csv').read_text() == 'mine\n'

@@ -2,7 +2,7 @@
 
 from typing import TextIO
 
-from examples.demo.recording import RecordedPairs, Recording, percentiles
+from drake_geom_ros.demo.recording import RecordedPairs, Recording, percentiles
 
 _WIDTH = 78
 _SHOWN = 4

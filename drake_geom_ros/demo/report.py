@@ -3,11 +3,11 @@
 import csv
 from pathlib import Path
 
+from drake_geom_ros.demo.camera import draw_camera
+from drake_geom_ros.demo.picture import draw_closest
+from drake_geom_ros.demo.plots import draw_distances
+from drake_geom_ros.demo.recording import COLUMNS, Recording, percentiles
 from drake_geom_ros.scene_files import SceneDescription
-from examples.demo.camera import draw_camera
-from examples.demo.picture import draw_closest
-from examples.demo.plots import draw_distances
-from examples.demo.recording import COLUMNS, Recording, percentiles
 
 
 def write_report(

@@ -1,11 +1,11 @@
 import csv
 
 import numpy as np
+from demo import demo_scenes as scenes
 from matplotlib.image import imread
 
+from drake_geom_ros.demo.report import COLUMNS, write_report, write_results
 from drake_geom_ros.scene_files import read_scene
-from examples import demo_scenes as scenes
-from examples.demo.report import COLUMNS, write_report, write_results
 
 SCENE = """
 sources: [left, right]

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from drake_geom_ros.demo.recording import Approach
 from drake_geom_ros.geometry import FramePoseVector, RenderedImages, SceneGraph
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import (
@@ -15,7 +16,6 @@ from drake_geom_ros.scene_files import (
     camera_of,
     register,
 )
-from examples.demo.recording import Approach
 
 
 def draw_camera(description: SceneDescription, moment: Approach, path: Path) -> str:

@@ -1,6 +1,6 @@
 """The main job, shown: a node, a player and a client, three processes.
 
-``python -m examples.demo`` plays two arms over a table for 15 s, prints a live table and
+``drake_geom_ros demo`` plays two arms over a table for 15 s, prints a live table and
 leaves results.csv, distances.png and closest.png in out/demo.
 """
 
@@ -10,20 +10,23 @@ import sys
 from pathlib import Path
 
 from drake_geom_ros.common.whole_files import check_first_line
+from drake_geom_ros.demo import sensed
+from drake_geom_ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
+from drake_geom_ros.demo.recording import COLUMNS
+from drake_geom_ros.demo.shipped_scenes import shipped_scene
+from drake_geom_ros.program_parser import ProgramParser
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
-from examples.demo import sensed
-from examples.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
-from examples.demo.recording import COLUMNS
 
-_SCENE = Path(__file__).parents[2] / 'scenes/two_pandas.yaml'
+_SCENE = shipped_scene('two_pandas.yaml')
 # Distances up to this [m] are shown; beyond, arms and objects are simply far away.
 _MAX_DISTANCE = 0.3
+_FAILED, _BAD_INPUT = 1, 2  # exit codes
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog='demo', description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    parser = ProgramParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument('--seconds', type=float, default=15.0, help='length of the recording')
     parser.add_argument('--forever', action='store_true', help='until Ctrl-C')
@@ -47,8 +50,10 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument('--out', type=Path, default=Path('out/demo'), help='folder of the files')
     options = parser.parse_args()
-    if options.seconds <= 0.0 or not 0.1 <= options.rate <= 1000.0:
-        parser.error('--seconds must be positive, --rate from 0.1 to 1000')
+    if not options.seconds > 0.0:
+        parser.error(f'--seconds is {options.seconds:g}; it must be positive')
+    if not 0.1 <= options.rate <= 1000.0:
+        parser.error(f'--rate is {options.rate:g}; it must be from 0.1 to 1000 [Hz]')
     return options
 
 
@@ -110,14 +115,14 @@ def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
         seconds = 'inf' if options.forever else str(options.seconds)
         processes.start(
             'demo_client',
-            'examples.demo.client',
+            'drake_geom_ros.demo.client',
             *('--scene', str(scene), '--seconds', seconds, '--out', str(options.out)),
         )
         processes.wait_for('demo_client')
 
 
 def main() -> int:
-    """Run the demo; return 0 when it ran to its end, 1 when a part of it failed."""
+    """Run the demo; return 0 when it ran to its end, 1 if a part failed, 2 for bad input."""
     options = _arguments()
     # Ended by a signal it still ends its processes.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -126,14 +131,13 @@ def main() -> int:
             sensed.show(options.out)
         else:
             _run(options, *_files(options))
-    except (ProcessFailedError, SceneFileError, ValueError, FileExistsError) as error:
-        print(f'demo: {error}', file=sys.stderr)
-        return 1
+    except ProcessFailedError as error:
+        print(f'drake_geom_ros: {error}', file=sys.stderr)
+        return _FAILED
+    except (SceneFileError, ValueError, OSError) as error:
+        print(f'drake_geom_ros: {error}', file=sys.stderr)
+        return _BAD_INPUT
     except KeyboardInterrupt:
         # A second one, while the client was writing its files.
         return 128 + signal.SIGINT
     return 0
-
-
-if __name__ == '__main__':
-    sys.exit(main())

@@ -39,14 +39,14 @@ from drake_geom_ros.client import (
     sleep,
 )
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.demo import reading
+from drake_geom_ros.demo.filter_keeper import FilterKeeper
+from drake_geom_ros.demo.live_table import Screen
+from drake_geom_ros.demo.recording import FilterChange, Recording, RuleEvent
+from drake_geom_ros.demo.report import write_report
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 from drake_geom_ros.scene_files import SceneDescription, read_scene
 from drake_geom_ros.trajectories.motion_file import adjacent_links
-from examples.demo import reading
-from examples.demo.filter_keeper import FilterKeeper
-from examples.demo.live_table import Screen
-from examples.demo.recording import FilterChange, Recording, RuleEvent
-from examples.demo.report import write_report
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STREAM = QoSProfile(depth=10)
