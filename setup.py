@@ -23,14 +23,34 @@ CORE = [
     'tqdm>=4.62',  # progress of what takes long
     'trimesh>=4.2',  # mesh files
 ]
-# ROS is no extra: a distribution brings rclpy and messages of its own, compiled for its Python,
-# and drake_geom_msgs is built by colcon. What PyPI has of it is in requirements/ros.txt.
+# What a node takes of ROS 2, for those without a distribution: an extra for each that PyPI has.
+# The messages are of this version, compiled for that distribution.
+ROS_FROM_PYPI = {
+    distribution: [
+        f'drake-geom-msgs-{distribution}=={VERSION}',
+        *(
+            f'ros-{distribution}-{name}'
+            for name in (
+                'rclpy[fastrtps]',
+                'diagnostic-msgs',
+                'geometry-msgs',
+                'lifecycle-msgs',
+                'rcl-interfaces',
+                'sensor-msgs',
+                'std-srvs',
+                'trajectory-msgs',
+                'visualization-msgs',
+            )
+        ),
+    ]
+    for distribution in ('kilted', 'jazzy')
+}
 EXTRAS = {
     'xacro': ['xacro>=2.1'],  # robots written with macros: *.xacro
     'cluster': ['distributed>=2024.1'],  # batches of states on a cluster
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['python-fcl>=0.7.0.5'],  # a second opinion
-    'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` writes
+    'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` and the demo write
     # reports of what ROS recorded; lz4 and zstandard are what mcap needs for compressed chunks
     'recordings': ['lz4>=4', 'mcap>=1.3', 'rosbags>=0.11', 'zstandard>=0.22'],
     'volume_meshes': ['meshio>=5.3'],  # tetrahedra in .vtk files
@@ -38,8 +58,14 @@ EXTRAS = {
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
     'completion': ['shtab>=1.6'],  # of the shell
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
-    'examples': ['ompl>=2.0'],  # plan_an_arm.py and plan_with_proof.py
 }
+# Models in all formats: macros, tetrahedra, and mesh files of several parts, which trimesh joins.
+EXTRAS['models'] = [*EXTRAS['xacro'], *EXTRAS['volume_meshes'], 'networkx>=3.0']
+EXTRAS['all'] = sorted({name for names in EXTRAS.values() for name in names})
+# The robot of the demo weighs more than all the rest.
+EXTRAS['demo'] = [*EXTRAS['pictures'], 'example-robot-data>=4.3']
+EXTRAS['examples'] = ['ompl>=2.0']  # plan_an_arm.py and plan_with_proof.py
+EXTRAS |= ROS_FROM_PYPI
 # The tests of the core; those whose library is missing, such as pydrake, are skipped.
 EXTRAS['test'] = [
     *(
@@ -72,6 +98,8 @@ setup(
     name=NAME,
     version=VERSION,
     description='Geometry service for ROS 2: signed distances, penetrations, collision filters.',
+    long_description=Path('README.md').read_text(encoding='utf-8'),
+    long_description_content_type='text/markdown',
     license='Apache-2.0',
     maintainer='drake_geom_ros maintainers',
     maintainer_email='maintainers@drake-geom-ros.invalid',

@@ -60,12 +60,12 @@ find_python() {
 # The keys of the steps: each is a hash over all that the step's result depends on.
 compute_keys() {
   choose_ros
-  [[ -d $wheels ]] || fail "ROS_DISTRO=${ROS_DISTRO:-} is none of: $(cd "$root/requirements"; echo */ | tr -d /).
+  [[ -d $wheels ]] || fail "ROS_DISTRO=${ROS_DISTRO:-} is none of: $(cd "$root/requirements"; dirname -- */ros.txt | xargs).
      These are on PyPI; of another, source its setup.bash first, or unset ROS_DISTRO."
   python=$(find_python)
   venv_key=$(printf '%s\n' "$venv" "$(describe_python "$python")" "$underlay" | hash)
   packages_key=$(cd "$root/requirements"; 
-    GLOBIGNORE=test.txt:lint.txt:peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt:recordings.txt
+    GLOBIGNORE=test.txt:lint.txt:peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt:examples.txt:recordings.txt:wheels.txt
     { echo "$venv_key"; cat -- *.txt "$wheels"/*.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"
@@ -293,6 +293,7 @@ install_view() { pip_add_wheels view viser lcm; }
 install_recordings() { pip_add_wheels recordings rosbags mcap; }
 install_vtk() { pip_add_wheels vtk vtk; }
 install_examples() { pip_add_wheels examples ompl; }
+install_wheels() { pip_add -r "$root/requirements/wheels.txt" -c"$root"/requirements/{view,test,peers,cluster}.txt; }
 install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
 
 # The wheels' CMake exports name folders of the machine that built them.

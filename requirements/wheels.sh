@@ -1,6 +1,7 @@
-# `./run wheels [VERSION ...]`: dist/ gets a wheel with kernels for each Python that is here, or for
-# those that are named (3.11). The kernels run on every CPU of this machine's type; they are loaded
-# by the versions of Numba and llvmlite that requirements/ pins, others compile their own.
+# `./run wheels [VERSION ...]`: dist/ gets the source distribution and, for each Python that is here
+# or for those that are named (3.11), a wheel with kernels and wheels of the messages. The kernels
+# run on every CPU of this machine's type; they are loaded by the versions of Numba and llvmlite
+# that requirements/ pins, others compile their own.
 
 kernel_pythons=(3.10 3.11 3.12 3.13)
 dist=${DRAKE_GEOM_ROS_WHEELS:-$root/dist}
@@ -13,14 +14,18 @@ wheels_command() {
   for version; do
     other_python=$(find_version "$version")
     if [[ -z $other_python ]]; then
-      say "wheel for Python $version: NOT BUILT (no such interpreter here)"
+      say "wheels for Python $version: NOT BUILT (no such interpreter here)"
       continue
     fi
     make_wheel "$version"
+    make_message_wheels "$version"
   done
+  (flock 9; step wheels "$venv/.stamp-wheels" "$(hash <"$root/requirements/wheels.txt")" install_wheels) 9<"$root/run"
+  "$venv/bin/python" -m twine check --strict "$dist"/*
 }
 
-# make_wheel VERSION: in an environment of its own, which is made once, from a copy of the tree.
+# make_wheel VERSION: in an environment of its own, which is made once, from a copy of the tree. So
+# is the source distribution, which is the same whatever Python makes it.
 make_wheel() {
   local wheel_venv=$venv/wheel-$1 key tree
   key=$({ describe_python "$other_python"; cd "$root/requirements"; cat core.txt lock.txt; } | hash)
@@ -29,7 +34,7 @@ make_wheel() {
   copy_tree "$tree"
   logged "wheel-$1" build_wheel
   rm -rf "$tree"
-  say "wheel: $(ls -t "$dist"/*.whl | head -n 1)"
+  say "wheel: $(ls -t "$dist"/drake_geom_ros-*.whl | head -n 1)"
 }
 
 make_wheel_venv() {
@@ -49,14 +54,16 @@ copy_tree() {
 # Numba's own wheel says which platforms run what it compiles.
 build_wheel() {
   local python=$wheel_venv/bin/python platform built
+  built=$(mktemp -d)
+  (cd "$tree" && "$python" -c 'import sys, setuptools.build_meta as build
+build.build_sdist(sys.argv[1])' "$built") # before there are kernels, which it has none of
   compile_for_any_cpu "$tree" "$python"
   platform=$("$python" "$root/requirements/platform_of.py" numba)
-  built=$(mktemp -d)
   (cd "$tree" && "$python" -m pip wheel --no-deps --no-build-isolation --no-cache-dir -w "$built" . \
     -C--build-option=--plat-name="$platform" \
     -C--build-option=--python-tag="$("$python" -c 'import sys; print(sys.implementation.cache_tag.replace("cpython-", "cp"))')")
   mkdir -p "$dist"
-  mv "$built"/*.whl "$dist/"
+  mv "$built"/* "$dist/"
   rm -rf "$built"
 }
 

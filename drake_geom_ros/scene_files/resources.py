@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+# What setup.py leaves in the environment that it is installed in.
+_IN_INDEX = 'share/ament_index/resource_index/packages/drake_geom_ros'
 # One folder, or several.
 Roots = str | os.PathLike[str] | Iterable[str | os.PathLike[str]]
 
@@ -20,7 +22,8 @@ class ResourceResolver:
 
     - ``ROOT/NAME``, or ROOT itself if that is its name, for each of ``package_roots`` and then of
       ``ROS_PACKAGE_PATH``;
-    - ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``;
+    - ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and for the environment that
+      pip installed this package in;
     - ``cmeel.prefix/share/NAME`` beside the Python packages, where pip installs robot
       descriptions such as ``example-robot-data``.
 
@@ -110,6 +113,9 @@ def _ros_package_path() -> list[Path]:
 
 def _shares_of_prefixes() -> list[Path]:
     prefixes = _paths(os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep))
+    environment = Path(sys.prefix)
+    if (environment / _IN_INDEX).is_file() and environment not in prefixes:
+        prefixes.append(environment)
     installed = [e for e in _paths(sys.path) if e.name in ('site-packages', 'dist-packages')]
     prefixes += [entry / 'cmeel.prefix' for entry in installed]
     return [prefix / 'share' for prefix in prefixes]

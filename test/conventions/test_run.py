@@ -111,6 +111,7 @@ def test_an_unknown_command_is_named():
         ('requirements/view.txt', [False, False, False, False]),
         ('requirements/vtk.txt', [False, False, False, False]),
         ('requirements/recordings.txt', [False, False, False, False]),
+        ('requirements/wheels.txt', [False, False, False, False]),
         ('requirements/kilted/ros.txt', [False, True, True, True]),
         ('requirements/kilted/lock.txt', [False, True, True, True]),
         ('requirements/jazzy/ros.txt', [False, False, False, False]),
@@ -280,10 +281,13 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
     assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
 
 
-SETS = {*('cluster', 'examples', 'lint', 'mutants', 'peers', 'recordings', 'test', 'view', 'vtk')}
+SETS = {
+    *('cluster', 'examples', 'lint', 'mutants', 'peers', 'recordings', 'test', 'view', 'vtk'),
+    'wheels',
+}
 
 
-def test_every_set_of_packages_but_that_of_mutants_is_there_for_the_tests(folder):
+def test_every_set_of_packages_that_tests_import_is_there_for_them(folder):
     """What nobody installs is skipped wherever the tests run: those of recordings once were."""
     always = {'core', 'demo', 'build', 'lock'}
     files = {path.stem for path in (folder / 'requirements').glob('*.txt')}
@@ -291,7 +295,7 @@ def test_every_set_of_packages_but_that_of_mutants_is_there_for_the_tests(folder
     code, said, errors = shell(folder, 'echo "${test_sets[@]}"; declare -F')
     assert code == 0, errors
     sets, *functions = said.splitlines()
-    assert {*sets.split(), 'mutants'} == SETS
+    assert {*sets.split(), 'mutants', 'wheels'} == SETS
     assert {f'declare -f install_{name}' for name in SETS} <= {*functions}
 
 
@@ -364,13 +368,25 @@ def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fet
         ('ruff check', 'lint'),
         ('python -m mypy', 'lint'),
         ('python my_pytest.py', ''),
-        ('scene_viewer', ''),
+        ('scene_viewer', 'view'),
+        ('scene_viewer --ros-args -p port:=8090', 'view'),
+        ('drake_geom_ros viewer', 'view'),
+        ('python -m drake_geom_ros view cell.yaml', 'view'),
+        ('drake_geom_ros report run_1 --scene cell.yaml', 'recordings'),
+        ('record --seconds 5', 'recordings'),
+        ('drake_geom_ros replay record.json', ''),
+        ('drake_geom_ros completion bash', 'test'),
+        ('drake_geom_ros batch cell.yaml states.npy --out x.npz', ''),
+        ('drake_geom_ros batch cell.yaml states.npy --cluster tcp://a:1', 'cluster'),
+        ('drake_geom_ros report run_1 --cluster=tcp://a:1', 'recordings cluster'),
+        ('python examples/plan_an_arm.py --edges samples', 'examples'),
+        ('drake_geom_ros query cell.yaml', ''),
     ],
 )
 def test_exec_installs_what_its_command_asks_for_by_its_name(folder, command, sets):
     code, said, errors = shell(folder, f'sets_of {command}')
     assert code == 0, errors
-    assert said.strip() == sets
+    assert ' '.join(said.split()) == sets
 
 
 def test_what_was_deleted_is_made_again(folder):

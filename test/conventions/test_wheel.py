@@ -1,6 +1,7 @@
 """The wheel: what it holds, and that it works in an environment that has nothing else, nor ROS."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from conventions.source_tree import PACKAGE, ROOT, SOURCES, imports_of, name_of
-from conventions.test_packages import LIBRARIES, pins
+from conventions.test_packages import LIBRARIES, pins, requirements
 from packaging.requirements import Requirement
 from test_readme import blocks
 
@@ -95,9 +96,12 @@ def asked_for(wheel):
     return [Requirement(text) for text in metadata.get_all('Requires-Dist')]
 
 
+OF_THIS_VERSION = {'drake-geom-msgs-kilted', 'drake-geom-msgs-jazzy'}
+
+
 def test_the_pins_lie_within_its_ranges(asked_for):
     pinned = pins()
-    for each in asked_for:
+    for each in (each for each in asked_for if each.name not in OF_THIS_VERSION):
         assert pinned[each.name], each
         assert [v for v in pinned[each.name] if v not in each.specifier] == [], each
 
@@ -105,7 +109,17 @@ def test_the_pins_lie_within_its_ranges(asked_for):
 def test_its_ranges_are_open_above_but_for_numba(asked_for):
     """A bound that nobody knows the need of would shut out each version of the years to come."""
     bounds = {(each.name, bound.operator) for each in asked_for for bound in each.specifier}
-    assert {each for each in bounds if each[1] != '>='} == {('numba', '<')}
+    of_this_version = {(name, '==') for name in OF_THIS_VERSION}
+    assert {each for each in bounds if each[1] != '>='} == {('numba', '<'), *of_this_version}
+
+
+@pytest.mark.parametrize('distribution', ['kilted', 'jazzy'])
+def test_an_extra_has_what_a_set_up_takes_of_ros(asked_for, distribution):
+    lines = requirements()[f'{distribution}/ros.txt']
+    pinned = {re.match(r'[\w-]+(\[\w+\])?', line).group() for line in lines}
+    extra = f'extra == "{distribution}"'
+    named = {str(each).partition(';')[0] for each in asked_for if extra in str(each.marker)}
+    assert {name for name in named if name.startswith('ros-')} == pinned
 
 
 @pytest.mark.parametrize('version', UBUNTU_24_04.items(), ids=lambda item: item[0])
@@ -115,7 +129,7 @@ def test_its_ranges_admit_what_rosdep_installs(asked_for, version):
 
 
 def test_it_asks_for_all_that_is_imported_without_ros(asked_for):
-    with_ros = {'ros', 'client'}
+    with_ros = {'ros', 'client', 'demo'}
     sources = [p for p in SOURCES if with_ros.isdisjoint(p.relative_to(PACKAGE).parts)]
     names = {name.split('.')[0] for path in sources for name in imports_of(path.read_text())}
     names -= {*sys.stdlib_module_names, 'drake_geom_ros'}

@@ -1,4 +1,4 @@
-"""`./run wheels`: its wheel holds kernels, answers without compiling, and serves a set-up."""
+"""`./run wheels`: its wheels hold kernels and messages, and pip makes a node of them."""
 
 import os
 import platform
@@ -16,6 +16,7 @@ __all__ = ['folder']  # the fixture
 # The wheel takes minutes: all kernels are compiled for it.
 pytestmark = [pytest.mark.packaging, pytest.mark.processes, pytest.mark.timeout(3000)]
 TAG = f'cp{sys.version_info.major}{sys.version_info.minor}'
+DISTRIBUTION = os.environ.get('ROS_DISTRO', 'kilted')
 VERSION = f'{sys.version_info.major}.{sys.version_info.minor}'
 # Of the installed package, not of the folder in which it runs.
 INSTALLED = f"""
@@ -27,16 +28,27 @@ print(told)
 """
 
 
-@pytest.fixture(scope='module')
-def wheel(tmp_path_factory):
-    """Return the wheel that the command builds from a copy of the tree."""
+@pytest.fixture(scope='session')
+def dist(tmp_path_factory):
+    """Return the folder that the command fills, for one Python and one distribution of ROS."""
     out = tmp_path_factory.mktemp('wheels')
     script = f'source ./run; dist={out}; wheels_command {VERSION}'
     done = subprocess.run(
-        ['bash', '-c', script], cwd=ROOT, capture_output=True, text=True, check=False
+        ['bash', '-c', script],
+        cwd=ROOT,
+        env={**os.environ, 'ROS_DISTRO': DISTRIBUTION},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
-    (path,) = out.glob('*.whl')
+    return out
+
+
+@pytest.fixture(scope='module')
+def wheel(dist):
+    """Return the wheel with kernels."""
+    (path,) = dist.glob('drake_geom_ros-*.whl')
     return path
 
 
@@ -54,6 +66,21 @@ def test_it_holds_kernels_and_no_locks(wheel):
     assert len(inside) > 50
     assert all(name.endswith('.kernel') for name in inside)
     assert size < 6e6
+
+
+def files_in(wheel):
+    """Return the files of a wheel but its kernels."""
+    with zipfile.ZipFile(wheel) as archive:
+        return {name for name in archive.namelist() if '/_kernels/' not in name}
+
+
+def test_the_source_distribution_makes_the_same_package_without_kernels(dist, wheel, tmp_path):
+    (source,) = dist.glob('*.tar.gz')
+    pip = [sys.executable, '-m', 'pip', 'wheel', '--no-deps', '--no-build-isolation', '-w']
+    subprocess.run([*pip, tmp_path, '--no-cache-dir', source], check=True, capture_output=True)
+    (made,) = tmp_path.glob('*.whl')
+    assert files_in(made) == files_in(wheel)
+    assert made.stem.endswith('-py3-none-any')
 
 
 def test_installed_elsewhere_it_compiles_nothing(wheel, tmp_path):

@@ -48,6 +48,19 @@ def test_a_package_is_found_beside_pip_packages(package, monkeypatch):
     assert ResourceResolver().resolve('package://arms/x.urdf', package) == inner / 'x.urdf'
 
 
+def test_a_package_is_found_in_the_environment_that_pip_installed_ours_in(package, monkeypatch):
+    """PyPI's packages of ROS are there, and nobody sources anything."""
+    prefix = package.parents[1]
+    monkeypatch.setattr(sys, 'prefix', str(prefix))
+    uri = 'package://parts/meshes/a b.obj'
+    with pytest.raises(ValueError, match="no package 'parts'"):
+        ResourceResolver().resolve(uri, package)
+    index = prefix / 'share/ament_index/resource_index/packages'
+    index.mkdir(parents=True)
+    (index / 'drake_geom_ros').touch()
+    assert ResourceResolver().resolve(uri, package) == package / 'meshes' / 'a b.obj'
+
+
 def test_a_path_counts_from_the_folder(package):
     resolver = ResourceResolver()
     target = package / 'meshes' / 'a b.obj'

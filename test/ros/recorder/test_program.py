@@ -11,7 +11,9 @@ from std_msgs.msg import String
 pytest.importorskip('rosbags')
 pytest.importorskip('mcap')
 
-from rosbags.rosbag2 import Reader, Writer
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 from drake_geom_ros.command_line.program import main as drake_geom_ros
 from drake_geom_ros.ros.recorder.program import INCOMPLETE, MISUSED, main
@@ -75,6 +77,32 @@ def test_a_run_is_recorded_and_a_report_reads_it(node, tmp_path, lone_client, ca
     out = capsys.readouterr().out
     assert 'all: distance 0.2 m within' in out
     assert 'refuted' not in out.lower() or '0 refuted' in out.lower()
+
+
+def test_a_recording_is_played_again(tmp_path, lone_client):
+    """By examples/play_recording.py, where there is no `ros2 bag play`."""
+    said, topic = ['one', 'two', 'three'], '/played_again'
+    with Writer(tmp_path / 'run', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        types = get_typestore(Stores.LATEST)
+        connection = writer.add_connection(topic, 'std_msgs/msg/String', typestore=types)
+        for number, text in enumerate(said):
+            data = serialize_message(String(data=text))
+            writer.write(connection, 1_000_000_000 + number * 1000, data)
+    heard = lone_client.listen(String, topic)
+    script = ROOT / 'examples/play_recording.py'
+    players = []
+
+    def have_come():
+        """Play until a whole run is heard: a subscriber may not know the publisher yet."""
+        if not players or players[-1].popen.poll() is not None:
+            log = tmp_path / f'log_{len(players)}'
+            players.append(Process(log, script, str(tmp_path / 'run'), anew=True))
+        return [message.data for message in heard[-3:]] == said
+
+    lone_client.wait_for(have_come, 'the messages')
+    lone_client.wait_for(lambda: players[-1].popen.poll() is not None, 'the end of the player')
+    assert players[-1].end() == 0, players[-1].output()
+    assert '3 messages' in players[-1].output()
 
 
 def test_without_a_message_it_says_so(tmp_path, capsys):
