@@ -6,11 +6,11 @@ from types import SimpleNamespace as Some
 
 import numpy as np
 import pytest
+from demo import demo_scenes as scenes
 
 from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.results import Penetrations, PointDistances, SignedDistances
 from drake_geom_ros.client.scene_table import UnknownNameError
-from examples import demo_scenes as scenes
 
 TABLE = scenes.table(version=3)
 HEADER = Some(stamp=Some(sec=12, nanosec=500_000_000))
