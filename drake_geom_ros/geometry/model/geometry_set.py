@@ -58,8 +58,11 @@ class GeometrySet:
                 if not isinstance(value, kinds):
                     allowed = ' or '.join(kind.__name__ for kind in kinds)
                     raise ArgumentTypeError(f'GeometrySet: {value!r} must be a {allowed}')
-        self._geometry_ids.update(geometries, (i for i in mixed if isinstance(i, GeometryId)))
-        self._frame_ids.update(frames, (i for i in mixed if isinstance(i, FrameId)))
+        self._geometry_ids.update(geometries)
+        self._frame_ids.update(frames)
+        if mixed:
+            self._geometry_ids.update(i for i in mixed if isinstance(i, GeometryId))
+            self._frame_ids.update(i for i in mixed if isinstance(i, FrameId))
 
     def __repr__(self) -> str:
         geometries, frames = sorted(self._geometry_ids), sorted(self._frame_ids)
