@@ -79,7 +79,11 @@ class HeldScene:
         Raises what the change raises, and nothing has changed then.
         """
         change.first(self)
-        made = change.on(self.model.scene_graph, None)
+        try:
+            made = change.on(self.model.scene_graph, None)
+        except BaseException:
+            self.model.refresh()  # memory may have ended in the middle of it
+            raise
         if not change.same_content:
             self.model.robots = change.robots_after(self.model.robots)
             self.model.maps_source = change.maps_after(self.model.maps_source, made)

@@ -112,9 +112,11 @@ class RobotJoints:
         home, is_attached = self._home(robot.name, root, query)
         assert home is not None
         try:
-            X_PB = query.X_PF(root)
-            if is_attached:
-                X_PB = query.X_WF(home).InvertAndCompose(query.X_WF(root))
+            X_PB = (
+                query.X_WF(home).InvertAndCompose(query.X_WF(root))
+                if is_attached
+                else query.X_PF(root)
+            )
         except PoseError:
             return None
         X = robot.pose_of_base(X_PB.rotation().matrix(), X_PB.translation())

@@ -83,6 +83,17 @@ def test_another_shape_makes_another_model_of_the_same_names(live, make):
     assert model.names_version == names_version
 
 
+def test_a_change_that_fails_halfway_leaves_the_tables_as_the_scene_is(live):
+    def registers_and_fails(graph, context):
+        graph.RegisterSource('half')
+        raise MemoryError
+
+    with live.editing() as scene:
+        with pytest.raises(MemoryError):
+            scene.make(Change(registers_and_fails))
+        assert scene.model.names.source('half').is_valid()
+
+
 def test_another_scene_goes_on_counting_after_changes_of_cells(live):
     with live.editing() as scene:
         scene.make(shape_changed(scene, same_content=True))
