@@ -1,8 +1,8 @@
-"""Query results as tables, and tables as CSV or JSON.
+"""Answers of ``query`` as tables, and tables as CSV, as JSON or for people.
 
 A table maps column names to arrays (k,) or, for points and directions, (k, 3). In CSV the latter
 become three columns, ``p_wca_x`` and so on; in JSON a row is an object with lists. Numbers are
-written with all digits.
+written with all digits, and for people with six.
 """
 
 import csv
@@ -23,8 +23,8 @@ _METHOD_NAMES = {number: name for name, number in METHODS.items()}
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What a question is about, beside the scene."""
+class QueryOptions:
+    """The points, limits and accuracy of a query, beside the scene."""
 
     max_distance: float = math.inf  # [m]
     accuracy: str = 'exact'
@@ -32,10 +32,10 @@ class Asked:
     count: int = 1  # pairs of ``nearest``
 
 
-def distances(scene: PosedScene, asked: Asked) -> Table:
+def distances(scene: PosedScene, options: QueryOptions) -> Table:
     """Return the signed distances up to the maximum distance; witness points in the world."""
     pairs = scene.query.ComputeSignedDistancePairwiseClosestPoints(
-        asked.max_distance, accuracy=asked.accuracy
+        options.max_distance, accuracy=options.accuracy
     )
     return _pairs(scene, pairs.id_A, pairs.id_B) | {
         'distance': pairs.distance,
@@ -48,19 +48,19 @@ def distances(scene: PosedScene, asked: Asked) -> Table:
     }
 
 
-def nearest(scene: PosedScene, asked: Asked) -> Table:
+def nearest(scene: PosedScene, options: QueryOptions) -> Table:
     """Return the ``count`` pairs with the smallest lower bounds, distance minus error bound."""
-    table = distances(scene, asked)
-    order = np.argsort(table['distance'] - table['error_bound'], kind='stable')[: asked.count]
+    table = distances(scene, options)
+    order = np.argsort(table['distance'] - table['error_bound'], kind='stable')[: options.count]
     return {
         name: values[order] if isinstance(values, np.ndarray) else [values[k] for k in order]
         for name, values in table.items()
     }
 
 
-def penetrations(scene: PosedScene, asked: Asked) -> Table:
+def penetrations(scene: PosedScene, options: QueryOptions) -> Table:
     """Return the overlapping pairs."""
-    overlaps = scene.query.ComputePointPairPenetration(accuracy=asked.accuracy)
+    overlaps = scene.query.ComputePointPairPenetration(accuracy=options.accuracy)
     return _pairs(scene, overlaps.id_A, overlaps.id_B) | {
         'depth': overlaps.depth,
         'p_wca': overlaps.p_WCa,
@@ -71,35 +71,35 @@ def penetrations(scene: PosedScene, asked: Asked) -> Table:
     }
 
 
-def point_distances(scene: PosedScene, asked: Asked) -> Table:
+def point_distances(scene: PosedScene, options: QueryOptions) -> Table:
     """Return the signed distances of the points up to the maximum distance."""
-    found = scene.query.ComputeSignedDistanceToPoint(
-        asked.points, asked.max_distance, accuracy=asked.accuracy
+    points = scene.query.ComputeSignedDistanceToPoint(
+        options.points, options.max_distance, accuracy=options.accuracy
     )
     return {
-        'point_index': found.point_index,
-        'geometry': _names(scene, found.id_G),
-        'distance': found.distance,
-        'p_gn': found.p_GN,
-        'grad_w': found.grad_W,
-        'is_grad_w_unique': found.is_grad_W_unique,
-        'error_bound': found.error_bound,
-        'method': _methods(found.method),
+        'point_index': points.point_index,
+        'geometry': _names(scene, points.id_G),
+        'distance': points.distance,
+        'p_gn': points.p_GN,
+        'grad_w': points.grad_W,
+        'is_grad_w_unique': points.is_grad_W_unique,
+        'error_bound': points.error_bound,
+        'method': _methods(points.method),
     }
 
 
-def candidates(scene: PosedScene, asked: Asked) -> Table:
+def candidates(scene: PosedScene, options: QueryOptions) -> Table:
     """Return the candidate pairs, which bounding volumes do not separate."""
     ids = scene.query.collision_candidates()
     return _pairs(scene, ids[:, 0], ids[:, 1])
 
 
-def collisions(scene: PosedScene, asked: Asked) -> Table:
+def collisions(scene: PosedScene, options: QueryOptions) -> Table:
     """Return one row with the flag whether any pair overlaps."""
-    return {'has_collisions': np.array([scene.query.HasCollisions(accuracy=asked.accuracy)])}
+    return {'has_collisions': np.array([scene.query.HasCollisions(accuracy=options.accuracy)])}
 
 
-KINDS: dict[str, Callable[[PosedScene, Asked], Table]] = {
+KINDS: dict[str, Callable[[PosedScene, QueryOptions], Table]] = {
     'distance': distances,
     'least': nearest,
     'nearest': nearest,

@@ -18,7 +18,7 @@ from drake_geom_ros.command_line.answers import (
     KINDS,
     LIMITED,
     OF_PAIRS,
-    Asked,
+    QueryOptions,
     Table,
     half_spaces_beside,
 )
@@ -92,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
             f'--count {options.count} goes with --what nearest, not {options.what}', options.scene
         )
     points = points_of_file(options.points) if options.points else None
-    asked = Asked(options.max_distance, options.accuracy, points, options.count)
+    query_options = QueryOptions(options.max_distance, options.accuracy, points, options.count)
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = PosedScene(options.scene, options.srdf, options.package_root)
     pose_joints(scene, options.joints)
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
             scene.check_whole()
             if options.what in OF_PAIRS:
                 beside.update(dict.fromkeys(half_spaces_beside(scene)))
-            yield moment.time, ask(scene, asked)
+            yield moment.time, ask(scene, query_options)
 
     # Everything is computed before the file is opened, so that bad input keeps an old file.
     done = list(answers())

@@ -34,8 +34,8 @@ def draw_camera(description: SceneDescription, moment: Approach, path: Path) -> 
         axes.set_title(f'{camera.name}: {title}')
     colour.imshow(images.color.data)
     depths = images.depth.data[..., 0]
-    told = np.ma.masked_array(depths, ~(np.isfinite(depths) & (depths > 0.0)))
-    shown = depth.imshow(told, cmap='viridis_r', norm=LogNorm() if told.count() else None)
+    measured = np.ma.masked_array(depths, ~(np.isfinite(depths) & (depths > 0.0)))
+    shown = depth.imshow(measured, cmap='viridis_r', norm=LogNorm() if measured.count() else None)
     figure.colorbar(shown, ax=depth, label='[m]', fraction=0.035)
     # Places instead of labels: neighbours get colours that differ.
     _, places = np.unique(images.label.data[..., 0], return_inverse=True)

@@ -195,8 +195,8 @@ class DemoClient(Node):
 
     def _on_event(self, event: ProximityEvent) -> None:
         if self.recording is not None and event.stamp >= self._record_from:
-            told = event.stamp, event.rule, event.level, event.entered, event.distance
-            self.recording.events.append(RuleEvent(*told))
+            fields = event.stamp, event.rule, event.level, event.entered, event.distance
+            self.recording.events.append(RuleEvent(*fields))
 
     def _on_intended(self, message: msg.CollisionFilterDeclaration) -> None:
         self._run(self._filters.follow(message))
@@ -205,9 +205,9 @@ class DemoClient(Node):
         if self.recording is not None:
             self.recording.cycle_seconds.append(message.seconds)
 
-    def _on_penetrations(self, found: Penetrations) -> None:
-        if self.recording is not None and found.stamp >= self._record_from:
-            self.recording.add_penetrations(found.stamp, found.id_a, found.id_b, found.depth)
+    def _on_penetrations(self, result: Penetrations) -> None:
+        if self.recording is not None and result.stamp >= self._record_from:
+            self.recording.add_penetrations(result.stamp, result.id_a, result.id_b, result.depth)
             self._exclude_once()
 
     def _exclude_once(self) -> None:
@@ -223,44 +223,44 @@ class DemoClient(Node):
         )
         self._run(self._filters.exclude_for_good(declaration, text))
 
-    def _on_distances(self, found: SignedDistances) -> None:
+    def _on_distances(self, result: SignedDistances) -> None:
         self._heard = self._now()
-        if found.stamp < self._record_from:
+        if result.stamp < self._record_from:
             return  # of the motion before
         try:
-            self._record(found)
+            self._record(result)
         except UnknownNameError as error:  # a robot of the scene file without a geometry
             self._fail(f'the results say nothing of a robot of the scene file: {error}')
 
-    def _record(self, found: SignedDistances) -> None:
+    def _record(self, result: SignedDistances) -> None:
         if self.recording is None:
-            self.recording = Recording(found.table, self._robots, found.max_distance)
-            self._start_result = found
+            self.recording = Recording(result.table, self._robots, result.max_distance)
+            self._start_result = result
         self.recording.add_distances(
-            found.stamp,
-            self._now() - found.stamp,
-            found.id_a,
-            found.id_b,
-            found.distance,
-            found.error_bound,
-            found.method,
+            result.stamp,
+            self._now() - result.stamp,
+            result.id_a,
+            result.id_b,
+            result.distance,
+            result.error_bound,
+            result.method,
         )
-        k = self.recording.closer(found.id_a, found.id_b, found.distance)
+        k = self.recording.closer(result.id_a, result.id_b, result.distance)
         if k is not None:
-            self._closest = found, found[k]
+            self._closest = result, result[k]
             self._picture_closest()
-        if found.stamp - self.recording.start >= self._seconds and not self.done.done():
+        if result.stamp - self.recording.start >= self._seconds and not self.done.done():
             self.done.set_result(None)
 
     def _picture_closest(self) -> None:
         """Keep the closest moment once the poses of the same stamp have come as well."""
         if self._closest is None or self.recording is None:
             return
-        found, pair = self._closest
-        poses = self._poses.get(found.stamp)
-        if poses is not None and found.table is self._listener.table:
-            X_WFs = reading.world_poses(poses, found.table.parents)
-            self.recording.approach = reading.approach(pair, found.stamp, found.table, X_WFs)
+        result, pair = self._closest
+        poses = self._poses.get(result.stamp)
+        if poses is not None and result.table is self._listener.table:
+            X_WFs = reading.world_poses(poses, result.table.parents)
+            self.recording.approach = reading.approach(pair, result.stamp, result.table, X_WFs)
             self._closest = None
 
 

@@ -19,14 +19,14 @@ _SERVICES = (
 class FilterKeeper:
     """One persistent declaration at the beginning, then one transient filter that follows wishes.
 
-    ``told(text)`` is called after each change, ``failed(text)`` when a service refuses.
+    ``changed(text)`` is called after each change, ``failed(text)`` when a service refuses.
     """
 
     def __init__(
-        self, node: Node, told: Callable[[str], None], failed: Callable[[str], None]
+        self, node: Node, changed: Callable[[str], None], failed: Callable[[str], None]
     ) -> None:
         self._node = node
-        self._told = told
+        self._changed = changed
         self._failed = failed
         self._services = Services(node, 'scene_graph')
         self._wanted = self._applied = msg.CollisionFilterDeclaration()
@@ -53,7 +53,7 @@ class FilterKeeper:
                 self._node.get_logger().warning(str(error))
                 await sleep(self._node, LEASE / 4)
         after = await self._count()
-        self._told(f'for good: {text} ({before} -> {after} filtered pairs)')
+        self._changed(f'for good: {text} ({before} -> {after} filtered pairs)')
         self._busy = False
         await self.follow(self._wanted)
 
@@ -79,12 +79,12 @@ class FilterKeeper:
         if held is not None:
             filter_id = held.filter_id
             await held.let_go()
-            self._told(f'transient filter #{filter_id} removed')
+            self._changed(f'transient filter #{filter_id} removed')
         if wanted.statements:
             self._held = HeldFilter(self._node, self._services, wanted)
             await self._held.hold()
             texts = '; '.join(_text_of(statement) for statement in wanted.statements)
-            self._told(f'transient filter #{self._held.filter_id}: {texts}')
+            self._changed(f'transient filter #{self._held.filter_id}: {texts}')
 
     async def _count(self) -> int:
         answer = await self._services.ask('get_filters')

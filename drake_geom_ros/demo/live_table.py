@@ -41,8 +41,8 @@ def _pair_lines(recording: Recording, latest: RecordedPairs | None) -> list[str]
     """Return the closest pairs of bodies, padded so that the table does not jump."""
     rows = []
     if latest is not None:
-        kept = list(zip(latest.id_a, latest.id_b, latest.distance, strict=True))[:_SHOWN]
-        rows = [_row(recording.scene.pair_name(a, b), float(d)) for a, b, d in kept]
+        closest = list(zip(latest.id_a, latest.id_b, latest.distance, strict=True))[:_SHOWN]
+        rows = [_row(recording.scene.pair_name(a, b), float(d)) for a, b, d in closest]
     return rows + ['   -'] * (_SHOWN - len(rows))
 
 

@@ -86,12 +86,12 @@ def _draw_smallest(axes: Any, recording: Recording) -> None:
 
 def _mark_events(axes: Any, recording: Recording) -> None:
     """Mark where proximity rules were entered (down) and left (up), in the colour of the level."""
-    told = [event for event in recording.events if np.isfinite(event.distance)]
+    measured = [event for event in recording.events if np.isfinite(event.distance)]
     for level, colour in _LEVELS.items():
         for entered, marker in ((True, 'v'), (False, '^')):
             at = [
                 (event.time - recording.start, event.distance * 1e3)
-                for event in told
+                for event in measured
                 if event.level == level and event.entered == entered
             ]
             if at:

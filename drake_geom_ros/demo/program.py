@@ -69,10 +69,10 @@ def _keeping_adjacent_links(scene: Path, folder: Path) -> Path:
 
     The client leaves them out itself: that is how filters are shown to come and go.
     """
-    text = scene.read_text().replace('    srdf: ', '    adjacent_links: kept\n    srdf: ')
-    kept = folder / 'scene.yaml'
-    kept.write_text(text)
-    return kept
+    text = scene.read_text().replace('    srdf: ', '    adjacent_links: copy\n    srdf: ')
+    copy = folder / 'scene.yaml'
+    copy.write_text(text)
+    return copy
 
 
 def _parameters(**values: object) -> list[str]:

@@ -1,4 +1,4 @@
-"""What the demo's client keeps of the results: short series for a person, not a bag."""
+"""Results that the demo's client keeps: short series for a person, not a bag."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

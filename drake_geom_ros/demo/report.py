@@ -1,4 +1,4 @@
-"""What the demo leaves behind: results.csv, distances.png, closest.png and camera.png."""
+"""The files that the demo leaves: results.csv, distances.png, closest.png and camera.png."""
 
 import csv
 from pathlib import Path

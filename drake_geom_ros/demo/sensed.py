@@ -4,7 +4,7 @@
 left hand is to go; the model has none. Images of a camera on a mast, rendered of the arms, their
 objects and the ball, go to the node, which leaves out what it knows. The arm goes on only while
 results say that it is far enough from what was seen. Left is sensed.png: the distance that the
-node told, the true one, and what it would have become.
+node published, the true one, and what it would have become.
 """
 
 import argparse
@@ -53,15 +53,15 @@ Floats = NDArray[np.float64]
 
 
 class Step(NamedTuple):
-    """A moment of the run: the motion's time [s], and distances [m] told and true."""
+    """A moment of the run: the motion's time [s], and the published and true distances [m]."""
 
     time: float
-    told: float
+    published: float
     true: float
 
 
 class World:
-    """What is really there: the scene of the file, and the ball; a camera sees all of it."""
+    """The scene of the file and the ball, as they really are; a camera sees all of it."""
 
     def __init__(self) -> None:
         self.file = shipped_scene('two_pandas.yaml')
@@ -96,9 +96,9 @@ class World:
 
     def poses(self, t: float) -> tuple[list[str], Floats]:
         """Return the names of the frames that move and their poses (n, 7) at a time [s]."""
-        found = self.motion.poses(t)
+        poses = self.motion.poses(t)
         names = [f'{s}::{name}' for s, all in self.motion.frame_names.items() for name in all]
-        return names, np.concatenate([found[source] for source in self.motion.frame_names])
+        return names, np.concatenate([poses[source] for source in self.motion.frame_names])
 
     def move(self, t: float) -> None:
         """Pose what is there as at a time [s] of the motion."""
@@ -115,18 +115,22 @@ class World:
 
     def clearance(self) -> float:
         """Return how far [m] the left arm really is from the ball."""
-        found = self._query.ComputeSignedDistancePairwiseClosestPoints(2.0)
-        of_ball = (found.id_A == self._ball.get_value()) | (found.id_B == self._ball.get_value())
-        own = [name.startswith('left::') for name in self._others(found, self._ball.get_value())]
-        return float(found.distance[of_ball & np.array(own)].min())
+        distances = self._query.ComputeSignedDistancePairwiseClosestPoints(2.0)
+        of_ball = (distances.id_A == self._ball.get_value()) | (
+            distances.id_B == self._ball.get_value()
+        )
+        own = [
+            name.startswith('left::') for name in self._others(distances, self._ball.get_value())
+        ]
+        return float(distances.distance[of_ball & np.array(own)].min())
 
-    def _others(self, found: Any, ball: int) -> list[str]:
+    def _others(self, distances: Any, ball: int) -> list[str]:
         inspector = self._graph.model_inspector()
-        known = {id.get_value(): id for id in inspector.GetAllGeometryIds()}
-        others = np.where(found.id_A == ball, found.id_B, found.id_A)
+        ids = {id.get_value(): id for id in inspector.GetAllGeometryIds()}
+        others = np.where(distances.id_A == ball, distances.id_B, distances.id_A)
         names = {}
         for value in set(others.tolist()):
-            names[value] = f'{inspector.GetOwningSourceName(known[value])}::'
+            names[value] = f'{inspector.GetOwningSourceName(ids[value])}::'
         return [names[value] for value in others.tolist()]
 
 
@@ -169,9 +173,10 @@ class Driver:
         self._last = pairs
 
     def step(self, t: float) -> float | None:
-        """Show the node the world at a time [s] of the motion; return the distance [m] it tells.
+        """Show the node the world at a time [s] of the motion.
 
-        None where it told of no map yet; inf where nothing seen is near the arm.
+        Return the distance [m] that it publishes: None where it has no map yet, inf where nothing
+        seen is near the arm.
         """
         self._world.move(t)
         stamp = self._node.get_clock().now().to_msg()
@@ -200,8 +205,8 @@ class Driver:
         size = {'width': k.width(), 'height': k.height()}
         self._infos.publish(CameraInfoMessage(header=header, k=matrix, **size))
         data = array.array('B', depth.astype('<f4').tobytes())
-        told = {'encoding': '32FC1', 'step': 4 * k.width(), 'data': data}
-        self._images.publish(Image(header=header, **size, **told))
+        fields = {'encoding': '32FC1', 'step': 4 * k.width(), 'data': data}
+        self._images.publish(Image(header=header, **size, **fields))
 
 
 def run(out: Path) -> list[Step]:
@@ -235,10 +240,10 @@ def run(out: Path) -> list[Step]:
         t = 0.0
         held = 0
         while t < _WHERE and held < 10:
-            told = driver.step(t)
-            assert told is not None, 'a map that was there is never forgotten by itself'
-            steps.append(Step(t, told, world.clearance()))
-            if told > _KEEP:
+            published = driver.step(t)
+            assert published is not None, 'a map that was there is never forgotten by itself'
+            steps.append(Step(t, published, world.clearance()))
+            if published > _KEEP:
                 t, held = t + _STEP, 0
             else:
                 held += 1
@@ -264,7 +269,9 @@ def draw(world: World, steps: list[Step], path: Path) -> None:
         would.append(world.clearance())
     plot.plot(times, would, ':', color='tab:gray', label='true, had it gone on')
     plot.plot([s.time for s in steps], [s.true for s in steps], label='true')
-    plot.plot([s.time for s in steps], [s.told for s in steps], '.', label='told by the node')
+    plot.plot(
+        [s.time for s in steps], [s.published for s in steps], '.', label='published by the node'
+    )
     plot.axhline(_KEEP, color='tab:red', linewidth=0.8, label='to be kept')
     plot.set_xlabel('time of the motion [s]')
     plot.set_ylabel('left arm to what was seen [m]')
@@ -278,9 +285,9 @@ def show(out: Path) -> None:
     steps = run(out)
     last = steps[-1]
     print(
-        f'the arm stays at {last.time:.2f} s of its motion: the node tells {last.told:.3f} m to '
-        f'what was seen, {last.true:.3f} m are true, and {_KEEP:g} m are to be kept; see '
-        f'{out / "sensed.png"}'
+        f'the arm stays at {last.time:.2f} s of its motion: the node publishes '
+        f'{last.published:.3f} m to what was seen, {last.true:.3f} m are true, and {_KEEP:g} m '
+        f'are to be kept; see {out / "sensed.png"}'
     )
 
 

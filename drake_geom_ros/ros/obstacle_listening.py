@@ -13,8 +13,8 @@ from drake_geom_ros.live.inputs.obstacles import ObstacleInput
 from drake_geom_ros.live.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_placing import stand_fed
 from drake_geom_ros.live.scene.map_sources import MapSources
-from drake_geom_ros.live.scene.seen_maps import stand_fed
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values

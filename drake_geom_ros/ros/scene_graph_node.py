@@ -31,8 +31,8 @@ from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.memory import give_back_large_blocks, leave_out_of_searches, settle
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_placing import begin_with_maps
 from drake_geom_ros.live.scene.pose_history import PoseHistory
-from drake_geom_ros.live.scene.seen_maps import begin_with_maps
 from drake_geom_ros.live.watchdog import Watchdog
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.configured_node import ConfiguredNode

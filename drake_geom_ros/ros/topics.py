@@ -1,6 +1,8 @@
 """The table of topics: name, type, QoS profile, and for inputs the thread and the handler.
 
-A topic is a row: the node opens it, and ``policy`` allows it.
+A topic is a row: the node opens it, and ``policy`` allows it; what publishes on an output stands
+in ``live/outputs``. Topics of cameras, of sensors of maps and of single robots, whose names depend
+on parameters, are opened by ``outputs/cameras``, ``obstacle_listening`` and ``joint_listening``.
 """
 
 from __future__ import annotations

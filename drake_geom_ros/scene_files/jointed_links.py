@@ -1,4 +1,4 @@
-"""Links of a robot as a function of its joints: names, limits, and poses of many states."""
+"""Links of a robot as a function of its joints: names, limits, mimics, poses of many states."""
 
 import math
 from collections import Counter

@@ -2,7 +2,7 @@
 
 The references are urdfdom, the reader of ROS, and Drake. Values that both refuse are refused.
 Values that only one accepts are refused if no interpretation makes sense, and otherwise reported
-in a warning.
+in a warning. ``jointed_links`` refuses mimics that follow no joint, or one another.
 """
 
 import math

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.command_line.answers import KINDS, Asked, write_csv, write_json, write_table
+from drake_geom_ros.command_line.answers import (
+    KINDS,
+    QueryOptions,
+    write_csv,
+    write_json,
+    write_table,
+)
 from drake_geom_ros.command_line.posed_scene import PosedScene
 
 
@@ -18,7 +24,7 @@ def scene():
 
 
 def ask(scene, what, limit=10.0, points=None, **asked):
-    return KINDS[what](scene, Asked(limit, points=points, **asked))
+    return KINDS[what](scene, QueryOptions(limit, points=points, **asked))
 
 
 def test_distances_name_both_and_give_points_in_the_world(scene):

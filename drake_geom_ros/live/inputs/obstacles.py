@@ -23,12 +23,12 @@ from drake_geom_ros.live.inputs.obstacle_records import (
     ObstacleSettings,
     Place,
 )
-from drake_geom_ros.live.scene.changes.showing import Sighting, has_many, shape_of, showing
+from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_placing import stand
 from drake_geom_ros.live.scene.moments import Hanging, Model, Moment, moment_of
 from drake_geom_ros.live.scene.out_of_sight import Sight
-from drake_geom_ros.live.scene.seen_maps import stand
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.math import RigidTransform

@@ -21,8 +21,8 @@ from drake_geom_ros.live.outputs.level_costs import LevelCosts
 from drake_geom_ros.live.outputs.replays import Replays
 from drake_geom_ros.live.outputs.rule_events import RuleEvents
 from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.map_placing import map_ages, sensor_ages
 from drake_geom_ros.live.scene.scene_view import SceneStamp
-from drake_geom_ros.live.scene.seen_maps import map_ages, sensor_ages
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
     from drake_geom_ros.live.outputs.cross_check import CrossCheck

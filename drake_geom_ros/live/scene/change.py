@@ -1,4 +1,4 @@
-"""A change of the live scene, said once: made on a draft beside the cycles, or at once."""
+"""A change of the live scene, described once: made on a draft beside the cycles, or at once."""
 
 from __future__ import annotations
 

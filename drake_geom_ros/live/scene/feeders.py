@@ -1,4 +1,7 @@
-"""The input that poses each frame: the last one counts, and inputs that alternate are reported."""
+"""Inputs or publishers that posed a frame, a joint or a transform last, and those that alternate.
+
+The last one counts; ``senders`` has those of publishers.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Leases of transient filters: one that is not renewed expires and removes its filter."""
+"""Leases of transient filters, and which of them ran out; ``scene_filters`` removes these."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The time since when each frame has its pose, by the node's clocks and by the sender's.
+"""Ages of frame poses: which of them grow old, and since when; ``clocks`` compute the seconds.
 
 Only the pose of a frame that is expected to move grows old. A pose that a scene file gives, or a
 static transform of TF, holds until another one comes, and so does any pose of a frame that is

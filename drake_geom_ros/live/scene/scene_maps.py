@@ -1,4 +1,4 @@
-"""The sensed maps of the live scene."""
+"""The sensed maps of the live scene: what is known of each, and of all."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ MAPS = 'obstacles'  # the source of what sensors see
 
 @dataclass(frozen=True)
 class SceneMark:
-    """What a description is of: a later scene with the same mark has the same description.
+    """The mark of a description: a later scene with the same mark has the same description.
 
     Poses, values of joints and the cells of sensed maps are not in it.
     """

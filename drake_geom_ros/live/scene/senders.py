@@ -1,6 +1,7 @@
 """The senders of joint values, frame poses and transforms, and what two of them pose in turn.
 
-A publisher is known by its identity, where the middleware gives one. A recording does not: there
+A publisher is known by its identity, where the middleware gives one: ``Feeders`` notice that two
+alternate. A recording does not: there
 two senders of joint values differ in the names that they list, or else a joint jumps to another
 place and back, again and again, faster than it can move.
 """

@@ -8,7 +8,7 @@ from typing import Any
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.scene.changes.showing import Sighting, has_many, shape_of, showing
+from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene

@@ -13,9 +13,9 @@ from drake_geom_ros.live.inputs.obstacles import ObstacleInput
 from drake_geom_ros.live.inputs.point_taker import PointTaker
 from drake_geom_ros.live.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.live.scene.feeders import MESSAGES
+from drake_geom_ros.live.scene.map_placing import map_ages, stand_fed
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.pose_history import PoseHistory
-from drake_geom_ros.live.scene.seen_maps import map_ages, stand_fed
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
 SCENE = """

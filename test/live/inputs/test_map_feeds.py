@@ -10,7 +10,7 @@ from live.inputs.test_obstacles import near, octomap
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.inputs.map_feeds import MOST_FEEDS
 from drake_geom_ros.live.inputs.point_taker import PointTaker
-from drake_geom_ros.live.scene.seen_maps import sensor_ages
+from drake_geom_ros.live.scene.map_placing import sensor_ages
 from drake_geom_ros.sensed_maps.cells import Cells
 
 SEES_IT, SEES_NOTHING = 'aa', 'bb'  # publishers

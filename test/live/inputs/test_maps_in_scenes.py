@@ -13,9 +13,9 @@ from drake_geom_ros.live.conversions.file_access import FileAccess
 from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
 from drake_geom_ros.live.inputs.tf_input import TfInput
-from drake_geom_ros.live.scene import seen_maps
+from drake_geom_ros.live.scene import map_placing
 from drake_geom_ros.live.scene.change import Change
-from drake_geom_ros.live.scene.changes import showing
+from drake_geom_ros.live.scene.changes import map_update
 from drake_geom_ros.live.scene.changes.addition import addition, exchange
 from drake_geom_ros.live.scene.prepared_scene import prepared
 from drake_geom_ros.live.scene.scene_rules import Blind
@@ -201,19 +201,19 @@ def test_a_map_that_is_cleared_leaves_the_others_what_they_are():
     node.move(100.0, [0, 0, 0])
     node.taker.take_cloud(cloud([[1, 0, 0]]))
     cells = Cells.of_points([[0.5, 0.5, 0.5]], 0.1)
-    shape = showing.shape_of(cells, 0.0)
+    shape = map_update.shape_of(cells, 0.0)
     with node.live.editing() as held:
         since = held.clocks.arrival().since(100.0)
         for name in ('file', 'other'):
-            seen = showing.Sighting(
+            seen = map_update.Sighting(
                 Cells.of_points([[0.5, 0.5, 0.5]], 0.1),
                 shape,
                 RigidTransform(),
                 since,
                 stamp_of(100),
             )
-            seen_maps.stand(held, name)
-            held.make(showing.showing(held, name, seen))
+            map_placing.stand(held, name)
+            held.make(map_update.showing(held, name, seen))
         held.model.scene_graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration().ExcludeBetween(
                 GeometrySet([held.maps.by_name['other'].geometry]),

@@ -24,9 +24,9 @@ from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_placing import stand
 from drake_geom_ros.live.scene.prepared_scene import prepared
 from drake_geom_ros.live.scene.scene_rules import Blind
-from drake_geom_ros.live.scene.seen_maps import stand
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import Level, ProximityRule
 from drake_geom_ros.scene_files import read_scene, to_yaml

@@ -16,10 +16,10 @@ from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.scene import scene_model
 from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.changes.attachment import attachment
-from drake_geom_ros.live.scene.changes.showing import Sighting, has_many, shape_of, showing
+from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.scene.clocks import ALWAYS
+from drake_geom_ros.live.scene.map_placing import stand
 from drake_geom_ros.live.scene.map_sources import MapSources
-from drake_geom_ros.live.scene.seen_maps import stand
 from drake_geom_ros.live.services import (
     files,
     filters,

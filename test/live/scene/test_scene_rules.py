@@ -16,7 +16,7 @@ from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
 from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
-from drake_geom_ros.live.scene.seen_maps import begin_with_maps
+from drake_geom_ros.live.scene.map_placing import begin_with_maps
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import Why
 from drake_geom_ros.scene_files import read_scene, to_yaml

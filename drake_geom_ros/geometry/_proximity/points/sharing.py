@@ -49,7 +49,7 @@ def shared_point_distances(
     whole = _room(0 if in_blocks else len(p_WQs) * n)
 
     def answer(first: int, last: int) -> tuple[list[PointBatch], Indices]:
-        found, counts = list[PointBatch](), np.zeros(COUNTS, dtype=np.int64)
+        batches, counts = list[PointBatch](), np.zeros(COUNTS, dtype=np.int64)
         room = (
             _room(min(step, last - first) * n) if in_blocks else _part(whole, first * n, last * n)
         )
@@ -60,12 +60,12 @@ def shared_point_distances(
             count = point_phase(tables, world.handle, p_WQs[begin:end], threshold, answers)
             some = _part(room, 0, count)
             some.points[:] += np.uint32(begin)
-            found.append(_joined([some]) if in_blocks else some)
-        return found, counts
+            batches.append(_joined([some]) if in_blocks else some)
+        return batches, counts
 
     shares = share(len(p_WQs), answer)
     total: Indices = np.sum([counts for _, counts in shares], axis=0)
-    parts = [part for found, _ in shares for part in found]
+    parts = [part for batches, _ in shares for part in batches]
     if not in_blocks and sum(len(part.ids) for part in parts) == len(whole.ids):
         return whole, total  # all are in place
     return _joined(parts), total

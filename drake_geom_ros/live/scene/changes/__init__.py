@@ -1,1 +1,1 @@
-"""Changes of the live scene, said once: each function returns a ``Change`` and makes nothing."""
+"""Changes of the live scene: each function returns a ``Change`` and makes nothing."""

@@ -1,4 +1,4 @@
-"""Cells of a sensed map that take the place of those of before."""
+"""The change that puts cells in the place of those of a sensed map."""
 
 from __future__ import annotations
 
