@@ -371,6 +371,8 @@ def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fet
         ('scene_viewer', 'view'),
         ('scene_viewer --ros-args -p port:=8090', 'view'),
         ('drake_geom_ros viewer', 'view'),
+        ('drake_geom_ros demo --forever --view', 'view'),
+        ('drake_geom_ros demo --seconds 5', ''),
         ('python -m drake_geom_ros view cell.yaml', 'view'),
         ('drake_geom_ros report run_1 --scene cell.yaml', 'recordings'),
         ('record --seconds 5', 'recordings'),
