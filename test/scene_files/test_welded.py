@@ -111,12 +111,12 @@ def test_by_topic_and_a_node_tells_of_one_that_is_moved():
     live = live_scene(f'{FLOOR}\n', Clock())
     RobotInput(live).take(URDF)
     with live.editing() as scene:
-        frame = scene.names.frame('arm::base')
-        assert reasons(scene.scene_graph, 'base') == ['anchored']
+        frame = scene.model.names.frame('arm::base')
+        assert reasons(scene.model.scene_graph, 'base') == ['anchored']
         for x in (0.0, 1.0):
-            scene.pose(FramePoseVector({frame: RigidTransform([x, 0, 0])}), {}, None, 'TF')
-        assert reasons(scene.scene_graph, 'base') == []
-        _, warning = scene.warned  # the first is about a joint without limits
+            scene.poses.pose(FramePoseVector({frame: RigidTransform([x, 0, 0])}), {}, None, 'TF')
+        assert reasons(scene.model.scene_graph, 'base') == []
+        _, warning = scene.log.warnings  # the first is about a joint without limits
     assert 'arm::base: welded to the world' in warning
 
 

@@ -95,6 +95,6 @@ def test_a_full_disk_is_reported_and_no_obstacle(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(kernel_files, 'write', refuse)
     assert new_function(tmp_path)(2.0) == 4.0
     assert new_function(tmp_path)(3.0) == 6.0
-    assert capsys.readouterr().err == (
-        f'drake_geom_ros: cannot keep kernels in {tmp_path}: No space left on device\n'
-    )
+    # Beside it stands how far compiling is, in a process that has compiled for minutes.
+    lines = [line for line in capsys.readouterr().err.splitlines() if 'compiling' not in line]
+    assert lines == [f'drake_geom_ros: cannot keep kernels in {tmp_path}: No space left on device']
