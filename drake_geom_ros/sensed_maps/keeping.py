@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drake_geom_ros.math.array_types import Floats
-from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError
+from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError, unique_numbers
 
 _STEP = 0.5  # between samples of a ray, in cells; it may miss the corner of a cell, which stays
 _MOST_SAMPLES = 2_000_000  # of rays at once
@@ -97,4 +97,4 @@ def seen_through(origin: Floats, cells: Cells) -> Keys:
         samples = origin + ways[which] * share[:, np.newaxis]
         key_parts.append(Cells.of_points(samples, cells.resolution).packed)
         start = stop
-    return np.unique(np.concatenate(key_parts))
+    return unique_numbers(np.concatenate(key_parts))

@@ -19,11 +19,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError
+from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError, unique_numbers
 
 LEVELS = 16
 HALF = 1 << (LEVELS - 1)  # cells from the origin along an axis
 _OCCUPIED, _INNER = 2, 3
+_BLOCK = 1 << 16  # nodes
 # Bytes of a node in a full tree before the byte of its children, by kind of tree.
 _PAYLOADS = {'OcTree': 4, 'ColorOcTree': 7}
 KINDS = tuple(_PAYLOADS)
@@ -50,7 +51,7 @@ def cells_of_binary(data: bytes | memoryview, resolution: float) -> Cells:
     if len(data) % 2:
         raise MapError(f'the tree has {len(data)} bytes; of a binary one they are two a node')
     words = np.frombuffer(data, dtype='<u2')
-    paths = _paths(words.tolist(), _inner_children, LEVELS - 1)
+    paths = _paths(words, _inner_children, LEVELS - 1)
     kinds = _kinds_of_children(data)
     # A node without children would be a leaf of unknown occupancy.
     if len(words) and not (kinds != 0).any(axis=1).all():
@@ -73,7 +74,7 @@ def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTr
     if not np.isfinite(log_odds).all():
         raise MapError('a node of the tree has log-odds that are not finite')
     children = rows[:, payload]
-    paths = _paths(children.tolist(), _set_bits, LEVELS)
+    paths = _paths(children, _set_bits, LEVELS)
     is_leaf = children == 0
     return _cells_of_leaves(paths[is_leaf & (log_odds >= 0.0)], resolution)
 
@@ -107,7 +108,7 @@ def binary_of_cells(cells: Cells) -> BinaryTree:
         )
     if not len(cells):
         return BinaryTree(b'', 0)
-    below = np.unique(_interleaved(keys))
+    below = unique_numbers(_interleaved(keys))
     kind, count = _OCCUPIED, len(below)
     words, orders = list[NDArray[np.int64]](), list[NDArray[np.int64]]()
     for depth in range(LEVELS - 1, -1, -1):
@@ -140,25 +141,33 @@ def _set_bits(bits: int) -> tuple[int, ...]:
 
 
 def _paths(
-    nodes: list[int], children_of: Callable[[int], Sequence[int]], most_levels: int
+    nodes: NDArray[np.unsignedinteger],
+    children_of: Callable[[int], Sequence[int]],
+    most_levels: int,
 ) -> NDArray[np.int64]:
     """Return the path (n,) of each node: a leading 1, then three bits for each child on it."""
-    paths = list[int]()
-    stack = [1] if nodes else []
+    paths = np.empty(len(nodes), dtype=np.int64)
+    stack = [1] if len(nodes) else []
     too_deep = 1 << 3 * (most_levels + 1)
-    for number in nodes:
-        if not stack:
-            rest = len(nodes) - len(paths)
-            raise MapError(f'the tree ends after {len(paths)} nodes, and {rest} more follow')
-        path = stack.pop()
-        if path >= too_deep:
-            raise MapError(f'the tree has more than {LEVELS} levels')
-        paths.append(path)
-        for child in children_of(number):
-            stack.append(path << 3 | child)
+    # By blocks: a list of millions is made and freed without a break for other threads.
+    for first in range(0, len(nodes), _BLOCK):
+        some = list[int]()
+        for number in nodes[first : first + _BLOCK].tolist():
+            if not stack:
+                done = first + len(some)
+                raise MapError(
+                    f'the tree ends after {done} nodes, and {len(nodes) - done} more follow'
+                )
+            path = stack.pop()
+            if path >= too_deep:
+                raise MapError(f'the tree has more than {LEVELS} levels')
+            some.append(path)
+            for child in children_of(number):
+                stack.append(path << 3 | child)
+        paths[first : first + len(some)] = some
     if stack:
         raise MapError(f'the tree is truncated: {len(stack)} of its branches are missing')
-    return np.array(paths, dtype=np.int64)
+    return paths
 
 
 def _cells_of_leaves(paths: NDArray[np.int64], resolution: float) -> Cells:
@@ -175,7 +184,7 @@ def _cells_of_leaves(paths: NDArray[np.int64], resolution: float) -> Cells:
             f'the tree holds {count:.3g} cells of {resolution:g} m; at most {MOST_CELLS} are read'
         )
     parts = [np.zeros((0, 3), dtype=np.int64)]
-    for depth in np.unique(depths).tolist():
+    for depth in np.flatnonzero(np.bincount(depths)).tolist():
         own = paths[depths == depth] - (1 << 3 * depth)
         edge = 1 << (LEVELS - depth)
         within = np.indices((edge, edge, edge)).reshape(3, -1).T

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.sensed_maps.cells import MOST_STEPS, Cells, MapError
+from drake_geom_ros.sensed_maps.cells import MOST_STEPS, Cells, MapError, unique_numbers
 
 points = arrays(np.float64, st.tuples(st.integers(0, 40), st.just(3)), elements=st.floats(-50, 50))
 resolutions = st.sampled_from([0.01, 0.05, 0.1, 0.3, 1.0, 7.5])
@@ -140,3 +140,8 @@ def test_what_is_no_resolution_is_refused(resolution):
         with pytest.raises(MapError, match=r'resolution is .* m; it must lie in'):
             make()
     assert len(Cells.of_points([[0.0, 0.0, 0.0]], np.float32(0.1))) == 1
+
+
+@given(values=st.lists(st.integers(-(2**62), 2**62)))
+def test_unique_numbers_are_those_of_a_set(values):
+    assert unique_numbers(np.array(values, dtype=np.int64)).tolist() == sorted(set(values))

@@ -217,6 +217,15 @@ def _filters(client: SceneGraphClient) -> tuple[Act, Act]:
     return send, lambda: client.call('remove_filter', filter_id=last[-1])
 
 
+def _sensed(name: str, topic: str) -> dict[str, object]:
+    """Return parameters for an obstacle input whose large messages come whole.
+
+    Best effort, the default, loses a message of megabytes where the system's buffers are small.
+    """
+    reliability = f'qos_overrides./scene_graph/obstacles/{topic}.subscription.reliability'
+    return {'obstacles': f'[{name}]', reliability: 'reliable'}
+
+
 def _until(client: SceneGraphClient, name: str, count: int) -> Callable[[], bool]:
     """Return a fact: a map has so many cells or more, as reports of cycles say."""
     reports: list[msg.CycleReport] = []
@@ -257,7 +266,7 @@ def _sent(
         client.wait_for(has_come, f'the map {name}')
 
     def undo() -> None:
-        client.call('clear_obstacles', names=[name])
+        client.call('clear_obstacles', map=name)
 
     return send, undo
 
@@ -372,9 +381,9 @@ KINDS = (
     Kind('load_scene', _load, lambda: scene_of(rules=RULE)),
     Kind('evaluate_states', _states, _arm),
     Kind('check_motion', _motion, _arm),
-    Kind('OctoMap', _octomap, parameters={'obstacles': '[octomap]'}),
-    Kind('PointCloud2', _cloud, parameters={'obstacles': '[points]'}),
-    Kind('depth image', _depth, parameters={'obstacles': '[depth]'}),
+    Kind('OctoMap', _octomap, parameters=_sensed('octomap', 'octomap')),
+    Kind('PointCloud2', _cloud, parameters=_sensed('points', 'points')),
+    Kind('depth image', _depth, parameters=_sensed('depth', 'depth/image_rect_raw')),
     Kind('register_geometry', _one_geometry, _many),
     Kind('register_geometry beside a rule', _one_geometry, _many_with_rule),
     Kind('register_geometries', _register([_geometry(k) for k in range(GEOMETRIES)])),
