@@ -207,7 +207,9 @@ def _rule(client: SceneGraphClient) -> tuple[Act, Act]:
 
 def _filters(client: SceneGraphClient) -> tuple[Act, Act]:
     names = list(client.scene().geometries)
-    statement = msg.CollisionFilterStatement(type=1, set_a=msg.GeometrySet(geometry_ids=names))
+    operation = msg.CollisionFilterStatement.EXCLUDE_WITHIN
+    everything = msg.GeometrySet(geometry_ids=names)
+    statement = msg.CollisionFilterStatement(operation=operation, set_a=everything)
     declaration = msg.CollisionFilterDeclaration(statements=[statement])
     last: list[int] = []
 
