@@ -21,7 +21,7 @@ from std_msgs.msg import Header, String
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from drake_geom_ros.client import SceneGraphClient
+from drake_geom_ros.client import RefusedError, SceneGraphClient
 
 LINKS, GEOMETRIES, ROWS, TRIANGLES, FRAMES = 4000, 16_000, 100_000, 200_000, 3000
 POINTS, CELLS, IMAGE = 1_000_000, 2_000_000, (1280, 960)
@@ -328,10 +328,14 @@ def _transforms(client: SceneGraphClient) -> tuple[Act, Act]:
             place = transform.transform.translation
             place.x, place.y, place.z = 5.0 + k % 100, float(k // 100), height
         publisher.publish(TFMessage(transforms=each))
-        last = f'much::f{FRAMES - 1}'
-        client.wait_for(
-            lambda: client.call('get_pose', frame=last).pose.position.z == height, 'the last frame'
-        )
+        client.wait_for(has_come, 'the last frame')
+
+    def has_come() -> bool:
+        try:
+            pose = client.call('get_pose', frame=f'much::f{FRAMES - 1}').pose
+        except RefusedError:  # it never had one
+            return False
+        return bool(pose.position.z == height)
 
     return send, _nothing
 
