@@ -69,10 +69,10 @@ def _keeping_adjacent_links(scene: Path, folder: Path) -> Path:
 
     The client leaves them out itself: that is how filters are shown to come and go.
     """
-    text = scene.read_text().replace('    srdf: ', '    adjacent_links: copy\n    srdf: ')
-    copy = folder / 'scene.yaml'
-    copy.write_text(text)
-    return copy
+    text = scene.read_text().replace('    srdf: ', '    adjacent_links: kept\n    srdf: ')
+    file = folder / 'scene.yaml'
+    file.write_text(text)
+    return file
 
 
 def _parameters(**values: object) -> list[str]:

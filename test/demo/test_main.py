@@ -73,6 +73,14 @@ def test_it_ends_by_itself_and_leaves_its_files(files):
     assert max(map(float, deep)) < max(float(row['time']) for row in rows)
 
 
+def test_its_own_scene_reports_adjacent_links_until_the_client_has_excluded_them(tmp_path):
+    run = run_python('-m', DEMO, '--seconds', 4, '--out', tmp_path / 'out', timeout=800)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert max(float(row['depth'] or 0.0) for row in _check_files(tmp_path / 'out')) > 0.05
+    assert (tmp_path / 'out/camera.png').read_bytes().startswith(b'\x89PNG')
+    assert 'for good: ' in run.stdout
+
+
 def test_an_interrupt_ends_it_with_its_files(files):
     process = subprocess.Popen(
         [sys.executable, '-m', DEMO, '--scene', files / 'arm.yaml', '--forever',
