@@ -37,6 +37,26 @@ def distances(scene: PosedScene, options: QueryOptions) -> Table:
     pairs = scene.query.ComputeSignedDistancePairwiseClosestPoints(
         options.max_distance, accuracy=options.accuracy
     )
+    return _distances_of(scene, pairs)
+
+
+def nearest(scene: PosedScene, options: QueryOptions) -> Table:
+    """Return the ``count`` pairs with the smallest lower bounds, half spaces included.
+
+    These are those of a batch of one state: two half spaces that cross are minus infinity apart.
+    """
+    from drake_geom_ros.batch import evaluate  # takes time that other questions need not wait
+
+    no_frames, as_it_is = np.zeros(0, dtype=np.int64), np.zeros((1, 0, 7))
+    pairs = evaluate(
+        *(scene.context, no_frames, as_it_is, 'nearest', options.max_distance, options.accuracy),
+        count=options.count,
+    )
+    return _distances_of(scene, pairs)
+
+
+def _distances_of(scene: PosedScene, pairs: Any) -> Table:
+    """Return the columns of signed distances, of a query or of a batch."""
     return _pairs(scene, pairs.id_A, pairs.id_B) | {
         'distance': pairs.distance,
         'p_wca': pairs.p_WCa,
@@ -45,16 +65,6 @@ def distances(scene: PosedScene, options: QueryOptions) -> Table:
         'is_nhat_ba_w_unique': pairs.is_nhat_BA_W_unique,
         'error_bound': pairs.error_bound,
         'method': _methods(pairs.method),
-    }
-
-
-def nearest(scene: PosedScene, options: QueryOptions) -> Table:
-    """Return the ``count`` pairs with the smallest lower bounds, distance minus error bound."""
-    table = distances(scene, options)
-    order = np.argsort(table['distance'] - table['error_bound'], kind='stable')[: options.count]
-    return {
-        name: values[order] if isinstance(values, np.ndarray) else [values[k] for k in order]
-        for name, values in table.items()
     }
 
 
@@ -121,7 +131,7 @@ def half_spaces_beside(scene: PosedScene) -> list[str]:
     ]
 
 
-OF_PAIRS = ('distance', 'least', 'nearest', 'penetration')  # kinds that are lists of pairs
+OF_PAIRS = ('distance', 'penetration')  # lists of pairs, in which half spaces are not
 LIMITED = ('distance', 'least', 'nearest', 'points')  # kinds with a maximum distance
 
 
@@ -175,14 +185,23 @@ def _lines(
 
 
 def write_json(answers: Iterable[tuple[float | None, Table]], timed: bool, file: TextIO) -> None:
-    """Write a list of one object a moment, with its ``time`` (or null) and its ``rows``."""
+    """Write a list of one object a moment, with its ``time`` (or null) and its ``rows``.
+
+    Minus infinity, for which JSON has no number, is the text ``-inf``, as in CSV.
+    """
     file.write('[')
     for number, (time, table) in enumerate(answers):
-        columns = [np.asarray(values).tolist() for values in table.values()]
+        columns = [_for_json(np.asarray(values)) for values in table.values()]
         rows = [dict(zip(table, row, strict=True)) for row in zip(*columns, strict=True)]
         file.write(',\n' if number else '\n')
         json.dump({'time': time, 'rows': rows}, file)
     file.write('\n]\n')
+
+
+def _for_json(values: NDArray[Any]) -> list[Any]:
+    if values.dtype.kind != 'f' or values.ndim > 1:  # points are finite
+        return list(values.tolist())
+    return [each if math.isfinite(each) else str(each) for each in values.tolist()]
 
 
 FORMATS = {'csv': write_csv, 'json': write_json, 'table': write_table}

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import math
 
 import numpy as np
 import pytest
@@ -48,6 +49,35 @@ def test_the_nearest_pairs_are_those_with_the_smallest_lower_bounds(scene):
         np.testing.assert_array_equal(table['p_wca'], every['p_wca'][rows])
     assert ask(scene, 'least')['distance'].tolist() == ask(scene, 'nearest')['distance'].tolist()
     assert ask(scene, 'least', limit=0.1)['geometry_a'] == []
+
+
+HALF_SPACES = """
+frames: [{name: f, source: s, pose: {position: [0, 0, -0.01], rpy: [{ROLL}, 0, 0]}}]
+geometries:
+- {name: floor, shape: {type: half_space}, pose: {position: [0, 0, -0.5]}}
+- {name: roof, source: s, frame: f, shape: {type: half_space}}
+- {name: ball, shape: {type: sphere, radius: 0.1}, pose: {position: [0, 0, 5]}}
+"""
+
+
+@pytest.mark.parametrize(('roll', 'distance'), [(math.pi, 0.49), (3.0, -math.inf)])
+def test_the_nearest_pairs_may_be_half_spaces(tmp_path, roll, distance):
+    path = tmp_path / 'planes.yaml'
+    path.write_text(HALF_SPACES.replace('{ROLL}', repr(roll)))
+    table = ask(PosedScene(str(path)), 'nearest', count=9)
+    planes = [{'floor', 'roof'} == {a.split('/')[1], b.split('/')[1]} for a, b in pairs_of(table)]
+    assert table['distance'][planes].tolist() == [pytest.approx(distance)]
+    assert len(planes) == 2  # with the ball and the roof; the ball and the floor are anchored
+    lower = table['distance'] - table['error_bound']
+    assert lower.tolist() == sorted(lower)
+    file = io.StringIO()
+    write_json([(None, table)], False, file)
+    (moment,) = json.loads(file.getvalue(), parse_constant=pytest.fail)
+    assert [float(row['distance']) for row in moment['rows']] == table['distance'].tolist()
+
+
+def pairs_of(table):
+    return list(zip(table['geometry_a'], table['geometry_b'], strict=True))
 
 
 def test_points_are_answered_by_index(scene):
