@@ -149,7 +149,7 @@ def record() -> int:
 def demo() -> int:
     """Run the demo: a node, a player of two arms, and a client."""
     with _ending_at_once(INTERRUPTED):
-        from drake_geom_ros.demo.program import main
+        from drake_geom_ros.ros.demo.program import main
     return main()
 
 

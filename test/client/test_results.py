@@ -6,7 +6,7 @@ from types import SimpleNamespace as Some
 
 import numpy as np
 import pytest
-from demo import demo_scenes as scenes
+from ros.demo import demo_scenes as scenes
 
 from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.results import Penetrations, PointDistances, SignedDistances

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from demo import demo_scenes as scenes
-from demo.demo_scenes import SCENE
+from ros.demo import demo_scenes as scenes
+from ros.demo.demo_scenes import SCENE
 
 from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
 

@@ -132,6 +132,14 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'live/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
+    # What a user's own node would do, shown.
+    'ros/demo': (
+        (
+            *('math', 'common', 'sensors', 'geometry', 'scene_files', 'trajectories', 'client'),
+            *('live/conversions', 'program_parser', 'ros', 'ros/demo'),
+        ),
+        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
+    ),
     'ros/recorder': (
         ('common', 'scene_files', 'program_parser', 'ros', 'ros/recorder'),
         ('ROS', 'rosbags'),
@@ -157,7 +165,7 @@ LAYERS = {
     'every_kernel': (('geometry', 'proximity_rules', 'sensed_maps'), ()),
     # What is started, each of which imports the rest of itself.
     'programs': (
-        ('command_line', 'demo', 'ros', 'ros/recorder', 'ros/viewer', 'ros/status'),
+        ('command_line', 'ros', 'ros/demo', 'ros/recorder', 'ros/viewer', 'ros/status'),
         (),
     ),
     'math': (('math',), ('numpy',)),
@@ -231,14 +239,6 @@ LAYERS = {
     ),
     # What asks a node is no part of it.
     'client': (('math', 'common', 'client'), ('numpy', 'ROS')),
-    # What a user's own node would do, shown.
-    'demo': (
-        (
-            *('math', 'common', 'sensors', 'geometry', 'scene_files', 'trajectories', 'client'),
-            *('live/conversions', 'program_parser', 'ros', 'demo'),
-        ),
-        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
-    ),
     **LIVE_ROOMS,
     **ROS_ROOMS,
 }

@@ -86,7 +86,7 @@ def test_a_private_module_of_another_room_is_seen():
         ('client/services.py', 'from drake_geom_ros.ros import surface', 'surface'),
         ('client/results.py', 'from drake_geom_ros.geometry import Sphere', 'geometry'),
         ('live/inputs/tf_input.py', 'from drake_geom_ros.ros import surface', 'surface'),
-        ('ros/scene_graph_node.py', 'from drake_geom_ros.demo import client', 'demo'),
+        ('ros/scene_graph_node.py', 'from drake_geom_ros.ros.demo import client', 'demo'),
         ('live/outputs/cycle.py', 'from bench.peers import report', 'bench'),
         (
             'cross_check/judging.py',

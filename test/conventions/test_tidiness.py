@@ -30,11 +30,7 @@ def small_numbers(source):
 
 def is_allowed(path, number):
     """Return whether a file may hold a small number."""
-    nanosecond = number == NANOSECOND and path.relative_to(PACKAGE).parts[0] in (
-        'live',
-        'ros',
-        'demo',
-    )
+    nanosecond = number == NANOSECOND and path.relative_to(PACKAGE).parts[0] in ('live', 'ros')
     return nanosecond or path.name in NUMBERS_ALLOWED
 
 

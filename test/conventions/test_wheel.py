@@ -130,7 +130,7 @@ def test_its_ranges_admit_what_rosdep_installs(asked_for, version):
 
 
 def test_it_asks_for_all_that_is_imported_without_ros(asked_for):
-    with_ros = {'ros', 'client', 'demo'}
+    with_ros = {'ros', 'client'}
     sources = [p for p in SOURCES if with_ros.isdisjoint(p.relative_to(PACKAGE).parts)]
     names = {name.split('.')[0] for path in sources for name in imports_of(path.read_text())}
     names -= {*sys.stdlib_module_names, 'drake_geom_ros'}

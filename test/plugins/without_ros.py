@@ -7,7 +7,7 @@ TESTS = Path(__file__).parents[1]
 NEED_ROS = tuple(
     TESTS / name
     for name in (
-        *('bench/ros', 'client', 'config', 'demo', 'launch', 'ros'),
+        *('bench/ros', 'client', 'config', 'launch', 'ros'),
         'examples/test_cell_launch.py',
         'examples/test_plans.py',
         'examples/test_stop_monitor.py',

@@ -1,9 +1,9 @@
 """The age of a moment by two clocks, also after one of them jumps.
 
 The node's time is what stamps are in: the time of day, or simulated time, which may rest, run at
-any speed and begin anew. Steady time runs whatever becomes of the other. The age of a
-pose is the greater of two: since its stamp by the node's time, and since its message came by
-steady time. So a sender that fell silent is noticed although simulated time rests.
+any speed and begin anew. Steady time runs whatever becomes of the other. The age of a pose is the
+greater of two: since its stamp by the node's time, and since its message came by steady time. So a
+sender that fell silent is noticed although simulated time rests.
 """
 
 from __future__ import annotations

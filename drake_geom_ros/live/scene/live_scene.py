@@ -157,11 +157,8 @@ class LiveScene:
         maps, what measures points, for rules about what sensors see beside bodies.
         """
         with self.reading() as scene:
-            cameras, has_maps, view = (
-                scene.cameras.by_name(),
-                bool(scene.maps.by_name),
-                scene.view(),
-            )
+            cameras, has_maps = scene.cameras.by_name(), bool(scene.maps.by_name)
+            view = scene.view()
         kernels = view.context.compile_kernels(self.tell_compiling)
         if has_maps:
             view.query.ComputeSignedDistanceToPoint(np.zeros((1, 3)), 0.0)

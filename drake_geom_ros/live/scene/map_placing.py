@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from drake_geom_ros.geometry import (
-    ArgumentError,
-)
+from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
 from drake_geom_ros.live.scene.clocks import ALWAYS

@@ -74,7 +74,7 @@ class ScenePoses:
         if self._longest_gap is not None:
             self._twists = FrameTwists(self._longest_gap, clocks)
 
-    # What comes in.
+    # Inputs.
 
     def take(self, message: Any, waited: float = 0.0, sender: str = '') -> int:
         """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames.

@@ -75,10 +75,8 @@ def save_obstacles(live: LiveScene, request: Any, response: Any) -> None:
     target = SavedFile(live.files.new_file(request.path, 'path'), MAP_FILE)
     with live.reading() as scene:
         name = _named(scene, request.map)
-        cells, X_WM = (
-            scene.maps.by_name[name].cells,
-            scene.query.X_WF(scene.maps.by_name[name].frame),
-        )
+        seen_map = scene.maps.by_name[name]
+        cells, X_WM = seen_map.cells, scene.query.X_WF(seen_map.frame)
     assert cells is not None, 'a map that waits is refused'
     if not X_WM.IsExactlyIdentity():
         cells = cells.moved(X_WM.rotation().matrix(), X_WM.translation())

@@ -143,7 +143,7 @@ class NodeScene:
             f'{some_of(frames)}'
         ]
 
-    # What comes in.
+    # Inputs.
 
     def _take_scene(self, message: msg.Scene) -> None:
         sources = {source.id: source.name for source in message.sources}

@@ -12,7 +12,7 @@ from ros.harness import ROOT, environment, run_python
 
 pytestmark = pytest.mark.processes
 
-DEMO = 'drake_geom_ros.demo'
+DEMO = 'drake_geom_ros.ros.demo'
 PANDA = 'package://example-robot-data/robots/panda_description/urdf/panda_collision.urdf'
 SCENE = f"""\
 robots:

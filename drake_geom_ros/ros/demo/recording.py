@@ -63,7 +63,7 @@ class RuleEvent:
     rule: str
     level: str  # warn, slow or stop
     entered: bool
-    distance: float  # [m] of the rule's nearest pair; inf or NaN where none is told
+    distance: float  # [m] of the rule's nearest pair; inf or NaN where there is none
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
 import warnings
 
 import numpy as np
-from demo import demo_scenes as scenes
 from PIL import Image
+from ros.demo import demo_scenes as scenes
 
-from drake_geom_ros.demo.plots import draw_distances
-from drake_geom_ros.demo.recording import FilterChange, Recording, RuleEvent
+from drake_geom_ros.ros.demo.plots import draw_distances
+from drake_geom_ros.ros.demo.recording import FilterChange, Recording, RuleEvent
 
 
 def _has(picture, colour, least):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.demo.surfaces import faces_of
+from drake_geom_ros.ros.demo.surfaces import faces_of
 
 SHAPES = {
     'sphere': (1, (0.3,), 4 / 3 * np.pi * 0.3**3),

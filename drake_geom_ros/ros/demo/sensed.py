@@ -23,8 +23,6 @@ from sensor_msgs.msg import CameraInfo as CameraInfoMessage
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from drake_geom_ros.demo.processes import ProcessGroup, ros_environment
-from drake_geom_ros.demo.shipped_scenes import shipped_scene
 from drake_geom_ros.geometry import (
     FramePoseVector,
     GeometryInstance,
@@ -33,6 +31,8 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.ros.demo.processes import ProcessGroup, ros_environment
+from drake_geom_ros.ros.demo.shipped_scenes import shipped_scene
 from drake_geom_ros.scene_files import (
     CameraDescription,
     add_renderers,
@@ -116,12 +116,9 @@ class World:
     def clearance(self) -> float:
         """Return how far [m] the left arm really is from the ball."""
         distances = self._query.ComputeSignedDistancePairwiseClosestPoints(2.0)
-        of_ball = (distances.id_A == self._ball.get_value()) | (
-            distances.id_B == self._ball.get_value()
-        )
-        own = [
-            name.startswith('left::') for name in self._others(distances, self._ball.get_value())
-        ]
+        ball = self._ball.get_value()
+        of_ball = (distances.id_A == ball) | (distances.id_B == ball)
+        own = [name.startswith('left::') for name in self._others(distances, ball)]
         return float(distances.distance[of_ball & np.array(own)].min())
 
     def _others(self, distances: Any, ball: int) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from drake_geom_ros.demo.recording import Recording
+from drake_geom_ros.ros.demo.recording import Recording
 
 _MOST_LISTED = 12  # changes of filters that have a number and a line of text: the last ones
 _MOST_LABELS = 12  # spells of contact that have a name; of more only the deepest one
@@ -77,7 +77,7 @@ def _draw_smallest(axes: Any, recording: Recording) -> None:
             f'Pairs farther apart than {recording.max_distance * 1e3:.0f} mm are not reported',
             fontsize=9, color=_GREY, loc='right', pad=14,
         )  # fmt: skip
-    # What overlapped before the first filter was in place would hide the millimetres after it.
+    # Overlaps before the first filter was in place would hide the millimetres after it.
     shown = np.array([d for t, d in zip(time, smallest, strict=True) if t >= _settled(recording)])
     if np.isfinite(shown).any():
         axes.set_ylim(bottom=min(-15.0, 1.3e3 * np.nanmin(shown)))

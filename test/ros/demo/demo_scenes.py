@@ -5,7 +5,7 @@ from types import SimpleNamespace as Some
 import numpy as np
 
 from drake_geom_ros.client.scene_table import Geometry, SceneTable
-from drake_geom_ros.demo.recording import Approach, FilterChange, Recording
+from drake_geom_ros.ros.demo.recording import Approach, FilterChange, Recording
 
 
 def _at(x, y, z):

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.client.results import SignedDistance, SignedDistances
 from drake_geom_ros.client.scene_table import Geometry, SceneTable
 from drake_geom_ros.common.frame_names import Frame, FrameNames
-from drake_geom_ros.demo.recording import Approach
 from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.ros.demo.recording import Approach
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
 
 Floats = NDArray[np.float64]

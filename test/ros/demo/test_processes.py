@@ -9,8 +9,8 @@ from types import SimpleNamespace as Plain
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.demo import processes as module
-from drake_geom_ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
+from drake_geom_ros.ros.demo import processes as module
+from drake_geom_ros.ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
 
 pytestmark = pytest.mark.processes
 
@@ -113,7 +113,7 @@ def test_an_interrupt_lets_the_client_finish(modules, tmp_path, monkeypatch):
 def test_a_parent_that_is_killed_takes_its_processes_along(modules, tmp_path):
     (tmp_path / 'parent.py').write_text(
         'import os, pathlib, sys, time\n'
-        'from drake_geom_ros.demo.processes import ProcessGroup\n'
+        'from drake_geom_ros.ros.demo.processes import ProcessGroup\n'
         'folder = pathlib.Path(sys.argv[1])\n'
         'with ProcessGroup(dict(os.environ)) as processes:\n'
         '    for name in ("node", "client"):\n'

@@ -3,10 +3,10 @@
 import csv
 from pathlib import Path
 
-from drake_geom_ros.demo.camera import draw_camera
-from drake_geom_ros.demo.picture import draw_closest
-from drake_geom_ros.demo.plots import draw_distances
-from drake_geom_ros.demo.recording import COLUMNS, Recording, percentiles
+from drake_geom_ros.ros.demo.camera import draw_camera
+from drake_geom_ros.ros.demo.picture import draw_closest
+from drake_geom_ros.ros.demo.plots import draw_distances
+from drake_geom_ros.ros.demo.recording import COLUMNS, Recording, percentiles
 from drake_geom_ros.scene_files import SceneDescription
 
 

@@ -2,12 +2,12 @@ from types import SimpleNamespace as Some
 
 import numpy as np
 import pytest
-from demo.demo_scenes import SCENE
+from ros.demo.demo_scenes import SCENE
 
 from drake_geom_ros.client.results import SignedDistances
 from drake_geom_ros.client.scene_table import SceneTable
 from drake_geom_ros.common.frame_names import AmbiguousNameError
-from drake_geom_ros.demo import reading
+from drake_geom_ros.ros.demo import reading
 
 TABLE = SceneTable.from_message(SCENE)
 HALF_TURN = (1.0, 0.0, 0.0, 0.0)  # about x: y and z change their signs

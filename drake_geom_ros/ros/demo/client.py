@@ -39,11 +39,11 @@ from drake_geom_ros.client import (
     sleep,
 )
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.demo import reading
-from drake_geom_ros.demo.filter_keeper import FilterKeeper
-from drake_geom_ros.demo.live_table import Screen
-from drake_geom_ros.demo.recording import FilterChange, Recording, RuleEvent
-from drake_geom_ros.demo.report import write_report
+from drake_geom_ros.ros.demo import reading
+from drake_geom_ros.ros.demo.filter_keeper import FilterKeeper
+from drake_geom_ros.ros.demo.live_table import Screen
+from drake_geom_ros.ros.demo.recording import FilterChange, Recording, RuleEvent
+from drake_geom_ros.ros.demo.report import write_report
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 from drake_geom_ros.scene_files import SceneDescription, read_scene
 from drake_geom_ros.trajectories.motion_file import adjacent_links
@@ -181,7 +181,7 @@ class DemoClient(Node):
             hint = 'the first time, the node compiles its kernels'
             print(f'{silence:4.0f} s: waiting for {self._awaited} ({hint})', flush=True)
 
-    # What comes in.
+    # Inputs.
 
     def _on_scene(self, table: SceneTable) -> None:
         if self.recording is not None:

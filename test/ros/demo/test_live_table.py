@@ -1,10 +1,10 @@
 import io
 import re
 
-from demo import demo_scenes as scenes
+from ros.demo import demo_scenes as scenes
 
-from drake_geom_ros.demo.live_table import Screen, lines
-from drake_geom_ros.demo.recording import FilterChange, Recording
+from drake_geom_ros.ros.demo.live_table import Screen, lines
+from drake_geom_ros.ros.demo.recording import FilterChange, Recording
 
 
 class _Terminal(io.StringIO):

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from demo import demo_scenes as scenes
+from ros.demo import demo_scenes as scenes
 
-from drake_geom_ros.demo import recording as module
-from drake_geom_ros.demo.recording import Recording, percentiles
+from drake_geom_ros.ros.demo import recording as module
+from drake_geom_ros.ros.demo.recording import Recording, percentiles
 
 
 def _add(made, time, ids, distance):

@@ -2,11 +2,11 @@
 
 from typing import TextIO
 
-from drake_geom_ros.demo.recording import RecordedPairs, Recording, percentiles
+from drake_geom_ros.ros.demo.recording import RecordedPairs, Recording, percentiles
 
 _WIDTH = 78
 _SHOWN = 4
-_RECENT = 500  # results whose times are told
+_RECENT = 500  # results whose times are shown
 
 
 def lines(recording: Recording) -> list[str]:

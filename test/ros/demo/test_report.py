@@ -1,10 +1,10 @@
 import csv
 
 import numpy as np
-from demo import demo_scenes as scenes
 from matplotlib.image import imread
+from ros.demo import demo_scenes as scenes
 
-from drake_geom_ros.demo.report import COLUMNS, write_report, write_results
+from drake_geom_ros.ros.demo.report import COLUMNS, write_report, write_results
 from drake_geom_ros.scene_files import read_scene
 
 SCENE = """

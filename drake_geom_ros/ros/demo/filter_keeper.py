@@ -17,7 +17,7 @@ _SERVICES = (
 
 
 class FilterKeeper:
-    """One persistent declaration at the beginning, then one transient filter that follows wishes.
+    """One persistent declaration, then one transient filter that follows intended contacts.
 
     ``changed(text)`` is called after each change, ``failed(text)`` when a service refuses.
     """

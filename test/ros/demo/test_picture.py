@@ -2,10 +2,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-from demo import demo_scenes as scenes
 from PIL import Image
+from ros.demo import demo_scenes as scenes
 
-from drake_geom_ros.demo.picture import draw_closest
+from drake_geom_ros.ros.demo.picture import draw_closest
 
 
 def _counts(path):

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from drake_geom_ros.demo.recording import Approach
 from drake_geom_ros.geometry import FramePoseVector, RenderedImages, SceneGraph
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.demo.recording import Approach
 from drake_geom_ros.scene_files import (
     WORLD,
     SceneDescription,

@@ -10,11 +10,11 @@ import sys
 from pathlib import Path
 
 from drake_geom_ros.common.whole_files import check_first_line
-from drake_geom_ros.demo import sensed
-from drake_geom_ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
-from drake_geom_ros.demo.recording import COLUMNS
-from drake_geom_ros.demo.shipped_scenes import shipped_scene
 from drake_geom_ros.program_parser import ProgramParser
+from drake_geom_ros.ros.demo import sensed
+from drake_geom_ros.ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
+from drake_geom_ros.ros.demo.recording import COLUMNS
+from drake_geom_ros.ros.demo.shipped_scenes import shipped_scene
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
 
@@ -81,7 +81,7 @@ def _parameters(**values: object) -> list[str]:
 
 
 def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
-    # Errors in the files are told here, before anything is started.
+    # Errors in the files are reported here, before anything is started.
     load_motion(motion, read_scene(scene))
     check_first_line(options.out / 'results.csv', ','.join(COLUMNS))
     options.out.mkdir(parents=True, exist_ok=True)
@@ -115,7 +115,7 @@ def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
         seconds = 'inf' if options.forever else str(options.seconds)
         processes.start(
             'demo_client',
-            'drake_geom_ros.demo.client',
+            'drake_geom_ros.ros.demo.client',
             *('--scene', str(scene), '--seconds', seconds, '--out', str(options.out)),
         )
         processes.wait_for('demo_client')

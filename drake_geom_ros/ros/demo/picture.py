@@ -12,8 +12,8 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
 from drake_geom_ros.client.scene_table import Geometry
-from drake_geom_ros.demo.recording import Approach, Recording
-from drake_geom_ros.demo.surfaces import faces_of
+from drake_geom_ros.ros.demo.recording import Approach, Recording
+from drake_geom_ros.ros.demo.surfaces import faces_of
 
 Floats = NDArray[np.float64]
 _ROBOT_COLOURS = ('#3f7fbf', '#d9822b')
@@ -40,7 +40,7 @@ def draw_closest(recording: Recording, path: Path) -> None:
     close = figure.add_axes(_WINDOW, projection='3d', computed_zorder=False)
     # No perspective where a length is to be read off.
     close.set_proj_type('ortho')
-    # What has no pose is nowhere, and not at the world's origin.
+    # A body without a pose is nowhere, and not at the world's origin.
     geometries = [
         geometry
         for geometry in recording.scene.geometries.values()
@@ -56,7 +56,7 @@ def draw_closest(recording: Recording, path: Path) -> None:
     _draw_witnesses(whole, moment, size=45, line=1.6)
     _draw_witnesses(close, moment, size=70, line=2.4)
     _draw_normal(close, moment)
-    # What the close-up shows goes on outside: a frame tells a window from a cut.
+    # The bodies of the close-up go on outside: a frame shows that it is a window, and no cut.
     figure.add_artist(Rectangle(_WINDOW[:2], *_WINDOW[2:], fill=False, ec=_FRAME, lw=1.2))
     _label_close(close, moment)
     _frame_whole(whole, moment, geometries, azimuth)
