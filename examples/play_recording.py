@@ -31,7 +31,10 @@ def publisher_for(node, connection):
 
 def play(node, reader, options):
     """Publish all messages of a reader in their order; return their number."""
-    chosen = [each for each in reader.connections if each.topic in (options.topic or [each.topic])]
+    recorded = sorted({each.topic for each in reader.connections})
+    if missing := sorted(set(options.topic) - set(recorded)):
+        raise SystemExit(f'{missing[0]} is not in {options.run}; topics: {", ".join(recorded)}')
+    chosen = [each for each in reader.connections if each.topic in (options.topic or recorded)]
     publishers = {each.topic: publisher_for(node, each) for each in chosen}
     time.sleep(options.wait)
     begin, count = time.monotonic(), 0
@@ -53,6 +56,8 @@ def main():
     parser.add_argument('--wait', type=float, default=2.0, help='for subscribers, at first [s]')
     parser.add_argument('--topic', action='append', default=[], help='these alone')
     options = parser.parse_args()
+    if not options.rate > 0.0:
+        parser.error(f'--rate is {options.rate:g}; it must be positive')
     rclpy.init()
     node = rclpy.create_node('play_recording')
     with AnyReader([options.run]) as reader:

@@ -105,6 +105,15 @@ def test_a_recording_is_played_again(tmp_path, lone_client):
     lone_client.wait_for(lambda: players[-1].popen.poll() is not None, 'the end of the player')
     assert players[-1].end() == 0, players[-1].output()
     assert '3 messages' in players[-1].output()
+    wrong = [str(tmp_path / 'run'), '--topic', '/absent'], [str(tmp_path / 'run'), '--rate', '0']
+    for number, (words, reason) in enumerate(
+        zip(wrong, ('/absent is not in ', '--rate is 0; it must be'), strict=True)
+    ):
+        refused = Process(tmp_path / f'refused_{number}', script, *words, anew=True)
+        lone_client.wait_for(lambda each=refused: each.popen.poll() is not None, 'the refusal')
+        assert refused.popen.returncode != 0
+        assert reason in refused.output()
+        assert 'Traceback' not in refused.output()
 
 
 def test_without_a_message_it_says_so(tmp_path, capsys):
