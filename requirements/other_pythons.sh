@@ -60,7 +60,7 @@ test_core() {
   (($# > 1)) || mapfile -t files < <(grep -v '^#' "$root/test/quick_core.txt")
   folder=$(mktemp -d)
   (cd "$folder" && env -u PYTHONPATH -u VIRTUAL_ENV -u AMENT_PREFIX_PATH NUMBA_CACHE_DIR="$cache" \
-    "$python" -m pytest -q -n 2 --dist loadfile -p no:cacheprovider "${files[@]/#/$root/}") || status=$?
+    "$python" -m pytest -q -p no:cacheprovider "${files[@]/#/$root/}") || status=$?
   rm -rf "$folder"
   return $status
 }
