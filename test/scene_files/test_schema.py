@@ -213,7 +213,6 @@ ODD += [
     {None: 1},
     {'position': [1, 2]},
     {'type': 'sphere', 'radius': -1},
-    (1, 2, 3),
     5e-324,
 ]
 

@@ -34,7 +34,7 @@ class SceneDraft:
         self.is_large = model.is_large
         self.maps_source = model.maps_source
         self._world_frame, self._joints = model.world_frame, model.joints
-        self._rules = rules
+        self._rules = rules.copy()  # as they are, whatever becomes of the live scene meanwhile
         self._change: Change[Any, Any] | None = None
 
     def make(self, change: Change[Any, Any]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -90,6 +91,12 @@ class SceneRules:
         self._prepared: BoundRules | None = None  # of a version of the scene that comes
         self._happened: list[Event] = []  # that nobody was told of yet
         self.revision = 0  # changes with each rule, state and number of pairs
+
+    def copy(self) -> SceneRules:
+        """Return the rules as they are now, for a thread that does not hold the scene."""
+        other = copy.copy(self)
+        other._monitor = copy.copy(self._monitor)
+        return other
 
     @property
     def rules(self) -> tuple[ProximityRule, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from live.live_scenes import Clock, live_scene
 
-from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.geometry import CandidatePairs, QueryObject
 from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.scene import scene_model
 from drake_geom_ros.live.scene.changes.addition import addition
@@ -20,6 +20,7 @@ from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, sha
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.map_placing import stand
 from drake_geom_ros.live.scene.map_sources import MapSources
+from drake_geom_ros.live.scene.scene_draft import SceneDraft
 from drake_geom_ros.live.services import (
     files,
     filters,
@@ -47,6 +48,9 @@ proximity_rules:
 """
 PART = """
 frames: [{name: part, source: parts, pose: {position: [0, 5, 0]}}]
+"""
+OTHER_BALL = """
+geometries: [{name: ball, source: others, frame: other, shape: {type: sphere, radius: 0.1}}]
 """
 MORE = SCENE.replace('s, rest', 't').replace('source: s', 'source: t')
 MORE = MORE.replace('source: rest', 'source: t').replace('name: post', 'name: other')
@@ -247,3 +251,28 @@ def test_a_map_of_few_cells_in_a_small_scene_needs_no_draft(live, monkeypatch, c
     assert len(drafts) == (count > 20_000)
     with live.reading() as held:
         assert held.maps.by_name['points'].cells is cells
+
+
+def test_rules_are_made_ready_for_the_copy_though_the_live_scene_changes_meanwhile(
+    live, monkeypatch
+):
+    with live.editing() as held:
+        cycle(held, 0.0)
+        held.bind_rules()
+    matches, changed = CandidatePairs.matches, []
+
+    def meanwhile(pairs, others):
+        answer = matches(pairs, others)
+        if not changed:
+            changed.append(True)
+            with live.editing() as held:
+                held.make(addition(read_scene(PART.replace('part', 'other') + OTHER_BALL)))
+                held.bind_rules()
+        return answer
+
+    with live.reading() as held:
+        draft = SceneDraft(held.model, held.rules)
+    monkeypatch.setattr(CandidatePairs, 'matches', meanwhile)
+    draft.get_ready()
+    assert changed
+    assert np.array_equal(draft.rules.watched.ids, draft.rules.pairs.ids)

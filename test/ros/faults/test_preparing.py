@@ -34,4 +34,4 @@ def test_a_lease_ends_while_a_removal_is_prepared(node, lone_client):
     accepted(client.call(kind, 'apply_transient_filter', declaration=declaration, lease=LEASE))
     # It is answered only once the lease has ended.
     accepted(client.call(srv.RemoveGeometry, 'remove_geometry', geometry='world/post'))
-    assert 'the lease of transient filter' in node.output()
+    client.wait_for(lambda: 'the lease of transient filter' in node.output(), 'the log')
