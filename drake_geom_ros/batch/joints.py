@@ -79,9 +79,9 @@ class Joints:
         a column for each of them are not posed. Raises ArgumentError for an unknown or duplicate
         name, for a scene without robots, and for a robot that is no tree of joints.
         """
-        robots = {r.name: r for r in loaded.robots.values() if r.urdf is not None}
+        robots = loaded.robots
         try:
-            kinematics_of = {name: Kinematics(str(robot.urdf)) for name, robot in robots.items()}
+            kinematics_of = {r.name: Kinematics(r.tree) for r in robots.values() if r.tree}
         except ValueError as error:
             raise ArgumentError(f'{error}; give poses of frames instead of joint values') from None
         every = [

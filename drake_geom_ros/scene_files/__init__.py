@@ -1,4 +1,4 @@
-"""Scene files: load YAML, URDF and SRDF into a scene graph, and save a scene as YAML.
+"""Scene files: load scenes and models into a scene graph, and save a scene as YAML.
 
 ``load_scene`` is all that most callers need::
 

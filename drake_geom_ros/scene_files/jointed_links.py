@@ -30,6 +30,12 @@ SEVERAL = {
         'pitch': ('continuous', 1),
         'roll': ('continuous', 0),
     },
+    'ball': {
+        'yaw': ('continuous', 2),
+        'pitch': ('continuous', 1),
+        'roll': ('continuous', 0),
+    },
+    'universal': {'qx': ('continuous', 0), 'qy': ('continuous', 1)},
 }
 _STAYS = RigidTransform()
 
@@ -46,7 +52,7 @@ class JointedLinks:
         joints = parents_first(robot.joints, root)
         leader = _mimicked(robot)
         independent = [
-            part for j in robot.joints if leader[j.name][0] == j.name for part in _parts(j)
+            part for j in robot.joints for part in parts_of(j) if leader[part.name][0] == part.name
         ]
         limits = [(j.lower, j.upper, j.max_speed) for j in independent]
         names = Counter(j.name for j in independent)
@@ -69,13 +75,13 @@ class JointedLinks:
         leaders = {name: row for row, name in enumerate(self.joint_names)}
         beyond = len(self.link_names)  # the links between the parts of a joint have no name
         for joint in joints:
-            *before, last = _parts(joint)
+            *before, last = parts_of(joint)
             parent = link_rows[joint.parent]
             for part in before:
                 rows.append((part, parent, beyond))
                 parent, beyond = beyond, beyond + 1
             rows.append((last, parent, link_rows[joint.child]))
-        led = [leader.get(j.name, (j.name, 1.0, 0.0)) for j, _, _ in rows]
+        led = [leader[j.name] for j, _, _ in rows]
         return JointTree(
             leaders=np.array([leaders.get(name, -1) for name, _, _ in led], dtype=np.int64),
             multipliers=np.array([multiplier for _, multiplier, _ in led], dtype=float),
@@ -129,8 +135,10 @@ def _root(robot: LinkTree) -> str:
     return roots[0]
 
 
-def _parts(joint: UrdfJoint) -> list[UrdfJoint]:
-    """Return a chain of joints of one value each that is equivalent to a joint."""
+def parts_of(joint: UrdfJoint) -> list[UrdfJoint]:
+    """Return a chain of joints of at most one value each that is equivalent to a joint."""
+    if joint.parts:
+        return list(joint.parts)
     if joint.type not in SEVERAL:
         return [joint]
     free = replace(joint, lower=-math.inf, upper=math.inf, max_speed=math.inf, X_PJ=_STAYS)
@@ -156,56 +164,62 @@ def _free_above(joints: list[UrdfJoint], root: str) -> dict[str, tuple[str, ...]
     """Return by link the values of planar and floating joints above it, which define its pose."""
     values: dict[str, tuple[str, ...]] = {root: ()}
     for joint in joints:
-        own = [part.name for part in _parts(joint)] if joint.type in SEVERAL else []
+        own = [p.name for p in parts_of(joint) if p.type != 'fixed']
+        own = own if joint.type in SEVERAL else []
         values[joint.child] = (*values[joint.parent], *own)
     return values
 
 
 def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
-    """Return ``(leader, multiplier, offset)`` by joint; the leader of a fixed one is empty."""
-    by_name = {j.name: j for j in robot.joints}
-    leaders: dict[str, tuple[str, float, float]] = {}
+    """Return ``(leader, multiplier, offset)`` by single joint; that of a fixed one is empty."""
+    by_name = {joint.name: joint for joint in robot.joints}
     for joint in robot.joints:
-        if joint.type not in (*_MOVING, 'fixed', *SEVERAL):
+        _check_type(joint)
+    singles = {part.name: part for joint in robot.joints for part in parts_of(joint)}
+    return {part.name: _leader(part, by_name | singles) for part in singles.values()}
+
+
+def _check_type(joint: UrdfJoint) -> None:
+    allowed = (*_MOVING, 'fixed', *SEVERAL)
+    if joint.type not in allowed and not joint.parts:
+        raise ValueError(
+            f'{joint.where.file}: joint {joint.name} has type {joint.type!r}; '
+            f'allowed are {", ".join(allowed)}'
+        )
+    if joint.type in SEVERAL and joint.mimic is not None:
+        raise ValueError(
+            f'{joint.where.file}: joint {joint.name} is {joint.type} and mimics '
+            f'{joint.mimic.joint!r}; only a joint of one value can'
+        )
+
+
+def _leader(joint: UrdfJoint, by_name: Mapping[str, UrdfJoint]) -> tuple[str, float, float]:
+    """Return the joint that a single joint follows, itself if none, with multiplier and offset."""
+    if joint.type == 'fixed':
+        return '', 0.0, 0.0
+    name, multiplier, offset = joint.name, 1.0, 0.0
+    passed = {name}
+    while (mimic := by_name[name].mimic) is not None:
+        if mimic.joint not in by_name or mimic.joint in passed:
             raise ValueError(
-                f'{joint.where.file}: joint {joint.name} has type {joint.type!r}; '
-                f'allowed are {", ".join((*_MOVING, "fixed", *SEVERAL))}'
+                f'{joint.where.file}: joint {name} mimics {mimic.joint!r}, which is '
+                f'{"itself mimicking it" if mimic.joint in passed else "not a joint"}'
             )
-        if joint.type in SEVERAL:
-            if joint.mimic is not None:
-                raise ValueError(
-                    f'{joint.where.file}: joint {joint.name} is {joint.type} and mimics '
-                    f'{joint.mimic.joint!r}; only a joint of one value can'
-                )
-            leaders[joint.name] = (joint.name, 1.0, 0.0)
-            continue
-        if joint.type == 'fixed':
-            leaders[joint.name] = ('', 0.0, 0.0)
-            continue
-        name, multiplier, offset = joint.name, 1.0, 0.0
-        passed = {name}
-        while (mimic := by_name[name].mimic) is not None:
-            if mimic.joint not in by_name or mimic.joint in passed:
-                raise ValueError(
-                    f'{joint.where.file}: joint {name} mimics {mimic.joint!r}, which is '
-                    f'{"itself mimicking it" if mimic.joint in passed else "not a joint"}'
-                )
-            offset += multiplier * mimic.offset
-            multiplier *= mimic.multiplier
-            name = mimic.joint
-            passed.add(name)
-            if (kind := by_name[name].type) not in _MOVING:
-                raise ValueError(
-                    f'{joint.where.file}: joint {joint.name} mimics {name!r}, a {kind} joint'
-                )
-        leaders[joint.name] = (name, multiplier, offset)
-    return leaders
+        offset += multiplier * mimic.offset
+        multiplier *= mimic.multiplier
+        name = mimic.joint
+        passed.add(name)
+        if (kind := by_name[name].type) not in _MOVING:
+            raise ValueError(
+                f'{joint.where.file}: joint {joint.name} mimics {name!r}, a {kind} joint'
+            )
+    return name, multiplier, offset
 
 
 def _unit_axis(joint: UrdfJoint) -> NDArray[np.float64]:
     """Return the joint's axis with length 1."""
     axis = np.array(joint.axis)
     length = float(np.linalg.norm(axis))
-    if joint.type not in ('fixed', 'floating') and not length > 0.0:
+    if joint.type in (*_MOVING, 'planar') and not length > 0.0:
         raise ValueError(f'joint {joint.name} has axis {joint.axis}; it must not be zero')
     return axis / length if length > 0.0 else axis

@@ -1,4 +1,4 @@
-"""Links and joints of a URDF as records, which scenes keep besides its shapes."""
+"""Links and joints of a robot as records, which scenes keep besides its shapes."""
 
 import math
 from dataclasses import dataclass, field
@@ -32,7 +32,9 @@ class UrdfJoint(Joint):
     """A joint J: X_PJ in its parent link, its axis, and its limits.
 
     Limits are in [m] or [rad], and [m/s] or [rad/s] for the speed; infinite if the file gives
-    none.
+    none. ``parts`` is the chain of simple joints, of one value each or fixed, that a joint stands
+    for if its child link is not where a simple joint of a URDF puts it; their names are unique in
+    the robot. Otherwise it is empty.
     """
 
     name: str
@@ -43,6 +45,7 @@ class UrdfJoint(Joint):
     max_speed: float = math.inf
     mimic: Mimic | None = None
     where: Location = field(default=_NOWHERE, compare=False)
+    parts: tuple['UrdfJoint', ...] = ()
 
 
 @dataclass(frozen=True)

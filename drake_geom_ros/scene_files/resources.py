@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -10,6 +11,8 @@ from urllib.parse import unquote, urlsplit
 
 # What setup.py leaves in the environment that it is installed in.
 _IN_INDEX = 'share/ament_index/resource_index/packages/drake_geom_ros'
+_NAME = re.compile(rb'<name>([^<]*)</name>')
+_MOST_OF_PACKAGE_XML = 65_536  # bytes that are searched for its name
 # One folder, or several.
 Roots = str | os.PathLike[str] | Iterable[str | os.PathLike[str]]
 
@@ -20,8 +23,9 @@ class ResourceResolver:
     ``package://NAME/path`` is looked up in the first of these folders that exists
     (``package:///NAME/path`` means the same, as in urdfdom and Pinocchio):
 
-    - ``ROOT/NAME``, or ROOT itself if that is its name, for each of ``package_roots`` and then of
-      ``ROS_PACKAGE_PATH``;
+    - ``ROOT/NAME``, or ROOT itself if that is its name or the name in its ``package.xml``, for
+      each of ``package_roots`` and then of ``ROS_PACKAGE_PATH``;
+    - the folders above the file that names it, if their ``package.xml`` has this name;
     - ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and for the environment that
       pip installed this package in;
     - ``cmeel.prefix/share/NAME`` beside the Python packages, where pip installs robot
@@ -60,7 +64,7 @@ class ResourceResolver:
         if not rest:
             path = folder / uri
         elif scheme == 'package':
-            path = self._in_package(uri, rest)
+            path = self._in_package(uri, rest, folder)
         elif scheme == 'file':
             path = Path(unquote(urlsplit(uri).path))
         else:
@@ -79,12 +83,12 @@ class ResourceResolver:
                 f'{", ".join(map(str, roots)) or "none"}'
             )
 
-    def _in_package(self, uri: str, rest: str) -> Path:
+    def _in_package(self, uri: str, rest: str, named_in: Path) -> Path:
         name, _, inner = rest.lstrip('/').partition('/')
         inner = inner.lstrip('/')
         if not name or name in ('.', '..') or os.path.normpath(inner).split(os.sep)[0] == '..':
             raise ValueError(f'{uri!r} must stay inside its package')
-        folders = list(self._candidates(name))
+        folders = list(self._candidates(name, named_in))
         for folder in folders:
             if folder.is_dir():
                 return folder / inner
@@ -95,11 +99,23 @@ class ResourceResolver:
             'Python, in a scene file and of a node, --package-root of a command, ROS_PACKAGE_PATH'
         )
 
-    def _candidates(self, name: str) -> Iterator[Path]:
+    def _candidates(self, name: str, named_in: Path) -> Iterator[Path]:
         for root in (*self._package_roots, *_ros_package_path()):
-            yield root if root.name == name else root / name
+            yield root if name in (root.name, _package_name(root)) else root / name
+        here = named_in.absolute()
+        yield from (up for up in (here, *here.parents) if _package_name(up) == name)
         for folder in _shares_of_prefixes():
             yield folder / name
+
+
+def _package_name(folder: Path) -> str:
+    """Return the name in a folder's ``package.xml``, '' if there is none."""
+    try:
+        with (folder / 'package.xml').open('rb') as file:
+            named = _NAME.search(file.read(_MOST_OF_PACKAGE_XML))
+    except OSError:
+        return ''
+    return named[1].decode(errors='replace').strip() if named else ''
 
 
 def share_folders() -> list[Path]:

@@ -14,6 +14,7 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
     SceneDescription,
 )
+from drake_geom_ros.scene_files.directives import is_directives, read_directives
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.registration import LoadedScene, register
 from drake_geom_ros.scene_files.resources import ResourceResolver, Roots
@@ -28,7 +29,7 @@ from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 PathLike = str | os.PathLike[str]
 
-FORMATS = ('yaml', 'urdf')
+FORMATS = ('yaml', 'urdf', 'dmd')
 _NO_OPTIONS = RobotOptions()
 
 
@@ -48,8 +49,9 @@ def read_scene(
     Args:
         path_or_text: A path, or the text itself: a str with a line break in it, or one that
             begins with ``{`` or ``<``. Paths in a text count from the working folder.
-        format: ``yaml`` or ``urdf``. If empty, input that begins with ``<`` is a URDF, whatever
-            its file name.
+        format: ``yaml``, ``urdf`` or ``dmd`` (model directives). If empty, input that begins with
+            ``<`` is a URDF, and YAML with the key ``directives`` is of directives, whatever its
+            file name.
         srdf: The SRDF of a URDF, a path or a text too.
         package_roots: A folder or several to search for packages, see ``ResourceResolver``.
         allowed_roots: A folder or several outside of which no file may be opened.
@@ -78,6 +80,8 @@ def read_scene(
         raise SceneFileError(reason, file)
     if srdf:
         raise SceneFileError('srdf is only for a URDF; in YAML a robot has the key `srdf`', file)
+    if format == 'dmd' or (not format and is_directives(data, '' if text else file)):
+        return read_directives(data, file, folder, resolver, options)
     return parse_scene(read_yaml(text_of(data, file), file, MOST_ITEMS), folder, resolver)
 
 

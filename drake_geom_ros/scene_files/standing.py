@@ -135,7 +135,7 @@ def _of_joint(element: Any, name: str, kind: str) -> dict[str, float]:
     if kind not in SEVERAL:
         return {name: numbers(element, 'value', 1)[0]}
     parts = [f'{name}/{part}' for part in SEVERAL[kind]]
-    if kind == 'planar':
+    if kind != 'floating':
         return dict(zip(parts, numbers(element, 'value', len(parts)), strict=True))
     X = RigidTransform.FromArray(numbers(element, 'value', _QUATERNION))
     turn = X.rotation().ToRollPitchYaw().vector()[::-1]

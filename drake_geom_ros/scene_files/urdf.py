@@ -9,13 +9,11 @@ Only links, joints and collision elements are read; masses and visuals change no
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from drake_geom_ros.geometry import Mesh, Role
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import urdf_filters, urdf_shapes
 from drake_geom_ros.scene_files.description import (
     WORLD,
@@ -25,23 +23,20 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
 )
 from drake_geom_ros.scene_files.errors import Location
-from drake_geom_ros.scene_files.jointed_links import JointedLinks
-from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
+from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.robot_parts import RobotParts
 from drake_geom_ros.scene_files.urdf_filters import moved_links
 from drake_geom_ros.scene_files.urdf_joint_checks import warnings_about
 from drake_geom_ros.scene_files.urdf_poses import pose_of
 from drake_geom_ros.scene_files.urdf_proximity import proximity_properties_of
-from drake_geom_ros.scene_files.urdf_tree import (
-    fixed_poses,
-    read_joints,
-    read_links,
-    root_links,
-)
+from drake_geom_ros.scene_files.urdf_tree import read_joints, read_links
 from drake_geom_ros.scene_files.urdf_vocabulary import check_vocabulary
 from drake_geom_ros.scene_files.xml_tree import (
     attribute,
     encoding_warning,
+    local_name,
+    numbers,
     place_of,
     read_robot_xml,
 )
@@ -52,47 +47,6 @@ _VISUAL_ONLY = (
 )
 _MOST_NAMED = 40  # links in a warning
 _NO_SHAPES = 'the robot {!r} has no <collision> elements: no query sees anything of it'
-
-
-@dataclass(frozen=True)
-class RobotParts:
-    """Parts of a robot from its URDF; ``warnings`` report elements that are not understood."""
-
-    frames: tuple[FrameDescription, ...]
-    geometries: tuple[GeometryDescription, ...]
-    filters: tuple[FilterDescription, ...]
-    tree: LinkTree
-    warnings: tuple[str, ...] = ()
-
-    @property
-    def joints(self) -> tuple[UrdfJoint, ...]:
-        """The joints in the order of the file."""
-        return self.tree.joints
-
-    @property
-    def link_names(self) -> list[str]:
-        """The links in the order of the file."""
-        return [frame.name for frame in self.frames]
-
-    def placed(
-        self, X_WB: RigidTransform, configuration: Mapping[str, float] = MappingProxyType({})
-    ) -> 'RobotParts':
-        """Return the parts with initial poses of the root link B and the links fixed to it.
-
-        Links whose joints all have a value in the configuration are posed too. Raises ValueError,
-        which names no line, if links have no single root.
-        """
-        links = dict.fromkeys((*(joint.parent for joint in self.joints), *self.link_names))
-        roots = root_links(self.joints, links)
-        if len(roots) != 1:
-            raise ValueError(
-                f'the pose is that of the root link, but the links {", ".join(map(repr, roots))} '
-                'have no parent each'
-            )
-        poses = JointedLinks(self.tree).poses_at(configuration, X_WB) if configuration else {}
-        poses |= fixed_poses(self.joints, roots[0], X_WB)
-        frames = (replace(frame, X_PF=poses.get(frame.name)) for frame in self.frames)
-        return replace(self, frames=tuple(frames))
 
 
 def robot_name(data: bytes, file: str) -> str:
@@ -154,7 +108,8 @@ def read_urdf(
     else:
         warnings += _visual_only(links, place_of(root, file))
     tree = LinkTree(robot, tuple(links), tuple(joints))
-    return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings)
+    offsets = _offsets(root, links, file)
+    return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings, offsets)
 
 
 def _visual_only(links: Mapping[str, Any], place: Location) -> tuple[str, ...]:
@@ -169,6 +124,19 @@ def _visual_only(links: Mapping[str, Any], place: Location) -> tuple[str, ...]:
     more = f' and {len(names) - _MOST_NAMED} more' if len(names) > _MOST_NAMED else ''
     warning = _VISUAL_ONLY.format(len(names), len(links), ', '.join(names[:_MOST_NAMED]) + more)
     return (str(place.error(warning)),)
+
+
+def _offsets(
+    root: Any, links: Mapping[str, Any], file: str
+) -> dict[str, tuple[str, RigidTransform]]:
+    """Return Drake's ``<frame name= link= xyz= rpy=>`` elements that name a link, by name."""
+    offsets = {}
+    for element in root:
+        if local_name(element) == 'frame' and element.get('link') in links:
+            xyz, rpy = (numbers(element, name, 3, '0 0 0') for name in ('xyz', 'rpy'))
+            X_LF = RigidTransform(RollPitchYaw(rpy).ToRotationMatrix(), xyz)
+            offsets[attribute(element, 'name', file)] = (element.get('link'), X_LF)
+    return offsets
 
 
 def _check_world(element: Any, file: str) -> None:

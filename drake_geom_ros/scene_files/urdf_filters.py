@@ -4,9 +4,9 @@ Drake's elements have the meaning of Drake's parser, as observed with pydrake.
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_geom_ros.geometry import CollisionFilterManager
 from drake_geom_ros.scene_files.description import (
@@ -215,15 +215,22 @@ def _clique(name: str, source: str, links: Sequence[str]) -> CliqueDescription:
 
 def _fixed_bodies(joints: Sequence[Joint]) -> list[list[str]]:
     """Return the sets of links that fixed joints connect, in the order of the joints."""
-    held: defaultdict[str, list[str]] = defaultdict(list)
-    links: dict[str, None] = {}  # in the order of the joints
-    for joint in joints:
-        if joint.type == 'fixed':
-            held[joint.parent].append(joint.child)
-            held[joint.child].append(joint.parent)
-            links.update(dict.fromkeys((joint.parent, joint.child)))
-    bodies: list[set[str]] = []
-    seen: set[str] = set()
+    return bodies_of((joint.parent, joint.child) for joint in joints if joint.type == 'fixed')
+
+
+_Link = TypeVar('_Link', bound=Hashable)
+
+
+def bodies_of(fixed: Iterable[tuple[_Link, _Link]]) -> list[list[_Link]]:
+    """Return the sets of links that pairs of them connect, in the order of the pairs."""
+    held: defaultdict[_Link, list[_Link]] = defaultdict(list)
+    links: dict[_Link, None] = {}  # in the order of the pairs
+    for parent, child in fixed:
+        held[parent].append(child)
+        held[child].append(parent)
+        links.update(dict.fromkeys((parent, child)))
+    bodies: list[set[_Link]] = []
+    seen: set[_Link] = set()
     for link in links:
         if link in seen:
             continue

@@ -11,7 +11,8 @@ number. PyYAML's own rules are those of 1.1, where these are true, 90 and text.
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, field
 from typing import Any
 
 import yaml
@@ -57,11 +58,12 @@ def key_text(path: KeyPath) -> str:
 
 @dataclass(frozen=True)
 class Document:
-    """The value of a YAML text, and the line of each part of it."""
+    """The value of a YAML text, the line of each part of it, and the tags of those with one."""
 
     file: str
     value: Any
     lines: dict[KeyPath, int]
+    tags: dict[KeyPath, str] = field(default_factory=dict)
 
     def at(self, *path: str | int) -> Location:
         """Return the place of a part; if it is missing, the line of the nearest enclosing one."""
@@ -90,11 +92,14 @@ def text_of(data: bytes, file: str) -> str:
         raise SceneFileError(reason, file, line) from None
 
 
-def read_yaml(text: str, file: str, most_items: float = math.inf) -> Document:
+def read_yaml(
+    text: str, file: str, most_items: float = math.inf, tags: Collection[str] = ()
+) -> Document:
     r"""Return the only document of ``text``; errors call it ``file``.
 
-    Raises SceneFileError for text that is not YAML, for everything that the module refuses, and,
-    before the rest is read, for a list of more than ``most_items``.
+    ``tags`` are those that mappings and lists may have, for example ``!Rpy``. Raises
+    SceneFileError for text that is not YAML, for everything that the module refuses, and, before
+    the rest is read, for a list of more than ``most_items``.
 
     >>> document = read_yaml('frames:\n- {name: cup, group: 2}', 'cups.yaml')
     >>> document.value
@@ -105,7 +110,7 @@ def read_yaml(text: str, file: str, most_items: float = math.inf) -> Document:
     size = len(text.encode(errors='surrogatepass'))
     if size > MAX_BYTES:
         raise SceneFileError(f'{size} bytes; at most {MAX_BYTES} are read', file)
-    builder = _Builder(file, most_items)
+    builder = _Builder(file, most_items, tags)
     try:
         for event in yaml.parse(text, Loader=_LOADER):
             builder.take(event)
@@ -119,15 +124,17 @@ def read_yaml(text: str, file: str, most_items: float = math.inf) -> Document:
         raise SceneFileError(f'not YAML: {reason}', file) from error
     if not builder.documents:
         raise SceneFileError('is empty; a scene has at least one of its keys', file)
-    return Document(file, builder.root, builder.lines)
+    return Document(file, builder.root, builder.lines, builder.tags)
 
 
 class _Builder:
     """Builder of the value from the parser's events."""
 
-    def __init__(self, file: str, most_items: float):
+    def __init__(self, file: str, most_items: float, allowed_tags: Collection[str]):
         self.file = file
+        self.tags: dict[KeyPath, str] = {}
         self._most_items = most_items
+        self._allowed_tags = allowed_tags
         self.root: Any = None
         self.lines: dict[KeyPath, int] = {}
         self.documents = 0
@@ -152,6 +159,11 @@ class _Builder:
         elif isinstance(event, yaml.MappingEndEvent | yaml.SequenceEndEvent):
             self._open.pop()
 
+    def _which_tags(self) -> str:
+        if not self._allowed_tags:
+            return 'a scene has no tags'
+        return f'mappings and lists may have {", ".join(sorted(self._allowed_tags))}'
+
     def _place(self, line: int) -> Location:
         """Return the place of the next value, for an error."""
         return Location(self.file, line, key_text(self._next_path()))
@@ -173,20 +185,22 @@ class _Builder:
 
     def _start(self, event: yaml.Event, value: dict[str, Any] | list[Any], line: int) -> None:
         place = self._place(line)
-        if event.tag not in _DEFAULT_TAGS:
-            raise place.error(f'tag {event.tag}; a scene has no tags')
+        if event.tag not in _DEFAULT_TAGS and event.tag not in self._allowed_tags:
+            raise place.error(f'tag {event.tag}; {self._which_tags()}')
         if self._expects_key():
             raise place.error('a key must be text, not a list or a mapping')
         if len(self._open) == MAX_DEPTH:
             raise place.error(f'nested more than {MAX_DEPTH} deep')
         path = self._next_path()
+        if event.tag not in _DEFAULT_TAGS:
+            self.tags[path] = event.tag
         self._add(value, line)
         self._open.append(_Open(path, value))
 
     def _take_scalar(self, event: yaml.ScalarEvent, line: int) -> None:
         place = self._place(line)
         if event.tag not in _DEFAULT_TAGS:
-            raise place.error(f'tag {event.tag}; a scene has no tags')
+            raise place.error(f'tag {event.tag}; {self._which_tags()}')
         if self._expects_key():
             self._take_key(event.value, line, place)
         else:

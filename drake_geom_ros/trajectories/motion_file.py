@@ -33,7 +33,6 @@ from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
-from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml, text_of
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
@@ -55,7 +54,7 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     Raises SceneFileError, with file, line and key, for a file of another form, for names that the
     scene lacks, for a joint beyond its limits, and for a robot that is left out.
     """
-    X_WBs = {r.name: r.X_WB.GetAsMatrix4() for r in scene.robots if r.urdf is not None}
+    X_WBs = {r.name: r.X_WB.GetAsMatrix4() for r in scene.robots if r.tree is not None}
     standing = {robot.name: robot.configuration for robot in scene.robots}
     carriers = {
         r.name: (r.mounted_on.source, r.mounted_on.frame) for r in scene.robots if r.mounted_on
@@ -93,29 +92,22 @@ def adjacent_links(scene: SceneDescription) -> list[tuple[str, str]]:
     return [
         (full_name((robot.name, joint.parent)), full_name((robot.name, joint.child)))
         for robot in scene.robots
-        if robot.urdf is not None
-        for joint in read_link_tree(robot.urdf).joints
+        if robot.tree is not None
+        for joint in robot.tree.joints
     ]
 
 
 def _arms(scene: SceneDescription) -> tuple[dict[str, Kinematics], dict[str, str]]:
     """Return the kinematics of robots, and the reasons of those without."""
-    read: dict[Path, Kinematics | str] = {}
     arms: dict[str, Kinematics] = {}
     left_out: dict[str, str] = {}
     for robot in scene.robots:
-        if robot.urdf is None:
+        if robot.tree is None:
             continue
-        if robot.urdf not in read:
-            try:
-                read[robot.urdf] = Kinematics(str(robot.urdf))
-            except ValueError as error:
-                read[robot.urdf] = str(error)
-        kinematics = read[robot.urdf]
-        if isinstance(kinematics, str):
-            left_out[robot.name] = kinematics
-        else:
-            arms[robot.name] = kinematics
+        try:
+            arms[robot.name] = Kinematics(robot.tree)
+        except ValueError as error:
+            left_out[robot.name] = str(error)
     return arms, left_out
 
 

@@ -12,10 +12,17 @@ from drake_geom_ros.scene_files.description import (
     SceneDescription,
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.trajectories.motion_file import adjacent_links, load_motion
 
+
+def robot(name, urdf, X_WB=None):
+    tree = read_link_tree(urdf)
+    return RobotDescription(name, urdf, X_WB or RigidTransform(), tree=tree)
+
+
 SCENE = SceneDescription(
-    robots=(RobotDescription('left', panda.URDF, RigidTransform([0.0, 0.0, 0.4])),),
+    robots=(robot('left', panda.URDF, RigidTransform([0.0, 0.0, 0.4])),),
     frames=(
         FrameDescription('left', 'panda_link0'),
         FrameDescription('objects', 'can', X_PF=RigidTransform([0.5, 0.0, 0.1])),
@@ -129,8 +136,7 @@ def test_a_missing_file_is_refused_by_name(tmp_path):
 def test_a_urdf_that_is_no_tree_is_left_out_by_name(tmp_path):
     urdf = tmp_path / 'odd.urdf'
     urdf.write_text('<robot name="odd"><link name="a"/><link name="b"/></robot>')
-    robot = RobotDescription('odd', urdf, RigidTransform())
-    motion = load_motion(None, dataclasses.replace(SCENE, robots=(robot,)))
+    motion = load_motion(None, dataclasses.replace(SCENE, robots=(robot('odd', urdf),)))
     assert 'odd' not in motion.robots
     assert 'one tree' in motion.left_out['odd']
 
@@ -172,7 +178,7 @@ BASE = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
 def _mobile(tmp_path, kind, joints, inside=''):
     (tmp_path / 'r.urdf').write_text(BASE.format(kind, inside))
     scene = SceneDescription(
-        robots=(RobotDescription('r', tmp_path / 'r.urdf', RigidTransform()),),
+        robots=(robot('r', tmp_path / 'r.urdf'),),
         frames=tuple(FrameDescription('r', name) for name in 'abc'),
     )
     if not joints:

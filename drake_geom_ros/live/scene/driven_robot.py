@@ -17,6 +17,7 @@ from drake_geom_ros.live.scene.clocks import UNKNOWN, Since, oldest_of_each
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import WORLD, RobotDescription
+from drake_geom_ros.scene_files.jointed_links import SEVERAL, parts_of
 from drake_geom_ros.trajectories.kinematics import Kinematics
 
 
@@ -81,7 +82,9 @@ class DrivenRobot:
         self.speed_limits: Floats = kinematics.max_speed  # (c,) [1/s]; inf: none
         self.columns = {name: k for k, name in enumerate(self.joint_names)}
         # Joints that move nothing by themselves: they are fixed, or mimic another one.
-        self.others = {joint.name for joint in robot.tree.joints} - set(self.joint_names)
+        self._joints = {p.name: (p, joint) for joint in robot.tree.joints for p in parts_of(joint)}
+        joints = {joint.name for joint in robot.tree.joints} | self._joints.keys()
+        self.others = joints - set(self.joint_names)
         standing = {
             name: JointValue(value, math.nan, 0, UNKNOWN)
             for name, value in robot.configuration.items()
@@ -89,7 +92,6 @@ class DrivenRobot:
         self.values = [standing.get(name) for name in self.joint_names]
         self.know(values)
         names = kinematics.link_names
-        self._joints = {joint.name: joint for joint in robot.tree.joints}
         self._frames = {name: frames.get((robot.name, name)) for name in names}
         self.base_is_world = names[0] == WORLD
         self.root = None if self.base_is_world else frames.get((robot.name, names[0]))
@@ -122,10 +124,10 @@ class DrivenRobot:
         """The entries of the joints in messages."""
         entries = []
         for name, low, high in zip(self.joint_names, self.lower, self.upper, strict=True):
-            # Of a joint of several values each is called as `joint/value`.
-            joint = self._joints.get(name) or self._joints[name.rpartition('/')[0]]
+            part, joint = self._joints[name]
+            kind = joint.type if joint.type in SEVERAL else part.type
             frame = self._frames[joint.child]
-            entries.append(JointEntry(self.name, name, joint.type, float(low), float(high), frame))
+            entries.append(JointEntry(self.name, name, kind, float(low), float(high), frame))
         return entries
 
     @cached_property

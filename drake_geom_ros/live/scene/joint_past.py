@@ -15,8 +15,7 @@ from drake_geom_ros.live.scene.driven_robot import DrivenRobot, or_zero
 from drake_geom_ros.live.scene.pose_history import PoseThen, Then
 from drake_geom_ros.live.scene.tracks import Bracket, Track, UnknownThenError
 from drake_geom_ros.math.array_types import Floats
-
-_OF_SEVERAL_VALUES = ('planar', 'floating')  # some are angles
+from drake_geom_ros.scene_files.jointed_links import SEVERAL
 
 
 class JointPast:
@@ -83,7 +82,7 @@ def _position(joint: str, bracket: Bracket[float]) -> float:
     way = last - first
     if joint == 'continuous':
         way = math.remainder(way, math.tau)  # by the shorter way round
-    elif joint in _OF_SEVERAL_VALUES and abs(way) > math.pi:
+    elif joint in SEVERAL and abs(way) > math.pi:
         raise UnknownThenError(is_later=False)  # angles go round, and who tells that from a way?
     return first + share * way
 
