@@ -11,12 +11,14 @@ from drake_geom_ros.geometry.compiling import Tell
 from drake_geom_ros.proximity_rules import decisions, nearest_pairs
 from drake_geom_ros.sensed_maps.looking_past import compile_looking_past
 from drake_geom_ros.sensed_maps.passes import compile_passes
+from drake_geom_ros.sensed_maps.tree_walk import compile_tree_walk
 
 
 def compile_every_kernel(progress: Tell | None = None) -> None:
     """Compile what the cache lacks; call ``progress(name, number, last)`` before each."""
     compile_passes()
     compile_looking_past()
+    compile_tree_walk()
     decisions.prepare()
     nearest_pairs.prepare()
     compile_all_kernels(progress)

@@ -52,6 +52,7 @@ from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.usage import is_help, usage
 from drake_geom_ros.scene_files import RobotOptions, hulls_in_words, read_scene
 from drake_geom_ros.sensed_maps.passes import compile_passes
+from drake_geom_ros.sensed_maps.tree_walk import compile_tree_walk
 
 _ID_BITS = 52  # of the number that the ids of a process begin at, drawn by chance
 
@@ -150,6 +151,7 @@ class SceneGraphNode(LifecycleNode):
             described = read_scene(values.scene_file, package_roots=roots, options=options)
         if values.obstacles:
             compile_passes()
+            compile_tree_walk()
         with live.editing() as scene:
             if values.obstacles:
                 scene.poses.history = PoseHistory()

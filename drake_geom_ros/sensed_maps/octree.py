@@ -12,19 +12,17 @@ Autonomous Robots 34 (2013), and the formats as octomap 1.10 reads and writes th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError, unique_numbers
+from drake_geom_ros.sensed_maps.tree_walk import put_paths
 
 LEVELS = 16
 HALF = 1 << (LEVELS - 1)  # cells from the origin along an axis
 _OCCUPIED, _INNER = 2, 3
-_BLOCK = 1 << 16  # nodes
 # Bytes of a node in a full tree before the byte of its children, by kind of tree.
 _PAYLOADS = {'OcTree': 4, 'ColorOcTree': 7}
 KINDS = tuple(_PAYLOADS)
@@ -51,13 +49,13 @@ def cells_of_binary(data: bytes | memoryview, resolution: float) -> Cells:
     if len(data) % 2:
         raise MapError(f'the tree has {len(data)} bytes; of a binary one they are two a node')
     words = np.frombuffer(data, dtype='<u2')
-    paths = _paths(words, _inner_children, LEVELS - 1)
-    kinds = _kinds_of_children(data)
+    paths = _paths(_children(words, _INNER), LEVELS - 1)
     # A node without children would be a leaf of unknown occupancy.
-    if len(words) and not (kinds != 0).any(axis=1).all():
+    if not words.all():
         raise MapError('an inner node of the tree has no children')
-    node, child = np.nonzero(kinds == _OCCUPIED)
-    return _cells_of_leaves(paths[node] << 3 | child, resolution)
+    occupied = _children(words, _OCCUPIED)
+    leaves = [paths[(occupied >> c & 1) != 0] << 3 | c for c in range(8)]
+    return _cells_of_leaves(np.concatenate(leaves), resolution)
 
 
 def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTree') -> Cells:
@@ -74,7 +72,7 @@ def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTr
     if not np.isfinite(log_odds).all():
         raise MapError('a node of the tree has log-odds that are not finite')
     children = rows[:, payload]
-    paths = _paths(children, _set_bits, LEVELS)
+    paths = _paths(children, LEVELS)
     is_leaf = children == 0
     return _cells_of_leaves(paths[is_leaf & (log_odds >= 0.0)], resolution)
 
@@ -88,7 +86,9 @@ def count_nodes(data: bytes | memoryview, kind: str, *, binary: bool) -> int:
     """
     if not binary:
         return len(data) // bytes_a_node(kind, binary=False)
-    return int(len(data) > 0) + int(np.count_nonzero(_kinds_of_children(data)))
+    words = np.frombuffer(data, dtype='<u2')
+    some = words | words >> 1 & 0x5555  # the lower bit of each child that is there
+    return int(len(data) > 0) + sum(int(np.count_nonzero(some >> 2 * c & 1)) for c in range(8))
 
 
 class BinaryTree(NamedTuple):
@@ -122,51 +122,26 @@ def binary_of_cells(cells: Cells) -> BinaryTree:
     return BinaryTree(data, count)
 
 
-def _kinds_of_children(data: bytes | memoryview) -> NDArray[np.int64]:
-    """Return the kinds (n, 8) of the children of a binary tree's nodes."""
-    words = np.frombuffer(data, dtype='<u2')
-    kinds: NDArray[np.int64] = (words[:, np.newaxis] >> np.arange(0, 16, 2)) & 3
-    return kinds
+def _children(words: NDArray[np.uint16], kind: int) -> NDArray[np.uint8]:
+    """Return a bit for each child of one kind of a binary tree's nodes (n,)."""
+    bits = np.zeros(len(words), dtype=np.uint8)
+    for child in range(8):
+        bits |= ((words >> 2 * child & 3) == kind).astype(np.uint8) << child
+    return bits
 
 
-@lru_cache(maxsize=1 << 16)
-def _inner_children(word: int) -> tuple[int, ...]:
-    """Return the inner children of a node of a binary tree, the last one first."""
-    return tuple(c for c in range(7, -1, -1) if word >> 2 * c & 3 == _INNER)
-
-
-@lru_cache(maxsize=1 << 8)
-def _set_bits(bits: int) -> tuple[int, ...]:
-    return tuple(c for c in range(7, -1, -1) if bits >> c & 1)
-
-
-def _paths(
-    nodes: NDArray[np.unsignedinteger],
-    children_of: Callable[[int], Sequence[int]],
-    most_levels: int,
-) -> NDArray[np.int64]:
-    """Return the path (n,) of each node: a leading 1, then three bits for each child on it."""
-    paths = np.empty(len(nodes), dtype=np.int64)
-    stack = [1] if len(nodes) else []
-    too_deep = 1 << 3 * (most_levels + 1)
-    # By blocks: a list of millions is made and freed without a break for other threads.
-    for first in range(0, len(nodes), _BLOCK):
-        some = list[int]()
-        for number in nodes[first : first + _BLOCK].tolist():
-            if not stack:
-                done = first + len(some)
-                raise MapError(
-                    f'the tree ends after {done} nodes, and {len(nodes) - done} more follow'
-                )
-            path = stack.pop()
-            if path >= too_deep:
-                raise MapError(f'the tree has more than {LEVELS} levels')
-            some.append(path)
-            for child in children_of(number):
-                stack.append(path << 3 | child)
-        paths[first : first + len(some)] = some
-    if stack:
-        raise MapError(f'the tree is truncated: {len(stack)} of its branches are missing')
+def _paths(children: NDArray[np.uint8], most_levels: int) -> NDArray[np.int64]:
+    """Return the path (n,) of each node, see ``put_paths``; MapError for no whole tree."""
+    count, paths = len(children), np.empty(len(children), dtype=np.int64)
+    if not count:
+        return paths
+    nodes, open_branches, too_deep = put_paths(children, most_levels, paths)
+    if too_deep:
+        raise MapError(f'the tree has more than {LEVELS} levels')
+    if nodes < count:
+        raise MapError(f'the tree ends after {nodes} nodes, and {count - nodes} more follow')
+    if open_branches:
+        raise MapError(f'the tree is truncated: {open_branches} of its branches are missing')
     return paths
 
 
