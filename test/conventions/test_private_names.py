@@ -12,7 +12,7 @@ ALLOWED = {
     'geometry/_proximity/runtime/numba_inside/pipeline.py': {'_final_module', '_reload_init'},
     'geometry/_proximity/runtime/numba_inside/array_views.py': {'_getvalue'},
     'geometry/_proximity/runtime/numba_inside/object_code.py': {
-        *('_final_module', '_rebuild', '_reduce'),
+        *('_final_module', '_memo', '_rebuild', '_rebuild_env', '_reduce'),
     },
     'geometry/_proximity/runtime/numba_inside/shared_cache.py': {
         *('_cache', '_compilation_chain_init_hook'),
