@@ -113,7 +113,8 @@ def _matches(link: str, geometry: str, pattern: str) -> bool:
 class RobotDescription:
     """A robot; the source of its name owns its links, and X_WB is the pose of its root link.
 
-    - ``urdf``: None if the URDF came as text.
+    - ``urdf``: its model file, None if that came as text, or if welds changed its tree.
+    - ``model``: the name of the model in a file of several.
     - ``joint_states``: the topic from which a node reads its joints; may be empty.
     - ``tree``: its links and joints.
     - ``frame_prefix``: the prefix of its links' names in TF.
@@ -132,6 +133,7 @@ class RobotDescription:
     frame_prefix: str = ''
     mounted_on: Member | None = None
     configuration: Mapping[str, float] = field(default_factory=dict, hash=False)
+    model: str = ''
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ def is_directives(data: bytes, file: str) -> bool:
 
 def parse_directives(data: bytes, file: str) -> Document:
     """Return the document of a file; raises SceneFileError if it is not one of directives."""
-    document = read_yaml(text_of(data, file), file, tags=TAGS)
+    document = read_yaml(text_of(data, file), file, tags=TAGS, aliases=True)
     check_schema(document, read_schema('drake_geom_ros.scene_files', 'directives.schema.json'))
     return document
 

@@ -3,18 +3,36 @@
 from pathlib import Path
 
 from drake_geom_ros.scene_files.description import RobotOptions
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.robot_parts import RobotParts
+from drake_geom_ros.scene_files.sdf import read_sdf
 from drake_geom_ros.scene_files.urdf import read_urdf
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree
+from drake_geom_ros.scene_files.xml_tree import root_tag
 
 
 def read_model(
-    path: Path, source: str, resolver: ResourceResolver, options: RobotOptions
+    path: Path, source: str, resolver: ResourceResolver, options: RobotOptions, model: str = ''
 ) -> RobotParts:
     """Return the parts of the robot in a file, owned by ``source``.
 
-    Raises SceneFileError for a file that cannot be read, or is no model.
+    ``model`` names one of several in a file. Raises SceneFileError for a file that cannot be read,
+    or is no model.
     """
     data, file = read_robot_file(path, resolver.is_free)
+    if root_tag(data) == 'sdf':
+        return read_sdf(data, file, path.parent, resolver, options, source, model)[0][source]
+    if model:
+        raise SceneFileError(f'model {model!r} is asked for, and a URDF has no models', file)
     return read_urdf(data, file, source, path.parent, resolver, options)
+
+
+def read_model_tree(path: Path, resolver: ResourceResolver, model: str = '') -> LinkTree:
+    """Return the links and joints of a model file; errors are those of ``read_model``."""
+    data, _ = read_robot_file(path, resolver.is_free)
+    if root_tag(data) == 'sdf':
+        return read_model(path, model or 'robot', resolver, RobotOptions(), model).tree
+    return read_link_tree(path, resolver.is_free)

@@ -20,16 +20,19 @@ from drake_geom_ros.scene_files.registration import LoadedScene, register
 from drake_geom_ros.scene_files.resources import ResourceResolver, Roots
 from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.saving import describe
+from drake_geom_ros.scene_files.sdf import read_sdf
 from drake_geom_ros.scene_files.srdf import read_srdf
 from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
-from drake_geom_ros.scene_files.xml_tree import is_xml
+from drake_geom_ros.scene_files.welding import welded_scene
+from drake_geom_ros.scene_files.xml_tree import is_xml, root_tag
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
 from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, MOST_ITEMS, read_yaml, text_of
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 PathLike = str | os.PathLike[str]
 
-FORMATS = ('yaml', 'urdf', 'dmd')
+FORMATS = ('yaml', 'urdf', 'sdf', 'dmd')
+_XML_SUFFIXES = ('.urdf', '.sdf', '.world')
 _NO_OPTIONS = RobotOptions()
 
 
@@ -49,9 +52,9 @@ def read_scene(
     Args:
         path_or_text: A path, or the text itself: a str with a line break in it, or one that
             begins with ``{`` or ``<``. Paths in a text count from the working folder.
-        format: ``yaml``, ``urdf`` or ``dmd`` (model directives). If empty, input that begins with
-            ``<`` is a URDF, and YAML with the key ``directives`` is of directives, whatever its
-            file name.
+        format: ``yaml``, ``urdf``, ``sdf`` or ``dmd`` (model directives). If empty, the content
+            decides, whatever the file name: the root element of XML, and the key ``directives`` of
+            YAML.
         srdf: The SRDF of a URDF, a path or a text too.
         package_roots: A folder or several to search for packages, see ``ResourceResolver``.
         allowed_roots: A folder or several outside of which no file may be opened.
@@ -70,11 +73,13 @@ def read_scene(
     if format not in ('', *FORMATS):
         raise SceneFileError(f'format {format!r} must be one of {FORMATS}', _file(path_or_text))
     data, file, folder = _content(path_or_text)
-    looks_like_urdf = is_xml(data) or (not text and file.lower().endswith('.urdf'))
-    if format == 'urdf' or (not format and looks_like_urdf):
+    looks_like_urdf = is_xml(data) or (not text and file.lower().endswith(_XML_SUFFIXES))
+    if format in ('urdf', 'sdf') or (not format and looks_like_urdf):
         path = None if text else Path(file).absolute()
         if path is not None:
             data, file = read_robot_file(Path(file), resolver.is_free)
+        if format != 'urdf' and root_tag(data) == 'sdf':
+            return _sdf_scene(data, file, folder, path, srdf, resolver, options)
         return _urdf_scene(data, file, folder, path, srdf, resolver, options)
     if not text and (reason := stand_in(data)):
         raise SceneFileError(reason, file)
@@ -158,6 +163,34 @@ def _urdf_scene(
         filters=filters,
         warnings=warnings,
     )
+
+
+def _sdf_scene(
+    data: bytes,
+    file: str,
+    folder: Path,
+    path: Path | None,
+    srdf: PathLike,
+    resolver: ResourceResolver,
+    options: RobotOptions,
+) -> SceneDescription:
+    """Return the scene of all models of a file of SDFormat."""
+    if srdf:
+        raise SceneFileError('srdf is only for a URDF, and this is SDF', file)
+    models, welds = read_sdf(data, file, folder, resolver, options)
+    robots = [
+        RobotDescription(
+            name,
+            urdf=path,
+            X_WB=RigidTransform(),
+            tree=parts.tree,
+            frame_prefix=options.frame_prefix,
+            model=name,
+        )
+        for name, parts in models.items()
+    ]
+    pairs = zip(robots, models.values(), strict=True)
+    return welded_scene(file, pairs, welds, {}, [], options)
 
 
 def _as_text(path_or_text: PathLike) -> str:

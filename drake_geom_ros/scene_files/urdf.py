@@ -38,6 +38,7 @@ from drake_geom_ros.scene_files.xml_tree import (
     local_name,
     numbers,
     place_of,
+    prefix_warning,
     read_robot_xml,
 )
 
@@ -75,7 +76,8 @@ def read_urdf(
     """
     root = read_robot_xml(data, file)
     robot = attribute(root, 'name', file)
-    warnings = encoding_warning(data, root, file) + check_vocabulary(root, file)
+    warnings = encoding_warning(data, root, file) + prefix_warning(root, file)
+    warnings += check_vocabulary(root, file)
     links = read_links(root, file)
     joints = read_joints(root, links, file)
     warnings += tuple(warnings_about(root, joints))

@@ -70,7 +70,7 @@ def _drakes_joint(element: Any, links: Collection[str], file: str) -> Joint:
 
 
 @dataclass
-class _Group:
+class FilterGroup:
     """A group as read from its element; ``groups`` are those whose members it includes."""
 
     element: Any
@@ -102,7 +102,7 @@ def read_groups(
     groups of one name; ignoring a group that does not exist is allowed.
     """
     links = {link.get('name') for link in root.findall('link')} - {WORLD}
-    groups: dict[str, _Group] = {}
+    groups: dict[str, FilterGroup] = {}
     warnings: list[str] = []
     for element in root:
         if local_name(element) != 'collision_filter_group':
@@ -121,9 +121,9 @@ def read_groups(
         groups[name] = _read_group(element, links, file, warnings)
     described = tuple(
         GroupDescription(
-            _group_name(name, source),
-            tuple(Member(source, link) for link in _members_of(name, groups, file)),
-            tuple(_group_name(other, source) for other in group.ignores),
+            group_name(name, source),
+            tuple(Member(source, link) for link in members_of(name, groups, file)),
+            tuple(group_name(other, source) for other in group.ignores),
             place_of(group.element, file),
         )
         for name, group in groups.items()
@@ -131,8 +131,10 @@ def read_groups(
     return described, tuple(warnings)
 
 
-def _read_group(element: Any, links: Collection[str], file: str, warnings: list[str]) -> _Group:
-    group = _Group(element, [], [], [])
+def _read_group(
+    element: Any, links: Collection[str], file: str, warnings: list[str]
+) -> FilterGroup:
+    group = FilterGroup(element, [], [], [])
     for child in element:
         kind, place = local_name(child), place_of(child, file)
         if kind == 'member':
@@ -150,7 +152,7 @@ def _read_group(element: Any, links: Collection[str], file: str, warnings: list[
     return group
 
 
-def _members_of(name: str, groups: Mapping[str, _Group], file: str) -> list[str]:
+def members_of(name: str, groups: Mapping[str, FilterGroup], file: str) -> list[str]:
     """Return the links of a group and of its member groups, each once."""
     members: dict[str, None] = {}
     fresh, seen = [name], {name}
@@ -166,7 +168,7 @@ def _members_of(name: str, groups: Mapping[str, _Group], file: str) -> list[str]
     return list(members)
 
 
-def _group_name(name: str, source: str) -> str:
+def group_name(name: str, source: str) -> str:
     """Return the name of a robot's group in the scene."""
     universal = CollisionFilterManager.universal_group_name()
     return universal if name == universal else f'{source}::{name}'

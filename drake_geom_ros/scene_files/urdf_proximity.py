@@ -1,7 +1,8 @@
-"""Hydroelastic properties of URDF collision elements, in Drake's elements.
+"""Hydroelastic properties of collision elements of URDF and SDFormat, in Drake's elements.
 
 ``<drake:proximity_properties>`` holds ``<drake:rigid_hydroelastic/>`` or
-``<drake:compliant_hydroelastic/>``, and numbers as ``<drake:hydroelastic_modulus value="1e6"/>``.
+``<drake:compliant_hydroelastic/>``, and numbers as ``<drake:hydroelastic_modulus value="1e6"/>``,
+in SDFormat as text in the element.
 """
 
 from typing import Any
@@ -57,5 +58,5 @@ def _add(elements: dict[str, Any], properties: ProximityProperties) -> None:
     for name, (group, key) in _NUMBERS.items():
         if name not in elements or (key == MODULUS and 'rigid_hydroelastic' in elements):
             continue
-        (value,) = numbers(elements[name], 'value', 1)
+        (value,) = numbers(elements[name], 'value', 1, elements[name].text)
         properties.AddProperty(group, key, proximity_property(group, key, value))

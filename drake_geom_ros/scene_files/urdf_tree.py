@@ -66,7 +66,7 @@ def read_joints(root: Any, links: Mapping[str, Any], file: str) -> list[UrdfJoin
             first = joints[joint.name].where.line
             raise joint.where.error(f'joint {joint.name!r} is listed twice, see line {first}')
         joints[joint.name] = joint
-    _check_forest(list(joints.values()))
+    check_forest(list(joints.values()))
     return list(joints.values())
 
 
@@ -155,7 +155,7 @@ def _finite(element: Any, name: str, count: int, default: str) -> list[float]:
     return values
 
 
-def _check_forest(joints: list[UrdfJoint]) -> None:
+def check_forest(joints: list[UrdfJoint]) -> None:
     """Refuse a link with two parents, and joints that form a ring."""
     above: dict[str, UrdfJoint] = {}
     for joint in joints:

@@ -146,7 +146,10 @@ def _pose_in_world(link: Member, held: Mapping[str, ModelParts]) -> RigidTransfo
 
 
 def _placed(robot: RobotDescription, parts: RobotParts) -> ModelParts:
-    """Return a model with the first poses of its frames, as far as these are known."""
+    """Return a model with the first poses of its frames, as far as these are known.
+
+    One whose tree is no longer that of its file has no file, so that it is not read again.
+    """
     root_is_world = WORLD in parts.tree.links
     if parts.X_WB is not None or root_is_world:
         X_WB = RigidTransform() if parts.X_WB is None or root_is_world else parts.X_WB
@@ -154,7 +157,8 @@ def _placed(robot: RobotDescription, parts: RobotParts) -> ModelParts:
         robot = replace(robot, X_WB=X_WB)
     else:
         robot = replace(robot, X_WB=RigidTransform())
-    return replace(robot, tree=parts.tree), parts
+    is_changed = parts.tree is not robot.tree
+    return replace(robot, tree=parts.tree, urdf=None if is_changed else robot.urdf), parts
 
 
 def _fixed_joints(

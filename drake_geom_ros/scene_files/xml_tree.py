@@ -1,4 +1,4 @@
-"""Safe XML parsing of URDF and SRDF files to an element tree with line numbers."""
+"""Safe XML parsing of robot and model files to an element tree with line numbers."""
 
 import codecs
 import re
@@ -22,11 +22,20 @@ _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _URDF_OR_YAML = 'load its URDF, or list its frames and geometries in a scene file (YAML)'
 # Root elements of other formats, and advice about such a file.
 _OTHERS = {
-    'sdf': f'this is SDF, which is not read: {_URDF_OR_YAML}',
+    'robot': 'this is a URDF',
+    'sdf': 'this is SDF; load it as a scene',
     'mujoco': f'this is MJCF, a model of MuJoCo, which is not read: {_URDF_OR_YAML}',
     'mujocoinclude': f'this is a part of MJCF, which is not read: {_URDF_OR_YAML}',
     'COLLADA': 'this is a mesh; name it in a URDF or a scene file',
 }
+_PROLOGUE = re.compile(rb'(?:\s|<\?.*?\?>|<!--.*?-->|<![^-].*?>)*<([^\s/>]+)', re.DOTALL)
+# Prefixes that files of Drake's and ROS's users leave undeclared.
+_PREFIXES = {
+    'drake': 'http://drake.mit.edu',
+    'xacro': 'http://www.ros.org/wiki/xacro',
+    'gz': 'http://gazebosim.org/schema',
+}
+_UNDECLARED = re.compile(r'[Nn]amespace prefix (\w+)')
 
 
 def is_xml(data: bytes) -> bool:
@@ -34,6 +43,12 @@ def is_xml(data: bytes) -> bool:
     if data.startswith(_WIDE):
         return data[2:4].strip(b'\0') == b'<'
     return data.removeprefix(codecs.BOM_UTF8).lstrip(_BLANKS).startswith(b'<')
+
+
+def root_tag(data: bytes) -> str:
+    """Return the name of the first element of XML in an encoding like ASCII, '' if none."""
+    match = _PROLOGUE.match(data.removeprefix(codecs.BOM_UTF8))
+    return match[1].decode(errors='replace') if match else ''
 
 
 def is_utf8(data: bytes) -> bool:
@@ -62,27 +77,26 @@ def encoding_warning(data: bytes, root: Any, file: str) -> tuple[str, ...]:
 
 
 def read_robot_xml(data: bytes, file: str) -> Any:
-    """Return the ``<robot>`` element of a URDF or SRDF file, without comments.
+    """Return the ``<robot>`` element of a URDF or SRDF file; errors are those of ``read_xml``."""
+    return read_xml(data, file, 'robot')
 
-    Blank lines before the XML declaration are skipped, and counted in line numbers. Raises
+
+def read_xml(data: bytes, file: str, tag: str) -> Any:
+    """Return the root element of a file, which must be ``tag``, without comments.
+
+    Blank lines before the XML declaration are skipped, and counted in line numbers. A prefix of
+    ``drake:``, ``xacro:`` or ``gz:`` may be undeclared, see ``prefix_warning``. Raises
     SceneFileError for text that is not XML, another root element, text over ``MAX_BYTES``, and a
-    document type, which could define entities that neither format needs.
+    document type, which could define entities that no format needs.
     """
     if reason := stand_in(data):
         raise SceneFileError(reason, file)
     if len(data) > MAX_BYTES:
         raise SceneFileError(f'{len(data)} bytes; at most {MAX_BYTES} are read', file)
-    parser = etree.XMLParser(
-        encoding='utf-8' if is_utf8(data) else None,
-        resolve_entities=False,
-        no_network=True,
-        remove_comments=True,
-        remove_pis=True,
-    )
     text = data.lstrip(_BLANKS)
     above = data[: len(data) - len(text)].count(b'\n')
     try:
-        root = etree.fromstring(text, parser)
+        root = _parsed(text)
     except etree.XMLSyntaxError as error:
         line = (error.lineno or 1) + above
         raise SceneFileError(f'not XML: {_reason(error, text)}', file, line) from error
@@ -92,10 +106,44 @@ def read_robot_xml(data: bytes, file: str) -> Any:
     if root.getroottree().docinfo.doctype:
         raise SceneFileError('a document type (<!DOCTYPE ...>); remove it', file)
     _leave_default_namespace(root)
-    if root.tag != 'robot':
-        fault = _OTHERS.get(local_name(root), f'root element <{root.tag}>; must be <robot>')
+    if root.tag != tag:
+        fault = _OTHERS.get(local_name(root), f'root element <{root.tag}>; must be <{tag}>')
         raise place_of(root, file).error(fault)
     return root
+
+
+def _parsed(text: bytes) -> Any:
+    """Return the root element; undeclared prefixes that are known are declared at the root."""
+    parser = etree.XMLParser(
+        encoding='utf-8' if is_utf8(text) else None,
+        resolve_entities=False,
+        no_network=True,
+        remove_comments=True,
+        remove_pis=True,
+    )
+    try:
+        return etree.fromstring(text, parser)
+    except etree.XMLSyntaxError as error:
+        prefix = _UNDECLARED.match(str(error.msg))
+        root = _PROLOGUE.match(text.removeprefix(codecs.BOM_UTF8))
+        if prefix is None or prefix[1] not in _PREFIXES or root is None:
+            raise
+        end = root.end() + len(text) - len(text.removeprefix(codecs.BOM_UTF8))
+        declared = f' xmlns:{prefix[1]}="{_PREFIXES[prefix[1]]}#undeclared"'.encode()
+        return _parsed(text[:end] + declared + text[end:])
+
+
+def prefix_warning(root: Any, file: str) -> tuple[str, ...]:
+    """Return a warning if a file uses a prefix that it does not declare."""
+    names = [name for name, uri in root.nsmap.items() if (uri or '').endswith('#undeclared')]
+    if not names:
+        return ()
+    name = names[0]
+    warning = (
+        f'the prefix `{name}:` is not declared; it is read as if the root element had '
+        f'xmlns:{name}="{_PREFIXES[name]}"'
+    )
+    return (str(place_of(root, file).error(warning)),)
 
 
 def _reason(error: etree.XMLSyntaxError, text: bytes) -> str:
@@ -128,7 +176,7 @@ def place_of(element: Any, file: str) -> Location:
     """Return the place of an element: its line, and its path of tags and names."""
     path = []
     for node in [element, *element.iterancestors()]:
-        if local_name(node) != 'robot':
+        if local_name(node) not in ('robot', 'sdf'):
             name = node.get('name')
             path.append(local_name(node) + (f'[{name}]' if name else ''))
     return Location(file, element.sourceline, '.'.join(reversed(path)))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.geometry import FilterOperation
-from drake_geom_ros.scene_files import srdf, urdf
+from drake_geom_ros.scene_files import srdf
 from drake_geom_ros.scene_files.cameras import read_cameras
 from drake_geom_ros.scene_files.description import (
     WORLD,
@@ -26,6 +26,7 @@ from drake_geom_ros.scene_files.description import (
     Statement,
 )
 from drake_geom_ros.scene_files.link_tree import LinkTree
+from drake_geom_ros.scene_files.model_files import read_model, read_model_tree
 from drake_geom_ros.scene_files.mounting import carried, mount_clique
 from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.proximity_rules import read_proximity_rules
@@ -33,7 +34,6 @@ from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
 from drake_geom_ros.scene_files.standing import configuration_of
-from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
 from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
 
@@ -134,6 +134,7 @@ class _SceneParser:
             where=where,
             joint_states=plain.get('joint_states', ''),
             frame_prefix=plain.get('frame_prefix', ''),
+            model=plain.get('model', ''),
         )
         semantics = read_robot_file(srdf_path, self._resolver.is_free) if srdf_path else None
         if plain.get('loaded', False):
@@ -142,7 +143,7 @@ class _SceneParser:
                     'has no effect with `loaded: true`: geometries and filters are those that '
                     'this file lists'
                 )
-            tree = read_link_tree(urdf_path, self._resolver.is_free)
+            tree = read_model_tree(urdf_path, self._resolver, robot.model)
             configuration = self._configuration(index, plain, tree, semantics)
             self._robots.append(replace(robot, tree=tree, configuration=configuration))
             return
@@ -152,12 +153,14 @@ class _SceneParser:
             tuple(plain.get('solid_meshes', ())),
             _paddings(plain.get('padding', {})),
         )
-        data, file = read_robot_file(urdf_path, self._resolver.is_free)
-        parts = urdf.read_urdf(data, file, name, urdf_path.parent, self._resolver, options)
+        parts = read_model(urdf_path, name, self._resolver, options, robot.model)
         configuration = self._configuration(index, plain, parts.tree, semantics)
         self._robots.append(replace(robot, tree=parts.tree, configuration=configuration))
         self._warnings += parts.warnings
-        if {'pose', 'mounted_on'} & plain.keys():
+        if not {'pose', 'mounted_on'} & plain.keys() and parts.X_WB is not None:
+            X_WB = parts.X_WB
+            self._robots[-1] = replace(self._robots[-1], X_WB=X_WB)
+        if {'pose', 'mounted_on'} & plain.keys() or parts.X_WB is not None:
             try:
                 parts = parts.placed(X_WB, configuration)
             except ValueError as error:
@@ -166,9 +169,7 @@ class _SceneParser:
         self._geometries += parts.geometries
         self._filters += parts.filters
         if semantics:
-            pairs = srdf.read_srdf(
-                *semantics, name, urdf.robot_name(data, file), parts.link_names, options
-            )
+            pairs = srdf.read_srdf(*semantics, name, parts.tree.name, parts.link_names, options)
             self._warnings += pairs.warnings
             self._filters += pairs.filters
 

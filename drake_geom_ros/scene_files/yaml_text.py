@@ -93,11 +93,16 @@ def text_of(data: bytes, file: str) -> str:
 
 
 def read_yaml(
-    text: str, file: str, most_items: float = math.inf, tags: Collection[str] = ()
+    text: str,
+    file: str,
+    most_items: float = math.inf,
+    tags: Collection[str] = (),
+    aliases: bool = False,
 ) -> Document:
     r"""Return the only document of ``text``; errors call it ``file``.
 
-    ``tags`` are those that mappings and lists may have, for example ``!Rpy``. Raises
+    ``tags`` are those that mappings and lists may have, for example ``!Rpy``; with ``aliases``
+    values may be repeated by anchors and aliases, each counted as if written out. Raises
     SceneFileError for text that is not YAML, for everything that the module refuses, and, before
     the rest is read, for a list of more than ``most_items``.
 
@@ -110,7 +115,7 @@ def read_yaml(
     size = len(text.encode(errors='surrogatepass'))
     if size > MAX_BYTES:
         raise SceneFileError(f'{size} bytes; at most {MAX_BYTES} are read', file)
-    builder = _Builder(file, most_items, tags)
+    builder = _Builder(file, most_items, tags, aliases)
     try:
         for event in yaml.parse(text, Loader=_LOADER):
             builder.take(event)
@@ -130,11 +135,14 @@ def read_yaml(
 class _Builder:
     """Builder of the value from the parser's events."""
 
-    def __init__(self, file: str, most_items: float, allowed_tags: Collection[str]):
+    def __init__(
+        self, file: str, most_items: float, allowed_tags: Collection[str], with_aliases: bool
+    ):
         self.file = file
         self.tags: dict[KeyPath, str] = {}
         self._most_items = most_items
         self._allowed_tags = allowed_tags
+        self._anchors: dict[str, KeyPath] | None = {} if with_aliases else None
         self.root: Any = None
         self.lines: dict[KeyPath, int] = {}
         self.documents = 0
@@ -149,7 +157,7 @@ class _Builder:
             if self.documents > 1:
                 raise Location(self.file, line).error('a second document; a file holds one scene')
         elif isinstance(event, yaml.AliasEvent):
-            raise self._place(line).error(f'alias *{event.anchor}; write the value out')
+            self._repeat(event, line)
         elif isinstance(event, yaml.ScalarEvent):
             self._take_scalar(event, line)
         elif isinstance(event, yaml.MappingStartEvent):
@@ -158,6 +166,26 @@ class _Builder:
             self._start(event, [], line)
         elif isinstance(event, yaml.MappingEndEvent | yaml.SequenceEndEvent):
             self._open.pop()
+
+    def _repeat(self, event: yaml.AliasEvent, line: int) -> None:
+        """Add the mapping or list that an alias stands for once more."""
+        place = self._place(line)
+        source = (self._anchors or {}).get(event.anchor)
+        if source is None:
+            raise place.error(f'alias *{event.anchor}; write the value out')
+        if any(opened.path == source for opened in self._open):
+            raise place.error(f'alias *{event.anchor} holds itself')
+        value = self.root
+        for step in source:
+            value = value[step]
+        path = self._next_path()
+        copied = {p: p[len(source) :] for p in self.lines if p[: len(source)] == source}
+        self._values += len(copied)
+        for inner, rest in copied.items():
+            self.lines[(*path, *rest)] = self.lines[inner]
+            if inner in self.tags:
+                self.tags[(*path, *rest)] = self.tags[inner]
+        self._add(value, line)
 
     def _which_tags(self) -> str:
         if not self._allowed_tags:
@@ -194,6 +222,8 @@ class _Builder:
         path = self._next_path()
         if event.tag not in _DEFAULT_TAGS:
             self.tags[path] = event.tag
+        if self._anchors is not None and event.anchor:
+            self._anchors[event.anchor] = path
         self._add(value, line)
         self._open.append(_Open(path, value))
 

@@ -126,6 +126,7 @@ def _robot(robot: RobotDescription, names: FileNames) -> dict[str, Any]:
     return _present(
         name=robot.name,
         urdf=str(robot.urdf),
+        model=robot.model or None,
         srdf=str(robot.srdf) if robot.srdf else None,
         pose=plain_pose(robot.X_WB) or None,
         joint_states=robot.joint_states or None,

@@ -1,6 +1,7 @@
 """Comparison of a loaded model with the plant that pydrake's parser makes of the same file."""
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 
@@ -33,9 +34,12 @@ def plant_of(file, package_roots=(), text='', kind=''):
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
     parser = Parser(plant)
-    for root in package_roots:
-        if not parser.package_map().Contains(Path(root).name):
-            parser.package_map().PopulateFromFolder(str(root))
+    packages = parser.package_map()
+    for root in map(Path, package_roots):
+        named = re.search('<name>(.*)</name>', (root / 'package.xml').read_text())[1]
+        if packages.Contains(named):
+            packages.Remove(named)
+        packages.Add(named, str(root))
     parser.AddModelsFromString(text, kind) if text else parser.AddModels(str(file))
     plant.Finalize()
     return plant, scene_graph, builder.Build()
@@ -58,7 +62,7 @@ def shape_key(shape):
     return kind, *(round(getattr(shape, size)(), 12) for size in sizes)
 
 
-def of_drake(plant, scene_graph, diagram, rng, within=0.3):
+def of_drake(plant, scene_graph, diagram, rng, within=0.3, mimics=None):
     """Return the facts of a plant at random joint values, these values, and poses of bodies."""
     context = diagram.CreateDefaultContext()
     inside = plant.GetMyMutableContextFromRoot(context)
@@ -72,6 +76,8 @@ def of_drake(plant, scene_graph, diagram, rng, within=0.3):
         if (low > high).any():
             low, high = joint.position_lower_limits(), joint.position_lower_limits()
         values = rng.uniform(low, high)
+        if mimic := (mimics or {}).get(scoped(plant, joint)):
+            values = mimic.multiplier * q[mimic.joint] + mimic.offset
         q[scoped(plant, joint)] = values
         positions = plant.GetPositions(inside)
         start = joint.position_start()
@@ -110,6 +116,18 @@ def of_drake(plant, scene_graph, diagram, rng, within=0.3):
     return facts, q, poses
 
 
+def mimics_of(scene):
+    """Return the mimics of a description by scoped joint, each with the scoped leader."""
+    return {
+        f'{robot.name}::{joint.name}': replace(
+            joint.mimic, joint=f'{robot.name}::{joint.mimic.joint}'
+        )
+        for robot in scene.robots
+        for joint in robot.tree.joints
+        if joint.mimic is not None
+    }
+
+
 def scoped(plant, element):
     """Return the scoped name of an element of a plant."""
     if element.name() == 'world':
@@ -130,7 +148,8 @@ def of_ours(scene, q, poses, within=0.3):
         kinematics = Kinematics(robot.tree)
         values = {}
         for joint in robot.tree.joints:
-            if (of_plant := q.get(f'{robot.name}::{joint.name}')) is not None:
+            of_plant = _value(q, f'{robot.name}::{joint.name}')
+            if of_plant is not None and joint.mimic is None:
                 values |= values_of_drake(robot.tree, joint.name, list(of_plant))
         row = kinematics.at_rest(values)
         root = kinematics.link_names[0]
@@ -175,6 +194,15 @@ def of_ours(scene, q, poses, within=0.3):
     )
 
 
+def _value(q, name):
+    """Return the value of a joint; pydrake gives some to the nested model of their child."""
+    if name in q:
+        return q[name]
+    model, _, joint = name.rpartition('::')
+    nested = [key for key in q if key.startswith(f'{model}::') and key.endswith(f'::{joint}')]
+    return q[nested[0]] if len(nested) == 1 else None
+
+
 def _below(tree, links):
     """Return links and all that joints hold below them."""
     reached = list(links)
@@ -203,8 +231,8 @@ def differences(drake, ours, tolerance=1e-9):
 def compared(file, package_roots=(), seed=0, text='', kind=''):
     """Return the differences between a model file here and in pydrake."""
     plant = plant_of(file, package_roots, text, kind)
-    drake, q, poses = of_drake(*plant, np.random.default_rng(seed))
     scene = read_scene(text or file, kind, package_roots=package_roots)
+    drake, q, poses = of_drake(*plant, np.random.default_rng(seed), mimics=mimics_of(scene))
     ours = of_ours(scene, q, poses)
     lines = differences(drake, ours)
     if drake.distances is not None:

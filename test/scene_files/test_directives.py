@@ -270,6 +270,21 @@ def test_directives_that_include_themselves_are_refused(parts):
         read_scene(path)
 
 
+def test_anchors_stand_for_what_they_name(parts):
+    pose = '{translation: [1, 0, 0], rotation: !Rpy {deg: [0, 0, 90]}}'
+    text = f'{TWO}- add_weld: {{parent: world, child: left::base, X_PC: &X {pose}}}\n'
+    text += '- add_weld: {parent: left::tip, child: cup::cup, X_PC: *X}\n'
+    first, second = (robot.X_WB for robot in read_scene(written(parts, text)).robots)
+    assert first.IsExactlyEqualTo(second)
+    assert first.translation().tolist() == [1.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize('alias', ['*absent', '&a [*a]'])
+def test_an_alias_of_nothing_or_of_itself_is_refused(parts, alias):
+    with pytest.raises(SceneFileError, match=r'1: .*alias'):
+        read_scene(written(parts, f'directives: {alias}'))
+
+
 def test_scene_files_have_no_tags(tmp_path):
     (tmp_path / 's.yaml').write_text('frames:\n- {name: a, pose: !Rpy {position: [0, 0, 1]}}')
     with pytest.raises(SceneFileError, match=r'2: .*a scene has no tags'):

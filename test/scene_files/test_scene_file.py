@@ -76,7 +76,11 @@ def test_a_robot_that_came_as_text_is_saved_without_its_urdf(folder):
     [
         ('none.yaml', {}, 'none.yaml: cannot be read: No such file or directory'),
         ('.', {}, '.: cannot be read: Is a directory'),
-        (TEXT, {'format': 'stl'}, "<text>: format 'stl' must be one of ('yaml', 'urdf', 'dmd')"),
+        (
+            TEXT,
+            {'format': 'stl'},
+            "<text>: format 'stl' must be one of ('yaml', 'urdf', 'sdf', 'dmd')",
+        ),
         (TEXT, {'srdf': 'a.srdf'}, '<text>: srdf is only for a URDF'),
         (TEXT + 'frames: 1', {}, '<text>:3: frames: 1 must be a list'),
         ('<robot/>', {}, '<text>:1: missing attribute `name`'),

@@ -7,6 +7,7 @@ from drake_geom_ros.scene_files.xml_tree import (
     local_name,
     numbers,
     place_of,
+    prefix_warning,
     read_robot_xml,
 )
 
@@ -29,6 +30,17 @@ def test_a_place_names_all_elements_around():
     assert place_of(geometry, 'r.urdf').key == 'link[a].collision.geometry'
 
 
+@pytest.mark.parametrize('head', ['', '<?xml version="1.0"?>\n<!-- <robot> -->\n', '\ufeff'])
+def test_a_known_prefix_that_is_not_declared_is_declared_at_the_root(head):
+    text = f'{head}<robot name="r"><drake:capsule/></robot>'
+    root = read_robot_xml(text.encode(), 'r.urdf')
+    assert root[0].tag == '{http://drake.mit.edu#undeclared}capsule'
+    (warning,) = prefix_warning(root, 'r.urdf')
+    assert warning.startswith(f'r.urdf:{1 + head.count(chr(10))}: the prefix `drake:` is not')
+    declared = read_robot_xml(b'<robot xmlns:drake="http://drake.mit.edu"/>', 'r.urdf')
+    assert prefix_warning(declared, 'r.urdf') == ()
+
+
 def test_a_prefix_is_no_part_of_the_local_name():
     root = read_robot_xml(b'<robot xmlns:drake="d"><drake:capsule/><box/></robot>', 'r.urdf')
     assert [local_name(element) for element in root] == ['capsule', 'box']
@@ -48,9 +60,9 @@ def test_an_attribute_must_be_there():
         (b'', 'r.urdf: it is empty'),
         (b' ', 'r.urdf:1: not XML'),
         (b'<robot>\n<link></robot>', 'r.urdf:2: not XML: Opening and ending tag mismatch'),
-        (b'<sdf/>', 'r.urdf:1: sdf: this is SDF'),
+        (b'<sdf/>', 'r.urdf:1: this is SDF; load it as a scene'),
         (b'<bot/>', 'r.urdf:1: bot: root element <bot>; must be <robot>'),
-        (b'<robot><drake:capsule/></robot>', 'r.urdf:1: not XML: Namespace prefix drake'),
+        (b'<robot><foot:capsule/></robot>', 'r.urdf:1: not XML: Namespace prefix foot'),
     ],
 )
 def test_what_is_no_robot_file_is_refused(data, message):

@@ -1,0 +1,78 @@
+"""Shapes of SDFormat, including those that Drake adds to the format."""
+
+import math
+from typing import Any
+
+from drake_geom_ros.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    Mesh,
+    Shape,
+    Sphere,
+)
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.sdf_elements import SdfFile, numbers_in, text_of
+from drake_geom_ros.scene_files.xml_tree import local_name
+
+KNOWN_SHAPES = ('box', 'capsule', 'cylinder', 'ellipsoid', 'empty', 'mesh', 'plane', 'sphere')
+_HOW = {
+    'heightmap': 'give its surface as a mesh',
+    'polyline': 'give the extruded outline as a mesh',
+    'image': 'give its boxes, or a mesh',
+    'cone': 'give it as a mesh, whose hull is the cone',
+}
+
+
+def shape_of(
+    geometry: Any, file: SdfFile, resolver: ResourceResolver
+) -> tuple[Shape, RigidTransform] | None:
+    """Return the shape S of a geometry element and its pose X_GS; None if it is ``<empty>``.
+
+    Raises ValueError or RuntimeError, which name no line, for no shape, several or an unknown
+    one, for bad dimensions and for a mesh that cannot be found.
+    """
+    if geometry is None or len(geometry) != 1:
+        raise ValueError('missing <geometry> with one shape')
+    shape = geometry[0]
+    kind = local_name(shape)
+    stays = RigidTransform()
+    if kind == 'empty':
+        return None
+    if kind == 'mesh':
+        return _mesh(shape, file, resolver), stays
+    if kind == 'plane':
+        return HalfSpace(), HalfSpace.MakePose(numbers_in(shape, 'normal', 3, '0 0 1'), (0, 0, 0))
+    if kind == 'sphere':
+        return Sphere(*numbers_in(shape, 'radius', 1)), stays
+    if kind == 'box':
+        return Box(*numbers_in(shape, 'size', 3)), stays
+    if kind == 'ellipsoid':
+        if shape.find('radii') is not None:
+            return Ellipsoid(*numbers_in(shape, 'radii', 3)), stays
+        return Ellipsoid(*(numbers_in(shape, axis, 1)[0] for axis in 'abc')), stays
+    if kind in ('capsule', 'cylinder'):
+        make = Cylinder if kind == 'cylinder' else Capsule
+        return make(*(numbers_in(shape, name, 1)[0] for name in ('radius', 'length'))), stays
+    advice = f'; {_HOW[kind]}' if kind in _HOW else ''
+    raise ValueError(f'the shape <{kind}> is not read{advice}; read are {", ".join(KNOWN_SHAPES)}')
+
+
+def _mesh(element: Any, file: SdfFile, resolver: ResourceResolver) -> Shape:
+    if element.find('submesh') is not None:
+        raise ValueError('<submesh> is not read; write the part of the mesh to a file of its own')
+    uri = text_of(element, 'uri')
+    if not uri:
+        raise ValueError('<mesh> has no <uri>')
+    path = str(resolver.resolve(uri, file.folder))
+    scale = numbers_in(element, 'scale', 3, '1 1 1')
+    if not all(map(math.isfinite, scale)):
+        raise ValueError(f'<scale> is {scale}; it must be finite')
+    convex = element.get('optimization') in ('convex_hull',) or any(
+        local_name(child) == 'declare_convex' for child in element
+    )
+    return (Convex if convex else Mesh)(path, scale)
