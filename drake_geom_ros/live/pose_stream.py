@@ -6,8 +6,9 @@ import time
 from typing import Any, Protocol
 
 from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.live.conversions.transforms import Transforms
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
-from drake_geom_ros.live.inputs.tf_edges import Refusal, names_in
+from drake_geom_ros.live.inputs.tf_edges import Refusal
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.outputs.cycle import Cycle
 from drake_geom_ros.live.scene.held_scene import HeldScene
@@ -104,14 +105,13 @@ class PoseStream:
             scene.poses.take_twists(message, waited)
 
     def hear_transforms(
-        self, tf: TfInput, static: bool, message: Any, waited: float, sender: str = ''
+        self, tf: TfInput, static: bool, transforms: Transforms, waited: float, sender: str = ''
     ) -> Refusal:
         """Take a TFMessage that came ``waited`` [s] ago; return what was not taken of it."""
         with self._live.editing() as scene:
             if sender and not static:
-                children = frozenset(child for _, child in names_in(message.transforms))
-                scene.poses.senders.note_transforms(sender, children)
-            return tf.hear(message, static=static, waited=waited)
+                scene.poses.senders.note_transforms(sender, transforms.names.children)
+            return tf.take(transforms, static=static, waited=waited)
 
     def pose_by_transforms(self, messages: int, passed_over: int) -> None:
         """Pose by what some messages brought, at once: a cycle for each would fall behind."""

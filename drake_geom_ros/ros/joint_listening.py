@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
@@ -14,6 +13,7 @@ from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.ros.message_reading import pose_reader
 from drake_geom_ros.ros.parameters import NodeParameters
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.topics import JOINT_STATES
@@ -49,9 +49,15 @@ class JointListening:
             self._open[topic] = self._listen(topic, topic)
 
     def _listen(self, robots: str, topic: str) -> Subscription[Any]:
-        def take(message: Any, info: MessageInfo) -> None:
-            hear = partial(self._stream.take_joint_states, robots)
-            self._guard.take(topic, hear, message, waited(info), publisher_of(info))
-
         row = JOINT_STATES
-        return self._surface.subscription(row.kind, topic, take, row.profile(), self._group)
+        reader = pose_reader(row.type())
+
+        def hear(raw: bytes, waited: float, sender: str) -> None:
+            self._stream.take_joint_states(robots, reader.read(raw, sender), waited, sender)
+
+        def take(raw: bytes, info: MessageInfo) -> None:
+            self._guard.take(topic, hear, raw, waited(info), publisher_of(info))
+
+        return self._surface.subscription(
+            row.kind, topic, take, row.profile(), self._group, raw=True
+        )

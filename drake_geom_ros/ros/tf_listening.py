@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
-from rclpy.serialization import deserialize_message
 
+from drake_geom_ros.live.conversions.serialized_transforms import TransformReader
+from drake_geom_ros.live.conversions.transforms import transforms_of
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.ros.message_reading import MessageReader, time_of
 from drake_geom_ros.ros.queue_reader import QueueReader
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.topics import TF, TF_STATIC, Input
@@ -27,12 +28,17 @@ def listen_to_tf(
     tf = TfInput(clocks)
     for row in (TF_STATIC, TF):
         kind, static = row.type(), row is TF_STATIC
+        reader = MessageReader(kind, TransformReader(time_of), transforms_of)
 
         def hear(
-            raw: bytes, waited: float, sender: str, row: Input = row, kind: Any = kind
+            raw: bytes,
+            waited: float,
+            sender: str,
+            row: Input = row,
+            reader: MessageReader = reader,
         ) -> None:
-            message = deserialize_message(raw, kind)
-            refusal = stream.hear_transforms(tf, row is TF_STATIC, message, waited, sender)
+            transforms = reader.read(raw, sender)
+            refusal = stream.hear_transforms(tf, row is TF_STATIC, transforms, waited, sender)
             if refusal.transforms:
                 guard.refuse(row.topic, refusal.reason, refusal.transforms)
 

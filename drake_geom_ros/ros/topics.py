@@ -28,6 +28,7 @@ from drake_geom_ros.live.inputs.robot_description import RobotInput
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.message_classes import message_class
+from drake_geom_ros.ros.message_reading import MessageReader, pose_reader
 from drake_geom_ros.ros.parameters import NodeParameters
 from drake_geom_ros.ros.surface import (
     Surface,
@@ -82,6 +83,7 @@ class Input:
     ``topic`` may hold names of parameters in braces; where they are empty it is not opened.
     ``kind`` may be text (``package/msg/Type``) for a package that not every installation has.
     ``group`` is a field of ``CallbackGroups``. Without a handler another file opens the topic.
+    Messages are read ``by_bytes`` where rclpy takes longer: see ``message_reading``.
     """
 
     topic: str
@@ -90,6 +92,7 @@ class Input:
     group: str
     handler: Handler | None = None
     is_open: Callable[[NodeParameters], bool] = lambda _: True
+    by_bytes: bool = False
 
     def type(self) -> Any:
         """Return the class of messages; raises ImportError where its package is missing."""
@@ -160,11 +163,13 @@ INPUTS: tuple[Input, ...] = (
     Input(
         *('~/frame_poses', msg.FramePoses, sensor_data, 'stream'),
         lambda to, message, arrival: to.stream.take_poses(message, *arrival),
+        by_bytes=True,
     ),
     Input(
         *('~/frame_twists', msg.FrameTwists, sensor_data, 'stream'),
         lambda to, message, arrival: to.stream.take_twists(message, arrival.waited),
         lambda values: values.closing_speeds,
+        by_bytes=True,
     ),
     Input(
         *('~/query_points', PointCloud2, sensor_data, 'beside'),
@@ -196,11 +201,26 @@ def subscribe(
         if row.handler is None or not topic or not row.is_open(values):
             continue
 
+        handle: Callable[[Any, MessageArrival], object] = partial(row.handler, to)
+        if row.by_bytes:
+            handle = partial(_read_and_handle, pose_reader(row.type()), handle)
+
         def take(
-            message: Any, info: MessageInfo, handler: Handler = row.handler, topic: str = topic
+            message: Any,
+            info: MessageInfo,
+            handle: Callable[[Any, MessageArrival], object] = handle,
+            name: str = topic.removeprefix('~/'),
         ) -> None:
-            arrival = MessageArrival(waited(info), publisher_of(info))
-            guard.take(topic.removeprefix('~/'), partial(handler, to), message, arrival)
+            guard.take(name, handle, message, MessageArrival(waited(info), publisher_of(info)))
 
         group = getattr(groups, row.group)
-        surface.subscription(row.type(), topic, take, row.profile(), group)
+        surface.subscription(row.type(), topic, take, row.profile(), group, raw=row.by_bytes)
+
+
+def _read_and_handle(
+    reader: MessageReader,
+    handle: Callable[[Any, MessageArrival], object],
+    raw: bytes,
+    arrival: MessageArrival,
+) -> None:
+    handle(reader.read(raw, arrival.sender), arrival)

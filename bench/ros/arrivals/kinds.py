@@ -335,7 +335,7 @@ def _transforms(client: SceneGraphClient) -> tuple[Act, Act]:
             pose = client.call('get_pose', frame=f'much::f{FRAMES - 1}').pose
         except RefusedError:  # it never had one
             return False
-        return bool(pose.position.z == height)
+        return bool(pose.pose.position.z == height)
 
     return send, _nothing
 

@@ -21,9 +21,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry import FramePoseVector
+from drake_geom_ros.live.conversions.transforms import names_in
 from drake_geom_ros.live.inputs.joint_input import JointInput, base_of
 from drake_geom_ros.live.inputs.pose_inputs import PoseInputs
-from drake_geom_ros.live.inputs.tf_edges import matrices_of, names_in
+from drake_geom_ros.live.inputs.tf_edges import matrices_of
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene.clocks import ALWAYS, Since, oldest
 from drake_geom_ros.live.scene.driven_robot import DrivenRobot, or_zero

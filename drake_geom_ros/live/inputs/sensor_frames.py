@@ -12,7 +12,7 @@ import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId
 from drake_geom_ros.live.conversions.names import UnknownNameError
-from drake_geom_ros.live.inputs.tf_edges import plain_name
+from drake_geom_ros.live.conversions.transforms import plain_name
 from drake_geom_ros.live.inputs.tf_input import TfInput
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.math import RigidTransform, RotationMatrix

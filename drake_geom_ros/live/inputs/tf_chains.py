@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId
-from drake_geom_ros.live.inputs.tf_edges import Edge
+from drake_geom_ros.live.conversions.transforms import TransformNames, names_of
 from drake_geom_ros.live.inputs.tf_troubles import loop_of
-from drake_geom_ros.live.scene.clocks import ALWAYS, Since, oldest
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.live.scene.clocks import ALWAYS, Since, oldest, oldest_moments
+from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.batched import poses_from_matrices
 
 
@@ -29,6 +28,22 @@ WORLD = Placed(np.eye(4), ALWAYS)
 
 
 @dataclass(frozen=True)
+class Levels:
+    """The chains of a posing as places in a list of e + k poses in the world.
+
+    First come e known ones: the ends of chains, then frames without TF that others are posed in.
+    Behind them come k TF frames by the length of their chains.
+    """
+
+    names: TransformNames  # of the parents and the k TF frames
+    parents_at: Indices  # (k,) the place of the parent of each
+    parts: tuple[slice, ...]  # of the TF frames: those whose chains are equally long
+    outer: tuple[FrameId, ...]  # the frames without TF
+    frames_at: Indices  # (n,) the places of the frames that are posed
+    in_at: Indices  # (n,) the places of what these are posed in; -1: the world
+
+
+@dataclass(frozen=True)
 class Posing:
     """The frames of a scene that some transforms pose, and their chains; no numbers."""
 
@@ -37,6 +52,7 @@ class Posing:
     # What each is posed in: a TF frame, a frame of the scene without TF, or None: the world.
     parents: tuple[str | FrameId | None, ...]
     steps: tuple[tuple[str, str], ...]  # child and parent, each parent before its children
+    ends: tuple[str, ...]  # where chains may end
     loops: tuple[str, ...]  # in words
     left_out: tuple[FrameId, ...]  # that are attached, and of whose transforms was heard
     unknown: frozenset[FrameId]  # that hang on a frame which waits for a pose from elsewhere
@@ -47,15 +63,48 @@ class Posing:
         return not self.unknown and not any(isinstance(p, FrameId) for p in self.parents)
 
     @cached_property
-    def ids(self) -> NDArray[np.int64]:
+    def ids(self) -> Indices:
         """The values of the frames' ids (n,)."""
         return np.array([frame.get_value() for frame in self.frames], dtype=np.int64)
+
+    @cached_property
+    def together(self) -> frozenset[int]:
+        """The values of all frames' ids."""
+        return frozenset(self.ids.tolist())
+
+    @cached_property
+    def levels(self) -> Levels:
+        """The chains, to be multiplied."""
+        lengths = dict.fromkeys(self.ends, 0)
+        for child, parent in self.steps:
+            lengths[child] = lengths[parent] + 1
+        steps = sorted(self.steps, key=lambda step: lengths[step[0]])
+        counts = np.bincount(np.array([lengths[c] for c, _ in steps], dtype=np.int64))[1:]
+        borders = [0, *np.cumsum(counts).tolist()]
+        outer = tuple(dict.fromkeys(P for P in self.parents if isinstance(P, FrameId)))
+        names = names_of(tuple((parent, child) for child, parent in steps))
+        at: dict[str | FrameId | None, int] = {None: -1}
+        nodes: tuple[str | FrameId, ...] = (*self.ends, *outer, *(c for c, _ in steps))
+        for node in nodes:
+            at[node] = len(at) - 1
+
+        def places(nodes: Iterable[str | FrameId | None]) -> Indices:
+            return np.array([at[node] for node in nodes], dtype=np.int64)
+
+        return Levels(
+            names=names,
+            parents_at=places(parent for _, parent in steps),
+            parts=tuple(map(slice, borders, borders[1:])),
+            outer=outer,
+            frames_at=places(self.names),
+            in_at=places(self.parents),
+        )
 
 
 class PosedByRun(NamedTuple):
     """Frames that transforms pose which come again and again."""
 
-    ids: NDArray[np.int64]  # (n,) values of the frames' ids
+    ids: Indices  # (n,) values of the frames' ids
     rows: Floats  # (m, n, 7) X_PF at m moments
     chains: tuple[tuple[str, ...], ...]  # of each frame the TF frames whose transforms came so
     others: tuple[Since, ...]  # and since when the rest of its chain holds
@@ -64,8 +113,8 @@ class PosedByRun(NamedTuple):
 class Chains:
     """Follows chains of TF by names, to where they may end."""
 
-    def __init__(self, edges: Mapping[str, Edge], ends: Collection[str]) -> None:
-        self._edges = edges
+    def __init__(self, parents: Mapping[str, str], ends: Collection[str]) -> None:
+        self._parents = parents
         self._leads = dict.fromkeys(ends, True)
         self._steps: list[tuple[str, str]] = []
         self.loops: list[str] = []
@@ -75,15 +124,15 @@ class Chains:
         chain = []
         while name not in self._leads:
             self._leads[name] = False  # what is not known leads nowhere, and neither does a loop
-            if name in self._edges:
+            if name in self._parents:
                 chain.append(name)
-                name = self._edges[name].parent
+                name = self._parents[name]
         leads = self._leads[name]
         if name in chain:
             self.loops.append(loop_of(chain[chain.index(name) :]))
         self._leads |= dict.fromkeys(chain, leads)
         if leads:
-            self._steps += [(child, self._edges[child].parent) for child in reversed(chain)]
+            self._steps += [(child, self._parents[child]) for child in reversed(chain)]
         return leads
 
     def steps(self, names: Iterable[str]) -> tuple[tuple[str, str], ...]:
@@ -97,19 +146,19 @@ class Chains:
 
 
 def hangs_on(
-    name: str, changed: Collection[str], answers: dict[str, bool], edges: Mapping[str, Edge]
+    name: str, changed: Collection[str], answers: dict[str, bool], parents: Mapping[str, str]
 ) -> bool:
     """Return whether the chain from a TF frame to the world holds a changed transform.
 
     ``answers`` is of which TF frames that was found; it is added to.
     """
     chain = []
-    while name in edges and name not in answers:
+    while name in parents and name not in answers:
         chain.append(name)
         if name in changed:
             answers[name] = True
             break
-        name = edges[name].parent
+        name = parents[name]
     hangs = answers.get(name, False)
     answers |= dict.fromkeys(chain, hangs)
     return hangs
@@ -118,7 +167,7 @@ def hangs_on(
 def parts_of(
     posing: Posing,
     ends: Mapping[str, Placed],
-    edges: Mapping[str, Edge],
+    since_of: Callable[[str], Since],
     coming: Collection[str],
 ) -> tuple[tuple[tuple[str, ...], ...], tuple[Since, ...]]:
     """Return of each frame which transforms of its chain come, and since when the rest holds."""
@@ -129,36 +178,39 @@ def parts_of(
             if name in coming:
                 chain.append(name)
             else:
-                since.append(edges[name].since)
+                since.append(since_of(name))
             name = parents[name]
         chains.append(tuple(chain))
         others.append(oldest(ends[name].since, *since))
     return tuple(chains), tuple(others)
 
 
-def placed(
-    steps: Iterable[tuple[str, str]], ends: Mapping[str, Placed], X_PCs: Mapping[str, Floats]
-) -> dict[str, Floats]:
-    """Return X_WF of TF frames, (4, 4), or (m, 4, 4) where a transform of the chain is that."""
-    X_WFs = {name: end.X_WF for name, end in ends.items()}
-    for child, parent in steps:
-        X_WFs[child] = X_WFs[parent] @ X_PCs[child]
+def placed(levels: Levels, X_WEs: Floats, X_PCs: Floats) -> Floats:
+    """Return the poses X_WF (..., e + k, 4, 4) of all places.
+
+    ``X_WEs`` (e, 4, 4) are those that are known, ``X_PCs`` (..., k, 4, 4) the transforms of the TF
+    frames, at many moments or now.
+    """
+    known = len(X_WEs)
+    X_WFs = np.empty((*X_PCs.shape[:-3], known + X_PCs.shape[-3], 4, 4))
+    X_WFs[..., :known, :, :] = X_WEs
+    for part in levels.parts:
+        X_WPs = X_WFs[..., levels.parents_at[part], :, :]
+        here = slice(known + part.start, known + part.stop)
+        X_WFs[..., here, :, :] = X_WPs @ X_PCs[..., part, :, :]
     return X_WFs
 
 
-def poses_in(X_WFs: Sequence[Floats], X_WPs: Sequence[Floats | None]) -> Floats:
-    """Return X_PF (n, 7) or (m, n, 7) of frames, in their parents; None: in the world."""
-    X_PFs = [
-        X_WF if X_WP is None else _in_parent(X_WF, X_WP)
-        for X_WF, X_WP in zip(X_WFs, X_WPs, strict=True)
-    ]
-    moments = max((X_PF.shape[:-2] for X_PF in X_PFs), key=len)
-    every = np.empty((*moments, len(X_PFs), 4, 4))
-    for k, X_PF in enumerate(X_PFs):
-        every[..., k, :, :] = X_PF
-    flat = every.reshape(-1, 4, 4)
+def poses_in(levels: Levels, X_WFs: Floats) -> Floats:
+    """Return X_PF (..., n, 7) of the frames that are posed, in their parents."""
+    X_PFs = X_WFs[..., levels.frames_at, :, :]
+    is_nested = levels.in_at >= 0
+    if is_nested.any():
+        X_WPs = X_WFs[..., levels.in_at[is_nested], :, :]
+        X_PFs[..., is_nested, :, :] = _in_parent(X_PFs[..., is_nested, :, :], X_WPs)
+    flat = X_PFs.reshape(-1, 4, 4)
     rows = poses_from_matrices(flat[:, :3, :3], flat[:, :3, 3])
-    return rows.reshape(*moments, len(X_PFs), 7)
+    return rows.reshape(*X_PFs.shape[:-2], 7)
 
 
 def _in_parent(X_WF: Floats, X_WP: Floats) -> Floats:
@@ -170,11 +222,24 @@ def _in_parent(X_WF: Floats, X_WP: Floats) -> Floats:
     return X_PF
 
 
-def held_since(
-    steps: Iterable[tuple[str, str]], ends: Mapping[str, Placed], edges: Mapping[str, Edge]
-) -> dict[str, Since]:
-    """Return since when TF frames are where they are: as the oldest transform of the chain."""
-    sinces = {name: end.since for name, end in ends.items()}
-    for child, parent in steps:
-        sinces[child] = oldest(sinces[parent], edges[child].since)
-    return sinces
+def held_since(levels: Levels, of_ends: Floats, of_transforms: Floats) -> Floats:
+    """Return since when (n, 4) frames are where they are: as the oldest moment of the chain.
+
+    Moments are rows as of ``tf_table``: (e, 4) of what is known, (k, 4) of the transforms.
+    """
+    moments = np.concatenate((of_ends, of_transforms))
+    for part in levels.parts:
+        here = slice(len(of_ends) + part.start, len(of_ends) + part.stop)
+        moments[here] = oldest_moments(moments[levels.parents_at[part]], moments[here])
+    return moments[levels.frames_at]
+
+
+def groups_of(posing: Posing, moments: Floats) -> dict[frozenset[int], Since]:
+    """Return since when frames are where they are, by those that are since the same moment."""
+    if (moments == moments[0]).all():
+        return {posing.together: Since(*moments[0].tolist())}
+    different, which = np.unique(moments, axis=0, return_inverse=True)
+    order, borders = np.argsort(which.ravel(), kind='stable'), np.bincount(which.ravel())
+    groups = np.split(posing.ids[order], np.cumsum(borders)[:-1])
+    pairs = zip(groups, different.tolist(), strict=True)
+    return {frozenset(group.tolist()): Since(*moment) for group, moment in pairs}

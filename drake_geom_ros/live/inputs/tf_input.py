@@ -25,31 +25,38 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
+from drake_geom_ros.live.conversions.transforms import (
+    TransformNames,
+    Transforms,
+    transforms_of,
+)
 from drake_geom_ros.live.inputs.tf_chains import (
     WORLD,
     Chains,
     Placed,
     PosedByRun,
     Posing,
+    groups_of,
     hangs_on,
     held_since,
     parts_of,
     placed,
     poses_in,
 )
-from drake_geom_ros.live.inputs.tf_edges import Edge, Refusal, plain_name, read_edges
+from drake_geom_ros.live.inputs.tf_edges import Refusal, judged
 from drake_geom_ros.live.inputs.tf_past import Chain, TfPast
+from drake_geom_ros.live.inputs.tf_table import Edge, EdgeTable, Heard, moments_of
 from drake_geom_ros.live.inputs.tf_troubles import SHOWN, Claims, shared, unlinked
 from drake_geom_ros.live.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.live.scene.feeders import TF
 from drake_geom_ros.live.scene.held_scene import HeldScene
-from drake_geom_ros.live.scene.pose_ages import time_of
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.array_types import Floats, Indices
 
 _GONE = 1.0  # [s] a name of which nothing is heard so much longer than of the other is not in use
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
+_NO_ROWS = np.zeros(0, dtype=np.int64)
 _MOST_POSINGS = 64  # sets of transforms that come together of which it is kept what they pose
 
 
@@ -58,8 +65,8 @@ class TfInput:
 
     def __init__(self, clocks: Clocks) -> None:
         self._clocks = clocks
-        self._edges: dict[str, Edge] = {}
-        self._changed: set[str] = set()  # the TF frames of which was heard since the last time
+        self._edges = EdgeTable()
+        self._changed = frozenset[str]()  # the TF frames of which was heard since the last time
         self._claims = Claims()
         self._past = TfPast(self.edge)
         self._loops: tuple[str, ...] = ()
@@ -75,45 +82,57 @@ class TfInput:
         self._footing: dict[str, tuple[bytes, Since]] = {}  # as chains were followed last
 
     def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> Refusal:
-        """Take the transforms of a TFMessage that came ``waited`` [s] ago; ``pose`` poses by them.
+        """Take the transforms of a TFMessage: see ``take``."""
+        return self.take(transforms_of(message), static=static, waited=waited)
+
+    def take(self, transforms: Transforms, *, static: bool, waited: float = 0.0) -> Refusal:
+        """Take the transforms of a message that came ``waited`` [s] ago; ``pose`` poses by them.
 
         Return what was not taken of it. Raises RuntimeError, and nothing is taken, for too many
         frames.
         """
-        arrival = self._clocks.arrival(waited)
-        fresh, refusal = read_edges(message.transforms, arrival, static=static)
-        self._refuse_too_many(fresh)
+        names = transforms.names
+        good, refusal = judged(transforms)
+        self._refuse_too_many(names, good)
+        stamps = np.full(len(names), math.inf) if static else transforms.seconds
+        heard = Heard(transforms, stamps, moments_of(self._clocks.arrival(waited), stamps))
         if not static:
-            self._notice_rewind(fresh)
-        changed = set()
-        for child, edge in fresh:
-            if self._is_news(child, edge):
-                previous = self._edges.get(child)
-                if previous is not None and previous.parent != edge.parent:
-                    now = self._clocks.steady()
-                    self._claims.notice(child, edge.parent, previous.parent, now)
-                if previous is None or previous.parent != edge.parent:
-                    self._tree_has_changed()
-                if previous is not None and previous.stamp == edge.stamp != 0.0:
-                    edge = edge._replace(since=edge.since.said_again(previous.since))
-                self._edges[child] = edge
-                changed.add(child)
-                if not static:
-                    self._past.note(child, edge)
+            self._notice_rewind(heard, good)
+        taken = [self._take_turn(heard, good, turn, static=static) for turn in names.turns]
+        rows = np.concatenate([_NO_ROWS, *taken])
+        if not rows.size:
+            return refusal
         # What is static holds at any time: its own does not tell how new the poses are.
-        if changed and (not static or self._stamp is None):
-            fresh_stamps = [
-                entry.header.stamp
-                for entry in message.transforms
-                if plain_name(entry.child_frame_id) in changed
-            ]
-            self._stamp = max(fresh_stamps, key=time_of)
-        self._changed |= changed
+        if not static or self._stamp is None:
+            self._stamp = transforms.newest_stamp(rows)
+        changed = names.children
+        if len(rows) < len(names):
+            changed = frozenset(names.pairs[k][1] for k in rows.tolist())
+        self._changed = self._changed | changed if self._changed else changed
         return refusal
+
+    def _take_turn(self, heard: Heard, good: Indices, turn: Indices, *, static: bool) -> Indices:
+        """Take those of some transforms that are good and no older than what is known.
+
+        Return their rows.
+        """
+        names, now = heard.transforms.names, self._clocks.steady()
+        chosen = turn if len(good) == len(names) else np.intersect1d(good, turn)
+
+        def change_parent(child: str, parent: str, previous: str) -> None:
+            self._claims.notice(child, parent, previous, now)
+
+        rows, is_another_tree = self._edges.take(heard, chosen, change_parent)
+        if is_another_tree:
+            self._tree_has_changed()
+        if not static and self._past.is_watching:
+            for k in rows.tolist():
+                self._past.note(names.pairs[k][1])
+        return rows
 
     def edge(self, child: str) -> Edge | None:
         """Return the newest transform of a TF frame in its parent; None: there is none."""
-        return self._edges.get(child)
+        return self._edges.edge(child)
 
     def at(self, child: str, held: float) -> RigidTransform | str:
         """Return what a moving transform was at a time [s]: see ``TfPast``."""
@@ -121,13 +140,13 @@ class TfInput:
 
     def pose(self, scene: HeldScene) -> int:
         """Pose what hangs on what was heard since the last time; return how many frames."""
-        changed, self._changed = self._changed, set()
+        changed, self._changed = self._changed, frozenset()
         return self._pose(scene, changed)
 
     def follow(self, scene: HeldScene) -> int:
         """Pose the frames of a changed scene by what is known; return how many were posed."""
         if self._version != scene.model.model_version or self._moved(self._ends(scene)):
-            return self._pose(scene, set())
+            return self._pose(scene, frozenset())
         return 0
 
     def hangs_on_any(self, scene: HeldScene, frames: Collection[int]) -> bool:
@@ -149,61 +168,55 @@ class TfInput:
         if not is_settled or self._version != scene.model.model_version:
             return None
         for names in self._with_two_names(scene):
-            if ALWAYS not in {self._edges[name].since for name in names}:
+            if ALWAYS not in {self._edges.since(name) for name in names}:
                 return None  # who is followed may change
-        posing = self._posing(scene, set(X_PCs), ends)
+        posing = self._posing(scene, frozenset(X_PCs), ends)
         if not posing.is_by_names or posing.left_out:
             return None
         rows = self._rows(scene, posing, ends, X_PCs) if posing.frames else np.zeros((0, 0, 7))
-        return PosedByRun(posing.ids, rows, *parts_of(posing, ends, self._edges, X_PCs))
+        return PosedByRun(posing.ids, rows, *parts_of(posing, ends, self._edges.since, X_PCs))
 
     def _loose_parents(self) -> frozenset[str]:
         """Return the parents of transforms that have no transform of their own."""
         if self._loose is None:
-            parents = frozenset(edge.parent for edge in self._edges.values())
-            self._loose = parents - self._edges.keys()
+            parents = self._edges.parents
+            self._loose = frozenset(parents.values()) - parents.keys()
         return self._loose
 
-    def _refuse_too_many(self, fresh: list[tuple[str, Edge]]) -> None:
+    def _refuse_too_many(self, names: TransformNames, good: Indices) -> None:
         """Raise ArgumentError where more frames would be known than are kept."""
-        if len(self._edges) + len(fresh) > _MOST_FRAMES:
-            count = len(self._edges.keys() | {child for child, _ in fresh})
+        if len(self._edges) + len(good) > _MOST_FRAMES:
+            count = len(self._edges) + len(self._edges.unknown(names, good))
             if count > _MOST_FRAMES:
                 raise ArgumentError(
-                    f'{len(fresh)} more transforms would make {count} TF frames; at most '
+                    f'{len(good)} more transforms would make {count} TF frames; at most '
                     f'{_MOST_FRAMES} are kept'
                 )
 
-    def _notice_rewind(self, fresh: list[tuple[str, Edge]]) -> None:
+    def _notice_rewind(self, heard: Heard, good: Indices) -> None:
         """Forget all moving transforms when time has gone back."""
-        for child, edge in fresh:
-            previous = self._edges.get(child)
-            if previous and previous.stamp < math.inf and edge.stamp < previous.stamp - _REWIND:
-                self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
-                self._tree_has_changed()
-                self._past.forget()
-                return
+        before = self._edges.stamps(heard.transforms.names, good)
+        if ((before < math.inf) & (heard.stamps[good] < before - _REWIND)).any():
+            self._edges.forget_moving()
+            self._tree_has_changed()
+            self._past.forget()
 
     def troubles(self, scene: HeldScene) -> list[str]:
         """Return what is wrong with the tree of TF now, in words."""
         return [
             *self._claims.told(self._clocks.steady()),
             *self._loops[:SHOWN],
-            *unlinked(self._edges, self._names_of_frames(scene), tuple(self._ends(scene))),
-            *shared(self._edges, scene.model.names),
+            *unlinked(self._edges.parents, self._names_of_frames(scene), tuple(self._ends(scene))),
+            *shared(self._edges.parents, scene.model.names),
         ]
 
     def frames_on(self, scene: HeldScene, names: Collection[str]) -> set[int]:
         """Return the frames of the scene whose chain holds any of some TF frames."""
         followed = ((f, self._followed(own)) for f, own in self._names_of_frames(scene))
-        edges, changed, answers = self._edges, set(names), dict[str, bool]()
-        return {f.get_value() for f, n in followed if n and hangs_on(n, changed, answers, edges)}
+        parents, changed, answers = self._edges.parents, set(names), dict[str, bool]()
+        return {f.get_value() for f, n in followed if n and hangs_on(n, changed, answers, parents)}
 
-    def _is_news(self, child: str, edge: Edge) -> bool:
-        previous = self._edges.get(child)
-        return previous is None or previous.stamp == math.inf or edge.stamp >= previous.stamp
-
-    def _pose(self, scene: HeldScene, heard: set[str]) -> int:
+    def _pose(self, scene: HeldScene, heard: frozenset[str]) -> int:
         """Pose the frames of the scene whose chains hold a changed transform; return how many."""
         ends = self._ends(scene)
         posing = self._posing(scene, heard, ends)
@@ -213,11 +226,7 @@ class TfInput:
             scene.poses.leave_out(posing.left_out)
         if posing.frames:
             rows = self._rows(scene, posing, ends, {})
-            since = held_since(posing.steps, ends, self._edges)
-            together: dict[Since, set[int]] = {}
-            for name, value in zip(posing.names, posing.ids.tolist(), strict=True):
-                together.setdefault(since[name], set()).add(value)
-            posed = {frozenset(frames): moment for moment, frames in together.items()}
+            posed = groups_of(posing, self._held_since(posing, ends))
             poses = FramePoseVector.FromArrays(posing.ids, rows)
             scene.poses.pose(poses, posed, self._stamp, TF, rows, self._past)
             if scene.poses.history is not None:
@@ -227,7 +236,9 @@ class TfInput:
                     self._keep_chains(scene, unkept, ends)
         return len(posing.frames)
 
-    def _posing(self, scene: HeldScene, heard: set[str], ends: Mapping[str, Placed]) -> Posing:
+    def _posing(
+        self, scene: HeldScene, heard: frozenset[str], ends: Mapping[str, Placed]
+    ) -> Posing:
         """Return the frames that received transforms pose; results by names alone are cached."""
         moved = self._moved(ends)
         is_new = self._version != scene.model.model_version
@@ -235,10 +246,11 @@ class TfInput:
             self._version = scene.model.model_version
             self._tree_has_changed()
         if is_new or moved or self._unknown:
-            return self._followed_up(scene, heard, set(self._edges) if is_new else heard, ends)
+            changed = self._edges.parents.keys() if is_new else heard
+            return self._followed_up(scene, heard, changed, ends)
         by_turns = tuple(map(self._followed, self._with_two_names(scene)))
         others = scene.poses.feeders.fed_by_others(TF)
-        key = frozenset(heard), tuple(ends), by_turns, scene.model.attached, others
+        key = heard, tuple(ends), by_turns, scene.model.attached, others
         posing = self._posings.get(key)
         if posing is None:
             posing = self._followed_up(scene, heard, heard, ends)
@@ -251,13 +263,13 @@ class TfInput:
     def _followed_up(
         self,
         scene: HeldScene,
-        heard: set[str],
-        changed: set[str],
+        heard: frozenset[str],
+        changed: Collection[str],
         ends: Mapping[str, Placed],
     ) -> Posing:
         """Return what changed transforms pose, by following chains."""
         moved = dict.fromkeys(self._moved(ends), True)
-        chains = Chains(self._edges, ends)
+        chains = Chains(self._edges.parents, ends)
         tf_names: dict[FrameId, str] = {}
         affected, left_out = set[FrameId](), []
         for frame, names in self._names_of_frames(scene):
@@ -269,7 +281,7 @@ class TfInput:
                 continue
             if name is not None and chains.lead(name):
                 tf_names[frame] = name
-                if hangs_on(name, changed, moved, self._edges):
+                if hangs_on(name, changed, moved, self._edges.parents):
                     affected.add(frame)
         # Of a nested frame the pose in its parent changes when either moves; while the parent
         # waits for a pose from elsewhere it is not known.
@@ -289,7 +301,7 @@ class TfInput:
         names_of = tuple(tf_names[f] for f in frames)
         steps = chains.steps([*names_of, *(P for P in parents if isinstance(P, str))])
         troubles = tuple(chains.loops), tuple(left_out), unknown
-        return Posing(frames, names_of, parents, steps, *troubles)
+        return Posing(frames, names_of, parents, steps, tuple(ends), *troubles)
 
     def _rows(
         self,
@@ -302,21 +314,31 @@ class TfInput:
 
         ``X_PCs`` are the transforms (m, 4, 4) of TF frames at these; what else there is rests.
         """
-        now = {child: self._edges[child].X_PC for child, _ in posing.steps}
-        X_WFs = placed(posing.steps, ends, {**now, **X_PCs})
+        levels = posing.levels
+        X_PC = self._edges.X_PCs(levels.names)
+        if X_PCs:
+            moments = len(next(iter(X_PCs.values())))
+            X_PC = np.tile(X_PC, (moments, 1, 1, 1))
+            for k, (_, child) in enumerate(levels.names.pairs):
+                if child in X_PCs:
+                    X_PC[:, k] = X_PCs[child]
+        known = [end.X_WF for end in ends.values()]
+        known += [scene.query.X_WF(frame).GetAsMatrix4() for frame in levels.outer]
+        return poses_in(levels, placed(levels, np.array(known), X_PC))
 
-        def X_WP(P: str | FrameId | None) -> Floats | None:
-            if P is None or isinstance(P, str):
-                return None if P is None else X_WFs[P]
-            return scene.query.X_WF(P).GetAsMatrix4()
-
-        return poses_in([X_WFs[name] for name in posing.names], [*map(X_WP, posing.parents)])
+    def _held_since(self, posing: Posing, ends: Mapping[str, Placed]) -> Floats:
+        """Return since when (n, 4) the frames of a posing are where they are."""
+        levels = posing.levels
+        known = [*(end.since for end in ends.values()), *[ALWAYS] * len(levels.outer)]
+        return held_since(levels, np.array(known), self._edges.moments(levels.names))
 
     def _with_two_names(self, scene: HeldScene) -> list[tuple[str, ...]]:
         """Return the names of the frames of the scene that TF has by two names."""
         if self._two_names is None:
             every = (names for _, names in self._names_of_frames(scene))
-            self._two_names = [n for n in every if len(n) > 1 and self._edges.keys() >= set(n)]
+            self._two_names = [
+                n for n in every if len(n) > 1 and self._edges.parents.keys() >= set(n)
+            ]
         return self._two_names
 
     def _tree_has_changed(self) -> None:
@@ -337,7 +359,7 @@ class TfInput:
             children, here = list[str](), first
             while here not in ends:
                 children.append(here)
-                here = self._edges[here].parent
+                here = self._edges.parents[here]
             self._past.follow(frame.get_value(), Chain(tuple(children), called[here]))
             self._chained[frame] = first
 
@@ -393,7 +415,7 @@ class TfInput:
         """
         connected = [name for name in names if name in self._edges]
         if len(connected) == 2:
-            first, second = (self._edges[name].since for name in connected)
+            first, second = (self._edges.since(name) for name in connected)
             if ALWAYS not in (first, second) and second.heard - first.heard > _GONE:
                 return connected[1]
         return connected[0] if connected else None

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from drake_geom_ros.geometry import ArgumentError, FrameId
-from drake_geom_ros.live.inputs.tf_edges import Edge
+from drake_geom_ros.live.inputs.tf_table import Edge
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.pose_history import PoseThen, Then, between
 from drake_geom_ros.live.scene.tracks import Bracket, Track, UnknownThenError
@@ -35,9 +35,15 @@ class TfPast:
         self._parents: dict[str, str] = {}
         self._chains: dict[int, Chain] = {}
 
-    def note(self, child: str, edge: Edge) -> None:
-        """Keep a transform, if it was asked about before."""
-        if child in self._watched:
+    @property
+    def is_watching(self) -> bool:
+        """True if any transforms are kept."""
+        return bool(self._watched)
+
+    def note(self, child: str) -> None:
+        """Keep the newest transform of a TF frame, if it was asked about before."""
+        edge = self._edge(child) if child in self._watched else None
+        if edge is not None:
             if self._parents.get(child, edge.parent) != edge.parent:
                 self._watched[child] = Track()  # what was is that of another parent
             self._parents[child] = edge.parent
@@ -57,7 +63,7 @@ class TfPast:
             edge = self._edge(child)
             if child not in self._watched and edge is not None and edge.since != ALWAYS:
                 self._watched[child] = Track()
-                self.note(child, edge)
+                self.note(child)
 
     def at(self, child: str, held: float) -> RigidTransform | str:
         """Return X_PC at a time [s], or the name of the child where it is not known yet.

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.live.conversions.names import NameTable, some_of
-from drake_geom_ros.live.inputs.tf_edges import Edge
 
 _BY_TURNS = 1.0  # [s] who goes back to a parent that soon has two, and is not handed over
 _REMEMBERED = 5.0  # [s] for which two parents are told after they were seen
@@ -47,20 +46,21 @@ def loop_of(names: Iterable[str]) -> str:
 
 
 def unlinked(
-    edges: Mapping[str, Edge],
+    parents: Mapping[str, str],
     followed: Iterable[tuple[FrameId, tuple[str, ...]]],
     good: Sequence[str],
 ) -> list[str]:
     """Return in words which frames come by TF whose chain ends where nobody knows it to be.
 
+    ``parents`` are those that TF has, by child.
     ``followed`` are the frames of the scene with the TF names that each answers to, ``good`` are
     the TF frames that chains may end in, the world frame first.
     """
     ends: dict[str, str] = dict.fromkeys(good, '')
     lost: dict[str, list[str]] = defaultdict(list)
     for _, names in followed:
-        name = next((n for n in names if n in edges), None)
-        if name is not None and (end := _end(name, edges, ends)):
+        name = next((n for n in names if n in parents), None)
+        if name is not None and (end := _end(name, parents, ends)):
             lost[end].append(repr(name[:80]))
     return [
         f'{counted(len(names), "frame")} from TF cannot be posed: {some_of(names, SHOWN)}; the '
@@ -71,28 +71,28 @@ def unlinked(
     ]
 
 
-def _end(name: str, edges: Mapping[str, Edge], ends: dict[str, str]) -> str:
+def _end(name: str, parents: Mapping[str, str], ends: dict[str, str]) -> str:
     """Return where the chain of a TF frame ends; empty for the world, and for a loop."""
     chain = []
     while name not in ends:
         ends[name] = ''  # of a loop, which is told elsewhere
         chain.append(name)
-        if name not in edges:
+        if name not in parents:
             ends[name] = name
             break
-        name = edges[name].parent
+        name = parents[name]
     ends |= dict.fromkeys(chain, ends[name])
     return ends[name]
 
 
-def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
+def shared(children: Collection[str], names: NameTable) -> list[str]:
     """Return in words which TF names are borne by frames of several sources.
 
     Nobody follows such a name, unless TF has the name with the source too.
     """
     names_by_sources: dict[tuple[str, ...], list[str]] = defaultdict(list)
     unclear = []
-    for name in edges:
+    for name in children:
         labels = [names.labels[f] for f in names.tf_claims.get(name, ())]
         if len(labels) < 2:
             continue
@@ -101,7 +101,7 @@ def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
             unclear.append(
                 f'the TF frame {name[:80]!r} is not followed: it stands for {both}. Rename one'
             )
-        elif not any(f'{source}/{name}' in edges for source, _ in labels):
+        elif not any(f'{source}/{name}' in children for source, _ in labels):
             names_by_sources[tuple(source for source, _ in labels)].append(name[:80])
     return unclear[:SHOWN] + [
         f'{counted(len(shorts), "TF frame")} {are(len(shorts))} not followed: '

@@ -13,6 +13,10 @@ import time
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+import numpy as np
+
+from drake_geom_ros.math.array_types import Floats
+
 # [s] a stamp that is earlier than the node's time by more is of another clock, or the message is
 # that old: nobody can tell, so it counts as that old.
 _MOST_BEHIND = 60.0
@@ -59,6 +63,15 @@ def oldest(*moments: Since) -> Since:
     ahead = min(offsets)
     offset = ahead if ahead < 0.0 else max(offsets)
     return UNKNOWN if UNKNOWN in distinct else Since(min(epochs), min(heard), min(held), offset)
+
+
+def oldest_moments(some: Floats, others: Floats) -> Floats:
+    """Return the ``oldest`` of two moments each, rows (n, 4) of the fields of ``Since``."""
+    both: Floats = np.minimum(some, others)
+    is_ahead = both[:, 3] < 0.0
+    both[:, 3] = np.where(is_ahead, both[:, 3], np.maximum(some[:, 3], others[:, 3]))
+    both[both[:, 1] == -math.inf] = UNKNOWN
+    return both
 
 
 def oldest_of_each(groups: Iterable[Iterable[Since]]) -> list[Since]:

@@ -13,9 +13,9 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from drake_geom_ros.live.conversions.misread_numbers import refuse_misread_numbers
+from drake_geom_ros.live.conversions.transforms import transforms_of
 from drake_geom_ros.live.guard import Guard
-from drake_geom_ros.live.inputs.tf_edges import read_edges
-from drake_geom_ros.live.scene.clocks import Clocks
+from drake_geom_ros.live.inputs.tf_edges import judged
 from drake_geom_ros.math.tolerances import SMALLEST_SENT
 
 
@@ -94,7 +94,7 @@ def test_a_transform_with_such_a_number_is_left_out_and_named():
     for transform in transforms:
         transform.header.frame_id = 'world'
     transforms[1].transform.translation.x = misread(1)
-    edges, refusal = read_edges(transforms, Clocks(lambda: 0.0).arrival(), static=True)
-    assert [name for name, _ in edges] == ['good']
+    good, refusal = judged(transforms_of(Plain(transforms=transforms)))
+    assert good.tolist() == [0]
     assert refusal.transforms == 1
     assert "'bad' in 'world': 5e-324 is refused" in refusal.reason

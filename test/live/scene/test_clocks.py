@@ -2,10 +2,20 @@
 
 import math
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from live.live_scenes import Clock
 
-from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN, Clocks, oldest
+from drake_geom_ros.live.scene.clocks import (
+    ALWAYS,
+    UNKNOWN,
+    Clocks,
+    Since,
+    oldest,
+    oldest_moments,
+)
 
 
 @pytest.fixture
@@ -126,3 +136,19 @@ def test_a_look_that_was_interrupted_is_none(clocks, node, steady, monkeypatch):
 
     monkeypatch.setattr(clocks, 'node', late)
     assert clocks.step() == 0.0
+
+
+_times = st.integers(0, 3).map(float)
+_moments = st.one_of(
+    st.sampled_from([ALWAYS, UNKNOWN]),
+    st.builds(Since, _times, _times, _times, st.integers(-2, 2).map(float)),
+)
+
+
+@given(st.lists(_moments, min_size=1, max_size=6))
+def test_the_oldest_moment_of_a_chain_is_the_same_step_by_step(moments):
+    rows = np.array(moments)[:, np.newaxis]
+    last = rows[0]
+    for row in rows[1:]:
+        last = oldest_moments(last, row)
+    assert Since(*last[0].tolist()) == oldest(*moments)

@@ -1,0 +1,71 @@
+"""Fields of messages that are read by their bytes: plain CDR of a little-endian machine.
+
+The layout is that of OMG, *DDS-RTPS* 2.5, 10.2 and *Extensible Types* 1.3, 7.4.1: a member stands
+at a multiple of its size, counted from behind the four bytes that a message begins with.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+
+import numpy as np
+
+# What a message begins with: the representation CDR_LE, and no options, which may shorten it.
+LITTLE_ENDIAN = b'\x00\x01\x00\x00'
+BEGIN = len(LITTLE_ENDIAN)
+_WORD = 4  # [bytes]
+
+
+class NoFitError(Exception):
+    """The bytes are laid out in another way: the middleware may read them, or refuse them."""
+
+
+def aligned(at: int, size: int) -> int:
+    """Return the first place from ``at`` on where a member of ``size`` [bytes] may stand."""
+    return -(-at // size) * size
+
+
+def text_at(body: bytes, at: int) -> tuple[str, int]:
+    """Return the string that begins at a place in a message, and where it ends.
+
+    Raises NoFitError where it is cut off, without its final NUL, with one inside, or no UTF-8:
+    middlewares make different things of these.
+    """
+    try:
+        (length,) = struct.unpack_from('<I', body, at)
+        begin, end = at + 4, at + 4 + length
+        if not length or body.find(b'\0', begin, end) != end - 1:
+            raise NoFitError
+        return body[begin : end - 1].decode(), end
+    except (struct.error, UnicodeDecodeError):
+        raise NoFitError from None
+
+
+class CommonBytes:
+    """Bytes that messages of a sender have in common: the lengths and letters of names.
+
+    What stands between them to fill up is different each time, for it is what was in memory.
+    """
+
+    def __init__(self, body: bytes, spans: Sequence[tuple[int, int]]) -> None:
+        """``spans`` of ``body`` are in common; raises NoFitError for a body that ends there."""
+        masks = np.zeros(aligned(spans[-1][1], _WORD), dtype=np.uint8)
+        if len(body) < len(masks):
+            raise NoFitError
+        for begin, end in spans:
+            masks[begin:end] = 0xFF
+        self._masks = masks.view(np.uint32)
+        self._words = np.frombuffer(body, np.uint32, len(self._masks)) & self._masks
+
+    @property
+    def size(self) -> int:
+        """The length [bytes] of the part of a message that is looked at."""
+        return _WORD * len(self._masks)
+
+    def are_in(self, raw: bytes) -> bool:
+        """Return whether a message begins as these do."""
+        if raw[:BEGIN] != LITTLE_ENDIAN or len(raw) < BEGIN + self.size:
+            return False
+        words = np.frombuffer(raw, np.uint32, len(self._masks), BEGIN)
+        return not ((words ^ self._words) & self._masks).any()

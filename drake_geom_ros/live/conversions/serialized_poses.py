@@ -1,0 +1,168 @@
+"""Messages that stream in, by their bytes: names first, which repeat, then arrays of numbers.
+
+Such are JointState, FramePoses and FrameTwists. A sender names the same joints or frames in each
+message, so the bytes of the names are compared with those of the message before. What does not
+fit, such as a name that is no UTF-8, is left to the middleware.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.live.conversions.serialized_cloud import Header
+from drake_geom_ros.live.conversions.serialized_fields import (
+    BEGIN,
+    LITTLE_ENDIAN,
+    CommonBytes,
+    NoFitError,
+    aligned,
+    text_at,
+)
+from drake_geom_ros.math.array_types import Floats
+
+_NAMES_AT = 8  # behind the stamp
+_MOST_SLACK = 16  # [bytes] behind a message: Fast DDS leaves up to 4 for each empty array
+_MOST_BYTES = 4_000_000  # of names that are kept
+_MOST_SENDERS = 64
+
+
+class ReadJointState(NamedTuple):
+    """As sensor_msgs/JointState."""
+
+    header: Header
+    name: tuple[str, ...]
+    position: Floats
+    velocity: Floats
+    effort: Floats
+
+
+class ReadFramePoses(NamedTuple):
+    """As drake_geom_msgs/FramePoses."""
+
+    header: Header
+    source: str
+    frame_names: tuple[str, ...]
+    frame_ids: list[int]
+    poses: Floats
+
+    @staticmethod
+    def get_fields_and_field_types() -> dict[str, str]:
+        """Return the types of fields that hold numbers: see ``misread_numbers``."""
+        return {'poses': 'sequence<double>'}
+
+
+class ReadFrameTwists(NamedTuple):
+    """As drake_geom_msgs/FrameTwists."""
+
+    header: Header
+    source: str
+    frame_names: tuple[str, ...]
+    frame_ids: list[int]
+    twists: Floats
+
+
+class _Layout(NamedTuple):
+    """The members of a message behind its header: texts, lists of texts, then arrays."""
+
+    kind: Callable[..., Any]
+    texts: int
+    arrays: str  # d of float64, Q of uint64
+
+
+_LAYOUTS = {
+    'JointState': _Layout(ReadJointState, 0, 'ddd'),
+    'FramePoses': _Layout(ReadFramePoses, 1, 'Qd'),
+    'FrameTwists': _Layout(ReadFrameTwists, 1, 'Qd'),
+}
+
+
+class _Names(NamedTuple):
+    """What messages have in common that name the same."""
+
+    common: CommonBytes
+    frame_id: str
+    members: tuple[str | tuple[str, ...], ...]
+
+
+class PoseReader:
+    """Reads messages of one type; keeps the names of the senders' last messages."""
+
+    def __init__(self, kind: str, stamp: Callable[[int, int], Any]) -> None:
+        """``kind`` is the name of the type, ``stamp`` makes a builtin_interfaces/Time."""
+        self._layout, self._stamp = _LAYOUTS[kind], stamp
+        self._names: dict[str, _Names] = {}
+
+    def read(self, raw: bytes, sender: str = '') -> Any:
+        """Return a message; None for one that is laid out otherwise.
+
+        It has the fields that the message of ROS has; texts are in tuples, numbers in arrays.
+        """
+        names = self._names.get(sender)
+        is_known = names is not None and names.common.are_in(raw)
+        try:
+            if names is None or not is_known:
+                names = _names_in(raw, self._layout.texts)
+            arrays = _arrays_in(raw, BEGIN + names.common.size, self._layout.arrays)
+            seconds, nanoseconds = struct.unpack_from('<iI', raw, BEGIN)
+        except NoFitError:
+            return None
+        if not is_known:
+            kept = sum(each.common.size for each in self._names.values())
+            if len(self._names) >= _MOST_SENDERS or kept + names.common.size > _MOST_BYTES:
+                self._names.clear()
+            self._names[sender] = names
+        header = Header(self._stamp(seconds, nanoseconds), names.frame_id)
+        return self._layout.kind(header, *names.members, *arrays)
+
+
+def _names_in(raw: bytes, texts: int) -> _Names:
+    """Return the texts of a message, and its list of texts."""
+    if raw[:BEGIN] != LITTLE_ENDIAN:
+        raise NoFitError
+    body, spans = raw[BEGIN:], list[tuple[int, int]]()
+
+    def text(at: int) -> str:
+        value, end = text_at(body, at)
+        spans.append((at, end))
+        return value
+
+    def next_at() -> int:
+        return aligned(spans[-1][1], 4)
+
+    frame_id = text(_NAMES_AT)
+    members: list[str | tuple[str, ...]] = [text(next_at()) for _ in range(texts)]
+    count, end = _count_at(body, next_at())
+    spans.append((end - 4, end))
+    members.append(tuple([text(next_at()) for _ in range(count)]))
+    return _Names(CommonBytes(body, spans), frame_id, tuple(members))
+
+
+def _arrays_in(raw: bytes, at: int, codes: str) -> list[Any]:
+    """Return the arrays that begin at a place of a message, which ends with them."""
+    arrays: list[Any] = []
+    for code in codes:
+        count, at = _count_at(raw, BEGIN + aligned(at - BEGIN, 4))
+        if count:
+            at = BEGIN + aligned(at - BEGIN, 8)
+        if at + 8 * count > len(raw):
+            raise NoFitError
+        # Copied, for in the message they may stand where a processor reads them slowly.
+        values = np.frombuffer(raw, f'<{code.replace("d", "f8").replace("Q", "u8")}', count, at)
+        arrays.append(values.astype(np.float64) if code == 'd' else values.tolist())
+        at += 8 * count
+    if len(raw) - at > _MOST_SLACK:
+        raise NoFitError
+    return arrays
+
+
+def _count_at(body: bytes, at: int) -> tuple[int, int]:
+    """Return the length of a sequence that begins at a place, and where its elements do."""
+    try:
+        (count,) = struct.unpack_from('<I', body, at)
+    except struct.error:
+        raise NoFitError from None
+    return count, at + 4
