@@ -58,9 +58,16 @@ EXTRAS = {
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
     'completion': ['shtab>=1.6'],  # of the shell
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
+    'mujoco': ['mujoco>=3.17'],  # models of MuJoCo (MJCF)
 }
-# Models in all formats: macros, tetrahedra, and mesh files of several parts, which trimesh joins.
-EXTRAS['models'] = [*EXTRAS['xacro'], *EXTRAS['volume_meshes'], 'networkx>=3.0']
+# Models in all formats: macros, MJCF, tetrahedra, and mesh files of several parts, which trimesh
+# joins.
+EXTRAS['models'] = [
+    *EXTRAS['xacro'],
+    *EXTRAS['volume_meshes'],
+    *EXTRAS['mujoco'],
+    'networkx>=3.0',
+]
 EXTRAS['all'] = sorted({name for names in EXTRAS.values() for name in names})
 # The robot of the demo weighs more than all the rest.
 EXTRAS['demo'] = [*EXTRAS['pictures'], 'example-robot-data>=4.3']

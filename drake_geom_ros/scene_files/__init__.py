@@ -11,6 +11,7 @@ their first poses), ``register`` registers one, ``save_scene`` writes a scene gr
 name file and line.
 """
 
+from drake_geom_ros.scene_files.built_scenes import from_mujoco, from_pydrake
 from drake_geom_ros.scene_files.cameras import add_renderers, camera_of, check_camera
 from drake_geom_ros.scene_files.description import (
     FAR,
@@ -55,6 +56,8 @@ from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 __all__ = [
     'load_scene',
+    'from_pydrake',
+    'from_mujoco',
     'read_scene',
     'save_scene',
     'register',

@@ -55,9 +55,6 @@ class JointedLinks:
             part for j in robot.joints for part in parts_of(j) if leader[part.name][0] == part.name
         ]
         limits = [(j.lower, j.upper, j.max_speed) for j in independent]
-        names = Counter(j.name for j in independent)
-        if twice := [name for name, count in names.items() if count > 1]:
-            raise ValueError(f'{robot.name}: {twice[0]!r} is a joint, and a value of another one')
 
         self.name: str = robot.name
         self.joint_names = tuple(j.name for j in independent)
@@ -175,7 +172,11 @@ def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
     by_name = {joint.name: joint for joint in robot.joints}
     for joint in robot.joints:
         _check_type(joint)
-    singles = {part.name: part for joint in robot.joints for part in parts_of(joint)}
+    parts = [part for joint in robot.joints for part in parts_of(joint)]
+    names = Counter(part.name for part in parts)
+    if twice := [name for name, count in names.items() if count > 1]:
+        raise ValueError(f'{robot.name}: {twice[0]!r} is a joint, and a value of another one')
+    singles = {part.name: part for part in parts}
     return {part.name: _leader(part, by_name | singles) for part in singles.values()}
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from drake_geom_ros.scene_files.description import RobotOptions
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.link_tree import LinkTree
+from drake_geom_ros.scene_files.mujoco_models import read_mjcf
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.robot_parts import RobotParts
@@ -23,6 +24,8 @@ def read_model(
     or is no model.
     """
     data, file = read_robot_file(path, resolver.is_free)
+    if root_tag(data) == 'mujoco':
+        return read_mjcf(path, data, resolver, options, source)
     if root_tag(data) == 'sdf':
         return read_sdf(data, file, path.parent, resolver, options, source, model)[0][source]
     if model:
@@ -33,6 +36,6 @@ def read_model(
 def read_model_tree(path: Path, resolver: ResourceResolver, model: str = '') -> LinkTree:
     """Return the links and joints of a model file; errors are those of ``read_model``."""
     data, _ = read_robot_file(path, resolver.is_free)
-    if root_tag(data) == 'sdf':
+    if root_tag(data) in ('sdf', 'mujoco'):
         return read_model(path, model or 'robot', resolver, RobotOptions(), model).tree
     return read_link_tree(path, resolver.is_free)

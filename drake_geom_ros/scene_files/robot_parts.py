@@ -58,7 +58,7 @@ class RobotParts:
         have no single root.
         """
         links = dict.fromkeys((*(joint.parent for joint in self.joints), *self.link_names))
-        roots = root_links(self.joints, links)
+        roots = root_links(self.joints, links or self.tree.links)
         if len(roots) != 1:
             raise ValueError(
                 f'the pose is that of the root link, but the links {", ".join(map(repr, roots))} '

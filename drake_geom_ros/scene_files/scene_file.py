@@ -16,14 +16,16 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.directives import is_directives, read_directives
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.mujoco_models import read_mjcf
 from drake_geom_ros.scene_files.registration import LoadedScene, register
 from drake_geom_ros.scene_files.resources import ResourceResolver, Roots
 from drake_geom_ros.scene_files.robot_files import read_robot_file
+from drake_geom_ros.scene_files.robot_parts import RobotParts
 from drake_geom_ros.scene_files.saving import describe
 from drake_geom_ros.scene_files.sdf import read_sdf
 from drake_geom_ros.scene_files.srdf import read_srdf
 from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
-from drake_geom_ros.scene_files.welding import welded_scene
+from drake_geom_ros.scene_files.welding import Weld, welded_scene
 from drake_geom_ros.scene_files.xml_tree import is_xml, root_tag
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
 from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, MOST_ITEMS, read_yaml, text_of
@@ -31,7 +33,7 @@ from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 PathLike = str | os.PathLike[str]
 
-FORMATS = ('yaml', 'urdf', 'sdf', 'dmd')
+FORMATS = ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd')
 _XML_SUFFIXES = ('.urdf', '.sdf', '.world')
 _NO_OPTIONS = RobotOptions()
 
@@ -52,9 +54,9 @@ def read_scene(
     Args:
         path_or_text: A path, or the text itself: a str with a line break in it, or one that
             begins with ``{`` or ``<``. Paths in a text count from the working folder.
-        format: ``yaml``, ``urdf``, ``sdf`` or ``dmd`` (model directives). If empty, the content
-            decides, whatever the file name: the root element of XML, and the key ``directives`` of
-            YAML.
+        format: ``yaml``, ``urdf``, ``sdf``, ``mjcf`` (by the package mujoco) or ``dmd`` (model
+            directives). If empty, the content decides, whatever the file name: the root element of
+            XML, and the key ``directives`` of YAML.
         srdf: The SRDF of a URDF, a path or a text too.
         package_roots: A folder or several to search for packages, see ``ResourceResolver``.
         allowed_roots: A folder or several outside of which no file may be opened.
@@ -74,12 +76,14 @@ def read_scene(
         raise SceneFileError(f'format {format!r} must be one of {FORMATS}', _file(path_or_text))
     data, file, folder = _content(path_or_text)
     looks_like_urdf = is_xml(data) or (not text and file.lower().endswith(_XML_SUFFIXES))
-    if format in ('urdf', 'sdf') or (not format and looks_like_urdf):
+    if format in ('urdf', 'sdf', 'mjcf') or (not format and looks_like_urdf):
         path = None if text else Path(file).absolute()
         if path is not None:
             data, file = read_robot_file(Path(file), resolver.is_free)
-        if format != 'urdf' and root_tag(data) == 'sdf':
-            return _sdf_scene(data, file, folder, path, srdf, resolver, options)
+        if format != 'urdf' and (tag := root_tag(data)) in ('sdf', 'mujoco'):
+            if srdf:
+                raise SceneFileError(f'srdf is only for a URDF, and this is <{tag}>', file)
+            return _models_scene(data, file, folder, path, resolver, options)
         return _urdf_scene(data, file, folder, path, srdf, resolver, options)
     if not text and (reason := stand_in(data)):
         raise SceneFileError(reason, file)
@@ -165,19 +169,22 @@ def _urdf_scene(
     )
 
 
-def _sdf_scene(
+def _models_scene(
     data: bytes,
     file: str,
     folder: Path,
     path: Path | None,
-    srdf: PathLike,
     resolver: ResourceResolver,
     options: RobotOptions,
 ) -> SceneDescription:
-    """Return the scene of all models of a file of SDFormat."""
-    if srdf:
-        raise SceneFileError('srdf is only for a URDF, and this is SDF', file)
-    models, welds = read_sdf(data, file, folder, resolver, options)
+    """Return the scene of all models of a file of SDFormat or MuJoCo."""
+    models: Mapping[str, RobotParts]
+    welds: list[Weld] = []
+    if root_tag(data) == 'mujoco':
+        parts = read_mjcf(path, data, resolver, options)
+        models = {parts.tree.name: parts}
+    else:
+        models, welds = read_sdf(data, file, folder, resolver, options)
     robots = [
         RobotDescription(
             name,
@@ -185,7 +192,7 @@ def _sdf_scene(
             X_WB=RigidTransform(),
             tree=parts.tree,
             frame_prefix=options.frame_prefix,
-            model=name,
+            model=name if len(models) > 1 else '',
         )
         for name, parts in models.items()
     ]

@@ -19,13 +19,12 @@ _DECLARED = re.compile(rb'<\?xml[^>]*?encoding\s*=\s*["\']([A-Za-z0-9._-]+)')
 _MOST_DECLARED = 200  # bytes of a declaration
 _BLANKS = b' \t\r\n'
 _WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-_URDF_OR_YAML = 'load its URDF, or list its frames and geometries in a scene file (YAML)'
 # Root elements of other formats, and advice about such a file.
 _OTHERS = {
     'robot': 'this is a URDF',
     'sdf': 'this is SDF; load it as a scene',
-    'mujoco': f'this is MJCF, a model of MuJoCo, which is not read: {_URDF_OR_YAML}',
-    'mujocoinclude': f'this is a part of MJCF, which is not read: {_URDF_OR_YAML}',
+    'mujoco': 'this is MJCF, a model of MuJoCo; load it as a scene',
+    'mujocoinclude': 'this is a part of MJCF; load the model that includes it',
     'COLLADA': 'this is a mesh; name it in a URDF or a scene file',
 }
 _PROLOGUE = re.compile(rb'(?:\s|<\?.*?\?>|<!--.*?-->|<![^-].*?>)*<([^\s/>]+)', re.DOTALL)

@@ -181,7 +181,7 @@ LAYERS = {
             *('math', 'common', 'sensors', 'geometry', 'geometry/queries'),
             *('proximity_rules', 'sensed_maps', 'scene_files'),
         ),
-        ('numpy', 'yaml', 'lxml', 'jsonschema', 'jsonschema_rs', 'xacro'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema', 'jsonschema_rs', 'xacro', 'mujoco'),
     ),
     'trajectories': (
         (
