@@ -1,4 +1,4 @@
-"""Command ``convert``: convert a URDF to a scene file, or pose files and maps between formats."""
+"""Command ``convert``: convert models to scene files, and pose files and maps between formats."""
 
 import argparse
 from pathlib import Path
@@ -22,7 +22,7 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser(
         'convert',
         description=(
-            'A URDF, whatever it is called, or .yaml to .yaml; .csv to .json and back; '
+            'A model (URDF, SDF, MJCF, directives) or .yaml to .yaml; .csv to .json and back; '
             'cells (.bt, .ot) and points (.pcd, .ply, .xyz, .npy) to each other.'
         ),
     )
@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
             write_poses(sets, file, target.suffix)
     else:
         raise SceneFileError(
-            f'cannot be converted to {str(target)!r}: a URDF and .yaml become .yaml, '
+            f'cannot be converted to {str(target)!r}: models and .yaml become .yaml, '
             f'.csv and .json become each other, and so do maps ({", ".join(MAP_SUFFIXES)})',
             str(source),
         )

@@ -6,7 +6,7 @@ from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings.recording_topics import few_of
 from drake_geom_ros.recordings.scene_differences import ComparedScene, table_of
-from drake_geom_ros.scene_files import read_scene, register, robot_name
+from drake_geom_ros.scene_files import read_scene, register, robot_name, text_format
 
 _HINT = 'the node takes that of the scene; --topic robot_description= says that they are the same'
 
@@ -29,12 +29,13 @@ class SceneRobots:
         """
         if text in self._same:
             return True
-        name = robot_name(text.encode(errors='surrogatepass'), '<text>')
+        data = text.encode(errors='surrogatepass')
+        name = robot_name(data, '<text>')
         if name not in self._sources:
             return False
         files = self._live.files
         described = read_scene(
-            *(f'{text}\n', 'urdf', '', files.package_roots, files.folders),
+            *(f'{text}\n', text_format(data), '', files.package_roots, files.folders),
             self._live.robot_options,
         )
         register(alone := SceneGraph(), described)

@@ -40,6 +40,7 @@ from drake_geom_ros.scene_files.description import (
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
 from drake_geom_ros.scene_files.input_files import files_of
 from drake_geom_ros.scene_files.leaving_out import without_source
+from drake_geom_ros.scene_files.model_files import robot_name, text_format
 from drake_geom_ros.scene_files.registration import (
     LoadedScene,
     apply_filter,
@@ -51,7 +52,6 @@ from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
 from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.schema import scene_schema
-from drake_geom_ros.scene_files.urdf import robot_name
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 __all__ = [
@@ -72,6 +72,7 @@ __all__ = [
     'to_yaml',
     'scene_schema',
     'robot_name',
+    'text_format',
     'files_of',
     'hulls_in_words',
     'WORLD',

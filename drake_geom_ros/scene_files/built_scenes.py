@@ -70,8 +70,6 @@ def from_mujoco(
 
     The source has the model's name. Meaning and errors are those of an MJCF file; the scene graph
     is unchanged after an error. The model is read once: later changes of it have no effect.
-
-        loaded = from_mujoco(mujoco.MjModel.from_xml_path('arm.xml'), scene_graph)
     """
     chosen, name = options or RobotOptions(), model_name(mj_model)
     parts = parts_of_model(mj_model, name, chosen, _MUJOCO)
@@ -88,8 +86,6 @@ def from_pydrake(
     that pydrake filters are filtered. The parent of each frame is the world, since pydrake tells
     no other. With a ``query_object`` of pydrake the frames have its poses as first poses,
     otherwise they wait for one.
-
-        loaded = from_pydrake(plant_scene_graph, scene_graph)
 
     Raises SceneFileError for a shape that is not here and for a frame named ``world``; the scene
     graph is unchanged then.

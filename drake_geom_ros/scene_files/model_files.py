@@ -12,7 +12,32 @@ from drake_geom_ros.scene_files.robot_parts import RobotParts
 from drake_geom_ros.scene_files.sdf import read_sdf
 from drake_geom_ros.scene_files.urdf import read_urdf
 from drake_geom_ros.scene_files.urdf_tree import read_link_tree
-from drake_geom_ros.scene_files.xml_tree import root_tag
+from drake_geom_ros.scene_files.xml_tree import (
+    attribute,
+    place_of,
+    read_robot_xml,
+    read_xml,
+    root_tag,
+)
+
+
+def text_format(data: bytes) -> str:
+    """Return the format of a model that comes as text, ``sdf`` or ``urdf``."""
+    return 'sdf' if root_tag(data) == 'sdf' else 'urdf'
+
+
+def robot_name(data: bytes, file: str) -> str:
+    """Return the name that a URDF, an SRDF or a model of SDFormat gives its robot.
+
+    Raises SceneFileError for others, and for SDFormat with no model or several.
+    """
+    if text_format(data) == 'urdf':
+        return attribute(read_robot_xml(data, file), 'name', file)
+    root = read_xml(data, file, 'sdf')
+    models = [*root.iterfind('model'), *root.iterfind('world/model')]
+    if len(models) != 1:
+        raise place_of(root, file).error(f'{len(models)} models; a robot is one')
+    return attribute(models[0], 'name', file)
 
 
 def read_model(

@@ -45,7 +45,7 @@ def joint_of(
     for id in ids:
         part, X = _part(model, id, ends, X, where)
         parts += part
-    if len(parts) == 1 and X.IsNearlyEqualTo(_STAYS, 1e-15):
+    if len(parts) == 1 and X.IsExactlyIdentity():
         return parts[0]
     last = UrdfJoint('fixed', *ends, f'{name}/body', X, _Z, where=where)
     whole = replace(parts[0], name=name, parts=(*parts, last))

@@ -16,6 +16,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.directives import is_directives, read_directives
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.model_files import robot_name
 from drake_geom_ros.scene_files.mujoco_models import read_mjcf
 from drake_geom_ros.scene_files.registration import LoadedScene, register
 from drake_geom_ros.scene_files.resources import ResourceResolver, Roots
@@ -24,7 +25,7 @@ from drake_geom_ros.scene_files.robot_parts import RobotParts
 from drake_geom_ros.scene_files.saving import describe
 from drake_geom_ros.scene_files.sdf import read_sdf
 from drake_geom_ros.scene_files.srdf import read_srdf
-from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
+from drake_geom_ros.scene_files.urdf import read_urdf
 from drake_geom_ros.scene_files.welding import Weld, welded_scene
 from drake_geom_ros.scene_files.xml_tree import is_xml, root_tag
 from drake_geom_ros.scene_files.yaml_scene import parse_scene

@@ -14,6 +14,7 @@ import numpy as np
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.jointed_links import parts_of
 from drake_geom_ros.scene_files.link_tree import Mimic, UrdfJoint
+from drake_geom_ros.scene_files.screws import screw_parts
 from drake_geom_ros.scene_files.sdf_elements import SdfFile, flag_in, number_in, numbers_in
 from drake_geom_ros.scene_files.xml_tree import local_name
 
@@ -113,18 +114,7 @@ def _screw(joint: UrdfJoint, element: Any, X_JC: RigidTransform) -> UrdfJoint:
         if older == 0.0:
             raise ValueError('<thread_pitch> must not be 0')
         pitch = -2.0 * math.pi / older
-    turn = replace(joint, type='revolute')
-    shift = replace(
-        turn,
-        type='prismatic',
-        name=f'{joint.name}/shift',
-        X_PJ=RigidTransform(),
-        lower=-math.inf,
-        upper=math.inf,
-        max_speed=math.inf,
-        mimic=Mimic(joint.name, pitch / (2.0 * math.pi), 0.0),
-    )
-    return replace(joint, parts=(turn, shift, _fixed_part(joint, X_JC)))
+    return replace(joint, parts=(*screw_parts(joint, pitch), _fixed_part(joint, X_JC)))
 
 
 def _axis(axis: Any, file: SdfFile, frame: Rotate) -> tuple[float, float, float]:

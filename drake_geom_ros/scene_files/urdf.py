@@ -3,7 +3,8 @@
 Each link becomes a frame of the robot's source, whatever joint holds it. All of these frames
 have the world as parent, because forward kinematics gives X_WF, and a stream of such poses can
 then omit or add a link without changing the others. A link named ``world`` is the world itself,
-as in Drake, and becomes no frame. Collision elements become geometries with the proximity role.
+as in Drake, and becomes no frame; its geometries are anchored. Collision elements become
+geometries with the proximity role.
 
 Only links, joints and collision elements are read; masses and visuals change no answer.
 """
@@ -47,12 +48,12 @@ _VISUAL_ONLY = (
     'collision elements, or cover them by geometries of the scene file'
 )
 _MOST_NAMED = 40  # links in a warning
+_IMPLICIT_WORLD = (
+    f'the parent {WORLD!r} of a joint is no link of the file: it is read as the world, as in '
+    'Drake and Gazebo; urdfdom, and with it robot_state_publisher and MoveIt, refuses the robot'
+)
+_UNDRIVEN = 'no joint value moves a curvilinear joint: send poses of {!r} and the links below it'
 _NO_SHAPES = 'the robot {!r} has no <collision> elements: no query sees anything of it'
-
-
-def robot_name(data: bytes, file: str) -> str:
-    """Return the name that a URDF gives its robot."""
-    return attribute(read_robot_xml(data, file), 'name', file)
 
 
 def read_urdf(
@@ -81,15 +82,21 @@ def read_urdf(
     links = read_links(root, file)
     joints = read_joints(root, links, file)
     warnings += tuple(warnings_about(root, joints))
-    held = [*joints, *urdf_filters.drakes_joints(root, links, file)]
+    undriven = urdf_filters.undriven_joints(root, links, file)
+    held = [*joints, *undriven]
     groups, of_groups = urdf_filters.read_groups(root, file, source)
     warnings += of_groups
+    if WORLD in links and links[WORLD].getparent() is None:
+        warnings += (str(place_of(root, file).error(_IMPLICIT_WORLD)),)
+    for joint in undriven:
+        warnings += (str(place_of(root, file).error(_UNDRIVEN.format(joint.child))),)
     moved, welded = moved_links(held), urdf_filters.welded_links(held, options)
     frames = []
     geometries: list[GeometryDescription] = []
     for name, element in links.items():
         if name == WORLD:
-            _check_world(element, file)
+            of_world = _link_geometries(element, name, file, source, folder, resolver, options)
+            geometries += of_world
             continue
         static = False if name in moved else None
         where = place_of(element, file)
@@ -99,7 +106,8 @@ def read_urdf(
         geometries += _link_geometries(element, name, file, source, folder, resolver, options)
     if below := [joint for joint in joints if joint.child == WORLD]:
         raise below[0].where.error(f'the child {WORLD!r} is the world frame, which nothing holds')
-    with_geometry = {geometry.frame for geometry in geometries}
+    # As in Drake, a joint to the world filters no pair.
+    with_geometry = {geometry.frame for geometry in geometries} - {WORLD}
     filters: tuple[FilterDescription, ...] = (
         *urdf_filters.adjacent_cliques(held, with_geometry, source, options),
         *urdf_filters.self_cliques(with_geometry, source, options),
@@ -139,15 +147,6 @@ def _offsets(
             X_LF = RigidTransform(RollPitchYaw(rpy).ToRotationMatrix(), xyz)
             offsets[attribute(element, 'name', file)] = (element.get('link'), X_LF)
     return offsets
-
-
-def _check_world(element: Any, file: str) -> None:
-    """Refuse a link ``world`` with shapes, since no frame of the robot could own them."""
-    if element.find('collision') is not None:
-        raise place_of(element, file).error(
-            f'the link {WORLD!r} is the world frame and cannot have collision elements; make them '
-            'anchored geometries of the scene file, or rename the link'
-        )
 
 
 def _link_geometries(

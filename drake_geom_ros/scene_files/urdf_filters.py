@@ -18,10 +18,8 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.link_tree import Joint
+from drake_geom_ros.scene_files.urdf_tree import UNDRIVEN
 from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of
-
-# Types of ``<drake:joint>``, all of which move.
-_DRAKES_JOINTS = ('ball', 'curvilinear', 'planar', 'screw', 'universal')
 
 
 def moved_links(joints: Sequence[Joint]) -> set[str]:
@@ -39,25 +37,20 @@ def moved_links(joints: Sequence[Joint]) -> set[str]:
     return moved
 
 
-def drakes_joints(root: Any, links: Collection[str], file: str) -> list[Joint]:
-    """Return the ``<drake:joint>`` elements of a URDF.
+def undriven_joints(root: Any, links: Collection[str], file: str) -> list[Joint]:
+    """Return the ``<drake:joint>`` elements that no joint value moves.
 
-    Raises SceneFileError for a type that Drake does not have, and for an end that is missing or
-    not a link of the file.
+    Raises SceneFileError for an end that is missing or not a link of the file.
     """
     return [
-        _drakes_joint(element, links, file)
+        _undriven(element, links, file)
         for element in root
-        if element.tag != 'joint' and local_name(element) == 'joint'
+        if local_name(element) == 'joint' and element.get('type') == UNDRIVEN
     ]
 
 
-def _drakes_joint(element: Any, links: Collection[str], file: str) -> Joint:
+def _undriven(element: Any, links: Collection[str], file: str) -> Joint:
     place = place_of(element, file)
-    kind = attribute(element, 'type', file)
-    if kind not in _DRAKES_JOINTS:
-        allowed = ', '.join(_DRAKES_JOINTS)
-        raise place.error(f'type {kind!r} is none of <drake:joint>, which are {allowed}')
     ends = []
     for name in ('parent', 'child'):
         if (end := element.find(name)) is None:
@@ -66,7 +59,7 @@ def _drakes_joint(element: Any, links: Collection[str], file: str) -> Joint:
         if link not in links:
             raise place_of(end, file).error(f'link {link!r} is not in the file')
         ends.append(link)
-    return Joint(kind, *ends)
+    return Joint(UNDRIVEN, *ends)
 
 
 @dataclass

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from drake_geom_ros.scene_files.link_tree import UrdfJoint
+from drake_geom_ros.scene_files.xml_tree import local_name
 
 TYPES = ('revolute', 'continuous', 'prismatic', 'fixed', 'floating', 'planar')
 _LIMITED = ('revolute', 'prismatic')
@@ -48,7 +49,7 @@ def warnings_about(root: Any, joints: Sequence[UrdfJoint]) -> Iterator[str]:
 
     ``root`` is the robot's element. Each kind is reported once, with the number of joints.
     """
-    elements = {element.get('name'): element for element in root.findall('joint')}
+    elements = {e.get('name'): e for e in root if local_name(e) == 'joint'}
     by_name = {joint.name: joint for joint in joints}
     for reason in (_unlimited, _without_range, _backwards, _unknown_leader, _beyond_its_limits):
         reasons = [(joint, reason(joint, elements[joint.name], by_name)) for joint in joints]

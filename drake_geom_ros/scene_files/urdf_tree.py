@@ -6,6 +6,7 @@ node, to ``check`` and to a player.
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,21 @@ from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.link_tree import Joint, LinkTree, Mimic, UrdfJoint
 from drake_geom_ros.scene_files.robot_files import read_robot_file
+from drake_geom_ros.scene_files.screws import screw_parts
 from drake_geom_ros.scene_files.urdf_joint_checks import check_joint
 from drake_geom_ros.scene_files.urdf_poses import pose_of
-from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
+from drake_geom_ros.scene_files.xml_tree import (
+    attribute,
+    local_name,
+    numbers,
+    place_of,
+    read_robot_xml,
+)
 
 _SHOWN = 5  # joints in a sentence
+# Types of ``<drake:joint>``, and the one that no joint value moves.
+DRAKES_TYPES = ('ball', 'planar', 'screw', 'universal')
+UNDRIVEN = 'curvilinear'
 
 
 def read_link_tree(path: str | Path, expand: bool = True) -> LinkTree:
@@ -36,6 +47,9 @@ def read_link_tree(path: str | Path, expand: bool = True) -> LinkTree:
 def read_links(root: Any, file: str) -> dict[str, Any]:
     """Return the link elements by name.
 
+    If a joint has the parent ``world`` and the file has no such link, there is an empty element
+    without a parent for it, as in Drake and Gazebo.
+
     Raises SceneFileError, with the line, for no links, missing names, and two links of one name.
     """
     links: dict[str, Any] = {}
@@ -45,11 +59,20 @@ def read_links(root: Any, file: str) -> dict[str, Any]:
             first = links[name].sourceline
             raise place_of(element, file).error(f'link {name!r} is listed twice, see line {first}')
         links[name] = element
+    if WORLD not in links and _names_world(root):
+        links[WORLD] = root.makeelement('link', {'name': WORLD})
     if not links.keys() - {WORLD}:
         raise place_of(root, file).error(
             f'no links{f" but {WORLD!r}" if links else ""}; a robot has at least one'
         )
     return links
+
+
+def _names_world(root: Any) -> bool:
+    """Return whether the parent of a joint is the world."""
+    joints = (element for element in root if local_name(element) == 'joint')
+    parents = (joint.find('parent') for joint in joints)
+    return any(parent is not None and parent.get('link') == WORLD for parent in parents)
 
 
 def read_joints(root: Any, links: Mapping[str, Any], file: str) -> list[UrdfJoint]:
@@ -60,7 +83,9 @@ def read_joints(root: Any, links: Mapping[str, Any], file: str) -> list[UrdfJoin
     ``urdf_joint_checks`` refuses.
     """
     joints: dict[str, UrdfJoint] = {}
-    for element in root.findall('joint'):
+    for element in root:
+        if local_name(element) != 'joint' or element.get('type') == UNDRIVEN:
+            continue
         joint = _joint(element, links, file)
         if joint.name in joints:
             first = joints[joint.name].where.line
@@ -121,8 +146,29 @@ def _joint(element: Any, links: Mapping[str, Any], file: str) -> UrdfJoint:
     except (ValueError, RuntimeError) as error:
         raise where.error(str(error)) from error
     joint = UrdfJoint(kind, ends[0], ends[1], name, X_PJ, (x, y, z), *limits, mimic, where)
+    if element.tag != 'joint':
+        return _drakes(joint, element)
     check_joint(joint, element)
     return joint
+
+
+def _drakes(joint: UrdfJoint, element: Any) -> UrdfJoint:
+    """Return the joint of a ``<drake:joint>``; ball and universal ones have no axis."""
+    if joint.type not in DRAKES_TYPES:
+        allowed = ', '.join((*DRAKES_TYPES, UNDRIVEN))
+        raise joint.where.error(
+            f'type {joint.type!r} is none of <drake:joint>, which are {allowed}'
+        )
+    if joint.type != 'screw':
+        return joint
+    pitches = [child for child in element if local_name(child) == 'screw_thread_pitch']
+    if len(pitches) != 1:
+        raise joint.where.error('a screw joint has one <drake:screw_thread_pitch value="..."/>')
+    try:
+        (pitch,) = _finite(pitches[0], 'value', 1, '0')
+    except ValueError as error:
+        raise joint.where.error(str(error)) from error
+    return replace(joint, parts=screw_parts(joint, pitch))
 
 
 def _limits(limit: Any, kind: str) -> tuple[float, float, float]:

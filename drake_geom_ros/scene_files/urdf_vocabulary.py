@@ -77,13 +77,14 @@ _KNOWN = {
     'declare_convex': _KnownElement(),
     'joint': _KnownElement(
         _words('name type dont_collapse'),
-        _words('parent child origin axis limit mimic'),
+        _words('parent child origin axis limit mimic screw_thread_pitch'),
         _words(
             'dynamics safety_controller calibration limits_ext rotor_inertia gear_ratio '
             'controller_gains hardwareInterface gazebo'
         ),
         _words('parent child origin axis limit mimic'),
     ),
+    'screw_thread_pitch': _KnownElement(_words('value')),
     'parent': _KnownElement(_words('link')),
     'child': _KnownElement(_words('link')),
     'axis': _KnownElement(_words('xyz')),
@@ -96,7 +97,8 @@ _MAY_HOLD_ANYTHING = _words('limit')
 _READ_ELSEWHERE = _words('collision_filter_group')
 # Drake writes these with a namespace; any other element with a namespace is not the plain one.
 _OF_ANY_NAMESPACE = _words(
-    'collision_filter_group joint capsule ellipsoid declare_convex proximity_properties'
+    'collision_filter_group joint capsule ellipsoid declare_convex proximity_properties '
+    'screw_thread_pitch parent child'
 ).union(KNOWN_PROPERTIES)
 # An unknown attribute here would be an orientation or a length that is not read.
 _REFUSED_IN = _words('origin')

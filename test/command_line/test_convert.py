@@ -39,6 +39,38 @@ def test_a_urdf_with_its_srdf_becomes_a_scene_file(capsys, tmp_path):
     assert counted.startswith('pairs 3: reported 0, ')
 
 
+SPHERE = (
+    '<collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>'
+)
+MODELS = {
+    'cart.sdf': '<sdf version="1.9"><model name="cart"><link name="base">'
+    + SPHERE
+    + '</link><link name="wheel">'
+    + SPHERE
+    + '</link><joint name="j" type="revolute"><parent>base</parent><child>wheel</child>'
+    '<pose>0 0 0.1 0 0 0</pose><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>',
+    'cart.xml': '<mujoco model="cart"><worldbody><body name="base"><freejoint/><geom size="0.1"/>'
+    '<body name="wheel"><joint pos="0 0 0.1"/><geom size="0.1"/></body></body></worldbody>'
+    '</mujoco>',
+    'cell.dmd.yaml': 'directives:\n- add_model: {name: cart, file: cart.urdf}\n'
+    '- add_weld: {parent: world, child: cart::base}\n',
+}
+
+
+@pytest.mark.parametrize('name', MODELS)
+def test_a_model_of_any_format_becomes_a_scene_file(capsys, tmp_path, name):
+    if name.endswith('.xml'):
+        pytest.importorskip('mujoco', exc_type=ImportError)
+    (tmp_path / 'cart.urdf').write_text(URDF)
+    model, scene = tmp_path / name, tmp_path / 'scene.yaml'
+    model.write_text(MODELS[name])
+    assert main(['convert', str(model), str(scene)]) == 0
+    before, after = read_scene(model), read_scene(scene)
+    assert [f.name for f in after.frames] == [f.name for f in before.frames]
+    assert [r.tree for r in after.robots] == [r.tree for r in before.robots]
+    assert listed(capsys, scene) == listed(capsys, model)
+
+
 def test_poses_go_to_json_and_back(tmp_path):
     first, middle, last = (tmp_path / name for name in ('a.csv', 'b.json', 'c.csv'))
     first.write_text('time,frame,x,y,z,qx,qy,qz,qw\n0.0,f,1.0,2.0,3.0,0.0,0.0,0.0,1.0\n')

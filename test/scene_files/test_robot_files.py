@@ -46,7 +46,7 @@ def test_a_default_namespace_and_other_encodings_are_fine(tmp_path):
     ('name', 'text', 'told'),
     [
         ('w.sdf', '<sdf version="1.7"/>', r'w.sdf:1: there is neither a <model> nor'),
-        ('m.xml', '\n<mujoco/>', r'm.xml:2: mujoco: this is MJCF.*load its URDF'),
+        ('m.xml', '\n<mujocoinclude/>', r'm.xml:2: .*a part of MJCF; load the model'),
         ('r.urdf', POINTER, r'r.urdf: it is a Git LFS pointer.*git lfs pull'),
         ('r.yaml', POINTER, r'r.yaml: it is a Git LFS pointer'),
         ('r.urdf', '', r'r.urdf: it is empty'),

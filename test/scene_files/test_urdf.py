@@ -9,8 +9,9 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.model_files import robot_name
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
+from drake_geom_ros.scene_files.urdf import read_urdf
 
 ARM = b"""<?xml version="1.0"?>
 <robot name="arm" xmlns:drake="http://drake.mit.edu">
@@ -205,7 +206,7 @@ def test_places_have_lines(folder):
         (b'<joint name="j2"', b'<joint', 'r.urdf:21: joint: missing attribute `name`'),
         (b'<link name="empty"/>',
          b'<link name="empty"/><link name="world"><collision/></link>',
-         "r.urdf:12: link[world]: the link 'world' is the world frame and cannot have"),
+         'r.urdf:12: link[world].collision: missing <geometry>'),
         (b'<link name="empty"/>', b'<link name="empty"/><link name="world"/><joint name="w" '
          b'type="fixed"><parent link="base"/><child link="world"/></joint>',
          "r.urdf:12: joint[w]: the child 'world' is the world frame, which nothing holds"),

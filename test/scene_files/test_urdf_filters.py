@@ -13,11 +13,12 @@ from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.urdf_filters import (
     Joint,
     adjacent_cliques,
-    drakes_joints,
     moved_links,
     read_groups,
     self_cliques,
+    undriven_joints,
 )
+from drake_geom_ros.scene_files.urdf_tree import read_joints
 
 OLDER = """<robot>
 <link name="body1"/><link name="body2"/><link name="body3"/>
@@ -209,10 +210,13 @@ def test_an_element_of_a_group_that_is_not_known_is_told():
 JOINT = '<drake:joint name="j" type="{}"><parent link="{}"/><child link="{}"/></drake:joint>'
 
 
-@pytest.mark.parametrize('kind', ['ball', 'planar', 'screw', 'universal', 'curvilinear'])
+@pytest.mark.parametrize('kind', ['ball', 'planar', 'universal', 'curvilinear'])
 def test_drakes_joints_connect_links(kind):
-    joints = drakes_joints(drakes(JOINT.format(kind, 'a', 'b')), 'ab', 'r.urdf')
-    assert joints == [Joint(kind, 'a', 'b')]
+    root, links = drakes(JOINT.format(kind, 'a', 'b')), dict.fromkeys('ab')
+    driven = read_joints(root, links, 'r.urdf')
+    joints = [*driven, *undriven_joints(root, links, 'r.urdf')]
+    assert [(j.type, j.parent, j.child) for j in joints] == [(kind, 'a', 'b')]
+    assert len(driven) == (kind != 'curvilinear')
     assert cliques(joints, 'ab') == [('a', 'b')]
 
 
@@ -221,9 +225,15 @@ def test_drakes_joints_connect_links(kind):
     [
         (JOINT.format('fixed', 'a', 'b'), "r.urdf:7: joint.j.: type 'fixed' is none of <drake:"),
         (JOINT.format('ball', 'a', 'x'), "r.urdf:7: joint.j..child: link 'x' is not in the file"),
+        (
+            JOINT.format('curvilinear', 'a', 'x'),
+            "r.urdf:7: joint.j..child: link 'x' is not in the file",
+        ),
         ('<drake:joint name="j" type="ball"><child link="b"/></drake:joint>', 'missing <parent'),
     ],
 )
 def test_a_bad_joint_of_drakes_is_refused(text, message):
+    root, links = drakes(text), dict.fromkeys('ab')
+    read = undriven_joints if 'curvilinear' in text else read_joints
     with pytest.raises(SceneFileError, match=message):
-        drakes_joints(drakes(text), 'ab', 'r.urdf')
+        read(root, links, 'r.urdf')

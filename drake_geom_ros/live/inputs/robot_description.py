@@ -1,4 +1,4 @@
-"""A robot from a latched topic: the URDF on ``robot_description_topic`` becomes a source.
+"""A robot from a latched topic: the URDF or SDF on ``robot_description_topic`` becomes a source.
 
 The source has the robot's name, its links are frames in the world that wait for their poses, and
 adjacent links are filtered, as when a URDF is loaded from a file. The same text again changes
@@ -24,6 +24,7 @@ from drake_geom_ros.scene_files import (
     hulls_in_words,
     read_scene,
     robot_name,
+    text_format,
     without_source,
 )
 
@@ -38,7 +39,10 @@ class RobotInput:
         self._srdf = ''
 
     def take(self, text: str) -> str:
-        """Take a URDF and return what became of it, for the log; raises RuntimeError for none."""
+        """Take a URDF or SDF, and return what became of it, for the log.
+
+        Raises RuntimeError for a text that is neither.
+        """
         with self._live.reading() as scene:
             if text == self._text and self._is_in(scene):
                 return ''
@@ -66,12 +70,18 @@ class RobotInput:
             raise
 
     def _read(self, text: str, srdf: str) -> SceneDescription:
-        """Return the robot that texts describe; a text has a line break, a path has none."""
-        files = self._live.files
-        return read_scene(
-            *(f'{text}\n', 'urdf', srdf and f'{srdf}\n', files.package_roots, files.folders),
+        """Return the robot that texts describe; a text has a line break, a path has none.
+
+        Its frames wait for their poses, whatever a file of SDFormat says, but those that the file
+        fixes to the world.
+        """
+        files, kind = self._live.files, text_format(text.encode(errors='surrogatepass'))
+        robot = read_scene(
+            *(f'{text}\n', kind, srdf and f'{srdf}\n', files.package_roots, files.folders),
             self._live.robot_options,
         )
+        frames = (f if f.welded else replace(f, X_PF=None) for f in robot.frames)
+        return replace(robot, frames=tuple(frames))
 
     def _put(self, text: str, *, strict: bool = False) -> str:
         """Put a robot into the scene, with the SRDF of its name.
@@ -91,7 +101,7 @@ class RobotInput:
             self._srdf, note = '', f', without its SRDF: {error}'
         if robot.warnings:
             note += f', {counted(len(robot.warnings), "warning")}'
-        (source,) = robot.sources
+        source = _name_of(text)
         with self._live.editing() as scene:
             self._refuse_same_name(source, scene)
             is_in = self._is_in(scene)
@@ -127,7 +137,7 @@ class RobotInput:
 
 
 def _name_of(text: str) -> str:
-    """Return the name of the robot of a URDF or an SRDF; raises RuntimeError for neither."""
+    """Return the name of the robot of a URDF, SDF or SRDF; raises RuntimeError for none."""
     return robot_name(text.encode(errors='surrogatepass'), '<text>')
 
 

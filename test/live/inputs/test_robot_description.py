@@ -229,3 +229,24 @@ def test_what_parameters_say_of_robots_holds_for_one_that_comes_by_topic(
         properties = scene.model.inspector.GetProximityProperties(geometry)
         assert properties.GetPropertyOrDefault('mesh', 'solid', False) is solid
         assert properties.GetProperty('proximity', 'padding') == padding
+
+
+SDF = """<sdf version="1.9"><model name="arm"><link name="base"><collision name="c"><geometry>
+<sphere><radius>0.1</radius></sphere></geometry></collision></link><link name="upper"><collision
+name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link><joint
+name="j" type="revolute"><parent>base</parent><child>upper</child><axis><xyz>0 0 1</xyz></axis>
+</joint></model></sdf>"""
+
+
+def test_a_model_of_sdformat_is_a_robot_whose_frames_wait(scene, robot):
+    assert "robot 'arm' added: 2 links, 2 shapes" in robot.take(SDF)
+    assert frames(scene) == {'room::table', 'arm::base', 'arm::upper'}
+    waiting = {scene.model.names.frame_names[f] for f in scene.query.waiting_frames()}
+    assert waiting == {'arm::base', 'arm::upper'}
+    assert 'replaces' in robot.take(SDF.replace('upper', 'lower'))
+
+
+def test_a_text_of_several_models_is_refused(scene, robot):
+    model = SDF[SDF.index('<model') : SDF.index('</sdf>')]
+    with pytest.raises(RuntimeError, match='2 models; a robot is one'):
+        robot.take(SDF.replace('</sdf>', f'{model.replace("arm", "other")}</sdf>'))
