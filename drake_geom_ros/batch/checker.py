@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.batch.evaluation import context_of
-from drake_geom_ros.batch.joints import Joints, chain_of_arms, still_poses
+from drake_geom_ros.batch.joints import Joints, chain_of_arms, poses_of_arms, still_poses
 from drake_geom_ros.batch.questions import Question
 from drake_geom_ros.geometry import (
     ArgumentError,
@@ -29,10 +29,11 @@ from drake_geom_ros.geometry.queries.joint_queries import (
     NO_STATE,
     OUTSIDE,
     JointQueries,
+    NearestPair,
 )
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
-from drake_geom_ros.geometry.queries.state_queries import default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import StateQueries, default_accuracy
 from drake_geom_ros.math.array_types import Floats
 
 _DOUBLES = np.dtype(np.float64)
@@ -83,9 +84,8 @@ class Checker:
         """Prepare the scene, and compile missing kernels.
 
         ``accuracy`` is a level, empty for the default of the scene. Raises ArgumentError for a
-        margin that is no number >= 0, for an unknown level, for a scene with padded geometries,
-        and if the joints move nothing that could collide; PoseError for frames that have no pose
-        or are not in this scene.
+        margin that is no number >= 0, for an unknown level, and if the joints move nothing that
+        could collide; PoseError for frames that have no pose or are not in this scene.
         """
         number = as_number(margin)
         if number is None or not 0.0 <= number < math.inf:
@@ -101,11 +101,6 @@ class Checker:
         self._scene, ids = PackedScene.of(
             context, joints.id_values, still_poses(joints.arms, joints.id_values)
         )
-        if self._scene.paddings.any():
-            raise ArgumentError(
-                "this scene has padded geometries, ('proximity', 'padding'), which a Checker does "
-                'not take into account: ask evaluate, or take the paddings away and give a margin'
-            )
         if not self._scene.has_moving_pairs():
             raise ArgumentError(
                 'these joints move no geometry that could collide with any other: each state '
@@ -143,14 +138,13 @@ class Checker:
         It is the smallest lower bound, distance minus error bound, negative for an overlap, and
         infinite without a pair. Limits of joints are ignored. Raises as ``free``.
         """
-        least = self._queries().least(self._state(q))
-        self._checked(least.verdict, q)
+        least = self._least(q)
         return least.distance - least.error_bound
 
     def nearest(self, q: ArrayLike) -> Clearance:
         """Return the pair with the smallest lower bound in a state (c,); raises as ``free``."""
-        least = self._queries().least(self._state(q))
-        if self._checked(least.verdict, q) == FREE:
+        least = self._least(q)
+        if least.verdict == FREE:
             return Clearance(math.inf, math.inf, 0.0, None, None, None, None)
         lower = least.distance - least.error_bound
         ids, names = self._ids, self._names
@@ -202,6 +196,29 @@ class Checker:
                 f'{self.margin:.6g} m: at least {near.lower_bound:.6g} m'
             )
         return ''
+
+    def _least(self, q: ArrayLike) -> NearestPair:
+        """Return the pair with the smallest lower bound in a state (c,); raises as ``free``."""
+        state = self._state(q)
+        least = self._queries().least(state)
+        self._checked(least.verdict, q)
+        return self._least_padded(state) if self._scene.paddings.any() else least
+
+    def _least_padded(self, state: Floats) -> NearestPair:
+        """Return the pair with the smallest lower bound of a padded scene in a state (1, c)."""
+        if not hasattr(self._own, 'by_poses'):
+            self._own.by_poses = StateQueries(self._scene)
+        poses, never = poses_of_arms(self.joints.arms, state), np.zeros(1, dtype=np.int64)
+        counts, found = self._own.by_poses.nearest(poses, self.accuracy, math.inf, 1, never)
+        if not counts[0]:
+            return NearestPair(FREE, math.inf, 0.0, 0, 0)
+        return NearestPair(
+            NEAR,
+            float(found.distance[0]),
+            float(found.error_bound[0]),
+            int(found.id_A[0]),
+            int(found.id_B[0]),
+        )
 
     def _queries(self) -> JointQueries:
         """Return this thread's queries; raises GeometryError after a change of the scene."""

@@ -6,14 +6,14 @@ import hashlib
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch.contacts import contact_columns
 from drake_geom_ros.batch.joint_gradients import joint_gradients
-from drake_geom_ros.batch.joints import Arm, poses_of_arms, still_poses
+from drake_geom_ros.batch.joints import Arm, chain_of_arms, poses_of_arms, still_poses
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     ArgumentError,
@@ -21,6 +21,7 @@ from drake_geom_ros.geometry import (
     PoseError,
     SceneGraphContext,
 )
+from drake_geom_ros.geometry.queries.joint_queries import NEAR, JointQueries
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.query_gradients import distance_gradients
 from drake_geom_ros.geometry.queries.state_queries import (
@@ -37,6 +38,7 @@ _OF_PAIRS = (
     *('distance', 'error_bound', 'method'),
     *('nhat_BA_W', 'is_nhat_BA_W_unique', 'p_WCa', 'p_WCb'),
 )
+_STATES = 256  # between two looks at the flag that stops
 _OF_POINTS = ('point_index', 'distance', 'error_bound', 'grad_W', 'is_grad_W_unique', 'p_GN')
 
 
@@ -93,6 +95,11 @@ class Question:
                 raise ArgumentError(f'points must be (m, 3), all finite; the shape is {shape}')
 
     @property
+    def margin(self) -> float | None:
+        """The margin of ``collision`` [m], None for overlaps alone."""
+        return self.max_distance if math.isfinite(self.max_distance) else None
+
+    @property
     def words(self) -> str:
         """The question in one line, equal for equal questions."""
         points = b'' if self.points is None else np.ascontiguousarray(self.points).tobytes()
@@ -101,6 +108,13 @@ class Question:
             f'{self.want} max_distance={self.max_distance!r} accuracy={self.accuracy} '
             f'count={self.count} points={named}{" by_joints" * self.by_joints}'
         )
+
+
+class JobQueries(NamedTuple):
+    """What answers a job, for one thread; see ``Job.queries``."""
+
+    by_poses: StateQueries
+    by_joints: JointQueries | None = None  # the faster way, for valid states only
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,9 +162,24 @@ class Job:
                 digest.update(np.ascontiguousarray(array).tobytes())
         return digest.hexdigest()
 
+    def queries(self) -> JobQueries:
+        """Return what answers the job, for one thread."""
+        question, margin = self.question, self.question.margin
+        by_poses = StateQueries(self.scene)
+        padded = margin is None and self.scene.paddings.any()
+        if question.want != 'collision' or not self.arms or padded:
+            return JobQueries(by_poses)
+        chain, columns = (
+            chain_of_arms(self.arms),
+            1 + max(int(arm.tree.leaders.max(initial=-1)) for arm in self.arms),
+        )
+        limits = np.array([[-math.inf], [math.inf]]).repeat(columns, axis=1)
+        by_joints = JointQueries(self.scene, chain, limits, question.accuracy, margin)
+        return JobQueries(by_poses, by_joints)
+
     def answer(
         self,
-        queries: StateQueries,
+        queries: JobQueries,
         states: Floats,
         stop: NDArray[np.int64],
         first: int = 0,
@@ -163,10 +192,14 @@ class Job:
         for an invalid state, with its number, counted from ``first``. The points of one state may
         be ``shared`` among all threads of the process.
         """
+        if queries.by_joints is not None:
+            collides = _collisions(queries.by_joints, states, stop)
+            if collides is not None:
+                return {'collision': collides}
         poses = poses_of_arms(self.arms, states) if self.arms else states
         try:
             rows = np.ascontiguousarray(poses, dtype=np.float64)
-            columns = self._answer(queries, rows, stop, shared)
+            columns = self._answer(queries.by_poses, rows, stop, shared)
         except StateError as error:
             number = first + error.number
             raise PoseError(f'State {number} was refused: {error}') from None
@@ -188,8 +221,8 @@ class Job:
     ) -> Columns:
         question = self.question
         if question.want == 'collision':
-            margin = question.max_distance if math.isfinite(question.max_distance) else None
-            return {'collision': queries.has_collisions(poses, question.accuracy, stop, margin)}
+            collides = queries.has_collisions(poses, question.accuracy, stop, question.margin)
+            return {'collision': collides}
         if question.want == 'points':
             assert question.points is not None
             points = np.ascontiguousarray(question.points, dtype=np.float64)
@@ -202,6 +235,22 @@ class Job:
         limits = question.accuracy, question.max_distance, question.count
         columns = _columns(queries.nearest(poses, *limits, stop))
         return columns if question.want == 'nearest' else _one_each(columns)
+
+
+def _collisions(
+    queries: JointQueries, states: Floats, stop: NDArray[np.int64]
+) -> NDArray[np.bool_] | None:
+    """Return which states (N, c) collide; None if one of them is invalid."""
+    rows = np.ascontiguousarray(states, dtype=np.float64)
+    collides = np.empty(len(rows), dtype=np.bool_)
+    for first in range(0, len(rows), _STATES):
+        if stop[0]:
+            raise InterruptedError(f'stopped after {first} of {len(rows)} states')
+        verdicts = queries.verdicts(rows[first : first + _STATES])
+        if (verdicts > NEAR).any():
+            return None
+        collides[first : first + _STATES] = verdicts == NEAR
+    return collides
 
 
 def _columns(answers: BlockAnswers) -> Columns:

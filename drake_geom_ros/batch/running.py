@@ -29,7 +29,6 @@ import numpy as np
 from drake_geom_ros.batch import worker
 from drake_geom_ros.batch.questions import Columns, Job
 from drake_geom_ros.geometry import GeometryError
-from drake_geom_ros.geometry.queries.state_queries import StateQueries
 
 Block = tuple[int, int]  # the first state, and the one after the last
 Done = tuple[Block, Columns]
@@ -77,7 +76,7 @@ def by_threads(job: Job, states: Any, blocks: Iterable[Block], threads: int = 0)
 
     def answer(block: Block) -> Done:
         if not hasattr(own, 'queries'):
-            own.queries = StateQueries(job.scene)
+            own.queries = job.queries()
         rows = np.asarray(states[block[0] : block[1]], dtype=np.float64)
         return block, job.answer(own.queries, rows, stop, block[0], shared=shared)
 

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch.questions import Columns, Job
-from drake_geom_ros.geometry.queries.state_queries import StateQueries
 
 # Columns of the answers, None if the worker lacks the job, or the text of a refusal.
 Answer = Columns | str | None
@@ -61,7 +60,7 @@ def answer(
     if cached is None:
         return None
     if getattr(_own, 'digest', None) != digest:
-        _own.digest, _own.queries = digest, StateQueries(cached.scene)
+        _own.digest, _own.queries = digest, cached.queries()
     return cached.answer(_own.queries, np.array(states, dtype=np.float64), _NEVER, first)
 
 

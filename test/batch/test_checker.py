@@ -178,24 +178,50 @@ def first_pose(cell, x):
     return poses
 
 
-@pytest.mark.parametrize('name', [('things', 'world', 'egg'), ('arm', 'base', 'collision_0')])
-@pytest.mark.parametrize('of_context', [False, True])
-def test_a_scene_with_padded_geometries_is_refused(own, name, of_context):
-    """It would say that a state is free which is not, by the padding."""
+def by_poses(cell, states, want, **arguments):
+    """Return what ``evaluate`` says of the poses of the links, without the joints."""
+    asked = {'frame_ids': cell.joints.frame_ids, 'poses': cell.joints.poses(states)}
+    return evaluate(cell.scene_graph, want=want, **asked, **arguments)
+
+
+@pytest.mark.parametrize('accuracy', ACCURACY_LEVELS)
+@pytest.mark.parametrize('margin', [np.inf, 0.0, 0.05])
+def test_collision_by_joints_is_that_by_poses(cell, accuracy, margin):
+    states = cell.states(300)
+    expected = by_poses(cell, states, 'collision', max_distance=margin, accuracy=accuracy)
+    assert accuracy == 'bound' or 0 < expected.sum() < len(expected)
+    np.testing.assert_array_equal(collides(cell, states, margin, accuracy), expected)
+
+
+def pad(cell, name, padding):
     properties = ProximityProperties()
-    properties.AddProperty('proximity', 'padding', 0.01)
-    source, geometry = own.loaded.sources[name[0]], own.loaded.geometries[name]
-    before = Checker(own.scene_graph, own.joints)
-    own.scene_graph.AssignRole(source, geometry, properties, RoleAssign.kReplace)
+    if padding:
+        properties.AddProperty('proximity', 'padding', padding)
+    source, geometry = cell.loaded.sources[name[0]], cell.loaded.geometries[name]
+    cell.scene_graph.AssignRole(source, geometry, properties, RoleAssign.kReplace)
+
+
+@pytest.mark.parametrize('accuracy', ACCURACY_LEVELS)
+@pytest.mark.parametrize('margin', [0.0, 0.05])
+@pytest.mark.parametrize('name', [('things', 'world', 'egg'), ('arm', 'base', 'collision_0')])
+def test_a_padded_scene_is_answered_as_by_evaluate(own, name, accuracy, margin):
+    before, states = Checker(own.scene_graph, own.joints), own.states(200)
+    pad(own, name, 0.1)
     with pytest.raises(GeometryError, match=CHANGED):
-        before.free(own.states(1)[0])
-    asked = own.scene_graph.CreateDefaultContext() if of_context else own.scene_graph
-    with pytest.raises(ArgumentError, match=r"padded geometries, \('proximity', 'padding'\)"):
-        Checker(asked, own.joints)
-    own.scene_graph.AssignRole(source, geometry, ProximityProperties(), RoleAssign.kReplace)
-    states = own.states(20)
-    found = Checker(own.scene_graph, own.joints).free_each(states)
-    np.testing.assert_array_equal(found, ~collides(own, states, 0.0))
+        before.free(states[0])
+    checker = Checker(own.scene_graph, own.joints, margin, accuracy=accuracy)
+    asked = {'max_distance': margin, 'accuracy': accuracy}
+    expected = by_poses(own, states, 'collision', **asked)
+    np.testing.assert_array_equal(checker.free_each(states), ~expected)
+    np.testing.assert_array_equal(collides(own, states, margin, accuracy), expected)
+    least = by_poses(own, states, 'least', accuracy=accuracy)
+    np.testing.assert_array_equal(
+        [checker.clearance(q) for q in states], least.distance - least.error_bound
+    )
+    if name[0] == 'things' and accuracy != 'bound':
+        pad(own, name, 0.0)
+        plain = Checker(own.scene_graph, own.joints, margin).free_each(states)
+        assert (plain & expected).any()
 
 
 @pytest.mark.parametrize(

@@ -16,9 +16,11 @@ from drake_geom_ros.geometry._proximity.states.joint_checks import (
 )
 from drake_geom_ros.geometry._proximity.states.joint_loops import JointLoops
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
+from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.queries.half_space_states import HalfSpaceStates
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
+from drake_geom_ros.geometry.queries.padding import PADDED_ROUNDING
 from drake_geom_ros.math.array_types import Floats
 
 # Verdicts on a state; see ``JointQueries.verdict``.
@@ -39,13 +41,21 @@ class JointQueries:
     """Queries by joint values on a packed scene, without the GIL; each thread needs its own.
 
     ``chain`` computes the poses of the scene's moved frames, in their order, from the c values of
-    a state; ``limits`` (2, c) are the limits of the values. Every answer equals, to the bit, that
-    of ``StateQueries`` for these poses.
+    a state; ``limits`` (2, c) are the limits of the values. A state is near if a pair may be
+    within the ``margin`` [m] or, with None, overlaps. Every answer equals, to the bit, that of
+    ``StateQueries`` for these poses. Raises ArgumentError for padded geometries without a margin.
     """
 
     def __init__(
-        self, scene: PackedScene, chain: JointChain, limits: Floats, accuracy: str, margin: float
+        self,
+        scene: PackedScene,
+        chain: JointChain,
+        limits: Floats,
+        accuracy: str,
+        margin: float | None,
     ) -> None:
+        if margin is None and scene.paddings.any():
+            raise ArgumentError('an overlap of padded geometries has no check by joint values')
         chain = chain._replace(X_WLs=chain.X_WLs.copy())  # scratch of this thread alone
         self._loops = JointLoops(
             scene.world(),
@@ -55,8 +65,10 @@ class JointQueries:
             limits,
             GAPS_OF_LEVELS[accuracy],
             margin,
+            scene.paddings,
+            PADDED_ROUNDING,
         )
-        self._half_spaces, self._margin = HalfSpaceStates.of(scene, chain), margin
+        self._half_spaces, self._margin = HalfSpaceStates.of(scene, chain), margin or 0.0
         # Bound here, since a method around it would cost a tenth of a microsecond.
         self.verdict = self._loops.verdict  # of one state (1, c), as ``verdicts``
         if self._half_spaces is not None:
@@ -76,7 +88,10 @@ class JointQueries:
         return verdicts
 
     def least(self, state: Floats) -> NearestPair:
-        """Return the pair with the smallest lower bound in a state (1, c); limits are ignored."""
+        """Return the pair with the smallest lower bound in a state (1, c); limits are ignored.
+
+        Paddings are ignored, too.
+        """
         nearest = NearestPair(*self._loops.least(state))
         if self._half_spaces is None or nearest.verdict not in (FREE, NEAR):
             return nearest

@@ -57,7 +57,7 @@ from drake_geom_ros.geometry.model._records import is_map, padding_of
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
 from drake_geom_ros.math.array_types import Floats, Indices
 
-_ROUNDED = 8.0  # sums and products, each rounded by EPS of what is added
+PADDED_ROUNDING = 8.0 * EPS  # sums and products, each rounded by EPS of what is added
 
 
 class Paddings(NamedTuple):
@@ -133,7 +133,7 @@ def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World)
     ):
         padded[:, column : column + 3] += step * nhat
     distance = padded[:, DISTANCE]
-    slack = _ROUNDED * EPS * (np.abs(distance) + total)
+    slack = PADDED_ROUNDING * (np.abs(distance) + total)
     distance -= total
     padded[:, ERROR_BOUND] += slack
     padded[:, PROMISED] += slack
@@ -188,7 +188,7 @@ def padded_points(
 def padded_point_rows(rows: Floats, places: Indices, paddings: Paddings) -> tuple[Floats, Floats]:
     """Return rows of points with the distances to padded bodies, and the paddings (k,)."""
     rows, radii = rows.copy(), paddings.radii[places]
-    slack = _ROUNDED * EPS * (np.abs(rows[:, POINT_DISTANCE]) + radii)
+    slack = PADDED_ROUNDING * (np.abs(rows[:, POINT_DISTANCE]) + radii)
     rows[:, POINT_DISTANCE] -= radii
     rows[:, POINT_ERROR_BOUND] += slack
     return rows, radii

@@ -16,7 +16,7 @@ from typing import Annotated, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND, SEEN
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import separation_of_aabbs
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
@@ -32,6 +32,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
 )
 from drake_geom_ros.geometry._proximity.runtime.views import row, table
 from drake_geom_ros.geometry._proximity.states.certified import (
+    lower_end,
     may_be_within,
     most_below,
     nearest_pairs,
@@ -53,7 +54,12 @@ OUTSIDE = 2  # a joint is beyond its limits
 NO_STATE = 3  # a value is not finite
 NO_POSE = 4  # a link would have no valid pose
 
-GAP, MARGIN = 0, 1  # places of ``parameters``
+# Places of ``parameters``.
+GAP, MARGIN = 0, 1
+OVERLAPS = 2  # 1: a pair is near if it overlaps, whatever the margin
+WIDEST = 3  # [m] the largest padding of a pair
+ROUNDED = 4  # [-] rounding of a padded distance, by its size and the padding's; 0 without padding
+PARAMETERS = 5
 
 Floats: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.int64]
@@ -83,6 +89,7 @@ class CheckArrays(NamedTuple):
     Xs: Rows  # (n, POSE_WIDTH) scratch
     world: HandleField
     pairs: IndexPairs  # (k, 2)
+    paddings: Reals  # [m] of geometries
     movers: Integers  # the groups that move
     # Groups.
     firsts: Integers
@@ -95,7 +102,7 @@ class CheckArrays(NamedTuple):
     separations: Reals
     # The parameters of the check, and scratch.
     kernels: HandleField
-    parameters: Reals  # (2,) GAP, MARGIN
+    parameters: Reals  # (PARAMETERS,)
     bounds: Reals  # (k,)
     order: Integers  # (k,)
     last: Integers  # (1,) the pair of groups that was near, -1: none
@@ -159,16 +166,35 @@ def limits_verdict(q: Floats, lower: Floats, upper: Floats) -> int:
 
 
 @inlined
+def _is_near(checks: CheckArrays, hit_count: int, k: int, overlaps: bool) -> bool:
+    """Return whether a pair, just answered, overlaps, or may be within the margin [m].
+
+    A padded distance is smaller by both paddings; see ``padded_rows``.
+    """
+    if overlaps:
+        return hit_count > 0
+    out, parameters = checks.memory[0], checks.parameters
+    padding = checks.paddings[checks.pairs[k, 0]] + checks.paddings[checks.pairs[k, 1]]
+    if padding == 0.0 and parameters[ROUNDED] == 0.0:
+        return may_be_within(hit_count, out, parameters[MARGIN])
+    if hit_count > 0 and out[SEEN] < 0.0:
+        return True
+    if math.isinf(lower_end(out)):
+        return False
+    error_bound = out[ERROR_BOUND] + parameters[ROUNDED] * (abs(out[DISTANCE]) + padding)
+    return (out[DISTANCE] - padding) - error_bound <= parameters[MARGIN]
+
+
+@inlined
 def _any_near_of(
     checks: CheckArrays,
     groups: Groups,
     world: WorldArrays,
     m: int,
     query: tuple[float, float, bool],
-    margin: float,
 ) -> bool:
-    """Return whether any pair between two groups may be within the margin [m]."""
-    _, most, _ = query
+    """Return whether any pair between two groups is near."""
+    _, most, overlaps = query
     pairs, order, memory = checks.pairs, checks.order, checks.memory
     groups.separations[m] = separation_of_aabbs(
         groups.centres, groups.halves, groups.pairs[m, 0], groups.pairs[m, 1]
@@ -191,7 +217,7 @@ def _any_near_of(
             checks.hits,
             checks.counts,
         )
-        if may_be_within(hit_count, memory[0], margin):
+        if _is_near(checks, hit_count, k, overlaps):
             return True
     return False
 
@@ -207,18 +233,22 @@ def _verdict(checks: CheckArrays, q: Floats) -> int:
     if not pose_state(row(checks.poses, 0), checks.rows, checks.Xs, posed):
         return NO_POSE
     world, groups = world_of(checks.world), _groups_of(checks)
-    gap, margin = checks.parameters[GAP], checks.parameters[MARGIN]
+    gap, overlaps = checks.parameters[GAP], checks.parameters[OVERLAPS] > 0.0
     for m in range(checks.movers.size):
         put_box(groups, world, checks.movers[m])
-    most = margin + most_below(gap, world)
-    query, last = (gap, most, False), checks.last[0]
+    most, widest = 0.0, checks.parameters[WIDEST]
+    if not overlaps:
+        most = checks.parameters[MARGIN] + most_below(gap, world)
+        if widest > 0.0:
+            most += widest + 4.0 * checks.parameters[ROUNDED] * (most + widest)
+    query, last = (gap, most, overlaps), checks.last[0]
     # Groups that were near usually still are.
-    if last >= 0 and _any_near_of(checks, groups, world, last, query, margin):
+    if last >= 0 and _any_near_of(checks, groups, world, last, query):
         return NEAR
     for m in range(groups.separations.size):
         if m == last or plainly_apart(groups, m, most):
             continue
-        if _any_near_of(checks, groups, world, m, query, margin):
+        if _any_near_of(checks, groups, world, m, query):
             checks.last[0] = m
             return NEAR
     return FREE
@@ -228,7 +258,8 @@ def _verdict(checks: CheckArrays, q: Floats) -> int:
 def check_states(handle: Handle, states: Floats, verdicts: Indices) -> int:
     """Write the verdict about each state (N, c) to ``verdicts`` (N,), and return the last.
 
-    NEAR unless every pair is certified to be farther apart than the margin, as in ``any_near``.
+    NEAR unless every pair is certified to be farther apart than the margin, as in ``any_near``;
+    for OVERLAPS, if a pair overlaps, as in ``any_overlap``.
     """
     checks, verdict = _checks_of(handle), FREE
     for s in range(states.shape[0]):

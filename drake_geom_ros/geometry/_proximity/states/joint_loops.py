@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.states.groups import (
     put_boxes_of,
 )
 from drake_geom_ros.geometry._proximity.states.joint_checks import (
+    PARAMETERS,
     CheckArrays,
     check_states,
     least_of_state,
@@ -51,8 +52,15 @@ class JointLoops:
         chain: JointChain,
         limits: Floats,
         gap: float,
-        margin: float,
+        margin: float | None,
+        paddings: Floats,
+        rounded: float,
     ) -> None:
+        """Take arrays that must not change.
+
+        Without a ``margin`` [m] states are near if a pair overlaps. ``paddings`` (n,) [m] enlarge
+        the geometries for a margin; ``rounded`` is the rounding [-] of a distance of theirs.
+        """
         if gap < np.inf:
             compile_rows(table_rows(*world.geometries.types[pairs].T))
         world.update()
@@ -61,7 +69,10 @@ class JointLoops:
         put_boxes_of(tuple(groups), world.handle)
         self._world = world  # kept alive, since the handle refers to its arrays
         self._arrays = _arrays(world, pairs, rows, chain, limits, groups, numbers)
-        self._arrays.parameters[:] = gap, margin
+        widest = 2.0 * float(paddings.max(initial=0.0))
+        values = gap, margin or 0.0, margin is None, widest, rounded if widest > 0.0 else 0.0
+        self._arrays.parameters[:] = values
+        self._arrays.paddings[:] = paddings
         self._handle = handle_of(self._arrays)
         self._verdict = np.zeros(1, dtype=np.int64)  # scratch for one
 
@@ -104,6 +115,7 @@ def _arrays(
         Xs=np.empty((count, POSE_WIDTH)),
         world=world.handle,
         pairs=pairs,
+        paddings=np.zeros(world.geometry_count),
         movers=movers.astype(np.int64),
         firsts=groups.firsts,
         members=groups.members,
@@ -114,7 +126,7 @@ def _arrays(
         halves=groups.halves,
         separations=groups.separations,
         kernels=ADDRESSES,
-        parameters=np.zeros(2),
+        parameters=np.zeros(PARAMETERS),
         bounds=np.empty(most),
         order=np.empty(most, dtype=np.int64),
         last=np.full(1, -1, dtype=np.int64),
