@@ -52,7 +52,7 @@ class Side:
         return len(arrays[0])
 
     def _candidates(self) -> int:
-        return len(self.query.collision_candidates())
+        return len(self.query.FindCollisionCandidates())
 
     def _distances(self, most: float) -> int:
         pairs = self.query.ComputeSignedDistancePairwiseClosestPoints(most)

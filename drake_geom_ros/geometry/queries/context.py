@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -10,11 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._proximity.engine.warm_up import warm_up
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation
-from drake_geom_ros.geometry.ids import SourceId
+from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_content import SceneHolder
 from drake_geom_ros.geometry.queries.context_state import ContextState
+from drake_geom_ros.geometry.queries.prepared_query import Asked, PreparedQuery
 from drake_geom_ros.math.array_types import Floats, Indices
 
 _Context = TypeVar('_Context', bound='SceneGraphContext')
@@ -111,6 +115,46 @@ class SceneGraphContext(SceneHolder):
         """
         self._state.pose_frames(poses)
 
+    def prepare(
+        self,
+        frame_ids: Sequence[FrameId] | NDArray[np.integer],
+        what: Asked,
+        *,
+        max_distance: float = math.inf,
+        accuracy: str | None = None,
+    ) -> PreparedQuery:
+        """Return a call from poses X_PF (n, 7) of n frames to the answer of a query.
+
+        ``what`` is ``'penetrations'``, ``'distances'`` (up to ``max_distance`` [m]) or
+        ``'collision'``. The call poses these frames, of any source, and answers as
+        ``ComputePointPairPenetration``, ``ComputeSignedDistancePairwiseClosestPoints`` and
+        ``HasCollisions`` do, with the same bits, in fewer steps: this counts in cycles after other
+        work. It sees later changes of the context. ``accuracy`` is a level, None for the default
+        of now. Raises ArgumentError for another ``what`` or an invalid argument, and for a context
+        of AutoDiffXd, and PoseError for a frame that is listed twice.
+
+            >>> scene_graph = SceneGraph()
+            >>> source_id = scene_graph.RegisterSource('balls')
+            >>> frame_ids = []
+            >>> for name in 'ab':
+            ...     frame_ids.append(scene_graph.RegisterFrame(source_id, GeometryFrame(name)))
+            ...     ball = GeometryInstance(RigidTransform(), Sphere(0.1), name)
+            ...     ball.set_proximity_properties(ProximityProperties())
+            ...     _ = scene_graph.RegisterGeometry(source_id, frame_ids[-1], ball)
+            >>> context = scene_graph.CreateDefaultContext()
+            >>> distances = context.prepare(frame_ids, 'distances', max_distance=1.0)
+            >>> distances([[0, 0, 0, 0, 0, 0, 1], [0, 0, 0.5, 0, 0, 0, 1]]).distance.tolist()
+            [0.3]
+        """
+        if self.scalar != 'float':
+            raise ArgumentError(
+                f'prepare was asked of a context of {self.scalar}; it has no derivatives: '
+                'ask a query object, or a context of a SceneGraph'
+            )
+        values = FramePoseVector.FromArrays(frame_ids, _at_origin(len(frame_ids))).id_values()
+        ids = values.copy()
+        return PreparedQuery(self, self._state, ids, what, accuracy, max_distance)
+
     def X_WFs(self, ids: ArrayLike) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """Return R_WF (k, 3, 3) and p_WF (k, 3) [m] of frames by the values (k,) of their ids.
 
@@ -118,6 +162,11 @@ class SceneGraphContext(SceneHolder):
         of the others are meaningless. Raises UnknownIdError for an id that is no frame here.
         """
         return self._state.X_WFs(ids)
+
+
+def _at_origin(count: int) -> Floats:
+    """Return poses (n, 7) at the origin."""
+    return np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count, 1))
 
 
 def state_of(context: SceneGraphContext) -> ContextState:

@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.world.row_change import RowChange
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.queries.contact_bodies import ContactBodies, contact_bodies
 from drake_geom_ros.geometry.queries.half_space_pairs import (
@@ -58,6 +59,13 @@ class _VersionedPaddings(NamedTuple):
     paddings: Paddings | None
 
 
+class _GeometryIds(NamedTuple):
+    """Ids of geometries as objects, and the array of the values that they were made of."""
+
+    values: Indices | None
+    ids: NDArray[np.object_]
+
+
 class _HalfSpaces(NamedTuple):
     """The unfiltered pairs of half spaces (k, 2) by places, and the versions they belong to."""
 
@@ -94,6 +102,7 @@ class ContextState(PosedScene):
         self.prepared_motions = PreparedMotions()
         self._snapshot: Model | None = None
         self._padded = _VersionedPaddings(None, None)
+        self._ids = _GeometryIds(None, np.empty(0, dtype=np.object_))
         self._waiting_pairs = _WaitingPairs(None, 0)
         self._half_spaces = _HalfSpaces(None, NO_PAIRS)
         self._contact_bodies: ContactBodies | None = None
@@ -195,6 +204,15 @@ class ContextState(PosedScene):
         world = self.posed_world()
         know_point_shapes(world, self.model)
         return world
+
+    def geometry_ids(self) -> NDArray[np.object_]:
+        """Return the ids (n,) of the geometries of the world, which are never changed."""
+        values = self.up_to_date_world().geometries.ids
+        if self._ids.values is not values:
+            ids = np.empty(len(values), dtype=np.object_)
+            ids[:] = [GeometryId(value) for value in values.tolist()]
+            self._ids = _GeometryIds(values, ids)
+        return self._ids.ids
 
     def paddings(self) -> Paddings | None:
         """Return the cached paddings of the geometries, None if there are none."""

@@ -27,6 +27,7 @@ from drake_geom_ros.geometry.queries.half_space_pairs import HalfSpaceGaps
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
 from drake_geom_ros.geometry.queries.motion_checks import MotionChecks
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_pairs, padded_points
+from drake_geom_ros.geometry.queries.prepared_query import PreparedQuery
 from drake_geom_ros.geometry.queries.query_records import SignedDistancePair
 from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
@@ -346,9 +347,13 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         Two half spaces are separated if they are opposed with a gap above rounding. The pairs are
         the same at each ``accuracy``; an unknown name raises ArgumentError.
         """
-        self._state.level(accuracy)
-        ids_A, ids_B = self.collision_candidates().T.tolist()
-        return [(GeometryId(a), GeometryId(b)) for a, b in zip(ids_A, ids_B, strict=True)]
+        state = self._state
+        state.level(accuracy)
+        world, places = self._candidates()
+        if len(state.endless_overlaps().ids):
+            places = world.geometry_rows(self.collision_candidates())
+        ids = state.geometry_ids()
+        return list(zip(ids[places[:, 0]].tolist(), ids[places[:, 1]].tolist(), strict=True))
 
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
@@ -402,6 +407,9 @@ class QueryObject(ImageQueries, MotionChecks, ContactQueries):
         if paddings:
             batch = padded_points(batch, paddings, world, p_WQs, reach)
         return PointDistanceResults(batch, world.kept_poses(), p_WQs, paddings is not None)
+
+
+PreparedQuery.query_type = QueryObject
 
 
 def _checked_distance(name: str, value: float) -> float:
