@@ -6,7 +6,7 @@ import hashlib
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,11 +110,19 @@ class Question:
         )
 
 
-class JobQueries(NamedTuple):
-    """What answers a job, for one thread; see ``Job.queries``."""
+class JobQueries:
+    """What answers a job, for one thread; see ``Job.queries``.
 
-    by_poses: StateQueries
-    by_joints: JointQueries | None = None  # the faster way, for valid states only
+    ``by_joints`` is the faster way, for valid states only; None: it cannot answer.
+    """
+
+    def __init__(self, scene: PackedScene, by_joints: JointQueries | None = None) -> None:
+        self._scene, self.by_joints = scene, by_joints
+
+    @cached_property
+    def by_poses(self) -> StateQueries:
+        """The way for all states, made when it is first needed."""
+        return StateQueries(self._scene)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,17 +173,16 @@ class Job:
     def queries(self) -> JobQueries:
         """Return what answers the job, for one thread."""
         question, margin = self.question, self.question.margin
-        by_poses = StateQueries(self.scene)
         padded = margin is None and self.scene.paddings.any()
         if question.want != 'collision' or not self.arms or padded:
-            return JobQueries(by_poses)
+            return JobQueries(self.scene)
         chain, columns = (
             chain_of_arms(self.arms),
             1 + max(int(arm.tree.leaders.max(initial=-1)) for arm in self.arms),
         )
         limits = np.array([[-math.inf], [math.inf]]).repeat(columns, axis=1)
         by_joints = JointQueries(self.scene, chain, limits, question.accuracy, margin)
-        return JobQueries(by_poses, by_joints)
+        return JobQueries(self.scene, by_joints)
 
     def answer(
         self,
