@@ -36,6 +36,11 @@ PathLike = str | os.PathLike[str]
 
 FORMATS = ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd')
 _XML_SUFFIXES = ('.urdf', '.sdf', '.world')
+_MESH_SUFFIXES = ('.obj', '.stl', '.ply', '.gltf', '.glb', '.off', '.3mf', '.vtk')
+_MESH = (
+    'this is a mesh; a scene file names it: '
+    'geometries: [{{name: part, shape: {{type: mesh, uri: {}}}}}]'
+)
 _NO_OPTIONS = RobotOptions()
 
 
@@ -88,6 +93,8 @@ def read_scene(
         return _urdf_scene(data, file, folder, path, srdf, resolver, options)
     if not text and (reason := stand_in(data)):
         raise SceneFileError(reason, file)
+    if not text and not format and file.lower().endswith(_MESH_SUFFIXES):
+        raise SceneFileError(_MESH.format(Path(file).name), file)
     if srdf:
         raise SceneFileError('srdf is only for a URDF; in YAML a robot has the key `srdf`', file)
     if format == 'dmd' or (not format and is_directives(data, '' if text else file)):
