@@ -42,6 +42,7 @@ _SECTIONS = (
     ('Sets of geometries', 'set'),
     ('Cameras', 'camera'),
     ('Proximity rules', 'proximity_rule'),
+    ('Obstacle sources', 'obstacle_source'),
 )
 # Keys whose value is a mapping with keys of its own.
 _PARTS = {'roles': 'Roles', 'group': 'Group', 'clique': 'Clique'}
@@ -67,6 +68,7 @@ _KINDS = {
     'camera': '[camera](#cameras)',
     'frame_name': 'text',
     'proximity_rule': '[proximity rule](#proximity-rules)',
+    'obstacle_source': '[obstacle source](#obstacle-sources)',
     'patterns': 'text, or list of texts',
 }
 

@@ -7,7 +7,13 @@ from pathlib import Path
 
 from drake_geom_ros.command_line.standard_input import STANDARD_INPUT, bytes_of
 from drake_geom_ros.geometry import SceneGraph
-from drake_geom_ros.scene_files import LoadedScene, SceneDescription, read_scene, register
+from drake_geom_ros.scene_files import (
+    LoadedScene,
+    SceneDescription,
+    read_scene,
+    register,
+    sensors_left_out,
+)
 from drake_geom_ros.scene_files.yaml_text import text_of
 
 
@@ -42,7 +48,8 @@ def read_and_warn(
     if path == STANDARD_INPUT:
         text = text_of(bytes_of(path), path) + '\n'  # a line break: no path
     description = read_scene(text, srdf=srdf, package_roots=package_roots)
-    for warning in description.warnings:
+    sensors = sensors_left_out(description.obstacle_sources)
+    for warning in filter(None, (*description.warnings, sensors)):
         print(f'warning: {warning}', file=sys.stderr)
     return description
 

@@ -19,6 +19,7 @@ EVENTS = 'drake_geom_msgs/msg/ProximityEvents'
 CLOCK = 'rosgraph_msgs/msg/Clock'
 CLOUD = 'sensor_msgs/msg/PointCloud2'
 IMAGE = 'sensor_msgs/msg/Image'
+SCAN = 'sensor_msgs/msg/LaserScan'
 OCTOMAP = 'octomap_msgs/msg/Octomap'
 
 _ENCODINGS = 'ros2msg', 'ros2idl', 'omgidl', 'unknown', ''  # the last two use ROS's definitions

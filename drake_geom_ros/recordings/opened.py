@@ -11,7 +11,7 @@ from drake_geom_ros.recordings.playback import Playback
 from drake_geom_ros.recordings.recorded_maps import maps_in
 from drake_geom_ros.recordings.recording import Recording
 from drake_geom_ros.recordings.recording_topics import Topics, no_robot_reason, roles_of
-from drake_geom_ros.scene_files import SceneDescription, read_scene
+from drake_geom_ros.scene_files import ObstacleSource, SceneDescription, read_scene
 
 _ROBOT = 'robot_description'
 
@@ -67,7 +67,14 @@ def opened_recording(
         playback.note(f'{missing}, which moves a robot, was not recorded', recording.begin)
     roles = roles_of(recording.topics, topics, robots)
     roles = {topic: role for topic, role in roles.items() if topic not in silent}
-    return Opened(recording, playback, roles, maps_in(recording.topics, topics))
+    sensors = () if scene is None else map(_topic_of, scene.obstacle_sources)
+    maps = maps_in(recording.topics, topics, sensors)
+    return Opened(recording, playback, roles, maps)
+
+
+def _topic_of(source: ObstacleSource) -> str:
+    """Return the topic of a source, of a node that is called as usual."""
+    return source.topic.replace('~/', '/scene_graph/')
 
 
 def _silent_clocks(recording: Recording, roles: dict[str, str]) -> list[str]:

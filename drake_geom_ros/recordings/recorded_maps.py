@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.recordings.errors import RecordingError
-from drake_geom_ros.recordings.message_types import CLOUD, IMAGE, OCTOMAP
+from drake_geom_ros.recordings.message_types import CLOUD, IMAGE, OCTOMAP, SCAN
 from drake_geom_ros.recordings.raw_messages import RecordedTopic
 from drake_geom_ros.recordings.recording_topics import Topics, few_of
 
-_SENSED = (CLOUD, IMAGE, OCTOMAP)  # types of messages from which a node makes maps
+_SENSED = (CLOUD, IMAGE, OCTOMAP, SCAN)  # types of messages from which a node makes maps
 
 
-def maps_in(recorded: Sequence[RecordedTopic], topics: Topics) -> tuple[str, ...]:
+def maps_in(
+    recorded: Sequence[RecordedTopic], topics: Topics, of_scene: Iterable[str] = ()
+) -> tuple[str, ...]:
     """Return the topics from which a node made maps, or may have, since it remaps its inputs.
 
-    Raises RecordingError for a named topic that was not recorded, or is of another type.
+    ``of_scene`` are those of the scene's obstacle sources, recorded or not. Raises RecordingError
+    for a named topic that was not recorded, or is of another type.
     """
     if topics.obstacles is None:
         candidates = [topic.name for topic in recorded if _may_be_of_maps(topic)]
-        return tuple(dict.fromkeys(candidates))
+        return tuple(dict.fromkeys((*candidates, *map(topics.full, of_scene))))
     named = tuple(topics.full(name) for name in topics.obstacles.split(',') if name)
     by_name = {topic.name: topic for topic in recorded}
     like = [topic.name for topic in recorded if topic.type in _SENSED]
@@ -51,4 +54,5 @@ def maps_remark(maps: Sequence[str]) -> str:
 
 def _may_be_of_maps(topic: RecordedTopic) -> bool:
     is_image = topic.type == IMAGE
-    return topic.type in _SENSED and (not is_image or 'depth' in topic.name)
+    may_be = topic.type in _SENSED and topic.type != SCAN  # of scans only what a scene names
+    return may_be and (not is_image or 'depth' in topic.name)

@@ -60,6 +60,7 @@ from drake_geom_ros.ros.surface import (
     transforms,
 )
 from drake_geom_ros.ros.tf_listening import listen_to_tf
+from drake_geom_ros.scene_files import ObstacleSource
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -85,6 +86,7 @@ class ConfiguredNode:
         guard: Guard,
         diagnostics: Diagnostics,
         live: LiveScene,
+        obstacle_sources: Mapping[str, ObstacleSource],
     ) -> None:
         """Open everything on ``surface``, which the caller closes where this raises."""
         self.live = live
@@ -138,7 +140,7 @@ class ConfiguredNode:
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values, publishers['~/point_distances'])
-        self._listen(settings.values)
+        self._listen(settings.values, obstacle_sources)
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None
@@ -230,7 +232,9 @@ class ConfiguredNode:
         receivers = topics.Receivers(self._stream, points, RobotInput(self.live), log)
         topics.subscribe(self._surface, self._guard, self._groups, values, receivers)
 
-    def _listen(self, values: NodeParameters) -> None:
+    def _listen(
+        self, values: NodeParameters, obstacle_sources: Mapping[str, ObstacleSource]
+    ) -> None:
         """Listen to TF, joint states and sensors, whose topics depend on parameters and robots."""
         surface, stream, guard = self._surface, self._stream, self._guard
         group, clocks = self._groups.stream, self.live.clocks
@@ -238,7 +242,7 @@ class ConfiguredNode:
             stream.inputs.tf = listen_to_tf(surface, stream, guard, group, clocks)
         self._joints = JointListening(surface, stream, guard, group, clocks, values)
         self._obstacles = ObstacleListening(
-            surface, self.live, stream, guard, self._groups, self._settings
+            surface, self.live, stream, guard, self._groups, self._settings, obstacle_sources
         )
 
     def _open_services(self, profile: QoSProfile) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.live.guard import Guard
-from drake_geom_ros.live.inputs.obstacle_records import DEPTH, OCTOMAP, POINTS, ObstacleSettings
+from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
+from drake_geom_ros.live.inputs.obstacle_sources import age_limits, camera_info_of, settings_of
 from drake_geom_ros.live.inputs.obstacles import ObstacleInput
 from drake_geom_ros.live.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.live.pose_stream import PoseStream
@@ -20,15 +21,31 @@ from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
 from drake_geom_ros.ros.sensing.process import SensingProcess
-from drake_geom_ros.ros.sensing.protocol import CAMERA, CLOUD, IMAGE, SENSORS, SensorTopic, Task
-from drake_geom_ros.ros.surface import Surface
-
-# What a process of its own listens to: of which map, what comes there, and the topic.
-_SENSED = (
-    (POINTS, CLOUD, f'~/obstacles/{POINTS}'),
-    (DEPTH, CAMERA, f'~/obstacles/{DEPTH}/camera_info'),
-    (DEPTH, IMAGE, f'~/obstacles/{DEPTH}/image_rect_raw'),
+from drake_geom_ros.ros.sensing.protocol import (
+    CAMERA,
+    CLOUD,
+    IMAGE,
+    SCAN,
+    SENSORS,
+    SensorTopic,
+    Task,
 )
+from drake_geom_ros.ros.surface import Surface
+from drake_geom_ros.scene_files import (
+    DEPTH_IMAGE,
+    LASER_SCAN,
+    OCTOMAP,
+    POINT_CLOUD,
+    ObstacleSource,
+)
+
+
+def _sensed(source: ObstacleSource) -> list[tuple[str, str]]:
+    """Return what a process of its own listens to: what comes there, and the topic."""
+    if source.type == DEPTH_IMAGE:
+        return [(CAMERA, camera_info_of(source.topic)), (IMAGE, source.topic)]
+    kinds = {POINT_CLOUD: CLOUD, LASER_SCAN: SCAN}
+    return [(kinds[source.type], source.topic)] if source.type in kinds else []
 
 
 class ObstacleListening:
@@ -42,28 +59,41 @@ class ObstacleListening:
         guard: Guard,
         groups: CallbackGroups,
         settings: ParameterStore,
+        sources: Mapping[str, ObstacleSource],
     ) -> None:
-        """Open them; where a map of the scene changed, a cycle runs."""
+        """Open the sources by name; where a map of the scene changed, a cycle runs."""
         self._surface, self._guard, self._group = surface, guard, groups.obstacles
         answer = partial(guard.attempt, stream.map_has_changed)
         changed = surface.wake(answer, groups.stream)
-        names = settings.values.obstacles
 
         def now() -> ObstacleSettings:
             return obstacle_settings(settings.values)
 
+        def told_apart(name: str) -> float:
+            source = sources.get(name)
+            if source is None or source.type == OCTOMAP:
+                return 0.0
+            return settings_of(source, now()).told_apart
+
         hanging = SensorFrames(lambda: stream.inputs.tf)
-        self.inputs = {n: ObstacleInput(n, live, now, hanging, changed) for n in names}
+
+        def input_of(source: ObstacleSource) -> ObstacleInput:
+            return ObstacleInput(
+                source, live, lambda: settings_of(source, now()), hanging, changed
+            )
+
+        self.inputs = {name: input_of(source) for name, source in sources.items()}
         live.map_sources = MapSources(self.inputs, now().margin, lambda: now().resolution, changed)
-        if names:
+        if sources:
             with live.editing() as scene:
                 scene.maps.stand = partial(stand_fed, sources=live.map_sources)
-                scene.maps.told_apart = lambda name: 0.0 if name == OCTOMAP else now().told_apart
+                scene.maps.told_apart = told_apart
+                scene.maps.limits = age_limits(sources)
                 stand_fed(scene, live.map_sources)
-        self._process = self._sensing(names)
-        if OCTOMAP in names:
-            row, octomap = topics.OCTOMAP, self.inputs[OCTOMAP]
-            self._listen(row.type(), row.topic, octomap.take_octomap)
+        self._process = self._sensing(sources)
+        for name, source in sources.items():
+            if source.type == OCTOMAP:
+                self._listen(topics.OCTOMAP.type(), source.topic, self.inputs[name].take_octomap)
 
     def tell(self, status: Any) -> None:
         """Add to a status of diagnostics what became of messages."""
@@ -81,12 +111,12 @@ class ObstacleListening:
         if self._process is not None:
             self._process.close()
 
-    def _sensing(self, names: Sequence[str]) -> SensingProcess | None:
-        """Have clouds and images taken in a process of their own; None: none are."""
+    def _sensing(self, sources: Mapping[str, ObstacleSource]) -> SensingProcess | None:
+        """Have clouds, scans and images taken in a process of their own; None: none are."""
         topics = [
             _topic(self._surface, name, kind, topic)
-            for name, kind, topic in _SENSED
-            if name in names
+            for name, source in sources.items()
+            for kind, topic in _sensed(source)
         ]
         if not topics:
             return None
@@ -116,8 +146,8 @@ class ObstacleListening:
     def _troubles(self) -> list[str]:
         """Return which maps never came, and which several sensors feed, in words."""
         never = [
-            f'no message of ~/obstacles/{name} was taken yet: what it would show is in no answer'
-            for name, each in self.inputs.items()
+            f'no message of {each.source.topic} was taken yet: what it would show is in no answer'
+            for each in self.inputs.values()
             if not each.counts.taken
         ]
         return never + [trouble for each in self.inputs.values() for trouble in each.troubles()]

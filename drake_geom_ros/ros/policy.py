@@ -55,9 +55,16 @@ OFFERED = (*(f'~/{name}' for name, _, _ in SERVICES), *LIFE_CYCLE, *OWN_SERVICES
 
 
 def policy(
-    namespace: str = '/', name: str = 'scene_graph', robot_topics: Sequence[str] = ROBOT_TOPICS
+    namespace: str = '/',
+    name: str = 'scene_graph',
+    robot_topics: Sequence[str] = ROBOT_TOPICS,
+    sensor_topics: Sequence[str] = (),
 ) -> str:
-    """Return the policy of a node as XML; ``robot_topics`` are the values of the parameters."""
+    """Return the policy of a node as XML.
+
+    ``robot_topics`` are the values of the parameters, ``sensor_topics`` those of the scene's
+    obstacle sources, with the camera_info of depth images.
+    """
     root = f'{namespace.rstrip("/")}/'
     node = f'{root}{name}'
 
@@ -66,7 +73,7 @@ def policy(
         absolute = (f'{node}{each[1:]}' if each[0] == '~' else each for each in names)
         return sorted(each if each[0] == '/' else f'{root}{each}' for each in absolute)
 
-    inputs, sensed = full([*INPUTS, *filter(None, robot_topics)]), full(SENSED)
+    inputs, sensed = full([*INPUTS, *filter(None, robot_topics)]), full([*SENSED, *sensor_topics])
     results = full((*RESULTS, *SHARED_RESULTS))
     element = ElementTree.Element('policy', version=VERSION)
     enclaves = ElementTree.SubElement(element, 'enclaves')
@@ -125,11 +132,18 @@ def main() -> int:
             metavar='TOPIC',
             help=f'value of the parameter {default}_topic; empty: none',
         )
+    parser.add_argument(
+        '--sensor-topic',
+        action='append',
+        default=[],
+        metavar='TOPIC',
+        help='of an obstacle source of the scene file; repeat it for several, and for camera_info',
+    )
     options = parser.parse_args()
     if not options.namespace.startswith('/'):
         parser.error(f'--namespace is {options.namespace!r}; it must begin with /')
     topics = options.robot_description, options.robot_description_semantic
-    print(policy(options.namespace, options.name, topics), end='')
+    print(policy(options.namespace, options.name, topics, options.sensor_topic), end='')
     return 0
 
 

@@ -28,6 +28,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
 from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.obstacle_sources import all_sources
 from drake_geom_ros.live.memory import give_back_large_blocks, leave_out_of_searches, settle
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -149,13 +150,16 @@ class SceneGraphNode(LifecycleNode):
         if values.scene_file:
             roots, options = live.files.package_roots, live.robot_options
             described = read_scene(values.scene_file, package_roots=roots, options=options)
-        if values.obstacles:
+        of_scene = () if described is None else described.obstacle_sources
+        sources = all_sources(values.obstacles, of_scene)
+        if sources:
             compile_passes()
             compile_tree_walk()
         with live.editing() as scene:
-            if values.obstacles:
+            if sources:
                 scene.poses.history = PoseHistory()
-            counts = begin_with_maps(scene, described, values.obstacles, values.obstacle_margin)
+            scene.maps.sources = tuple(of_scene)
+            counts = begin_with_maps(scene, described, list(sources), values.obstacle_margin)
         if described is not None:
             hulls = hulls_in_words(described.geometries)
             loaded = f'{counted(counts[0], "frame")} and {counted(counts[1], "geometry")}'
@@ -170,6 +174,7 @@ class SceneGraphNode(LifecycleNode):
             self._guard,
             self._diagnostics,
             live,
+            sources,
         )
         seconds = time.perf_counter() - start
         self.get_logger().info(

@@ -41,6 +41,14 @@ from drake_geom_ros.scene_files.errors import Location, SceneFileError
 from drake_geom_ros.scene_files.input_files import files_of
 from drake_geom_ros.scene_files.leaving_out import without_source
 from drake_geom_ros.scene_files.model_files import robot_name, text_format
+from drake_geom_ros.scene_files.obstacle_sources import (
+    DEPTH_IMAGE,
+    LASER_SCAN,
+    OCTOMAP,
+    POINT_CLOUD,
+    ObstacleSource,
+    sensors_left_out,
+)
 from drake_geom_ros.scene_files.registration import (
     LoadedScene,
     apply_filter,
@@ -87,6 +95,12 @@ __all__ = [
     'RobotOptions',
     'LoadedScene',
     'SceneDescription',
+    'ObstacleSource',
+    'sensors_left_out',
+    'DEPTH_IMAGE',
+    'LASER_SCAN',
+    'OCTOMAP',
+    'POINT_CLOUD',
     'RobotDescription',
     'FrameDescription',
     'GeometryDescription',

@@ -18,6 +18,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.link_tree import LinkTree
+from drake_geom_ros.scene_files.obstacle_sources import ObstacleSource
 from drake_geom_ros.sensors import CameraInfo
 
 WORLD = 'world'
@@ -252,3 +253,4 @@ class SceneDescription:
     warnings: tuple[str, ...] = field(default=(), compare=False)
     awaited: tuple[AwaitedFilter, ...] = ()
     rules: tuple[ProximityRule, ...] = ()
+    obstacle_sources: tuple[ObstacleSource, ...] = ()

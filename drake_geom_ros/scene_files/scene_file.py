@@ -18,6 +18,7 @@ from drake_geom_ros.scene_files.directives import is_directives, read_directives
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.model_files import robot_name
 from drake_geom_ros.scene_files.mujoco_models import read_mjcf
+from drake_geom_ros.scene_files.obstacle_sources import sensors_left_out
 from drake_geom_ros.scene_files.registration import LoadedScene, register
 from drake_geom_ros.scene_files.resources import ResourceResolver, Roots
 from drake_geom_ros.scene_files.robot_files import read_robot_file
@@ -114,8 +115,10 @@ def load_scene(
     Arguments and errors are those of ``read_scene`` and ``register``; after an error the scene
     graph is unchanged. Each warning of the file is also issued as a UserWarning.
     """
-    loaded = register(scene_graph, read_scene(path_or_text, format, srdf, package_roots))
-    for warning in loaded.warnings:
+    description = read_scene(path_or_text, format, srdf, package_roots)
+    loaded = register(scene_graph, description)
+    sensors = sensors_left_out(description.obstacle_sources)
+    for warning in filter(None, (*loaded.warnings, sensors)):
         warnings.warn(warning, stacklevel=2)
     return loaded
 

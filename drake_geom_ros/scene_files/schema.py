@@ -72,6 +72,13 @@ def is_surely_valid(value: Any, schema: dict[str, Any]) -> bool:
         return False
 
 
+_PATTERNS = {
+    '[^ \\t]': 'a name has at least one character that is not blank',
+    '^[A-Za-z][A-Za-z0-9_]*$': 'a source is called by a letter, then letters, digits and _',
+    '^[~A-Za-z_/][A-Za-z0-9_/]*$': 'a topic is called by letters, digits, _ and /; ~ is the node',
+}
+
+
 def _rule_for_keys(error: Any) -> tuple[KeyPath, KeyPath]:
     """Return the path of the faulty mapping, and of the schema rule about its keys."""
     return tuple(error.absolute_path), tuple(error.absolute_schema_path)[:-1]
@@ -108,7 +115,7 @@ def _reason(error: Any) -> str:
     if kind in ('minItems', 'maxItems'):
         return f'has {len(value)} items; {limit} are needed'
     if kind == 'pattern':
-        return f'{value!r}: a name has at least one character that is not blank'
+        return f'{_quote(value)}: {_PATTERNS[limit]}'
     return f'{_quote(value)} must be {_wanted(kind, limit)}'
 
 

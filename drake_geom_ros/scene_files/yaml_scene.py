@@ -29,6 +29,7 @@ from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.model_files import read_model, read_model_tree
 from drake_geom_ros.scene_files.mounting import carried, mount_clique
 from drake_geom_ros.scene_files.names import FileNames
+from drake_geom_ros.scene_files.obstacle_sources import read_obstacle_sources
 from drake_geom_ros.scene_files.proximity_rules import read_proximity_rules
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_files import read_robot_file
@@ -103,6 +104,7 @@ class _SceneParser:
             tuple(self._warnings),
             tuple(self._waiting),
             read_proximity_rules(self._document),
+            read_obstacle_sources(self._document),
         )
 
     def _source(self, plain: Plain) -> str:

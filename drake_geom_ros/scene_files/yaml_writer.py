@@ -21,6 +21,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.names import FileNames
+from drake_geom_ros.scene_files.obstacle_sources import plain_obstacle_source
 from drake_geom_ros.scene_files.proximity_rules import plain_proximity_rule
 from drake_geom_ros.scene_files.yaml_text import (
     MAX_BYTES,
@@ -69,6 +70,12 @@ def to_yaml(description: SceneDescription) -> str:
         }
         check_size(sections, description.file)
         text = ''.join(_section(key, items) for key, items in sections.items())
+        if description.obstacle_sources:
+            sensors = {
+                each.name: plain_obstacle_source(each) for each in description.obstacle_sources
+            }
+            lines = ''.join(f'  {name}: {_flow(plain)}' for name, plain in sensors.items())
+            text += f'obstacle_sources:\n{lines}'
         if (size := len(text.encode(errors='surrogatepass'))) > MAX_BYTES:
             raise SceneFileError(
                 f'cannot be saved: its text would have {size} bytes, and {MAX_BYTES} are read; '

@@ -131,6 +131,25 @@ class Cells:
             packed = np.insert(packed, places[~is_there], added.packed[~is_there])
         return Cells(self.resolution, packed)
 
+    def extruded(self, low: float, high: float) -> Cells:
+        """Return these cells, and all above and below them at heights from low to high [m].
+
+        Raises MapError for heights beyond the grid, and for more cells than a map may have.
+        """
+        bottom, top = math.floor(low / self.resolution), math.ceil(high / self.resolution)
+        keys = self.keys()
+        feet = np.unique(keys[:, :2], axis=0)
+        if len(feet) * (top - bottom) > MOST_CELLS:
+            raise MapError(
+                f'{len(feet)} columns of {top - bottom} cells are more than {MOST_CELLS}; make '
+                'the cells larger, or the columns lower'
+            )
+        heights = np.arange(bottom, top)
+        columns = np.column_stack(
+            (np.repeat(feet, len(heights), axis=0), np.tile(heights, len(feet)))
+        )
+        return Cells.of_keys(np.concatenate((keys, columns)), self.resolution)
+
     def moved(self, R: Floats, p: Floats) -> Cells:
         """Return the cells of the same grid that cover these after a rotation R and a shift p."""
         centres = self.centres() @ R.T + p

@@ -209,6 +209,18 @@ def test_maps_that_sensors_see_are_in_no_distance_and_told_of(
     assert poses == [reserved]
 
 
+def test_sensors_of_the_scene_are_in_no_distance_though_nobody_recorded_them(
+    tmp_path,
+    balls,  # noqa: F811
+):
+    sensors = 'front: {type: laser_scan, topic: scan}, own: {type: octomap, topic: ~/o}'
+    balls.write_text(f'{balls.read_text()}\nobstacle_sources: {{{sensors}}}\n')
+    run = recorder.record(tmp_path / 'run', still(0.1 * np.arange(20)))
+    found = clearance(run, balls, between=['a:b'])
+    assert found.maps == ('/scan', '/scene_graph/o')
+    assert found.reservations()[0].startswith('what sensors see, on /scan and /scene_graph/o')
+
+
 def test_who_says_what_a_node_saw_is_believed_where_it_was_recorded(
     tmp_path,
     balls,  # noqa: F811

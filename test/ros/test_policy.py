@@ -144,3 +144,11 @@ def test_the_command_prints_it():
     wrong = run('--namespace', 'cell')
     assert wrong.returncode == 2
     assert 'must begin with /' in wrong.stderr
+
+
+def test_topics_of_sensors_are_heard_by_the_process_of_sensors_and_sent_by_movers():
+    text = policy(sensor_topics=['/front/scan', 'camera/camera_info'])
+    profiles = {p.get('node'): p for p in ElementTree.fromstring(text).iter('profile')}
+    for node, kind in (('scene_graph_sensors', 'subscribe'), ('mover', 'publish')):
+        topics = [t.text for t in profiles[node].findall(f"topics[@{kind}='ALLOW']/topic")]
+        assert {'/front/scan', '/camera/camera_info'} <= set(topics)

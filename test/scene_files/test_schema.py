@@ -123,7 +123,7 @@ filters:
          '4: geometry: unknown key; allowed are name, package_roots, sources, robots, awaits, '
          'frames, '
          'geometries, '
-         'filters, cameras, proximity_rules'),
+         'filters, cameras, obstacle_sources, proximity_rules'),
         (HEAD + 'filters:\n- {exclude_within: [], clique: {}}',
          '5: filters[0]: has 2 keys; give exactly one of group, clique, exclude_within, '
          'exclude_between, allow_within, allow_between, declaration, deactivate'),
@@ -136,7 +136,7 @@ filters:
         ('just text', "1: 'just text' must be a mapping"),
         ('{}', '1: has 0 keys; give at least one of name, package_roots, sources, robots, awaits, '
          'frames, geometries, '
-         'filters, cameras, proximity_rules'),
+         'filters, cameras, obstacle_sources, proximity_rules'),
         (HEAD + f'- {{name: b, shape: {[1] * 50}}}',
          '4: geometries[1].shape: [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,... '
          'must be a mapping'),

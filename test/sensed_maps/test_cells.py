@@ -145,3 +145,17 @@ def test_what_is_no_resolution_is_refused(resolution):
 @given(values=st.lists(st.integers(-(2**62), 2**62)))
 def test_unique_numbers_are_those_of_a_set(values):
     assert unique_numbers(np.array(values, dtype=np.int64)).tolist() == sorted(set(values))
+
+
+def test_cells_stand_for_columns_between_two_heights():
+    cells = Cells.of_points([[0.05, 0.05, 3.05], [0.05, 0.05, 0.15], [-0.05, 0.25, 0.05]], 0.1)
+    columns = cells.extruded(0.05, 0.25)
+    points = [[x, y, z] for x, y in ((0.05, 0.05), (-0.05, 0.25)) for z in (0.05, 0.15, 0.25)]
+    expected = Cells.of_points([*points, [0.05, 0.05, 3.05]], 0.1)
+    assert columns.packed.tolist() == expected.packed.tolist()
+
+
+def test_columns_of_too_many_cells_are_refused():
+    cells = Cells.of_points([[0.1 * k, 0.0, 0.0] for k in range(100)], 0.002)
+    with pytest.raises(MapError, match='100 columns of 500000 cells'):
+        cells.extruded(0.0, 1000.0)

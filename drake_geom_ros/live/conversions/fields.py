@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 from collections.abc import Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,12 @@ def seconds_of(stamp: Any) -> float:
 def nanoseconds_of(stamp: Any) -> int:
     """Return a builtin_interfaces/Time as a whole number [ns]."""
     return int(stamp.sec) * 10**9 + int(stamp.nanosec)
+
+
+def stamp_after(stamp: Any, seconds: float) -> Any:
+    """Return a time with the fields of a builtin_interfaces/Time, so many seconds after it."""
+    whole, part = divmod(nanoseconds_of(stamp) + round(seconds * 1e9), 10**9)
+    return SimpleNamespace(sec=whole, nanosec=part)
 
 
 def stamp_seconds(stamp: Any, seconds: float) -> None:

@@ -30,6 +30,8 @@ class ObstacleSettings(NamedTuple):
     rays: bool
     margin: float  # [m]
     box: tuple[float, ...] = ()  # its corners (6,) [m] in the world; none: no limit
+    # Lowest and highest height [m] in the world that each seen cell stands for; none: its own.
+    extrude: tuple[float, float] | None = None
 
     @property
     def told_apart(self) -> float:
@@ -71,6 +73,13 @@ class Held(NamedTuple):
     shell: Shell
 
 
+class Turn(NamedTuple):
+    """The pose of a sensor's frame at the end of a message, in that at its beginning."""
+
+    R_FE: Floats  # (3, 3)
+    p_FE: Floats  # (3,) [m]
+
+
 class Place(NamedTuple):
     """Place and time at which points were measured, and the settings of their map."""
 
@@ -83,6 +92,7 @@ class Place(NamedTuple):
     settings: ObstacleSettings
     before: Held | None  # of the sensor's message before, which another process may have taken
     feed: tuple[str, str]  # the sensor: its frame and its publisher
+    turn: Turn | None = None  # while the points were measured; None: it stood still
 
 
 class Found(NamedTuple):

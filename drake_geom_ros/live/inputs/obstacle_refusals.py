@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Sequence
 
-from drake_geom_ros.live.inputs.obstacle_records import INPUTS, OCTOMAP, SELF_FILTERS
+from drake_geom_ros.live.inputs.obstacle_records import INPUTS, SELF_FILTERS
 
 
 def refusal_of_obstacles(names: Sequence[str], self_filter: str, box: Sequence[float]) -> str:
@@ -20,10 +19,5 @@ def refusal_of_obstacles(names: Sequence[str], self_filter: str, box: Sequence[f
         return (
             f'obstacle_box is {list(box)}; it must be empty or six numbers, x, y, z of the lowest '
             'and of the highest corner [m], each of the first three less than its fellow'
-        )
-    if OCTOMAP in names and importlib.util.find_spec('octomap_msgs') is None:
-        return (
-            'obstacles names octomap, and the package octomap_msgs cannot be imported; install it '
-            'with the ROS distribution, or send points'
         )
     return ''

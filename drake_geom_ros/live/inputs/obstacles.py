@@ -9,11 +9,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
+from drake_geom_ros.live.conversions.fields import stamp_after
 from drake_geom_ros.live.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
 from drake_geom_ros.live.inputs.map_feeds import Feed, MapFeeds, Shown
 from drake_geom_ros.live.inputs.obstacle_records import (
@@ -22,6 +24,7 @@ from drake_geom_ros.live.inputs.obstacle_records import (
     MapCounts,
     ObstacleSettings,
     Place,
+    Turn,
 )
 from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, shape_of, showing
 from drake_geom_ros.live.scene.held_scene import HeldScene
@@ -32,6 +35,7 @@ from drake_geom_ros.live.scene.out_of_sight import Sight
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import ObstacleSource
 from drake_geom_ros.sensed_maps.cells import Cells
 
 MOST_NODES = 3_000_000  # of a tree in a message: reading it costs a microsecond a node
@@ -51,14 +55,17 @@ class ObstacleInput:
 
     def __init__(
         self,
-        name: str,
+        source: ObstacleSource,
         live: LiveScene,
         settings: Callable[[], ObstacleSettings],
         hanging: Hanging,
         changed: Callable[[], None],
     ) -> None:
-        """``hanging`` finds a sensor's frame; ``changed()`` is called when the scene has a map."""
-        self.name = name
+        """Take ``settings()`` of the source; ``hanging`` finds a sensor's frame.
+
+        ``changed()`` is called when the scene has a map.
+        """
+        self.source, self.name = source, source.name
         self.counts = MapCounts()
         self._live = live
         self._settings = settings
@@ -84,19 +91,26 @@ class ObstacleInput:
             return []
         each = '; '.join(f'{feed.in_words()}: {age:.3g} s old' for feed, age in ages)
         return [
-            f'{len(ages)} sensors feed ~/obstacles/{self.name}: {each}. The map shows what all of '
-            'them see, and is as old as the oldest: send one of them to another input, or to a '
-            'node that joins them; clear_obstacles forgets one that is gone'
+            f'{len(ages)} sensors feed {self.source.topic}: {each}. The map shows what all of '
+            'them see, and is as old as the oldest: give each a topic and a source of its own '
+            '(obstacle_sources of the scene file); clear_obstacles forgets one that is gone'
         ]
 
     def begin(
-        self, header: Any, waited: float = 0.0, bodies_number: int = 0, publisher: str = ''
+        self,
+        header: Any,
+        waited: float = 0.0,
+        bodies_number: int = 0,
+        publisher: str = '',
+        duration: float = 0.0,
     ) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
-        Bodies of the number ``bodies_number`` are not sent again. ``finish`` puts the cells of
-        its points into the scene. Raises RuntimeError to refuse it.
+        Bodies of the number ``bodies_number`` are not sent again. With a ``duration`` [s] the
+        place has the turn of the frame meanwhile. ``finish`` puts the cells of its points into the
+        scene. Raises RuntimeError to refuse it.
         """
+        header = self._framed(header)
         start, self._begun = time.perf_counter(), None
         generation, settings = self._generation, self._settings()
         which = settings.self_filter
@@ -114,7 +128,24 @@ class ObstacleInput:
         p_WF = np.array(moment.X_WF.translation())
         there, since = self._known.then(moment.query, bodies_number), moment.since
         when = since.held, since.epoch, generation
-        return Place(R_WF, p_WF, *when, there, settings, self._held.get(feed), feed)
+        turn = self._turn(moment, header, waited, duration) if duration else None
+        return Place(R_WF, p_WF, *when, there, settings, self._held.get(feed), feed, turn)
+
+    def _framed(self, header: Any) -> Any:
+        """Return a header with the frame that the source says, if it does."""
+        if not self.source.frame:
+            return header
+        return SimpleNamespace(stamp=header.stamp, frame_id=self.source.frame)
+
+    def _turn(self, moment: Moment, header: Any, waited: float, duration: float) -> Turn | None:
+        """Return how the frame of a header moved in the time [s] after its stamp."""
+        stamp = stamp_after(header.stamp, duration)
+        later = SimpleNamespace(stamp=stamp, frame_id=header.frame_id)
+        end = moment_of(self._live, later, waited, self._hanging, lambda *_: ())
+        X_FE = moment.X_WF.inverse() @ end.X_WF
+        if X_FE.IsExactlyIdentity():
+            return None
+        return Turn(np.array(X_FE.rotation().matrix()), np.array(X_FE.translation()))
 
     def finish(self, taken: Found) -> None:
         """Put cells in the world into the scene, of the message that was begun last.
@@ -130,8 +161,12 @@ class ObstacleInput:
         )
         moment, settings = begun.moment, self._settings()
         sight = Sight(moment.X_WF.translation(), settings.reach, *settings.corners())
-        shown = Shown(taken.kept.cells, RigidTransform(), seen, moment.since, sight)
-        self._put(begun, shown, taken.counts)
+        cells, counts = taken.kept.cells, taken.counts
+        if settings.extrude is not None:
+            cells = cells.extruded(*settings.extrude)
+            counts = replace(counts, cells=len(cells))
+        shown = Shown(cells, RigidTransform(), seen, moment.since, sight)
+        self._put(begun, shown, counts)
         self._held = {feed: held for feed, held in self._held.items() if self._feeds.since(feed)}
         epoch = begun.moment.since.epoch
         self._held[begun.feed] = Held(taken.kept, epoch, begun.generation, shell)
@@ -140,16 +175,16 @@ class ObstacleInput:
         """Take an Octomap in place of the one of before, as it is; raises RuntimeError."""
         start = time.perf_counter()
         refuse_too_many_nodes(octomap, MOST_NODES)
-        generation = self._generation
+        generation, header = self._generation, self._framed(octomap.header)
         # Before the tree is read, which takes seconds: its stamp is that much older then.
-        moment = moment_of(self._live, octomap.header, waited, self._hanging, lambda *_: ())
+        moment = moment_of(self._live, header, waited, self._hanging, lambda *_: ())
         cells = cells_from_octomap(octomap)
         if not len(cells):
             raise ArgumentError('the tree has no occupied cell: it shows nothing')
         taken = _cells_in_box(cells, moment.X_WF, self._settings())
         beyond = len(cells) - len(taken)
         counts = MapCounts(points=len(cells), out_of_box=beyond, cells=len(taken))
-        feed = Feed(octomap.header.frame_id, publisher)
+        feed = Feed(header.frame_id, publisher)
         sight = Sight(np.zeros(3), np.inf, *self._settings().corners())
         shown = Shown(taken, moment.X_WF, NO_SHELL, moment.since, sight)
         self._put(_Begun(moment, start, generation, feed), shown, counts)

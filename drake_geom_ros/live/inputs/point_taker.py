@@ -12,6 +12,11 @@ import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.depth_image import points_from_depth
+from drake_geom_ros.live.conversions.laser_scan import (
+    duration_of_scan,
+    points_of_scan,
+    unturned,
+)
 from drake_geom_ros.live.conversions.point_cloud import Columns, columns_of_cloud
 from drake_geom_ros.live.inputs.map_feeds import MOST_FEEDS
 from drake_geom_ros.live.inputs.obstacle_records import (
@@ -36,11 +41,18 @@ _MOST_CAMERAS = MOST_FEEDS  # whose camera_info is kept
 class Map(Protocol):
     """The owner of the scene of a map; both methods raise RuntimeError to refuse a message."""
 
-    def begin(self, header: Any, waited: float, bodies_number: int, publisher: str) -> Place:
+    def begin(
+        self,
+        header: Any,
+        waited: float,
+        bodies_number: int,
+        publisher: str,
+        duration: float = 0.0,
+    ) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
         Bodies of the number ``bodies_number`` are not sent again. Each ``publisher`` has its own
-        map.
+        map. ``duration`` [s] is for how long it was measured, from its stamp on.
         """
 
     def finish(self, taken: Found) -> None:
@@ -93,8 +105,24 @@ class PointTaker:
         x, y, z = points_from_depth(image, camera).T[:, np.newaxis]
         self._take_points((x, y, z), image.header, waited, publisher)
 
+    def take_scan(self, scan: Any, waited: float = 0.0, publisher: str = '') -> None:
+        """Take a LaserScan, as ``take_cloud`` does; each ray where the sensor was at its time."""
+        if len(scan.ranges) > MOST_POINTS:
+            raise ArgumentError(
+                f'the scan has {len(scan.ranges)} rays; at most {MOST_POINTS} are taken'
+            )
+        points, duration = points_of_scan(scan), duration_of_scan(scan)
+        place = self._map.begin(scan.header, waited, self.filter.number, publisher, duration)
+        if place.turn is not None:
+            points = unturned(points, *place.turn)
+        x, y, z = points.T[:, np.newaxis]
+        self._take_placed((x, y, z), place)
+
     def _take_points(self, columns: Columns, header: Any, waited: float, publisher: str) -> None:
         place = self._map.begin(header, waited, self.filter.number, publisher)
+        self._take_placed(columns, place)
+
+    def _take_placed(self, columns: Columns, place: Place) -> None:
         count, settings = columns[0].size, place.settings
         if len(self._room) < count:
             self._room = np.empty((count, 3))

@@ -106,7 +106,7 @@ class RuleEvents:
         rules, settings = scene.rules, self._settings()
         scene.bind_rules()
         seen = None if distances is None else (distances, reach)
-        unreliable = scene.poses.blind_frames(settings.stale_after)
+        unreliable = scene.blind_frames(settings.stale_after)
         self._decided, twists = scene.clocks.steady(), scene.poses.twists()
         computed = rules.decide(
             self._decided,
@@ -133,7 +133,7 @@ class RuleEvents:
             return
         self._decided = now
         if rules.rules:
-            rules.wait(now, scene.poses.blind_frames(self._settings().stale_after))
+            rules.wait(now, scene.blind_frames(self._settings().stale_after))
         self._tell(scene, rules.take_events())
 
     def forget(self) -> None:

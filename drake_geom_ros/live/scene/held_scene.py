@@ -22,7 +22,7 @@ from drake_geom_ros.live.scene.scene_log import SceneLog
 from drake_geom_ros.live.scene.scene_maps import SceneMaps
 from drake_geom_ros.live.scene.scene_model import SceneModel
 from drake_geom_ros.live.scene.scene_poses import ScenePoses
-from drake_geom_ros.live.scene.scene_rules import SceneRules
+from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.live.scene.scene_snapshot import MAPS, SceneMark, SceneSnapshot
 from drake_geom_ros.live.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.live.scene.waiting import Waiting, waiting
@@ -216,6 +216,11 @@ class HeldScene:
         ]
         return [*filter(None, troubles)]
 
+    def blind_frames(self, stale_after: float) -> Blind:
+        """Return the frames that rules cannot rely on: maps have limits [s] of their own."""
+        blind = self.poses.blind_frames(stale_after)
+        return self.maps.among_blind(blind, self.poses.since, self.clocks)
+
     def _unseen(self) -> str:
         sights = self.maps.sights()
         if sights and self.rules.rules:
@@ -233,7 +238,8 @@ class HeldScene:
         model, poses = self.model, self.poses
         context, owners = model.context.what_if(), self.filters.owners()
         beside, twists = self.maps.beside_bodies(), poses.twists() if moving else None
-        unknown, stale = poses.unknown_ages(), poses.ages.stale(stale_after)
+        unknown = poses.unknown_ages()
+        stale = self.maps.among_stale(poses.ages.stale(stale_after), poses.since, self.clocks)
         return SceneView(
             context=context,
             query=QueryObject(context),
@@ -262,6 +268,7 @@ class HeldScene:
             self.filters.awaited.waiting(),
             self.rules.rules,
             model.maps_source,
+            self.maps.sources,
         )
 
     def mark(self) -> SceneMark:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, SourceId
-from drake_geom_ros.live.scene.clocks import Since
+from drake_geom_ros.live.scene.clocks import Clocks, Since
 from drake_geom_ros.live.scene.out_of_sight import MapSights, Sight
 from drake_geom_ros.live.scene.scene_model import SceneModel
-from drake_geom_ros.live.scene.scene_rules import SceneRules
+from drake_geom_ros.live.scene.scene_rules import Blind, SceneRules
 from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.seen_shells import (
     NO_SHELL,
@@ -18,6 +19,7 @@ from drake_geom_ros.live.scene.seen_shells import (
     SeenShell,
     beside_bodies,
 )
+from drake_geom_ros.scene_files import ObstacleSource
 from drake_geom_ros.sensed_maps import Cells
 
 
@@ -32,6 +34,13 @@ class SeenMap(NamedTuple):
     sights: tuple[Sight, ...] = ()  # of each of them
 
 
+class AgeLimit(NamedTuple):
+    """When a map is stale, and whether rules about it are stale with it."""
+
+    timeout: float | None  # [s] the age from which on; None: as of any pose
+    required: bool = True
+
+
 class SceneMaps:
     """The sensed maps by name, of the source ``SceneModel.maps_source``."""
 
@@ -40,6 +49,10 @@ class SceneMaps:
         self.by_name: dict[str, SeenMap] = {}
         # Called with the scene where the maps that topics feed have gone, to have them again.
         self.stand: Callable[[Any], object] | None = None
+        # When each map is stale, where that is not when poses are; those of topics alone.
+        self.limits: Mapping[str, AgeLimit] = {}
+        # Sources of the scene file, to be saved with it.
+        self.sources: tuple[ObstacleSource, ...] = ()
         # The distance [m] to bodies from which on a map that a topic feeds has what is there.
         self.told_apart: Callable[[str], float] = lambda name: 0.0
 
@@ -64,8 +77,44 @@ class SceneMaps:
         return beside_bodies([each.shell for each in self.by_name.values()])
 
     def sights(self) -> list[MapSights]:
-        """Return where sensors can see, of the maps that these feed."""
-        return [(each.geometry, each.sights) for each in self.by_name.values() if each.sights]
+        """Return where sensors can see, of the maps that these feed and that rules need.
+
+        One that is not required may be silent for long, and is no evidence that a body is seen.
+        """
+        waived = {name for name, limit in self.limits.items() if not limit.required}
+        return [
+            (each.geometry, each.sights)
+            for name, each in self.by_name.items()
+            if each.sights and name not in waived
+        ]
+
+    def among_stale(
+        self, stale: Mapping[int, float], since: Callable[[FrameId], Since | None], clocks: Clocks
+    ) -> dict[int, float]:
+        """Return the ages [s] of stale frames, of maps with a timeout those that are past it."""
+        found = dict(stale)
+        for frame, limit in self._limited():
+            if limit.timeout is not None:
+                found.pop(frame.get_value(), None)
+                posed = since(frame)
+                if posed is not None and (age := clocks.age(posed)) > limit.timeout:
+                    found[frame.get_value()] = age
+        return found
+
+    def among_blind(
+        self, blind: Blind, since: Callable[[FrameId], Since | None], clocks: Clocks
+    ) -> Blind:
+        """Return what rules cannot rely on, with maps by their own limits."""
+        if not self.limits:
+            return blind
+        stale = self.among_stale(dict.fromkeys(blind.stale, math.inf), since, clocks)
+        waived = {frame.get_value() for frame, limit in self._limited() if not limit.required}
+        return Blind(*(set(frames) - waived for frames in blind._replace(stale=stale)))
+
+    def _limited(self) -> Iterator[tuple[FrameId, AgeLimit]]:
+        for name, limit in self.limits.items():
+            if name in self.by_name:
+                yield self.by_name[name].frame, limit
 
     def finer_rules(self, rule: str = '') -> list[str]:
         """Return in words which rules, or whether this one, are finer than maps can resolve."""

@@ -18,6 +18,7 @@ from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files import (
     AwaitedFilter,
     CameraDescription,
+    ObstacleSource,
     RobotDescription,
     SceneDescription,
     describe,
@@ -59,6 +60,7 @@ class SceneSnapshot:
     waiting: tuple[AwaitedFilter, ...]
     rules: tuple[ProximityRule, ...]
     maps: SourceId | None
+    obstacle_sources: tuple[ObstacleSource, ...] = ()
 
     def description(self) -> SceneDescription:
         """Return the scene: persistent filters included, every frame where it was.
@@ -74,4 +76,9 @@ class SceneSnapshot:
         )
         if self.maps is not None:  # what was seen is no model of anything
             described = without_source(described, MAPS)
-        return replace(described, awaited=self.waiting, rules=self.rules)
+        return replace(
+            described,
+            awaited=self.waiting,
+            rules=self.rules,
+            obstacle_sources=self.obstacle_sources,
+        )

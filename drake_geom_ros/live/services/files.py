@@ -17,7 +17,7 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_snapshot import MAPS
 from drake_geom_ros.live.scene.waiting_maps import GEOMETRY
 from drake_geom_ros.live.services.saved_file import SavedFile
-from drake_geom_ros.scene_files import read_scene, to_yaml
+from drake_geom_ros.scene_files import SceneDescription, read_scene, to_yaml
 
 
 def load_scene(live: LiveScene, request: Any, response: Any) -> None:
@@ -34,6 +34,7 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     description = read_scene(
         *(text, request.format, srdf, files.package_roots, files.folders), live.robot_options
     )
+    _refuse_other_sensors(live, description)
     if request.replace and request.replaced_sources:
         raise ArgumentError('replace is true, so replaced_sources must be empty: all is removed')
     if request.replaced_sources:
@@ -53,6 +54,18 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         added = live.change(addition(description), calls_for_more=True)
     response.frames, response.geometries = added
     response.message = '\n'.join([*description.warnings, *lost])
+
+
+def _refuse_other_sensors(live: LiveScene, description: SceneDescription) -> None:
+    """Raise ArgumentError for obstacle sources that are not those that the node listens to."""
+    with live.reading() as scene:
+        known = scene.maps.sources
+    if other := [each.name for each in description.obstacle_sources if each not in known]:
+        raise ArgumentError(
+            f'the scene has the obstacle source {other[0]!r}, which the node does not listen to: '
+            'a node opens the sources of its parameter scene_file when it is configured; leave '
+            'obstacle_sources out, or name the file there and configure the node anew'
+        )
 
 
 def _maps_that_go(live: LiveScene, scene: HeldScene) -> list[str]:

@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
-from sensor_msgs.msg import CameraInfo, Image, PointCloud2
+from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
@@ -33,6 +33,7 @@ from drake_geom_ros.ros.sensing.protocol import (
     CAMERA,
     CLOUD,
     IMAGE,
+    SCAN,
     Begin,
     Finish,
     RefusalReason,
@@ -45,7 +46,12 @@ from drake_geom_ros.sensed_maps.passes import compile_passes
 
 _NICER = 5  # steps of nice, as threads of the node that give way have
 _LONGEST_WAIT = 0.2  # [s] between two signs of life
-_KINDS: dict[str, Any] = {CLOUD: PointCloud2, IMAGE: Image, CAMERA: CameraInfo}
+_KINDS: dict[str, Any] = {
+    CLOUD: PointCloud2,
+    IMAGE: Image,
+    CAMERA: CameraInfo,
+    SCAN: LaserScan,
+}
 
 
 class _MapOfNode:
@@ -54,10 +60,19 @@ class _MapOfNode:
     def __init__(self, pipe: Connection, name: str) -> None:
         self._pipe, self._name = pipe, name
 
-    def begin(self, header: Any, waited: float, bodies_number: int, publisher: str) -> Place:
+    def begin(
+        self,
+        header: Any,
+        waited: float,
+        bodies_number: int,
+        publisher: str,
+        duration: float = 0.0,
+    ) -> Place:
         stamp = Stamp(header.stamp.sec, header.stamp.nanosec)
         its_header = Header(stamp, header.frame_id)
-        place = self._ask(Begin(self._name, its_header, waited, bodies_number, publisher))
+        place = self._ask(
+            Begin(self._name, its_header, waited, bodies_number, publisher, duration)
+        )
         assert isinstance(place, Place)
         return place
 
@@ -84,6 +99,7 @@ def _listen(node: Node, topic: SensorTopic, point_taker: PointTaker, pipe: Conne
         CAMERA: lambda raw, *how: point_taker.take_camera(
             deserialize_message(raw, CameraInfo), *how
         ),
+        SCAN: lambda raw, *how: point_taker.take_scan(deserialize_message(raw, LaserScan), *how),
     }
     take = takes[topic.kind]
 

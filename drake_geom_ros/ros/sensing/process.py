@@ -150,7 +150,7 @@ class SensingProcess:
         self.trouble = ''
         self._limit, limit = math.inf, _SILENCE  # it waits for this thread meanwhile
         if isinstance(said, Begin):
-            arguments = said.header, said.waited, said.known, said.publisher
+            arguments = said.header, said.waited, said.known, said.publisher, said.duration
             self._begun = said.input, said.header.frame_id, said.publisher
             answer = self._done(lambda: self._maps[said.input].begin(*arguments))
             if isinstance(answer, Place):

@@ -15,7 +15,7 @@ from drake_geom_ros.live.inputs.obstacle_records import Found
 
 SENSORS = '_sensors'  # what its name has behind that of the node
 ALIVE = 'alive'
-CLOUD, IMAGE, CAMERA = 'cloud', 'image', 'camera'  # kinds of messages
+CLOUD, IMAGE, CAMERA, SCAN = 'cloud', 'image', 'camera', 'scan'  # kinds of messages
 
 
 class SensorTopic(NamedTuple):
@@ -47,6 +47,7 @@ class Begin(NamedTuple):
     waited: float  # [s] since it came
     known: int  # number of the bodies that the process has: these are not told again
     publisher: str  # by what the middleware calls it
+    duration: float  # [s] for which it was measured, from its stamp on
 
 
 class Finish(NamedTuple):

@@ -9,6 +9,7 @@ from live.live_scenes import Clock, live_scene
 
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
+from drake_geom_ros.live.inputs.obstacle_sources import age_limits, settings_of
 from drake_geom_ros.live.inputs.obstacles import ObstacleInput
 from drake_geom_ros.live.inputs.point_taker import PointTaker
 from drake_geom_ros.live.inputs.sensor_frames import SensorFrames
@@ -17,6 +18,7 @@ from drake_geom_ros.live.scene.map_placing import map_ages, stand_fed
 from drake_geom_ros.live.scene.map_sources import MapSources
 from drake_geom_ros.live.scene.pose_history import PoseHistory
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.scene_files import ObstacleSource
 
 SCENE = """
 sources: [s]
@@ -37,22 +39,28 @@ USUAL = ObstacleSettings(
 class Node:
     """A live scene with one input, and clocks that the test sets."""
 
-    def __init__(self, name='points', tf=None, scene=SCENE, **changes):
+    def __init__(self, name='points', tf=None, scene=SCENE, source=None, **changes):
+        source = source or ObstacleSource(name, 'point_cloud', f'~/obstacles/{name}')
         self.clock = Clock(100.0)
         self.live = live_scene(scene, self.clock)
         self.settings = USUAL._replace(**changes)
         self.changes = 0
-        self.name = name
+        self.name = name = source.name
         self.tf = tf(self.live.clocks) if tf else None
         frames = SensorFrames(lambda: self.tf)
         self.input = ObstacleInput(
-            name, self.live, lambda: self.settings, frames, self._note_change
+            source,
+            self.live,
+            lambda: settings_of(source, self.settings),
+            frames,
+            self._note_change,
         )
         self.taker = PointTaker(self.input)
         self.live.map_sources = MapSources({name: self.input})
         with self.live.editing() as held:
             held.poses.history = PoseHistory()
             held.maps.stand = partial(stand_fed, sources=self.live.map_sources)
+            held.maps.limits = age_limits({name: source})
             held.maps.stand(held)
 
     def _note_change(self):
@@ -108,5 +116,16 @@ def cloud(points, frame='mast', stamp=100.0, **changes):
         'header': header(frame, stamp), 'width': len(rows), 'height': 1, 'fields': fields,
         'is_bigendian': False, 'point_step': 12, 'row_step': 12 * len(rows),
         'data': array.array('B', rows.tobytes()),
+    }  # fmt: skip
+    return Plain(**{**told, **changes})
+
+
+def scan(ranges, frame='mast', stamp=100.0, **changes):
+    """Return a LaserScan: by default rays over a half turn to the front, without a duration."""
+    told = {
+        'header': header(frame, stamp), 'ranges': array.array('f', ranges), 'range_min': 0.05,
+        'range_max': 10.0, 'angle_min': -np.pi / 2, 'angle_max': np.pi / 2,
+        'angle_increment': np.pi / max(1, len(ranges) - 1), 'time_increment': 0.0,
+        'scan_time': 0.0, 'intensities': array.array('f'),
     }  # fmt: skip
     return Plain(**{**told, **changes})

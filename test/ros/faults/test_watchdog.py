@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 from drake_geom_msgs import srv
+from lifecycle_msgs.msg import State
+from lifecycle_msgs.srv import GetState
 from ros.harness import PATIENCE, Process
 from ros.scene_calls import accepted
 
@@ -41,6 +43,18 @@ def start(tmp_path, monkeypatch, lone_client):
     started[0].end(signal.SIGKILL)
 
 
+def register(client, name):
+    """Register a source, which shows that the node answers; it is watched only once it is active.
+
+    Until then it may take as long as it likes, and services answer a little before.
+    """
+    accepted(client.call(srv.RegisterSource, 'register_source', name=name))
+    client.wait_for(
+        lambda: client.call(GetState, 'get_state').current_state.id == State.PRIMARY_STATE_ACTIVE,
+        'an active node',
+    )
+
+
 def ask_until(fact, client, kind, name):
     """Ask what will not be answered, again where the call seems to be lost, until a fact."""
     caller = client.node.create_client(kind, f'{client.server}/{name}')
@@ -59,7 +73,7 @@ def ask_until(fact, client, kind, name):
 
 def test_a_thread_that_waits_is_told_of_and_the_others_go_on(start, lone_client):
     node = start()
-    accepted(lone_client.call(srv.RegisterSource, 'register_source', name='before'))
+    register(lone_client, 'before')
     ask_until(lambda: SAID in node.output(), lone_client, srv.HasCollisions, 'has_collisions')
     assert 'has_collisions' in node.output() or 'stuck_node.py' in node.output()
     accepted(lone_client.call(srv.RegisterSource, 'register_source', name='after'))
@@ -73,7 +87,7 @@ def test_a_thread_that_waits_is_told_of_and_the_others_go_on(start, lone_client)
 )
 def test_the_process_ends_where_it_may(start, lone_client, kind, name):
     node = start('watchdog_exits:=true')
-    accepted(lone_client.call(srv.RegisterSource, 'register_source', name='before'))
+    register(lone_client, 'before')
     ask_until(lambda: node.popen.poll() is not None, lone_client, kind, name)
     assert node.popen.returncode == 1
     assert SAID in node.output()

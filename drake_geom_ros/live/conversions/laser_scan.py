@@ -1,0 +1,87 @@
+"""LaserScan messages to points, each where its ray ended when it was measured."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.math.array_types import Floats
+
+_LONGEST = 10.0  # [s] that a scan may take: no lidar turns as slowly
+
+
+def points_of_scan(scan: Any) -> Floats:
+    """Return the points (n, 3) [m] of a LaserScan in its frame, as if it had stood still.
+
+    A range of -inf is something nearer than ``range_min``, which counts as its distance (REP 117).
+    Of a ray without an echo (inf), and of a range that is not one (NaN, below ``range_min``, above
+    ``range_max``), the point is not finite. Raises ArgumentError for angles or limits that are no
+    numbers.
+    """
+    limits = scan.range_min, scan.range_max
+    if not (0.0 <= limits[0] <= limits[1] < math.inf):
+        raise ArgumentError(
+            f'range_min is {limits[0]:g} and range_max is {limits[1]:g}; they must be finite '
+            'lengths [m], the first one no larger'
+        )
+    angles = scan.angle_min, scan.angle_increment
+    if not all(map(math.isfinite, angles)):
+        raise ArgumentError(
+            f'angle_min is {angles[0]} and angle_increment is {angles[1]}; both must be finite'
+        )
+    ranges = np.asarray(scan.ranges, dtype=np.float64)
+    ranges = np.where(np.isneginf(ranges), limits[0], ranges)
+    # Limits and ranges are float32 in a message, so both are rounded alike.
+    with np.errstate(invalid='ignore'):
+        is_one = (ranges >= limits[0]) & (ranges <= limits[1])
+    ranges = np.where(is_one, ranges, np.nan)
+    headings = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
+    return np.stack([ranges * np.cos(headings), ranges * np.sin(headings), 0.0 * ranges], axis=1)
+
+
+def duration_of_scan(scan: Any) -> float:
+    """Return the time [s] from the first ray, which has the stamp, to the last one.
+
+    Raises ArgumentError for a ``time_increment`` that is none.
+    """
+    duration = float(scan.time_increment) * max(0, len(scan.ranges) - 1)
+    if not 0.0 <= duration <= _LONGEST:
+        raise ArgumentError(
+            f'time_increment is {scan.time_increment:g} s for {len(scan.ranges)} rays; together '
+            f'they may take from 0 to {_LONGEST:g} s'
+        )
+    return duration
+
+
+def unturned(points: Floats, R_FE: Floats, p_FE: Floats) -> Floats:
+    """Return points (n, 3) in the frame F of a sensor when the first of them was measured.
+
+    Each is given in the sensor's frame at its own time, at equal steps until the frame is E. Its
+    pose between is that of even turning about one axis, and of even motion of the origin.
+
+    >>> quarter = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    >>> unturned(np.array([[1.0, 0, 0]] * 3), quarter, np.zeros(3)).round(3).tolist()
+    [[1.0, 0.0, 0.0], [0.707, 0.707, 0.0], [0.0, 1.0, 0.0]]
+    """
+    done = np.linspace(0.0, 1.0, len(points))[:, np.newaxis]
+    axis, angle = _axis_and_angle(R_FE)
+    angles = angle * done
+    # Rodrigues' formula, for each point by its own angle.
+    along = points @ axis
+    turned = (
+        points * np.cos(angles)
+        + np.cross(axis, points) * np.sin(angles)
+        + np.outer(along, axis) * (1.0 - np.cos(angles))
+    )
+    return np.asarray(turned + p_FE * done)
+
+
+def _axis_and_angle(R: Floats) -> tuple[Floats, float]:
+    """Return the axis (3,) and the angle [rad], 0 to pi, of a rotation matrix."""
+    from drake_geom_ros.math import RotationMatrix
+
+    turn = RotationMatrix(R).ToAngleAxis()
+    return np.asarray(turn.axis(), dtype=np.float64), float(turn.angle())

@@ -1,0 +1,111 @@
+"""Obstacle sources of scene files: the sensors from which a node makes maps; and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from drake_geom_ros.scene_files.errors import Location
+from drake_geom_ros.scene_files.yaml_text import Document
+
+LASER_SCAN, POINT_CLOUD = 'laser_scan', 'point_cloud'
+DEPTH_IMAGE, OCTOMAP = 'depth_image', 'octomap'
+TYPES = (LASER_SCAN, POINT_CLOUD, DEPTH_IMAGE, OCTOMAP)
+RESERVED = 'file'  # the map that load_obstacles makes
+# Keys of sources whose messages are points; the cells of an OctoMap are taken as they are.
+_OF_POINTS = (
+    *('resolution', 'range', 'keep', 'rays', 'noise', 'padding', 'least_points', 'extrude'),
+)
+_NO_KEYS = ('name', 'where')
+
+
+@dataclass(frozen=True)
+class ObstacleSource:
+    """A topic of a sensor, and the map that is made of it: ``obstacles::NAME``.
+
+    Lengths [m] and times [s]; for None the parameters ``obstacle_...`` of the node count.
+
+    - ``type``: one of ``TYPES``.
+    - ``frame``: replaces the ``frame_id`` of its messages.
+    - ``timeout``: the map is stale from this age on; None: as any pose of the node.
+    - ``required``: whether a rule about the map is stale with it.
+    - ``range``: points farther from the sensor are left out.
+    - ``extrude``: heights (low, high) in the world that each seen cell stands for.
+    """
+
+    name: str
+    type: str
+    topic: str
+    frame: str = ''
+    timeout: float | None = None
+    required: bool = True
+    resolution: float | None = None
+    range: float | None = None
+    box: tuple[float, ...] | None = None
+    keep: float | None = None
+    rays: bool | None = None
+    noise: float | None = None
+    padding: float | None = None
+    least_points: int | None = None
+    extrude: tuple[float, float] | None = None
+    where: Location = field(default=Location('<scene>'), compare=False)
+
+
+def read_obstacle_sources(document: Document) -> tuple[ObstacleSource, ...]:
+    """Return the sources of a document; raises SceneFileError for an invalid one."""
+    plain: Mapping[str, Any] = document.value.get('obstacle_sources', {})
+    return tuple(_source(document, name, each) for name, each in plain.items())
+
+
+def _source(document: Document, name: str, plain: Mapping[str, Any]) -> ObstacleSource:
+    path = 'obstacle_sources', name
+    where = document.at(*path)
+    if name == RESERVED:
+        raise where.error(
+            f'{name!r} is the map that load_obstacles makes; give the source another name'
+        )
+    if plain['type'] == OCTOMAP:
+        for key in _OF_POINTS:
+            if key in plain:
+                raise document.at(*path, key).error(
+                    f'{key} is of points, and the cells of an {OCTOMAP} are taken as they are; '
+                    'leave it out'
+                )
+    box, extrude = plain.get('box'), plain.get('extrude')
+    if box is not None and not all(low < high for low, high in zip(box, box[3:], strict=False)):
+        raise document.at(*path, 'box').error(
+            f'{box} must be x, y, z of the lowest and of the highest corner [m], each of the '
+            'first three less than its fellow'
+        )
+    if extrude is not None and not extrude[0] < extrude[1]:
+        raise document.at(*path, 'extrude').error(
+            f'{extrude} must be the lowest and the highest height [m], the first one less'
+        )
+    values = {**plain, 'where': where}
+    if box is not None:
+        values['box'] = tuple(map(float, box))
+    if extrude is not None:
+        values['extrude'] = float(extrude[0]), float(extrude[1])
+    return ObstacleSource(name, **values)
+
+
+def sensors_left_out(sources: Sequence[ObstacleSource]) -> str:
+    """Return a warning that no map of these sources is made here; empty where there are none."""
+    if not sources:
+        return ''
+    names = ', '.join(each.name for each in sources)
+    return (
+        f'{sources[0].where}: obstacle_sources ({names}) are maps that a node makes of what '
+        'sensors see: here none of that is in any answer'
+    )
+
+
+def plain_obstacle_source(source: ObstacleSource) -> dict[str, Any]:
+    """Return the plain form of a source, without defaults."""
+    plain = {}
+    for each in fields(source):
+        value = getattr(source, each.name)
+        if each.name not in _NO_KEYS and value != each.default:
+            plain[each.name] = list(value) if isinstance(value, tuple) else value
+    return plain

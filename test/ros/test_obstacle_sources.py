@@ -1,0 +1,119 @@
+"""Several sensors in a real node: each has a map, an age and a timeout of its own."""
+
+import array
+import math
+import time
+
+import pytest
+from drake_geom_msgs import msg, srv
+from ros.harness import LATCHED, start_node
+from ros.scene_calls import accepted, refused
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
+
+pytestmark = pytest.mark.topics
+
+SCENE = """
+sources: [base]
+frames: [{name: body, source: base, pose: {position: [0, 0, 0.2]}}]
+geometries:
+- {name: hull, source: base, frame: body, shape: {type: box, size: [0.4, 0.4, 0.2]}}
+obstacle_sources:
+  front: {type: laser_scan, topic: /scanned/front, frame: body, extrude: [0, 1], timeout: 2}
+  rear: {type: laser_scan, topic: /scanned/rear, frame: body, timeout: 2}
+  spare: {type: laser_scan, topic: /scanned/spare, frame: body, required: false}
+proximity_rules:
+- {name: near, set_a: base, set_b: obstacles, level: stop, enter: 0.1, leave: 0.2}
+"""
+RAYS = 9
+FAR = [4.0] * RAYS
+
+
+@pytest.fixture(scope='module')
+def node(tmp_path_factory):
+    folder = tmp_path_factory.mktemp('sources')
+    (folder / 'scene.yaml').write_text(SCENE)
+    settings = {'max_distance': 6.0, 'obstacle_reach': 6.0, 'obstacle_self_filter': 'scene'}
+    process = start_node(folder / 'log', scene_file=folder / 'scene.yaml', **settings)
+    yield process
+    process.end()
+
+
+class Base:
+    """Sends the pose of a base and its scans, and listens."""
+
+    def __init__(self, client):
+        self.client = client
+        self.poses = client.publisher(msg.FramePoses, 'frame_poses')
+        self.scans = {
+            name: client.node.create_publisher(LaserScan, f'/scanned/{name}', 10)
+            for name in ('front', 'rear', 'spare')
+        }
+        self.results = client.listen(msg.SignedDistancePairs, 'signed_distances')
+        self.reports = client.listen(msg.CycleReport, 'cycle_report')
+        self.states = client.listen(msg.ProximityStates, 'proximity_states', LATCHED)
+
+    def header(self):
+        return Header(stamp=self.client.node.get_clock().now().to_msg(), frame_id='nobody')
+
+    def scan(self, name, ranges, turned):
+        self.scans[name].publish(
+            LaserScan(
+                header=self.header(), range_min=0.05, range_max=10.0,
+                angle_min=turned - 0.4, angle_increment=0.1, ranges=array.array('f', ranges),
+            )
+        )  # fmt: skip
+
+    def until(self, fact, what, front=FAR, rear=FAR):
+        """Send poses and scans again and again until a fact holds; None: a sensor is silent."""
+
+        def holds():
+            row = [0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0]
+            self.poses.publish(
+                msg.FramePoses(header=self.header(), frame_names=['base::body'], poses=row)
+            )
+            for name, ranges, turned in (('front', front, 0.0), ('rear', rear, math.pi)):
+                if ranges is not None:
+                    self.scan(name, ranges, turned)
+            self.client.spin_until(time.monotonic() + 0.05)
+            return fact()
+
+        self.client.wait_for(holds, what)
+
+    def cells(self):
+        last = self.reports[-1] if self.reports else msg.CycleReport()
+        return dict(zip(last.maps, last.map_cells, strict=True))
+
+    def near(self):
+        """Return whether the rule is entered, and why; None: nobody said."""
+        if not self.states:
+            return None
+        state = self.states[-1]
+        return bool(state.entered[0]), state.why[0]
+
+
+@pytest.fixture
+def base(node, client):
+    return Base(client)
+
+
+def test_each_sensor_has_a_map_and_a_rule_about_obstacles_needs_those_that_are_required(base):
+    base.until(lambda: base.near() == (False, 0), 'both far')
+    cells = base.cells()
+    assert cells['rear'] <= RAYS < cells['front']  # which are columns
+    assert cells['spare'] == 0
+    base.until(lambda: base.near() and base.near()[0], 'near behind', rear=[0.25] * RAYS)
+    base.until(lambda: base.near() == (False, 0), 'far again')
+    stale = True, msg.ProximityEvents.STALE
+    base.until(lambda: base.near() == stale, 'a silent sensor', front=None)
+    base.until(lambda: base.near() == (False, 0), 'it speaks again')
+
+
+def test_a_scene_of_other_sensors_is_refused_and_the_own_ones_are_saved(base):
+    base.until(lambda: base.near() is not None, 'the node')
+    text = accepted(base.client.call(srv.SaveScene, 'save_scene')).text
+    assert 'front: {type: laser_scan, topic: /scanned/front, frame: body' in text
+    other = 'obstacle_sources:\n  left: {type: laser_scan, topic: /left}\n'
+    why = refused(base.client.call(srv.LoadScene, 'load_scene', text=other))
+    assert "'left'" in why
+    assert 'scene_file' in why

@@ -1,0 +1,93 @@
+"""Obstacle sources in scene files: read, refused with a line, written down and read again."""
+
+import pytest
+
+from drake_geom_ros.command_line.program import main
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.scene_files import (
+    ObstacleSource,
+    SceneFileError,
+    load_scene,
+    read_scene,
+    to_yaml,
+)
+
+SCENE = """
+geometries: [{name: floor, shape: {type: half_space}}]
+obstacle_sources:
+  front_scan: {type: laser_scan, topic: /scan, extrude: [0, 1.8], timeout: 0.5, range: 8}
+  rear_scan: {type: laser_scan, topic: rear/scan, frame: rear_lidar, required: false}
+  camera:
+    type: depth_image
+    topic: /camera/depth/image_rect_raw
+    resolution: 0.05
+    box: [-2, -2, 0, 2, 2, 2]
+    keep: 2
+    rays: true
+    noise: 0.02
+    padding: 0.1
+    least_points: 3
+  world: {type: octomap, topic: ~/world}
+"""
+
+
+def test_each_key_is_read():
+    front, rear, camera, world = read_scene(SCENE).obstacle_sources
+    assert front == ObstacleSource(
+        'front_scan', 'laser_scan', '/scan', timeout=0.5, range=8, extrude=(0.0, 1.8)
+    )
+    assert rear == ObstacleSource(
+        'rear_scan', 'laser_scan', 'rear/scan', frame='rear_lidar', required=False
+    )
+    assert camera == ObstacleSource(
+        'camera',
+        'depth_image',
+        '/camera/depth/image_rect_raw',
+        resolution=0.05,
+        box=(-2.0, -2.0, 0.0, 2.0, 2.0, 2.0),
+        keep=2,
+        rays=True,
+        noise=0.02,
+        padding=0.1,
+        least_points=3,
+    )
+    assert world == ObstacleSource('world', 'octomap', '~/world')
+
+
+def test_what_is_written_is_read_again():
+    scene = read_scene(SCENE)
+    assert read_scene(to_yaml(scene)) == scene
+
+
+@pytest.mark.parametrize(
+    ('line', 'reason'),
+    [
+        ('a: {type: sonar, topic: /a}', 'sonar'),
+        ('a: {type: laser_scan}', 'missing `topic`'),
+        ('a: {type: laser_scan, topic: "two words"}', 'two words.*a topic is called'),
+        ('a: {type: laser_scan, topic: /a, rate: 5}', 'rate'),
+        ('a: {type: laser_scan, topic: /a, timeout: 0}', 'timeout'),
+        ('a: {type: laser_scan, topic: /a, extrude: [1, 1]}', 'lowest and the highest height'),
+        ('a: {type: laser_scan, topic: /a, box: [0, 0, 0, 1, 1, 0]}', 'each of the first three'),
+        ('a: {type: octomap, topic: /a, keep: 1}', 'keep is of points'),
+        ('file: {type: laser_scan, topic: /a}', 'load_obstacles'),
+    ],
+)
+def test_what_is_no_source_is_refused_with_its_line(line, reason):
+    with pytest.raises(SceneFileError, match=reason) as refused:
+        read_scene(f'sources: [s]\nobstacle_sources:\n  {line}\n')
+    assert refused.value.line == 3
+
+
+def test_a_name_that_no_frame_may_have_is_refused():
+    with pytest.raises(SceneFileError, match="'a::b': a source is called by a letter"):
+        read_scene('obstacle_sources:\n  "a::b": {type: laser_scan, topic: /a}\n')
+
+
+def test_who_makes_no_maps_says_so(tmp_path, capsys):
+    with pytest.warns(UserWarning, match='front_scan, rear_scan, camera, world.*in any answer'):
+        load_scene(SCENE, SceneGraph())
+    file = tmp_path / 'scene.yaml'
+    file.write_text(SCENE)
+    assert main(['query', str(file), '--what', 'least']) == 0
+    assert 'warning: ' in capsys.readouterr().err
