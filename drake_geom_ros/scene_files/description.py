@@ -122,6 +122,7 @@ class RobotDescription:
     - ``mounted_on``: the frame that carries it; the poses of its links, X_WB too, are then
       measured in that frame instead of the world.
     - ``configuration``: values [rad] or [m] of the joints that the scene gives one.
+    - ``held_joints``: those of them that stay, until a value is heard.
     """
 
     name: str
@@ -135,6 +136,7 @@ class RobotDescription:
     mounted_on: Member | None = None
     configuration: Mapping[str, float] = field(default_factory=dict, hash=False)
     model: str = ''
+    held_joints: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,10 @@
 """Parts of a robot as its file describes them, whatever the format of the file."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+
+import numpy as np
 
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
@@ -47,6 +49,20 @@ class RobotParts:
     def link_names(self) -> list[str]:
         """The links in the order of the file."""
         return [frame.name for frame in self.frames]
+
+    def holding(self, joints: Collection[str]) -> 'RobotParts':
+        """Return the parts with some joints held: a link that no other one moves stays, too."""
+        if not joints:
+            return self
+        links = JointedLinks(self.tree)
+        needs = links.tree.needs()
+        still = {
+            link
+            for row, link in enumerate(links.link_names)
+            if all(links.joint_names[c] in joints for c in np.flatnonzero(needs[row]))
+        }
+        frames = (replace(f, static=None) if f.name in still else f for f in self.frames)
+        return replace(self, frames=tuple(frames))
 
     def placed(
         self, X_WB: RigidTransform, configuration: Mapping[str, float] = MappingProxyType({})

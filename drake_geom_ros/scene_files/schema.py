@@ -109,9 +109,9 @@ def _reason(error: Any) -> str:
     if kind == 'not':
         return str(limit['description'])
     if kind in ('minProperties', 'maxProperties'):
-        keys = ', '.join(error.schema['properties'])
+        keys = ', '.join(error.schema.get('properties', ()))
         one = 'exactly' if 'maxProperties' in error.schema else 'at least'
-        return f'has {len(value)} keys; give {one} one of {keys}'
+        return f'has {len(value)} keys; give {one} one{" of " if keys else ""}{keys}'
     if kind in ('minItems', 'maxItems'):
         return f'has {len(value)} items; {limit} are needed'
     if kind == 'pattern':

@@ -1,7 +1,7 @@
 """Collision filters of a robot from its SRDF, with MoveIt's meaning.
 
 An SRDF contributes its disabled and enabled pairs, and the states of groups that the robot's key
-``configuration`` names (``standing``). Groups, end effectors, passive joints, properties and
+``configuration`` names, and passive joints (``standing``). Groups, end effectors, properties and
 sphere approximations of links change no answer here. The pose of the base is not read from
 ``virtual_joint``, but from the robot's key ``pose``, TF or messages. Sources of the meaning:
 MoveIt's AllowedCollisionMatrix and srdfdom.

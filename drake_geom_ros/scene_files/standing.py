@@ -64,6 +64,42 @@ def configuration_of(
     return configuration
 
 
+def held_joints_of(
+    plain: Values,
+    tree: LinkTree,
+    srdf: tuple[bytes, str] | None,
+    configuration: Values,
+    at: At,
+    *,
+    within_limits: bool,
+) -> dict[str, float]:
+    """Return the values of joints that stay: of the key ``held_joints``, and passive ones.
+
+    Passive joints of the ``srdf``, if there is one, stay where the configuration puts them, else
+    at rest. Raises SceneFileError as ``configuration_of`` does, and for another value in the
+    configuration.
+    """
+    held: dict[str, float] = {}
+    if plain:
+        held = configuration_of(plain, tree, None, at, within_limits=within_limits)
+    for joint, value in held.items():
+        if (first := configuration.get(joint, value)) != value:
+            raise at(joint).error(
+                f'{joint} is held at {value:g}, and has the value {first:g} in the configuration'
+            )
+    if srdf is not None and (passive := _passive_joints(*srdf)):
+        links = JointedLinks(tree)
+        rest = dict(zip(links.joint_names, links.at_rest(configuration).tolist(), strict=True))
+        held = {**{joint: rest[joint] for joint in passive if joint in rest}, **held}
+    return held
+
+
+def _passive_joints(data: bytes, file: str) -> list[str]:
+    """Return the joints that an SRDF calls passive."""
+    elements = read_robot_xml(data, file).findall('passive_joint')
+    return [attribute(element, 'name', file) for element in elements]
+
+
 def _no_joint(name: str, tree: LinkTree, links: JointedLinks) -> str:
     """Return the error text for a name that is no joint with a value of its own."""
     mimic = next((j.mimic for j in tree.joints if j.name == name and j.mimic), None)

@@ -34,7 +34,7 @@ from drake_geom_ros.scene_files.proximity_rules import read_proximity_rules
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
-from drake_geom_ros.scene_files.standing import configuration_of
+from drake_geom_ros.scene_files.standing import configuration_of, held_joints_of
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
 from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
 
@@ -146,8 +146,8 @@ class _SceneParser:
                     'this file lists'
                 )
             tree = read_model_tree(urdf_path, self._resolver, robot.model)
-            configuration = self._configuration(index, plain, tree, semantics)
-            self._robots.append(replace(robot, tree=tree, configuration=configuration))
+            # Passive joints that stay are among its held joints.
+            self._robots.append(self._standing(index, plain, robot, tree, semantics, None))
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
@@ -156,8 +156,9 @@ class _SceneParser:
             _paddings(plain.get('padding', {})),
         )
         parts = read_model(urdf_path, name, self._resolver, options, robot.model)
-        configuration = self._configuration(index, plain, parts.tree, semantics)
-        self._robots.append(replace(robot, tree=parts.tree, configuration=configuration))
+        robot = self._standing(index, plain, robot, parts.tree, semantics, semantics)
+        self._robots.append(robot)
+        configuration, parts = robot.configuration, parts.holding(robot.held_joints)
         self._warnings += parts.warnings
         if not {'pose', 'mounted_on'} & plain.keys() and parts.X_WB is not None:
             X_WB = parts.X_WB
@@ -188,6 +189,33 @@ class _SceneParser:
             partial(self._document.at, 'robots', index, 'configuration'),
             within_limits=not plain.get('loaded', False),
         )
+
+    def _standing(
+        self,
+        index: int,
+        plain: Plain,
+        robot: RobotDescription,
+        tree: LinkTree,
+        semantics: tuple[bytes, str] | None,
+        of_passive: tuple[bytes, str] | None,
+    ) -> RobotDescription:
+        """Return a robot with its tree, the first values of its joints, and those that stay.
+
+        ``of_passive`` is the SRDF whose passive joints stay.
+        """
+        configuration = self._configuration(index, plain, tree, semantics)
+        held: dict[str, float] = {}
+        if 'held_joints' in plain or of_passive is not None:
+            held = held_joints_of(
+                plain.get('held_joints', {}),
+                tree,
+                of_passive,
+                configuration,
+                partial(self._document.at, 'robots', index, 'held_joints'),
+                within_limits=not plain.get('loaded', False),
+            )
+        joints = {**configuration, **held}
+        return replace(robot, tree=tree, configuration=joints, held_joints=tuple(held))
 
     def _frame(self, index: int, plain: Plain) -> FrameDescription:
         path = ('frames', index)

@@ -140,6 +140,7 @@ def _robot(robot: RobotDescription, names: FileNames) -> dict[str, Any]:
         frame_prefix=robot.frame_prefix or None,
         mounted_on=robot.mounted_on and names.name(robot.mounted_on),
         configuration=dict(robot.configuration) or None,
+        held_joints={name: robot.configuration[name] for name in robot.held_joints} or None,
         loaded=True,
     )
 

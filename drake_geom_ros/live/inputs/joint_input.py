@@ -185,6 +185,11 @@ class JointInput:
                     f'there the scene file counts: {some_of(unheard)}; publish them on '
                     f'{robot.topic or "joint_states"}'
                 )
+            if heard := robot.no_longer_held():
+                troubles.append(
+                    f'held_joints of {robot.name!r} names {some_of(heard)}, of which values are '
+                    'published: these count, and grow old; leave them out of one of the two'
+                )
             stale = [
                 name
                 for name, value in zip(robot.joint_names, robot.values, strict=True)

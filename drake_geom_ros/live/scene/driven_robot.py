@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.geometry.queries.joint_trees import JointTree
-from drake_geom_ros.live.scene.clocks import UNKNOWN, Since, oldest_of_each
+from drake_geom_ros.live.scene.clocks import ALWAYS, UNKNOWN, Since, oldest_of_each
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import WORLD, RobotDescription
@@ -27,7 +28,7 @@ class JointValue(NamedTuple):
     position: float  # [rad] or [m]
     speed: float  # [1/s]; nan where nobody knows it
     stamp: int  # [ns]; 0: none
-    since: Since  # UNKNOWN: nothing was heard, it is the scene file's
+    since: Since  # UNKNOWN: nothing was heard, it is the scene file's; ALWAYS: which holds it
 
 
 class Base(NamedTuple):
@@ -86,9 +87,14 @@ class DrivenRobot:
         joints = {joint.name for joint in robot.tree.joints} | self._joints.keys()
         self.others = joints - set(self.joint_names)
         standing = {
-            name: JointValue(value, math.nan, 0, UNKNOWN)
+            name: (
+                JointValue(value, 0.0, 0, ALWAYS)
+                if name in robot.held_joints
+                else JointValue(value, math.nan, 0, UNKNOWN)
+            )
             for name, value in robot.configuration.items()
         }
+        self._held = frozenset(robot.held_joints)
         self.values = [standing.get(name) for name in self.joint_names]
         self.know(values)
         names = kinematics.link_names
@@ -189,10 +195,23 @@ class DrivenRobot:
         rows = zip(self.joint_names, self.values, strict=True)
         return [name for name, value in rows if value is not None and value.since == UNKNOWN]
 
+    def held(self) -> list[str]:
+        """Return the joints that the scene file holds, and of which nothing was heard."""
+        rows = zip(self.joint_names, self.values, strict=True)
+        return [name for name, value in rows if value is not None and value.since == ALWAYS]
+
+    def no_longer_held(self) -> list[str]:
+        """Return the joints that the scene file holds though values of them were heard."""
+        return sorted(self._held.intersection(self.joint_names).difference(self.held()))
+
     def configuration(self) -> dict[str, float]:
         """Return the values of joints, as far as they are known."""
         rows = zip(self.joint_names, self.values, strict=True)
         return {name: value.position for name, value in rows if value is not None}
+
+    def as_now(self, robot: RobotDescription) -> RobotDescription:
+        """Return the description of this robot with the values of its joints of now."""
+        return replace(robot, configuration=self.configuration(), held_joints=tuple(self.held()))
 
     def outside_limits(self) -> list[str]:
         """Return in words which joints stand outside their limits."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -256,12 +255,12 @@ class HeldScene:
     def snapshot(self) -> SceneSnapshot:
         """Return a copy to be described, which takes long and needs no scene."""
         model = self.model
-        now = {name: robot.configuration() for name, robot in model.joints.robots.items()}
+        joints = model.joints.robots
         return SceneSnapshot(
             model.context.what_if(),
             self.mark(),
             tuple(
-                replace(robot, configuration=now.get(robot.name, robot.configuration))
+                joints[robot.name].as_now(robot) if robot.name in joints else robot
                 for robot in model.robots
             ),
             self.poses.ages.static(),

@@ -215,7 +215,8 @@ class RobotJoints:
 def _heard_by(robot: DrivenRobot) -> dict[str, JointValue]:
     """Return the values of joints that were heard of, by name."""
     heard = zip(robot.joint_names, robot.values, strict=True)
-    return {name: value for name, value in heard if value and value.since != UNKNOWN}
+    of_files = UNKNOWN, ALWAYS
+    return {name: value for name, value in heard if value and value.since not in of_files}
 
 
 def look_up(robots: Sequence[DrivenRobot], names: Sequence[str]) -> list[JointPlace | None]:

@@ -232,3 +232,53 @@ def test_a_mounted_robot_waits_for_its_carrier(folder, clock):
         assert not scene.query.is_placed(scene.model.names.frame('tool::hand'))
         place(scene, 'cart', X_WB)
         assert_both_stand(scene, Q, X_WB)
+
+
+HELD = 'held_joints: {wrist: -0.3, finger: 0.02}'
+
+
+def test_joints_that_nobody_publishes_are_held_and_never_stale(folder, clock):
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}, {HELD}'), clock)
+    with live.editing() as scene:
+        joints.take(scene, state(['shoulder'], [1.0], 1000.0), 0.0)
+        assert_stands(scene, (1.0, -0.3, 0.02), X_WB)
+        assert set(scene.poses.ages_by_name().values()) == {0.0}
+        assert joints.troubles(scene, 1.0) == []
+        clock.now += 0.5
+        assert scene.poses.ages_by_name()['arm::hand'] == 0.5  # that of the shoulder
+
+
+def test_a_robot_all_of_whose_joints_are_held_stands_for_ever(folder, clock):
+    every = 'held_joints: {shoulder: 0.5, wrist: -0.3, finger: 0.02}'
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}, {every}'), clock)
+    clock.now += 100.0
+    with live.editing() as scene:
+        assert_stands(scene, Q_READY, X_WB)
+        assert set(scene.poses.ages_by_name().values()) == {0.0}
+        assert scene.blind_frames(1.0).stale == set()
+        assert joints.troubles(scene, 1.0) == []
+    assert joint_positions(live).ages == [0.0] * 3
+
+
+def test_a_held_joint_of_which_values_come_is_held_no_more_and_somebody_says_so(folder, clock):
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}, {HELD}'), clock)
+    with live.editing() as scene:
+        joints.take(scene, state(['shoulder', 'wrist'], [1.0, 0.25], 1000.0), 0.0)
+        assert_stands(scene, (1.0, 0.25, 0.02), X_WB)
+        (told,) = joints.troubles(scene, 1.0)
+        assert told.startswith("held_joints of 'arm' names wrist, of which values are published")
+        clock.now += 2.0
+        assert len(joints.troubles(scene, 1.0)) == 2  # and the joints are stale
+        saved = read_scene(to_yaml(scene.description()))
+    (robot,) = saved.robots
+    assert robot.held_joints == ('finger',)
+    assert robot.configuration == {'shoulder': 1.0, 'wrist': 0.25, 'finger': 0.02}
+
+
+def test_what_a_scene_held_another_one_does_not(folder, clock):
+    live, joints = opened(scene_text(folder, f'name: arm, {AT}, {HELD}'), clock)
+    with live.editing() as scene:
+        sources = in_order_of_removal(scene.model.inspector, [scene.model.names.source('arm')])
+        scene.make(exchange(scene, sources, read_scene(scene_text(folder, f'name: arm, {AT}'))))
+        joints.follow(scene)
+        assert scene.model.joints.robots['arm'].without_value() == ['shoulder', 'wrist', 'finger']
