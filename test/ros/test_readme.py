@@ -87,3 +87,8 @@ def test_every_topic_in_the_table_is_there(minimal, lone_client):
         return listed.items() <= {n: k[0].replace('/msg/', '/') for n, k in topics.items()}.items()
 
     lone_client.wait_for(there, f'the topics {listed}')
+
+
+def test_the_pages_count_the_services():
+    assert f'\n{len(SERVICES)} services register' in README
+    assert f'All {len(SERVICES)} services are private' in SERVICES_PAGE
