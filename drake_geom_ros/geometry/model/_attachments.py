@@ -77,8 +77,9 @@ def _drop(model: Model, frames: list[FrameId], geometries: list[GeometryRecord])
         frame = model.frames.pop(id)
         model.frame_names.remove((frame.source_id, frame.name))
         model.first_X_PFs.pop(id, None)
-    roles = {role for record in geometries for role in record.roles()}
-    model.changed_geometries(geometries, roles, frames=bool(frames))
+    model.changed(
+        frames=bool(frames), roles={role for record in geometries for role in record.roles()}
+    )
     return RemovedObjects(frames, geometries)
 
 
@@ -175,4 +176,4 @@ def _hang_on(model: Model, frame: FrameRecord, parent_id: FrameId) -> None:
     for id in [id for id in model.frames if id in below]:
         model.frames[id] = model.frames.pop(id)
     model.first_X_PFs.pop(frame.id, None)
-    model.changed(frames=True, reordered=True)
+    model.changed(frames=True)
