@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Sequence
 
-from drake_geom_ros.live.inputs.obstacle_records import INPUTS, SELF_FILTERS
+from drake_geom_ros.live.inputs.obstacle_records import INPUTS, OCTOMAP, SELF_FILTERS
 
 
 def refusal_of_obstacles(names: Sequence[str], self_filter: str, box: Sequence[float]) -> str:
@@ -20,4 +21,14 @@ def refusal_of_obstacles(names: Sequence[str], self_filter: str, box: Sequence[f
             f'obstacle_box is {list(box)}; it must be empty or six numbers, x, y, z of the lowest '
             'and of the highest corner [m], each of the first three less than its fellow'
         )
-    return ''
+    return octomap_refusal('obstacles names octomap') if OCTOMAP in names else ''
+
+
+def octomap_refusal(who: str) -> str:
+    """Return why no OctoMap can be taken, beginning with who asks for one, or ''."""
+    if importlib.util.find_spec('octomap_msgs') is not None:
+        return ''
+    return (
+        f'{who}, and the package octomap_msgs cannot be imported; install it with the ROS '
+        'distribution, or send points'
+    )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.inputs import obstacle_records as by_default
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
+from drake_geom_ros.live.inputs.obstacle_refusals import octomap_refusal
 from drake_geom_ros.live.scene.scene_maps import AgeLimit
 from drake_geom_ros.scene_files import (
     DEPTH_IMAGE,
@@ -41,11 +41,9 @@ def all_sources(
             )
         sources[each.name] = each
     octomaps = [name for name, each in sources.items() if each.type == OCTOMAP]
-    if octomaps and importlib.util.find_spec('octomap_msgs') is None:
-        raise ArgumentError(
-            f'the obstacle source {octomaps[0]!r} is an octomap, and the package octomap_msgs '
-            'cannot be imported; install it with the ROS distribution, or send points'
-        )
+    who = f'the obstacle source {octomaps[0]!r} is an octomap' if octomaps else ''
+    if who and (reason := octomap_refusal(who)):
+        raise ArgumentError(reason)
     return sources
 
 
