@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.arrays import rotation_error
 from drake_geom_ros.math.batched import quaternions_from_rotations, rotations_from_quaternions
-from drake_geom_ros.math.tolerances import ALMOST_ROTATION, UNIT_NORM
+from drake_geom_ros.math.tolerances import ALMOST_ROTATION, LEAST_SQUARED, UNIT_NORM
 
 
 class Quaternion:
@@ -199,8 +199,11 @@ def _of_matrix(rotation: ArrayLike) -> Floats:
 def _angle_and_axis(wxyz: Floats) -> tuple[float, Floats]:
     """Return angle [rad], from 0 to pi, and axis (3,) of a unit quaternion."""
     w, v = abs(float(wxyz[0])), wxyz[1:] * math.copysign(1.0, float(wxyz[0]))
-    sine = float(np.linalg.norm(v))
-    if sine == 0.0:
+    largest = float(np.abs(v).max())
+    if largest == 0.0:
         return 0.0, np.array([1.0, 0.0, 0.0])
+    scale = largest if largest < LEAST_SQUARED else 1.0
+    v = v / scale
+    sine = float(np.linalg.norm(v))
     # The cosine alone would lose all digits of a small angle.
-    return 2.0 * math.atan2(sine, w), v / sine
+    return 2.0 * math.atan2(sine * scale, w), v / sine

@@ -50,3 +50,6 @@ TIME_TOLERANCE = 1e-6
 # does not convert an integer that is written into such a field: it sends the bits of the integer
 # n, which are read as n * 5e-324. This limit notices each integer up to 2e23.
 SMALLEST_SENT = 1e-300
+
+# The square of a number that is not smaller has all its digits.
+LEAST_SQUARED = 1e-140

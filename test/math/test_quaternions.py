@@ -106,3 +106,10 @@ def test_four_numbers_are_a_point_or_a_direction():
         X_AB @ [4, 5, 6, 0.5]
     np.testing.assert_array_equal(X_AB.multiply(p_BoQ_B=[4, 5, 6]), X_AB @ [4, 5, 6])
     np.testing.assert_array_equal(R_AB.multiply(v_B=[4, 5, 6]), R_AB @ [4, 5, 6])
+
+
+@pytest.mark.parametrize('tiny', [5e-324, 3e-310, 1.2e-160, 1e-100])
+def test_an_angle_whose_square_is_none_has_an_axis_of_unit_length(tiny):
+    turn = AngleAxis(quaternion=Quaternion(1.0, tiny, -tiny, 0.0))
+    np.testing.assert_allclose(turn.axis(), [math.sqrt(0.5), -math.sqrt(0.5), 0.0], rtol=1e-15)
+    assert turn.angle() == pytest.approx(2.0 * math.sqrt(2.0) * tiny, rel=1e-12, abs=1e-323)
