@@ -71,7 +71,7 @@ def cells_of_full(data: bytes | memoryview, resolution: float, kind: str = 'OcTr
     log_odds = np.ascontiguousarray(rows[:, :4]).view('<f4')[:, 0]
     if not np.isfinite(log_odds).all():
         raise MapError('a node of the tree has log-odds that are not finite')
-    children = rows[:, payload]
+    children = rows[:, payload].copy()  # as ``put_paths`` is compiled for
     paths = _paths(children, LEVELS)
     is_leaf = children == 0
     return _cells_of_leaves(paths[is_leaf & (log_odds >= 0.0)], resolution)

@@ -1,7 +1,7 @@
 """The walk through an octree that is stored depth first, compiled.
 
-A loop in Python took 2 s for a million nodes, and with it every other thread of the node waited
-for the interpreter's lock, each time for up to 5 ms.
+A loop in Python took two fifths of the time of reading a tree of 2 million cells. Meanwhile, every
+other thread of the node waited for the interpreter's lock, each time for up to 5 ms.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drake_geom_ros.sensed_maps import tree_walk
 from drake_geom_ros.sensed_maps.cells import Cells, MapError
 from drake_geom_ros.sensed_maps.octree import (
     HALF,
@@ -93,6 +94,13 @@ def test_a_full_tree_by_hand():
         cells_of_full(struct.pack('<fB', np.nan, 0), 1.0)
     with pytest.raises(MapError, match='SomeTree'):
         cells_of_full(data, 1.0, 'SomeTree')
+
+
+def test_trees_of_both_kinds_run_the_walk_that_is_compiled_at_the_start():
+    # A second version would be compiled at the first message that needs it.
+    cells_of_binary(binary_of_cells(cells_of([(0, 0, 0)])).data, 0.5)
+    cells_of_full(struct.pack('<fB', -1.0, 0), 0.5)
+    assert len(tree_walk._put_paths.signatures) == 1
 
 
 @given(near)
