@@ -70,6 +70,23 @@ def rotations_from_quaternions(qxqyqzqw: ArrayLike, what: str = 'quaternions') -
     return Rs
 
 
+def slerp(q0: ArrayLike, q1: ArrayLike, u: ArrayLike) -> Floats:
+    """Return unit quaternions (..., 4) on the arcs from q0 to q1 (..., 4) at u (..., 1) in [0, 1].
+
+    Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985. sin(u a) / sin(a) is
+    computed as a quotient of sinc, without a special case for a = 0. Requires q0 . q1 >= 0.
+    """
+    q0, q1, u = np.asarray(q0, float), np.asarray(q1, float), np.asarray(u, float)
+    chord = np.linalg.norm(q1 - q0, axis=-1, keepdims=True)
+    turns = 2.0 * np.arctan2(chord, np.linalg.norm(q1 + q0, axis=-1, keepdims=True)) / np.pi
+
+    def weight(v: Floats) -> Floats:
+        return np.asarray(v * np.sinc(v * turns) / np.sinc(turns))
+
+    q = weight(1.0 - u) * q0 + weight(u) * q1
+    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
+
+
 def quaternions_from_rotations(Rs: ArrayLike) -> Floats:
     """Return unit quaternions (n, 4), qx qy qz qw with qw >= 0, of R (n, 3, 3).
 

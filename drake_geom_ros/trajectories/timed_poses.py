@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.math.batched import slerp
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
 
@@ -57,23 +58,6 @@ class TimedPoses:
     def matrices(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return the rigid transforms (..., 4, 4) at times t (...) [s]."""
         return matrices_of_poses(self.poses(t))
-
-
-def slerp(q0: ArrayLike, q1: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
-    """Return unit quaternions (..., 4) on the arcs from q0 to q1 (..., 4) at u (..., 1) in [0, 1].
-
-    Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985. sin(u a) / sin(a) is
-    computed as a quotient of sinc, without a special case for a = 0. Requires q0 . q1 >= 0.
-    """
-    q0, q1, u = np.asarray(q0, float), np.asarray(q1, float), np.asarray(u, float)
-    chord = np.linalg.norm(q1 - q0, axis=-1, keepdims=True)
-    turns = 2.0 * np.arctan2(chord, np.linalg.norm(q1 + q0, axis=-1, keepdims=True)) / np.pi
-
-    def weight(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(v * np.sinc(v * turns) / np.sinc(turns))
-
-    q = weight(1.0 - u) * q0 + weight(u) * q1
-    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
 
 
 def read_timed_poses(path: str | Path) -> dict[str, TimedPoses]:

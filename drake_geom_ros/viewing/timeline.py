@@ -16,8 +16,8 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.batched import slerp
 from drake_geom_ros.trajectories.motion import Motion
-from drake_geom_ros.trajectories.timed_poses import slerp
 
 _MOST_LOOKS = 400  # moments of a motion at which the minimum distance is computed
 _FIRST_REACH = 0.1  # [m]

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.trajectories.timed_poses import COLUMNS, TimedPoses, read_timed_poses, slerp
+from drake_geom_ros.math.batched import slerp
+from drake_geom_ros.trajectories.timed_poses import COLUMNS, TimedPoses, read_timed_poses
 
 
 def _turn_z(angle):

@@ -9,6 +9,11 @@ import numpy as np
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.batched import (
+    quaternions_from_rotations,
+    rotations_from_quaternions,
+    slerp,
+)
 
 _LONGEST = 10.0  # [s] that a scan may take: no lidar turns as slowly
 
@@ -67,21 +72,6 @@ def unturned(points: Floats, R_FE: Floats, p_FE: Floats) -> Floats:
     [[1.0, 0.0, 0.0], [0.707, 0.707, 0.0], [0.0, 1.0, 0.0]]
     """
     done = np.linspace(0.0, 1.0, len(points))[:, np.newaxis]
-    axis, angle = _axis_and_angle(R_FE)
-    angles = angle * done
-    # Rodrigues' formula, for each point by its own angle.
-    along = points @ axis
-    turned = (
-        points * np.cos(angles)
-        + np.cross(axis, points) * np.sin(angles)
-        + np.outer(along, axis) * (1.0 - np.cos(angles))
-    )
-    return np.asarray(turned + p_FE * done)
-
-
-def _axis_and_angle(R: Floats) -> tuple[Floats, float]:
-    """Return the axis (3,) and the angle [rad], 0 to pi, of a rotation matrix."""
-    from drake_geom_ros.math import RotationMatrix
-
-    turn = RotationMatrix(R).ToAngleAxis()
-    return np.asarray(turn.axis(), dtype=np.float64), float(turn.angle())
+    first, last = quaternions_from_rotations(np.stack([np.eye(3), R_FE]))
+    R_FSs = rotations_from_quaternions(slerp(first, last, done))
+    return np.asarray((R_FSs @ points[:, :, np.newaxis])[:, :, 0] + p_FE * done)

@@ -20,7 +20,7 @@ from drake_geom_ros.live.scene.pose_ages import PosedFrames
 from drake_geom_ros.live.scene.tracks import KEPT, Bracket, Track, UnknownThenError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Floats, Indices
-from drake_geom_ros.trajectories.timed_poses import slerp
+from drake_geom_ros.math.batched import slerp
 
 _MOST_TRACKS = 64  # sets of frames that came together; more are looked through for old ones
 _REMEMBERED = 60.0  # [s] for which it is known since when somebody poses a frame
