@@ -10,7 +10,8 @@ from drake_geom_ros.recordings.message_types import CLOUD, IMAGE, OCTOMAP, SCAN
 from drake_geom_ros.recordings.raw_messages import RecordedTopic
 from drake_geom_ros.recordings.recording_topics import Topics, few_of
 
-_SENSED = (CLOUD, IMAGE, OCTOMAP, SCAN)  # types of messages from which a node makes maps
+_BY_DEFAULT = (CLOUD, IMAGE, OCTOMAP)  # types of messages from which a node makes maps
+_SENSED = (*_BY_DEFAULT, SCAN)  # of scans only where its scene names the topic
 
 
 def maps_in(
@@ -54,5 +55,4 @@ def maps_remark(maps: Sequence[str]) -> str:
 
 def _may_be_of_maps(topic: RecordedTopic) -> bool:
     is_image = topic.type == IMAGE
-    may_be = topic.type in _SENSED and topic.type != SCAN  # of scans only what a scene names
-    return may_be and (not is_image or 'depth' in topic.name)
+    return topic.type in _BY_DEFAULT and (not is_image or 'depth' in topic.name)

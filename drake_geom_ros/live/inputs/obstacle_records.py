@@ -102,3 +102,4 @@ class Found(NamedTuple):
     counts: MapCounts
     shell: Shell
     nearest: float  # [m] least distance of a point in the shell from a body; inf: there is none
+    range: float = np.inf  # [m] beyond which the sensor measures nothing, where it says so

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.live.inputs import obstacle_records as by_default
+from drake_geom_ros.live.inputs import obstacle_records
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
 from drake_geom_ros.live.inputs.obstacle_refusals import octomap_refusal
 from drake_geom_ros.live.scene.scene_maps import AgeLimit
@@ -19,9 +19,9 @@ from drake_geom_ros.scene_files import (
 
 # The sources that the parameter `obstacles` names.
 _DEFAULTS = {
-    by_default.POINTS: (POINT_CLOUD, '~/obstacles/points'),
-    by_default.DEPTH: (DEPTH_IMAGE, '~/obstacles/depth/image_rect_raw'),
-    by_default.OCTOMAP: (OCTOMAP, '~/obstacles/octomap'),
+    obstacle_records.POINTS: (POINT_CLOUD, '~/obstacles/points'),
+    obstacle_records.DEPTH: (DEPTH_IMAGE, '~/obstacles/depth/image_rect_raw'),
+    obstacle_records.OCTOMAP: (OCTOMAP, '~/obstacles/octomap'),
 }
 
 

@@ -160,7 +160,8 @@ class ObstacleInput:
             shell.cells.centres(), shell.reach + margin, taken.counts.in_shell, taken.nearest
         )
         moment, settings = begun.moment, self._settings()
-        sight = Sight(moment.X_WF.translation(), settings.reach, *settings.corners())
+        reach = min(settings.reach, taken.range)
+        sight = Sight(moment.X_WF.translation(), reach, *settings.corners())
         cells, counts = taken.kept.cells, taken.counts
         if settings.extrude is not None:
             cells = cells.extruded(*settings.extrude)

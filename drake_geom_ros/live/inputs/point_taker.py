@@ -116,13 +116,13 @@ class PointTaker:
         if place.turn is not None:
             points = unturned(points, *place.turn)
         x, y, z = points.T[:, np.newaxis]
-        self._take_placed((x, y, z), place)
+        self._take_placed((x, y, z), place, scan.range_max)
 
     def _take_points(self, columns: Columns, header: Any, waited: float, publisher: str) -> None:
         place = self._map.begin(header, waited, self.filter.number, publisher)
         self._take_placed(columns, place)
 
-    def _take_placed(self, columns: Columns, place: Place) -> None:
+    def _take_placed(self, columns: Columns, place: Place, sensor_range: float = np.inf) -> None:
         count, settings = columns[0].size, place.settings
         if len(self._room) < count:
             self._room = np.empty((count, 3))
@@ -166,7 +166,7 @@ class PointTaker:
             held_shell_cells=len(shell.cells) - len(new.cells),
         )
         nearest = float(beside.distances.min(initial=np.inf))
-        self._map.finish(Found(held_cells, counts, shell, nearest))
+        self._map.finish(Found(held_cells, counts, shell, nearest, sensor_range))
         self._held.pop(place.feed, None)  # the last one heard of is the last to be forgotten
         self._held[place.feed] = Held(held_cells, place.epoch, place.generation, shell)
         if len(self._held) > 2 * MOST_FEEDS:

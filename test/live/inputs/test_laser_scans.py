@@ -118,6 +118,14 @@ def test_a_map_that_is_not_required_is_no_evidence_that_a_body_is_seen(required)
         assert bool(scene.maps.sights()) == required
 
 
+def test_a_scan_sees_no_farther_than_its_range():
+    node = node_of(range=5.0)
+    node.taker.take_scan(scan([1.0, 2.0, 1.0], range_max=2.5))
+    with node.live.reading() as scene:
+        ((_, (sight,)),) = scene.maps.sights()
+    assert sight.reach == 2.5
+
+
 def test_too_many_rays_are_refused(monkeypatch):
     monkeypatch.setattr('drake_geom_ros.live.inputs.point_taker.MOST_POINTS', 2)
     node = node_of()
