@@ -80,11 +80,11 @@ def from_mujoco(
 def from_pydrake(
     pydrake_scene_graph: Any, scene_graph: SceneGraph, query_object: Any = None
 ) -> LoadedScene:
-    """Register what a scene graph of pydrake holds, and return the ids by name.
+    """Register the frames and geometries of a scene graph of pydrake, and return the ids by name.
 
     Sources, frames and geometries keep their names, poses, roles and properties, and the pairs
-    that pydrake filters are filtered. The parent of each frame is the world, since pydrake tells
-    no other. With a ``query_object`` of pydrake the frames have its poses as first poses,
+    that pydrake filters are filtered. The parent of each frame is the world, since pydrake
+    gives no other. With a ``query_object`` of pydrake the frames have its poses as first poses,
     otherwise they wait for one.
 
     Raises SceneFileError for a shape that is not here and for a frame named ``world``; the scene

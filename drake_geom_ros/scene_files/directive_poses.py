@@ -39,8 +39,9 @@ def _rotation(document: Document, plain: dict[str, object], path: KeyPath) -> Ro
     tag = document.tags.get(path, '')
     for inner in ((*path, key) for key in values):
         if inner in document.tags:
-            found = document.tags[inner]
-            raise document.at(*inner).error(f'tag {found}; only fixed numbers are read')
+            raise document.at(*inner).error(
+                f'tag {document.tags[inner]}; only fixed numbers are read'
+            )
     if not tag or values.keys() != set(_KEYS[tag]):
         raise document.at(*path).error(
             'must be !Rpy {deg: [roll, pitch, yaw]}, !AngleAxis {angle_deg: ..., axis: [x, y, z]} '

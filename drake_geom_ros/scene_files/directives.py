@@ -222,18 +222,21 @@ class _Assembly:
             if isinstance(f, GroupDescription)
         }
         groups = {name: group for name, (group, _) in self._groups.items()} | of_models
+        nested = {name: others for name, (_, others) in self._groups.items()}
 
-        def members(name: str, where: Location, passed: tuple[str, ...]) -> dict[Member, None]:
-            if name not in groups:
-                raise where.error(f'there is no collision filter group {name!r}')
-            found = dict.fromkeys(groups[name].members)
-            for other, place in self._groups[name][1] if name in self._groups else ():
-                if other not in passed:
-                    found |= members(other, place, (*passed, other))
-            return found
+        def members(name: str) -> dict[Member, None]:
+            reached, waiting = {name: None}, [name]
+            while waiting:
+                for other, place in nested.get(waiting.pop(), ()):
+                    if other not in groups:
+                        raise place.error(f'there is no collision filter group {other!r}')
+                    if other not in reached:
+                        reached[other] = None
+                        waiting.append(other)
+            return dict.fromkeys(member for each in reached for member in groups[each].members)
 
         return [
-            replace(group, members=tuple(members(name, group.where, (name,))))
+            replace(group, members=tuple(members(name)))
             for name, (group, _) in self._groups.items()
         ]
 

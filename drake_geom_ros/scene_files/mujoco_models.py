@@ -7,7 +7,7 @@ Source of the meaning: MuJoCo's documentation of computation and of ``MjModel``,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Lock
@@ -26,7 +26,7 @@ from drake_geom_ros.scene_files.mujoco_filters import filters_of
 from drake_geom_ros.scene_files.mujoco_joints import joint_of, pose_of
 from drake_geom_ros.scene_files.mujoco_shapes import geometries_of
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.robot_parts import RobotParts
+from drake_geom_ros.scene_files.robot_parts import RobotParts, visual_only_warning
 from drake_geom_ros.scene_files.urdf_filters import moved_links, self_cliques, welded_links
 
 _MISSING = (
@@ -127,7 +127,10 @@ def parts_of_model(model: Any, source: str, options: RobotOptions, file: str) ->
         geometries,
         filters,
         tree,
-        tuple(str(where.error(text)) for text in _warnings(model)),
+        (
+            *(str(where.error(text)) for text in _warnings(model, shaped)),
+            *visual_only_warning(_visual_only(model, bodies, shaped), model.nbody - 1, where),
+        ),
         offsets,
         RigidTransform(),
         free,
@@ -160,10 +163,20 @@ def _sites(model: Any, bodies: _Bodies) -> Iterator[tuple[str, tuple[str, RigidT
             yield name, (bodies.names[model.site_bodyid[id]], X_BS)
 
 
-def _warnings(model: Any) -> Iterator[str]:
+def _visual_only(model: Any, bodies: _Bodies, shaped: Collection[str]) -> list[str]:
+    """Return the bodies with geometries none of which collides with anything."""
+    if not shaped:
+        return []
+    with_geometries = dict.fromkeys(bodies.names[id] for id in model.geom_bodyid.tolist())
+    return [name for name in with_geometries if name != WORLD and name not in shaped]
+
+
+def _warnings(model: Any, shaped: Collection[str]) -> Iterator[str]:
     """Yield what the model has that changes contacts in MuJoCo, and no distance here."""
     import mujoco
 
+    if not shaped:
+        yield 'no geometry of the model collides with anything: no query sees anything of it'
     margins = int((model.geom_margin != 0.0).sum())
     if margins:
         yield (

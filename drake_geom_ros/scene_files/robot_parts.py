@@ -1,8 +1,9 @@
 """Parts of a robot as its file describes them, whatever the format of the file."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +13,17 @@ from drake_geom_ros.scene_files.description import (
     FrameDescription,
     GeometryDescription,
 )
+from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.jointed_links import JointedLinks
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.urdf_tree import fixed_poses, root_links
 
 Offsets = Mapping[str, tuple[str, RigidTransform]]
+_VISUAL_ONLY = (
+    '{} of {} links have visuals and no collision geometry, so no query sees them: {}. Give them '
+    'collision elements, or cover them by geometries of the scene file'
+)
+_MOST_NAMED = 40  # links in a warning
 
 
 @dataclass(frozen=True)
@@ -86,3 +93,17 @@ class RobotParts:
             poses |= fixed_poses(self.joints, link, X_WL)
         frames = (replace(frame, X_PF=poses.get(frame.name)) for frame in self.frames)
         return replace(self, frames=tuple(frames), X_WB=X_WB)
+
+
+def is_visual_only(link: Any) -> bool:
+    """Return whether a link element of a URDF or SDFormat has a visual and no collision."""
+    return link.find('visual') is not None and link.find('collision') is None
+
+
+def visual_only_warning(names: Sequence[str], links: int, place: Location) -> tuple[str, ...]:
+    """Return one warning about links, of so many, that have visuals alone; none without any."""
+    if not names:
+        return ()
+    more = f' and {len(names) - _MOST_NAMED} more' if len(names) > _MOST_NAMED else ''
+    warning = _VISUAL_ONLY.format(len(names), links, ', '.join(names[:_MOST_NAMED]) + more)
+    return (str(place.error(warning)),)

@@ -115,7 +115,7 @@ def _reason(error: Any) -> str:
     if kind in ('minItems', 'maxItems'):
         return f'has {len(value)} items; {limit} are needed'
     if kind == 'pattern':
-        return f'{_quote(value)}: {_PATTERNS[limit]}'
+        return f'{_quote(value)}: {_PATTERNS.get(limit, f"it must match {limit}")}'
     return f'{_quote(value)} must be {_wanted(kind, limit)}'
 
 

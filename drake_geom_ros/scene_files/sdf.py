@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import Mesh, Role
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import sdf_filters, urdf_filters
 from drake_geom_ros.scene_files.description import (
+    WORLD,
     CliqueDescription,
     FilterDescription,
     FrameDescription,
@@ -24,15 +25,19 @@ from drake_geom_ros.scene_files.description import (
 from drake_geom_ros.scene_files.grounding import free_links, grounded
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.robot_parts import RobotParts
+from drake_geom_ros.scene_files.robot_parts import (
+    RobotParts,
+    is_visual_only,
+    visual_only_warning,
+)
 from drake_geom_ros.scene_files.sdf_elements import pose_in, text_of
-from drake_geom_ros.scene_files.sdf_joints import UNDRIVEN, joint_of
+from drake_geom_ros.scene_files.sdf_joints import joint_of
 from drake_geom_ros.scene_files.sdf_models import MODEL, Item, Scope, read_scope
-from drake_geom_ros.scene_files.sdf_poses import WORLD, link_of, model_pose, pose_of
+from drake_geom_ros.scene_files.sdf_poses import link_of, model_pose, pose_of
 from drake_geom_ros.scene_files.sdf_shapes import shape_of
 from drake_geom_ros.scene_files.sdf_vocabulary import warnings_about
 from drake_geom_ros.scene_files.urdf_proximity import proximity_properties_of
-from drake_geom_ros.scene_files.urdf_tree import check_forest, root_links
+from drake_geom_ros.scene_files.urdf_tree import UNDRIVEN, check_forest, root_links
 from drake_geom_ros.scene_files.welding import Weld
 from drake_geom_ros.scene_files.xml_tree import local_name, prefix_warning
 
@@ -165,6 +170,10 @@ class _ModelReader:
         warnings += tuple(str(j.where.error(_UNDRIVEN.format(j.child))) for j in self._undriven)
         if not geometries:
             warnings += (str(where.error(_NO_SHAPES.format(self._source))),)
+        else:
+            elements_of = {name: item.element for name, (_, item) in self._links.items()}
+            only_seen = [name for name, link in elements_of.items() if is_visual_only(link)]
+            warnings += visual_only_warning(only_seen, len(self._links), where)
         roots = root_links(tree.joints, tree.links)
         X_WB = RigidTransform() if roots == [WORLD] else self._X_WLs[roots[0]]
         free = {link: self._X_WLs[link] for link in free_links(tree)} if roots == [WORLD] else {}
@@ -209,10 +218,10 @@ class _ModelReader:
     def _joint(self, placed: _Placed, name: str, item: Item) -> UrdfJoint:
         scope, ends, frames = placed.scope, [], []
         for end in ('parent', 'child'):
-            found = [_text(child) for child in item.element if local_name(child) == end]
-            if len(found) != 1 or not found[0]:
-                raise ValueError(f'<joint> has {len(found)} <{end}>; it has one')
-            frames.append(item.base if found[0] == MODEL else found[0])
+            links = [text_of(child) for child in item.element if local_name(child) == end]
+            if len(links) != 1 or not links[0]:
+                raise ValueError(f'<joint> has {len(links)} <{end}>; it has one')
+            frames.append(item.base if links[0] == MODEL else links[0])
             link = link_of(scope, frames[-1])
             ends.append(link if link == WORLD else placed.prefix + link)
         parent, child = ends
@@ -301,7 +310,7 @@ class _ModelReader:
         """Yield the clique of a model whose ``<self_collide>`` is false."""
         for placed in self._scopes:
             for item in placed.scope.others:
-                if local_name(item.element) == 'self_collide' and _text(item.element) in (
+                if local_name(item.element) == 'self_collide' and text_of(item.element) in (
                     'false',
                     '0',
                 ):
@@ -321,10 +330,6 @@ class _ModelReader:
                 X_WF = placed.X_WM @ pose_of(placed.scope, name)
                 X_WL = RigidTransform() if link == WORLD else self._X_WLs[full]
                 yield placed.prefix + name, (full, X_WL.inverse() @ X_WF)
-
-
-def _text(element: Any) -> str:
-    return (element.text or '').strip()
 
 
 def _below(model: _Placed) -> Iterator[_Placed]:

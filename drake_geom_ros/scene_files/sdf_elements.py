@@ -30,8 +30,8 @@ class SdfFile:
 
 def text_of(element: Any, child: str = '', default: str = '') -> str:
     """Return the text of an element, or of its first child of a name."""
-    found = element.find(child) if child else element
-    return default if found is None else (found.text or '').strip()
+    holder = element.find(child) if child else element
+    return default if holder is None else (holder.text or '').strip()
 
 
 def numbers_in(element: Any, child: str, count: int, default: str | None = None) -> list[float]:

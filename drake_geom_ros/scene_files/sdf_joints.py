@@ -16,10 +16,10 @@ from drake_geom_ros.scene_files.jointed_links import parts_of
 from drake_geom_ros.scene_files.link_tree import Mimic, UrdfJoint
 from drake_geom_ros.scene_files.screws import screw_parts
 from drake_geom_ros.scene_files.sdf_elements import SdfFile, flag_in, number_in, numbers_in
+from drake_geom_ros.scene_files.urdf_tree import UNDRIVEN
 from drake_geom_ros.scene_files.xml_tree import local_name
 
 TYPES = ('revolute', 'continuous', 'prismatic', 'fixed', 'ball', 'universal', 'revolute2', 'screw')
-UNDRIVEN = 'curvilinear'
 DRAKES_TYPES = ('planar', UNDRIVEN)
 _INFINITE = 1e15  # limits of this size stand for none: the default is 1e16
 _Z = (0.0, 0.0, 1.0)
@@ -73,8 +73,7 @@ def with_child_offset(joint: UrdfJoint, X_JC: RigidTransform) -> UrdfJoint:
     """Return a joint whose child link stands at X_JC in its moved frame."""
     if X_JC.IsExactlyIdentity():
         return joint
-    parent = replace(joint, parts=())
-    return replace(joint, parts=(*parts_of(joint), _fixed_part(parent, X_JC)))
+    return replace(joint, parts=(*parts_of(joint), _fixed_part(joint, X_JC)))
 
 
 def _fixed_part(joint: UrdfJoint, X_JC: RigidTransform) -> UrdfJoint:

@@ -113,7 +113,7 @@ class _Reader:
             tag = local_name(child)
             where = file.at(child)
             try:
-                if tag in ('link', 'frame') or (tag == 'joint' and scope.element is not None):
+                if tag in ('link', 'frame', 'joint'):
                     X, relative_to = pose_in(child)
                     item = Item(child, file, X, relative_to, base)
                     group = {'link': scope.links, 'frame': scope.frames}.get(tag, scope.joints)

@@ -4,10 +4,10 @@ Source of the meaning: the SDFormat specification, *Pose frame semantics*.
 """
 
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.scene_files.sdf_elements import text_of
 from drake_geom_ros.scene_files.sdf_models import MODEL, Item, Scope
 
-WORLD = 'world'
 _Passed = tuple[tuple[int, str], ...]
 
 

@@ -1,6 +1,5 @@
 """Shapes of SDFormat, including those that Drake adds to the format."""
 
-import math
 from typing import Any
 
 from drake_geom_ros.geometry import (
@@ -70,8 +69,6 @@ def _mesh(element: Any, file: SdfFile, resolver: ResourceResolver) -> Shape:
         raise ValueError('<mesh> has no <uri>')
     path = str(resolver.resolve(uri, file.folder))
     scale = numbers_in(element, 'scale', 3, '1 1 1')
-    if not all(map(math.isfinite, scale)):
-        raise ValueError(f'<scale> is {scale}; it must be finite')
     convex = element.get('optimization') in ('convex_hull',) or any(
         local_name(child) == 'declare_convex' for child in element
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 from drake_geom_ros.scene_files.sdf_models import Scope
 from drake_geom_ros.scene_files.urdf_proximity import KNOWN_PROPERTIES
+from drake_geom_ros.scene_files.urdf_vocabulary import once_for_each_kind
 from drake_geom_ros.scene_files.xml_tree import local_name
 
 
@@ -65,27 +66,22 @@ _TOLD = {
 
 def warnings_about(scopes: Iterable[tuple[Scope, Any]]) -> tuple[str, ...]:
     """Return warnings, with file and line, about elements that are not understood."""
-    first: dict[str, str] = {}
-    count: dict[str, int] = {}
-    for scope, element in scopes:
-        for what, warning in _unknown(element, scope):
-            first.setdefault(what, warning)
-            count[what] = count.get(what, 0) + 1
-    more = {what: f' (and {n - 1} more like it)' if n > 1 else '' for what, n in count.items()}
-    return tuple(f'{warning}{more[what]}' for what, warning in first.items())
+    return once_for_each_kind(
+        pair for scope, element in scopes for pair in _unknown(element, scope)
+    )
 
 
 def _unknown(element: Any, scope: Scope) -> Iterator[tuple[str, str]]:
     """Yield the kind of each child that is not understood, and the warning about it."""
     name = local_name(element)
-    known = _KNOWN['axis' if name == 'axis2' else name]
+    understood = _KNOWN['axis' if name == 'axis2' else name]
     inside: Sequence[str] = _INSIDE.get(name, ())
     for child in element:
         kind = local_name(child)
         place = scope.file.at(child)
         if kind in _TOLD:
             yield kind, str(place.error(f'<{kind}>: {_TOLD[kind]}'))
-        elif kind not in known:
+        elif kind not in understood:
             what = f'<{kind}> in <{name}> is not understood'
             yield what, str(place.error(f'{what}. It is left out'))
         elif kind in inside:

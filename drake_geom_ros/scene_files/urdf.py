@@ -23,10 +23,9 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     RobotOptions,
 )
-from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.robot_parts import RobotParts
+from drake_geom_ros.scene_files.robot_parts import RobotParts, is_visual_only, visual_only_warning
 from drake_geom_ros.scene_files.urdf_filters import moved_links
 from drake_geom_ros.scene_files.urdf_joint_checks import warnings_about
 from drake_geom_ros.scene_files.urdf_poses import pose_of
@@ -43,11 +42,6 @@ from drake_geom_ros.scene_files.xml_tree import (
     read_robot_xml,
 )
 
-_VISUAL_ONLY = (
-    '{} of {} links have a <visual> and no <collision>, so no query sees them: {}. Give them '
-    'collision elements, or cover them by geometries of the scene file'
-)
-_MOST_NAMED = 40  # links in a warning
 _IMPLICIT_WORLD = (
     f'the parent {WORLD!r} of a joint is no link of the file: it is read as the world, as in '
     'Drake and Gazebo; urdfdom, and with it robot_state_publisher and MoveIt, refuses the robot'
@@ -116,24 +110,15 @@ def read_urdf(
     if not geometries:
         warnings += (str(place_of(root, file).error(_NO_SHAPES.format(source))),)
     else:
-        warnings += _visual_only(links, place_of(root, file))
+        warnings += visual_only_warning(_visual_only(links), len(links), place_of(root, file))
     tree = LinkTree(robot, tuple(links), tuple(joints))
     offsets = _offsets(root, links, file)
     return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings, offsets)
 
 
-def _visual_only(links: Mapping[str, Any], place: Location) -> tuple[str, ...]:
-    """Return one warning about the links with a visual and without a collision element."""
-    names = [
-        name
-        for name, link in links.items()
-        if name != WORLD and link.find('visual') is not None and link.find('collision') is None
-    ]
-    if not names:
-        return ()
-    more = f' and {len(names) - _MOST_NAMED} more' if len(names) > _MOST_NAMED else ''
-    warning = _VISUAL_ONLY.format(len(names), len(links), ', '.join(names[:_MOST_NAMED]) + more)
-    return (str(place.error(warning)),)
+def _visual_only(links: Mapping[str, Any]) -> list[str]:
+    """Return the links with a visual and without a collision element."""
+    return [name for name, link in links.items() if name != WORLD and is_visual_only(link)]
 
 
 def _offsets(

@@ -5,7 +5,7 @@ meaning is certainly lost (an unknown way to write an orientation, xacro that wa
 name in the wrong case), and otherwise reported in a warning, once for each kind.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -109,9 +109,14 @@ def check_vocabulary(root: Any, file: str) -> tuple[str, ...]:
 
     Raises SceneFileError for parts whose meaning is certainly lost, see the module.
     """
+    return once_for_each_kind(_unknown(root, file))
+
+
+def once_for_each_kind(warnings: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """Return the first warning of each kind, with the number of the others."""
     first: dict[str, str] = {}
     count: dict[str, int] = {}
-    for what, warning in _unknown(root, file):
+    for what, warning in warnings:
         first.setdefault(what, warning)
         count[what] = count.get(what, 0) + 1
     more = {what: f' (and {n - 1} more like it)' if n > 1 else '' for what, n in count.items()}

@@ -146,8 +146,7 @@ class _SceneParser:
                     'this file lists'
                 )
             tree = read_model_tree(urdf_path, self._resolver, robot.model)
-            # Passive joints that stay are among its held joints.
-            self._robots.append(self._standing(index, plain, robot, tree, semantics, None))
+            self._robots.append(self._standing(index, plain, robot, tree, semantics))
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
@@ -156,7 +155,7 @@ class _SceneParser:
             _paddings(plain.get('padding', {})),
         )
         parts = read_model(urdf_path, name, self._resolver, options, robot.model)
-        robot = self._standing(index, plain, robot, parts.tree, semantics, semantics)
+        robot = self._standing(index, plain, robot, parts.tree, semantics)
         self._robots.append(robot)
         configuration, parts = robot.configuration, parts.holding(robot.held_joints)
         self._warnings += parts.warnings
@@ -197,13 +196,11 @@ class _SceneParser:
         robot: RobotDescription,
         tree: LinkTree,
         semantics: tuple[bytes, str] | None,
-        of_passive: tuple[bytes, str] | None,
     ) -> RobotDescription:
-        """Return a robot with its tree, the first values of its joints, and those that stay.
-
-        ``of_passive`` is the SRDF whose passive joints stay.
-        """
+        """Return a robot with its tree, the first values of its joints, and those that stay."""
         configuration = self._configuration(index, plain, tree, semantics)
+        # Of a saved robot passive joints that stay are among the held ones.
+        of_passive = None if plain.get('loaded', False) else semantics
         held: dict[str, float] = {}
         if 'held_joints' in plain or of_passive is not None:
             held = held_joints_of(

@@ -122,7 +122,7 @@ def parts(tmp_path):
     (folder / 'arm.urdf').write_text(ARM)
     (folder / 'cup.urdf').write_text(CUP)
     (folder / 'inner.dmd.yaml').write_text(
-        TWO.replace('left', 'left') + '- add_weld: {parent: world, child: left::base}\n'
+        TWO + '- add_weld: {parent: world, child: left::base}\n'
     )
     return folder
 
@@ -181,6 +181,22 @@ def test_a_mounted_model_is_carried(parts):
         ('left', 'tip'),
         ('cup', 'cup'),
     }
+
+
+def test_groups_that_hold_each_other_by_many_ways_are_read_once(parts):
+    # Each of the groups holds the next twice: there are 2**60 ways to the last.
+    text = TWO + STANDS + '- add_collision_filter_group: {name: g60, members: [cup::cup]}\n'
+    for k in range(60):
+        text += (
+            f'- add_collision_filter_group: {{name: g{k}, members: [left::base], '
+            f'member_groups: [g{k + 1}, g{k + 1}, g0], ignored_collision_filter_groups: [g{k}]}}\n'
+        )
+    scene_graph = SceneGraph()
+    loaded = load_scene(written(parts, text), scene_graph)
+    id_of = {(source, frame): id for (source, frame, _), id in loaded.geometries.items()}
+    filtered = scene_graph.model_inspector().CollisionFiltered
+    assert filtered(id_of['left', 'base'], id_of['cup', 'cup'])
+    assert not filtered(id_of['left', 'tip'], id_of['cup', 'cup'])
 
 
 def test_a_text_of_directives_is_known_by_its_key(parts):

@@ -22,6 +22,7 @@ mujoco = pytest.importorskip('mujoco', exc_type=ImportError)
 from oracles.like_mujoco import compared  # noqa: E402
 
 BALL = '<geom type="sphere" size="0.1"/>'
+SEEN = '<geom size="0.1" contype="0" conaffinity="0"/>'
 
 
 def mjcf(bodies, more=''):
@@ -188,6 +189,14 @@ def test_a_saved_scene_has_the_model_again(tmp_path):
             r'contacts are disabled by a flag in MuJoCo',
         ),
         (mjcf(BALL, '<keyframe><key/></keyframe>'), r'1 keyframes are not read'),
+        (
+            mjcf(f'<body name="seen">{SEEN}</body><body name="hit">{BALL}</body>'),
+            r'<text>: 1 of 2 links have visuals and no collision geometry, .*: seen\.',
+        ),
+        (
+            mjcf(SEEN),
+            r'<text>: no geometry of the model collides with anything',
+        ),
     ],
 )
 def test_what_counts_in_mujoco_alone_is_reported(text, warning):

@@ -400,6 +400,10 @@ def test_an_undeclared_prefix_is_declared_and_reported():
         (model(AB + '<wheel/>'), r'<text>:1: model\[m\].wheel: <wheel> in <model> is not'),
         (model('<link name="a"/>'), r"the model 'm' has no <collision> elements"),
         (
+            model(AB + f'<link name="c"><visual name="v">{SHAPE}</visual></link>'),
+            r'<text>:1: .*1 of 3 links have visuals and no collision geometry, .*: c\.',
+        ),
+        (
             '<sdf version="1.9"><world name="w"><actor name="x"/><model name="m">'
             + link('a')
             + '</model></world></sdf>',

@@ -127,8 +127,8 @@ def test_links_that_are_drawn_and_have_no_shape_are_named_in_one_warning(folder)
     bare = f'<link name="world">{visual}</link><link name="bare">{visual}</link>'
     text = f'<robot name="r">\n<link name="a">{visual}{ball}</link><link name="frame"/>{bare}'
     assert read(f'{text}</robot>'.encode(), folder).warnings == (
-        'r.urdf:1: 1 of 4 links have a <visual> and no <collision>, so no query sees them: bare. '
-        'Give them collision elements, or cover them by geometries of the scene file',
+        'r.urdf:1: 1 of 4 links have visuals and no collision geometry, so no query sees them: '
+        'bare. Give them collision elements, or cover them by geometries of the scene file',
     )
     many = ''.join(f'<link name="l{k}">{visual}</link>' for k in range(60))
     (warning,) = read(f'{text}{many}</robot>'.encode(), folder).warnings

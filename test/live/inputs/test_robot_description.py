@@ -144,7 +144,7 @@ def test_links_without_a_collision_shape_are_named_in_the_log(scene, robot):
     text = urdf('arm', 'base', 'hand').replace('</robot>', f'{drawn}</robot>')
     assert '1 warning' in robot.take(text)
     (warning,) = scene.log.warnings
-    assert 'have a <visual> and no <collision>, so no query sees them: cover.' in warning
+    assert 'have visuals and no collision geometry, so no query sees them: cover.' in warning
 
 
 def test_meshes_come_from_the_roots_only(scene, robot, tmp_path):
