@@ -209,15 +209,15 @@ class Checker:
         if not hasattr(self._own, 'by_poses'):
             self._own.by_poses = StateQueries(self._scene)
         poses, never = poses_of_arms(self.joints.arms, state), np.zeros(1, dtype=np.int64)
-        counts, found = self._own.by_poses.nearest(poses, self.accuracy, math.inf, 1, never)
+        counts, pairs = self._own.by_poses.nearest(poses, self.accuracy, math.inf, 1, never)
         if not counts[0]:
             return NearestPair(FREE, math.inf, 0.0, 0, 0)
         return NearestPair(
             NEAR,
-            float(found.distance[0]),
-            float(found.error_bound[0]),
-            int(found.id_A[0]),
-            int(found.id_B[0]),
+            float(pairs.distance[0]),
+            float(pairs.error_bound[0]),
+            int(pairs.id_A[0]),
+            int(pairs.id_B[0]),
         )
 
     def _queries(self) -> JointQueries:

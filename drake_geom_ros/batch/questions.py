@@ -111,7 +111,7 @@ class Question:
 
 
 class JobQueries:
-    """What answers a job, for one thread; see ``Job.queries``.
+    """The queries that answer a job, for one thread; see ``Job.queries``.
 
     ``by_joints`` is the faster way, for valid states only; None: it cannot answer.
     """
@@ -176,10 +176,8 @@ class Job:
         padded = margin is None and self.scene.paddings.any()
         if question.want != 'collision' or not self.arms or padded:
             return JobQueries(self.scene)
-        chain, columns = (
-            chain_of_arms(self.arms),
-            1 + max(int(arm.tree.leaders.max(initial=-1)) for arm in self.arms),
-        )
+        chain = chain_of_arms(self.arms)
+        columns = 1 + max(int(arm.tree.leaders.max(initial=-1)) for arm in self.arms)
         limits = np.array([[-math.inf], [math.inf]]).repeat(columns, axis=1)
         by_joints = JointQueries(self.scene, chain, limits, question.accuracy, margin)
         return JobQueries(self.scene, by_joints)

@@ -28,7 +28,7 @@ _Array, _empty = np.ndarray, np.empty
 
 
 class Posable(Protocol):
-    """What a prepared query needs of its context."""
+    """A context, as a prepared query needs it."""
 
     def UpdateFramePoses(self, poses: FramePoseVector) -> None:
         """Set the poses of some frames."""
@@ -48,20 +48,20 @@ class PreparedQuery:
         context: Posable,
         state: ContextState,
         frame_ids: Indices,
-        asked: Asked,
+        question: Asked,
         accuracy: str | None,
         max_distance: float,
     ) -> None:
-        if asked not in get_args(Asked):
+        if question not in get_args(Asked):
             allowed = ', '.join(get_args(Asked))
-            raise ArgumentError(f'prepare was asked for {asked!r}; it must be one of {allowed}')
-        if math.isnan(max_distance) or (asked != 'distances' and max_distance != math.inf):
+            raise ArgumentError(f'prepare was asked for {question!r}; it must be one of {allowed}')
+        if math.isnan(max_distance) or (question != 'distances' and max_distance != math.inf):
             raise ArgumentError(
-                f'prepare was given max_distance={max_distance} for {asked!r}; only distances '
+                f'prepare was given max_distance={max_distance} for {question!r}; only distances '
                 'have one, a number in metres or infinity'
             )
         self._context, self._state, self._ids = context, state, frame_ids
-        self._asked, self._accuracy, self._reach = asked, state.level(accuracy), max_distance
+        self._question, self._accuracy, self._reach = question, state.level(accuracy), max_distance
         self._usual = self.query_type(context)
         self._query: Prepared | None = None
         self._named = Named(frame_ids[:0], frame_ids[:0])
@@ -90,10 +90,10 @@ class PreparedQuery:
             return self._ask_usually(poses)  # which names the fault
         world = query.world
         world.pose(self._named, X_PFs)
-        if self._asked == 'collision':
+        if self._question == 'collision':
             return state.engine.finds_overlap(query)
         answers = state.engine.answer_of(query)
-        if self._asked == 'penetrations':
+        if self._question == 'penetrations':
             return PenetrationResults(answers, world.kept_poses())
         return SignedDistanceResults(answers, world.kept_poses())
 
@@ -102,21 +102,21 @@ class PreparedQuery:
         state, self._query = self._state, None
         world = state.up_to_date_world()
         named = world.named(self._ids)
-        of_bounds = self._accuracy == 'bound' and self._asked == 'penetrations'
+        of_bounds = self._accuracy == 'bound' and self._question == 'penetrations'
         if (
             *(named is None, bool(state.filters.welded), state.paddings() is not None),
             *(not world.is_whole, world.has_plane_pairs, of_bounds),
         ) != (False,) * 6:
             return None
         assert named is not None
-        distances = self._asked == 'distances'
+        distances = self._question == 'distances'
         query = state.engine.prepared(
             world,
             state.filters,
             self._accuracy,
             self._reach if distances else 0.0,
             not distances,
-            CONTACT if self._asked == 'collision' else ANSWERS,
+            CONTACT if self._question == 'collision' else ANSWERS,
         )
         query.scene = state.model.versions.any + state.filters.version
         self._query, self._named = query, named
@@ -126,9 +126,9 @@ class PreparedQuery:
         """Return the answer of a query object."""
         self._context.UpdateFramePoses(FramePoseVector.FromArrays(self._ids, poses))
         usual, accuracy, answer = self._usual, self._accuracy, None
-        if self._asked == 'collision':
+        if self._question == 'collision':
             answer = usual.HasCollisions(accuracy=accuracy)
-        elif self._asked == 'penetrations':
+        elif self._question == 'penetrations':
             answer = usual.ComputePointPairPenetration(accuracy=accuracy)
         else:
             distances = usual.ComputeSignedDistancePairwiseClosestPoints

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-# What a message begins with: the representation CDR_LE, and no options, which may shorten it.
+# A message begins so: the representation CDR_LE, and no options, which may shorten it.
 LITTLE_ENDIAN = b'\x00\x01\x00\x00'
 BEGIN = len(LITTLE_ENDIAN)
 _WORD = 4  # [bytes]

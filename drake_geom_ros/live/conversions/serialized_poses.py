@@ -81,7 +81,7 @@ _LAYOUTS = {
 
 
 class _Names(NamedTuple):
-    """What messages have in common that name the same."""
+    """The names that some messages have in common, with the bytes of these."""
 
     common: CommonBytes
     frame_id: str
@@ -111,8 +111,8 @@ class PoseReader:
         except NoFitError:
             return None
         if not is_known:
-            kept = sum(each.common.size for each in self._names.values())
-            if len(self._names) >= _MOST_SENDERS or kept + names.common.size > _MOST_BYTES:
+            size = sum(each.common.size for each in self._names.values())
+            if len(self._names) >= _MOST_SENDERS or size + names.common.size > _MOST_BYTES:
                 self._names.clear()
             self._names[sender] = names
         header = Header(self._stamp(seconds, nanoseconds), names.frame_id)

@@ -39,7 +39,7 @@ _NUMBERS = 7  # of a transform
 
 @dataclass(frozen=True)
 class _Layout:
-    """What messages have in common that name the same frames.
+    """The layout of messages that name the same frames.
 
     Behind the four bytes that a message begins with it is seen as words of 8 and of 4 bytes.
     """
@@ -78,8 +78,8 @@ class TransformReader:
                 layout = _layout_of(raw)
             except NoFitError:
                 return None
-            kept = sum(length for _, length in self._layouts)
-            if len(self._layouts) >= _MOST_LAYOUTS or kept + len(raw) > _MOST_BYTES:
+            size = sum(length for _, length in self._layouts)
+            if len(self._layouts) >= _MOST_LAYOUTS or size + len(raw) > _MOST_BYTES:
                 self._layouts.clear()
             self._layouts[key] = layout
         return layout.transforms(raw, self._stamp)

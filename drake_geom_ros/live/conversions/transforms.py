@@ -43,7 +43,7 @@ class TransformNames:
 
     @cached_property
     def are_good(self) -> Flags:
-        """Whether both names of a transform are given, and differ (n,)."""
+        """True where both names of a transform are given, and differ (n,)."""
         pairs = (parent and child and parent != child for parent, child in self.pairs)
         return np.fromiter(map(bool, pairs), dtype=np.bool_, count=len(self))
 
@@ -67,7 +67,7 @@ def names_of(pairs: tuple[tuple[str, str], ...]) -> TransformNames:
 
 
 class Transforms(NamedTuple):
-    """What a message says of ``names``: n transforms, whether they can be or not."""
+    """The n transforms that a message gives to ``names``, valid or not."""
 
     names: TransformNames
     rows: Floats  # (n, 7) x y z [m] qx qy qz qw

@@ -191,12 +191,12 @@ def placed(levels: Levels, X_WEs: Floats, X_PCs: Floats) -> Floats:
     ``X_WEs`` (e, 4, 4) are those that are known, ``X_PCs`` (..., k, 4, 4) the transforms of the TF
     frames, at many moments or now.
     """
-    known = len(X_WEs)
-    X_WFs = np.empty((*X_PCs.shape[:-3], known + X_PCs.shape[-3], 4, 4))
-    X_WFs[..., :known, :, :] = X_WEs
+    ends = len(X_WEs)
+    X_WFs = np.empty((*X_PCs.shape[:-3], ends + X_PCs.shape[-3], 4, 4))
+    X_WFs[..., :ends, :, :] = X_WEs
     for part in levels.parts:
         X_WPs = X_WFs[..., levels.parents_at[part], :, :]
-        here = slice(known + part.start, known + part.stop)
+        here = slice(ends + part.start, ends + part.stop)
         X_WFs[..., here, :, :] = X_WPs @ X_PCs[..., part, :, :]
     return X_WFs
 

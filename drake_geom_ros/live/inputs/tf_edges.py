@@ -1,4 +1,4 @@
-"""Which transforms of a message can be taken: each is judged for itself."""
+"""The check of the transforms of a message, of each for itself."""
 
 from __future__ import annotations
 

@@ -322,15 +322,15 @@ class TfInput:
             for k, (_, child) in enumerate(levels.names.pairs):
                 if child in X_PCs:
                     X_PC[:, k] = X_PCs[child]
-        known = [end.X_WF for end in ends.values()]
-        known += [scene.query.X_WF(frame).GetAsMatrix4() for frame in levels.outer]
-        return poses_in(levels, placed(levels, np.array(known), X_PC))
+        X_WEs = [end.X_WF for end in ends.values()]
+        X_WEs += [scene.query.X_WF(frame).GetAsMatrix4() for frame in levels.outer]
+        return poses_in(levels, placed(levels, np.array(X_WEs), X_PC))
 
     def _held_since(self, posing: Posing, ends: Mapping[str, Placed]) -> Floats:
         """Return since when (n, 4) the frames of a posing are where they are."""
         levels = posing.levels
-        known = [*(end.since for end in ends.values()), *[ALWAYS] * len(levels.outer)]
-        return held_since(levels, np.array(known), self._edges.moments(levels.names))
+        since = [*(end.since for end in ends.values()), *[ALWAYS] * len(levels.outer)]
+        return held_since(levels, np.array(since), self._edges.moments(levels.names))
 
     def _with_two_names(self, scene: HeldScene) -> list[tuple[str, ...]]:
         """Return the names of the frames of the scene that TF has by two names."""

@@ -50,7 +50,7 @@ class Heard(NamedTuple):
 
 
 class _Places(NamedTuple):
-    """Where the transforms of a list of names stand, while the tree is of a version."""
+    """The slots of the transforms of a list of names, in one version of the tree."""
 
     version: int
     slots: Indices  # (n,) -1: there is none of the child yet
@@ -143,12 +143,12 @@ class EdgeTable:
 
     def forget_moving(self) -> None:
         """Keep static transforms alone."""
-        kept = [child for child, k in self._slots.items() if self._stamps[k] == math.inf]
-        slots = [self._slots[child] for child in kept]
+        static = [child for child, k in self._slots.items() if self._stamps[k] == math.inf]
+        slots = [self._slots[child] for child in static]
         for column in (self._rows, self._stamps, self._since):
-            column[: len(kept)] = column[slots]
-        self._slots = {child: k for k, child in enumerate(kept)}
-        self.parents = {child: self.parents[child] for child in kept}
+            column[: len(static)] = column[slots]
+        self._slots = {child: k for k, child in enumerate(static)}
+        self.parents = {child: self.parents[child] for child in static}
         self._version += 1
 
     def _link(self, child: str, parent: str) -> None:

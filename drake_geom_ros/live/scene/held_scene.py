@@ -217,8 +217,8 @@ class HeldScene:
 
     def blind_frames(self, stale_after: float) -> Blind:
         """Return the frames that rules cannot rely on: maps have limits [s] of their own."""
-        blind = self.poses.blind_frames(stale_after)
-        return self.maps.among_blind(blind, self.poses.since, self.clocks)
+        unreliable = self.poses.blind_frames(stale_after)
+        return self.maps.among_blind(unreliable, self.poses.since, self.clocks)
 
     def _unseen(self) -> str:
         sights = self.maps.sights()

@@ -92,24 +92,24 @@ class SceneMaps:
         self, stale: Mapping[int, float], since: Callable[[FrameId], Since | None], clocks: Clocks
     ) -> dict[int, float]:
         """Return the ages [s] of stale frames, of maps with a timeout those that are past it."""
-        found = dict(stale)
+        ages = dict(stale)
         for frame, limit in self._limited():
             if limit.timeout is not None:
-                found.pop(frame.get_value(), None)
+                ages.pop(frame.get_value(), None)
                 posed = since(frame)
                 if posed is not None and (age := clocks.age(posed)) > limit.timeout:
-                    found[frame.get_value()] = age
-        return found
+                    ages[frame.get_value()] = age
+        return ages
 
     def among_blind(
-        self, blind: Blind, since: Callable[[FrameId], Since | None], clocks: Clocks
+        self, unreliable: Blind, since: Callable[[FrameId], Since | None], clocks: Clocks
     ) -> Blind:
         """Return what rules cannot rely on, with maps by their own limits."""
         if not self.limits:
-            return blind
-        stale = self.among_stale(dict.fromkeys(blind.stale, math.inf), since, clocks)
+            return unreliable
+        stale = self.among_stale(dict.fromkeys(unreliable.stale, math.inf), since, clocks)
         waived = {frame.get_value() for frame, limit in self._limited() if not limit.required}
-        return Blind(*(set(frames) - waived for frames in blind._replace(stale=stale)))
+        return Blind(*(set(frames) - waived for frames in unreliable._replace(stale=stale)))
 
     def _limited(self) -> Iterator[tuple[FrameId, AgeLimit]]:
         for name, limit in self.limits.items():

@@ -59,8 +59,8 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
 def _refuse_other_sensors(live: LiveScene, description: SceneDescription) -> None:
     """Raise ArgumentError for obstacle sources that are not those that the node listens to."""
     with live.reading() as scene:
-        known = scene.maps.sources
-    if other := [each.name for each in description.obstacle_sources if each not in known]:
+        sources = scene.maps.sources
+    if other := [each.name for each in description.obstacle_sources if each not in sources]:
         raise ArgumentError(
             f'the scene has the obstacle source {other[0]!r}, which the node does not listen to: '
             'a node opens the sources of its parameter scene_file when it is configured; leave '

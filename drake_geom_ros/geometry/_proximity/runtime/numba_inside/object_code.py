@@ -87,8 +87,8 @@ def _environment(module: str, constants: list[Any], name: str) -> Any:
 
     Only code that is not compiled looks up globals there.
     """
-    known = environment.lookup_environment(name)
-    if known is not None or module in sys.modules or not module.startswith('numba.'):
+    existing = environment.lookup_environment(name)
+    if existing is not None or module in sys.modules or not module.startswith('numba.'):
         return environment._rebuild_env(module, constants, name)
     its_own = environment.Environment({'__name__': module})
     its_own.consts[:] = constants
