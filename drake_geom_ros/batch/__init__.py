@@ -16,6 +16,10 @@ state, or files of them.
 from drake_geom_ros.batch.checker import Checker, Clearance
 from drake_geom_ros.batch.cluster import cluster_executor
 from drake_geom_ros.batch.contacts import ContactsOfStates
+from drake_geom_ros.batch.distance_gradients import (
+    ClearanceAndGradient,
+    DistancesAndGradients,
+)
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker, check_path, check_paths
@@ -26,6 +30,8 @@ from drake_geom_ros.batch.running import BatchError
 __all__ = [
     'Checker',
     'Clearance',
+    'ClearanceAndGradient',
+    'DistancesAndGradients',
     'PathChecker',
     'evaluate',
     'check_path',

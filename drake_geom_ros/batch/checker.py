@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import math
 import threading
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.batch.distance_gradients import (
+    ClearanceAndGradient,
+    DistancesAndGradients,
+    fill_distances,
+    numbers_of_pairs,
+    on_all_cores,
+)
 from drake_geom_ros.batch.evaluation import context_of
 from drake_geom_ros.batch.joints import Joints, chain_of_arms, poses_of_arms, still_poses
 from drake_geom_ros.batch.questions import Question
@@ -22,6 +30,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.geometry.checks import as_number
+from drake_geom_ros.geometry.queries.joint_gradients import JointGradients, with_pairs
 from drake_geom_ros.geometry.queries.joint_queries import (
     FREE,
     NEAR,
@@ -34,10 +43,11 @@ from drake_geom_ros.geometry.queries.joint_queries import (
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.scene_mark import SceneMark
 from drake_geom_ros.geometry.queries.state_queries import StateQueries, default_accuracy
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.array_types import Floats, Indices
 
 _DOUBLES = np.dtype(np.float64)
 _BLOCK = 1024  # states between two checks for Ctrl-C
+_SELECTIONS = 8  # sets of pairs that a thread stays prepared for
 
 
 class Clearance(NamedTuple):
@@ -111,6 +121,7 @@ class Checker:
         self._ids = [GeometryId(value) for value in ids.tolist()]
         self._names = [inspector.full_name(id) for id in self._ids]
         self._chain = chain_of_arms(joints.arms)
+        self._every_pair = np.concatenate((self._scene.pairs, self._scene.half_spaces))
         self._limits = np.array([joints.lower, joints.upper])
         if ignore_limits:
             self._limits = np.array([[-math.inf], [math.inf]]).repeat(joints.count, axis=1)
@@ -152,6 +163,125 @@ class Checker:
         return Clearance(
             lower, least.distance, least.error_bound, ids[a], ids[b], names[a], names[b]
         )
+
+    @property
+    def pairs(self) -> Indices:
+        """Id values (k, 2) of the pairs of geometries, in their fixed order.
+
+        Pairs that filters leave out are missing. Pairs of half spaces are last.
+        """
+        ids = np.array([id.get_value() for id in self._ids], dtype=np.int64)
+        pairs: Indices = ids[self._every_pair]
+        return pairs
+
+    @cached_property
+    def _number_of(self) -> dict[tuple[int, int], int]:
+        return {(a, b): number for number, (a, b) in enumerate(self.pairs.tolist())}
+
+    @property
+    def pair_names(self) -> list[tuple[str, str]]:
+        """Names, ``source::frame/geometry``, of both geometries of each of ``pairs``."""
+        return [(self._names[a], self._names[b]) for a, b in self._every_pair.tolist()]
+
+    def clearance_and_gradient(self, q: ArrayLike) -> ClearanceAndGradient:
+        """Return ``clearance`` and its derivatives by the joint values.
+
+        Args:
+            q: a state (c,), or N states (N, c), which are shared among all cores.
+
+        Returns:
+            ``clearance`` [m], a float or (N,), and ``gradient`` (c,) or (N, c) [m/rad] or [-], the
+            derivatives of the distance of the nearest pair (envelope theorem; J. Danskin, *The
+            Theory of Max-Min*, 1967). Its ``is_gradient_unique`` is False where there is no
+            derivative. Without a pair the gradient is 0.
+
+        Raises:
+            ArgumentError, GeometryError, PoseError: as ``free``, with the number of the state.
+
+        Example::
+
+            clearance, gradient = checker.clearance_and_gradient(q)
+        """
+        states, is_one = self._rows(q)
+        clearances, unique = np.empty(len(states)), np.empty(len(states), dtype=np.bool_)
+        gradients = np.empty(states.shape)
+
+        def answer(number: int) -> None:
+            state = states[number : number + 1]
+            least = self._gradients().least(state)
+            self._checked(least.verdict, state[0], '' if is_one else f'state {number}: ')
+            clearances[number] = least.distance - least.error_bound
+            gradients[number], unique[number] = least.gradient, least.is_unique
+
+        if is_one:
+            answer(0)
+            one = ClearanceAndGradient(float(clearances[0]), gradients[0])
+            one.is_gradient_unique = bool(unique[0])
+            return one
+        on_all_cores(len(states), answer)
+        each = ClearanceAndGradient(clearances, gradients)
+        each.is_gradient_unique = unique
+        return each
+
+    def distances_and_gradients(
+        self,
+        q: ArrayLike,
+        pairs: ArrayLike | None = None,
+        within: float = math.inf,
+        *,
+        out: DistancesAndGradients | None = None,
+    ) -> DistancesAndGradients:
+        """Return distances of pairs in a fixed order, and their derivatives by the joint values.
+
+        Args:
+            q: a state (c,), or N states (N, c), which are shared among all cores.
+            pairs: k pairs of GeometryId or their values, in the order of the result; without it
+                all of ``pairs``.
+            within: [m] pairs that are certified to be farther apart get an infinite distance.
+            out: arrays that are filled and returned, such as an earlier result.
+
+        Returns:
+            ``distance`` (k,) [m], ``error_bound`` (k,) [m], ``gradient`` (k, c) [m/rad] or [-] and
+            ``is_gradient_unique`` (k,); for N states each has N rows. Two half spaces that cross
+            are minus infinity apart.
+
+        Raises:
+            ArgumentError, GeometryError, PoseError: as ``free``; also for pairs that are unknown,
+                filtered out or named twice, a ``within`` that is NaN, and an unfit ``out``.
+
+        Example::
+
+            near = checker.distances_and_gradients(q, within=0.1)
+            is_near = np.isfinite(near.distance)
+        """
+        limit = as_number(within)
+        if limit is None or math.isnan(limit):
+            raise ArgumentError(f'within={within!r} must be a distance in metres or infinity')
+        states, is_one = self._rows(q)
+        numbers = None
+        if pairs is not None:
+            numbers = numbers_of_pairs(pairs, self._number_of)
+        count = len(self._every_pair) if numbers is None else len(numbers)
+        shape = (count,) if is_one else (len(states), count)
+        if out is None:
+            out = DistancesAndGradients.empty(shape, self.joints.count)
+        else:
+            out.check(shape, self.joints.count)
+        # The queries have chosen pairs in the order of all of them.
+        order = None if numbers is None else np.argsort(numbers)
+
+        def answer(number: int) -> None:
+            state = states[number : number + 1]
+            near = self._gradients(numbers).within(state, limit)
+            self._checked(near.verdict, state[0], '' if is_one else f'state {number}: ')
+            own = out if is_one else DistancesAndGradients(*(array[number] for array in out))
+            fill_distances(near, order, own)
+
+        if is_one:
+            answer(0)
+        else:
+            on_all_cores(len(states), answer)
+        return out
 
     def free_each(self, states: ArrayLike) -> NDArray[np.bool_]:
         """Return whether each of the states (N, c) is free: (N,), computed by this thread.
@@ -222,12 +352,7 @@ class Checker:
 
     def _queries(self) -> JointQueries:
         """Return this thread's queries; raises GeometryError after a change of the scene."""
-        if not self._mark.is_of_now():
-            raise GeometryError(
-                'the scene was changed since this checker was prepared: what is in it, its '
-                'filters, or the pose of a frame that the joints do not move. States are not '
-                'answered of a scene that is no more; make a new Checker'
-            )
+        self._check_mark()
         try:
             return self._own.queries  # type: ignore[no-any-return]
         except AttributeError:
@@ -235,6 +360,46 @@ class Checker:
                 self._scene, self._chain, self._limits, self.accuracy, self.margin
             )
             return self._own.queries  # type: ignore[no-any-return]
+
+    def _check_mark(self) -> None:
+        if not self._mark.is_of_now():
+            raise GeometryError(
+                'the scene was changed since this checker was prepared: what is in it, its '
+                'filters, or the pose of a frame that the joints do not move. States are not '
+                'answered of a scene that is no more; make a new Checker'
+            )
+
+    def _gradients(self, numbers: Indices | None = None) -> JointGradients:
+        """Return this thread's queries with gradients, of all pairs or of those by ``numbers``."""
+        self._check_mark()
+        prepared = self._own.__dict__.setdefault('gradients', {})
+        kind = None if numbers is None else np.sort(numbers).tobytes()
+        if kind not in prepared:
+            if len(prepared) > _SELECTIONS:
+                prepared.clear()
+            scene = self._scene
+            if numbers is not None:
+                scene = with_pairs(scene, np.sort(numbers))
+            prepared[kind] = JointGradients(scene, self._chain, self.joints.count, self.accuracy)
+        queries: JointGradients = prepared[kind]
+        return queries
+
+    def _rows(self, q: ArrayLike) -> tuple[Floats, bool]:
+        """Return a state (c,) or states (N, c) as rows (N, c), a copy, and whether it is one."""
+        if isinstance(q, np.ndarray) and q.dtype is _DOUBLES and q.shape == self._shape:
+            return np.array(q, order='C', ndmin=2), True
+        values = _numbers(q)
+        if values.ndim == 1:
+            return self._state(values), True
+        if values.ndim != 2 or values.shape[1:] != self._shape:
+            count = self.joints.count
+            raise ArgumentError(
+                f'states has the shape {values.shape}; it must be ({count},) or (N, {count}), '
+                f'{self._wanted()}'
+            )
+        for number in np.flatnonzero(~np.isfinite(values).all(axis=1)).tolist():
+            self._checked(NO_STATE, values[number], f'state {number}: ')
+        return values, False
 
     def _state(self, q: ArrayLike) -> Floats:
         """Return a state (c,) as (1, c), a copy; raises ArgumentError for another shape."""

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch.contacts import contact_columns
-from drake_geom_ros.batch.joint_gradients import joint_gradients
 from drake_geom_ros.batch.joints import Arm, chain_of_arms, poses_of_arms, still_poses
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
@@ -21,6 +20,7 @@ from drake_geom_ros.geometry import (
     PoseError,
     SceneGraphContext,
 )
+from drake_geom_ros.geometry.queries.joint_gradients import JointGradients, with_pairs
 from drake_geom_ros.geometry.queries.joint_queries import NEAR, JointQueries
 from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.query_gradients import distance_gradients
@@ -118,11 +118,19 @@ class JobQueries:
 
     def __init__(self, scene: PackedScene, by_joints: JointQueries | None = None) -> None:
         self._scene, self.by_joints = scene, by_joints
+        self._chain_rule: JointGradients | None = None
 
     @cached_property
     def by_poses(self) -> StateQueries:
         """The way for all states, made when it is first needed."""
         return StateQueries(self._scene)
+
+    def chain_rule(self, arms: tuple[Arm, ...], columns: int) -> JointGradients:
+        """Return the derivatives of frames by joint values, prepared when first needed."""
+        if self._chain_rule is None:
+            none = with_pairs(self._scene, np.zeros(0, dtype=np.int64))
+            self._chain_rule = JointGradients(none, chain_of_arms(arms), columns, 'bound')
+        return self._chain_rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,17 +217,18 @@ class Job:
             number = first + error.number
             raise PoseError(f'State {number} was refused: {error}') from None
         if self.question.by_joints:
-            columns['joint_gradient'] = self._by_joints(columns, states)
+            chain_rule = queries.chain_rule(self.arms, states.shape[1])
+            columns['joint_gradient'] = self._by_joints(chain_rule, columns, states)
         return columns
 
-    def _by_joints(self, columns: Columns, states: Floats) -> Floats:
+    def _by_joints(self, chain_rule: JointGradients, columns: Columns, states: Floats) -> Floats:
         """Return the derivatives (k, q) of distances in columns by joint values (N, q)."""
         of_state = np.arange(len(states))
         if 'counts' in columns:
             of_state = np.repeat(of_state, columns['counts'])
-        places = columns['id_A'], columns['id_B']
+        places = np.column_stack((columns['id_A'], columns['id_B']))
         rows = np.asarray(states, dtype=np.float64)
-        return joint_gradients(self.scene, self.arms, rows, of_state, places, columns['gradient'])
+        return chain_rule.of_rows(rows, of_state, places, columns['gradient'])
 
     def _answer(
         self, queries: StateQueries, poses: Floats, stop: NDArray[np.int64], shared: bool

@@ -206,3 +206,26 @@ def test_edges_are_told_each_by_itself(press):
     assert {(each.outcome, each.times[0]) for each in checks} == {('unknown', 0.0)}
     checks = [checker.check([*path[1:], tilted]), checker.check_each([[*path[1:], tilted]], 2)[0]]
     assert {each.outcome for each in checks} == {'unknown'}
+
+
+def test_gaps_of_half_spaces_have_gradients(press):
+    checker = Checker(press.scene, press.joints)
+    up, tilt = 0.5, 0.0
+    every = checker.distances_and_gradients([up, tilt])
+    (k,) = [k for k, names in enumerate(checker.pair_names) if 'press' in names[0] + names[1]]
+    assert k == len(checker.pairs) - 1
+    assert every.distance[k] == pytest.approx(up + 0.06)
+    np.testing.assert_allclose(every.gradient[k], [1.0, 0.0], rtol=0, atol=1e-12)
+    assert not every.is_gradient_unique[k]  # the slightest turn makes them cross
+    ids = checker.pairs[[k]]
+    np.testing.assert_array_equal(
+        checker.distances_and_gradients([up, tilt], pairs=ids).gradient, every.gradient[[k]]
+    )
+    crossing = checker.distances_and_gradients([[up, tilt], [up, 0.1]], pairs=ids)
+    assert crossing.distance[:, 0].tolist() == [every.distance[k], -np.inf]
+    assert not crossing.gradient[1].any()
+    for q in ([up, tilt], [up, 0.1], [-0.5, 0.0]):
+        clearance, gradient = checker.clearance_and_gradient(q)
+        assert clearance == checker.clearance(q)
+        least = checker.distances_and_gradients(q)
+        np.testing.assert_array_equal(gradient, least.gradient[np.argmin(least.lower_bound)])

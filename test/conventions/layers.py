@@ -57,10 +57,18 @@ PROXIMITY_ROOMS = {
         (*_GROUND, _K, f'{_K}/solids', 'geometry/_contact_surfaces'),
         ('numpy', 'numba'),
     ),
+    'geometry/_joint_gradients': (
+        (
+            *(*_PAIRS, 'geometry/_proximity/derivatives', 'geometry/_proximity/states'),
+            'geometry/_joint_gradients',
+        ),
+        ('numpy',),
+    ),
     'geometry/_rendering': ((*_GROUND, 'geometry/_rendering'), ('numpy', 'numba')),
 }
 
-_APART = ('geometry/_rendering', 'geometry/_contact_surfaces')  # compiled by those who ask
+# Compiled by those who ask.
+_APART = ('geometry/_rendering', 'geometry/_contact_surfaces', 'geometry/_joint_gradients')
 _ANSWERING = tuple(room for room in PROXIMITY_ROOMS if room not in _APART)
 _MESHES = ('math', 'common', 'geometry', 'geometry/meshes')
 _PUBLIC_SHAPES = (*_MESHES, 'geometry/shapes')
@@ -87,7 +95,10 @@ GEOMETRY_ROOMS = {
         (*_MODEL, 'sensors', 'geometry/render', 'geometry/render/vtk'),
         ('numpy', 'vtkmodules'),
     ),
-    'geometry/queries': ((*_QUERIES, *_ANSWERING, 'geometry/_contact_surfaces'), ('numpy',)),
+    'geometry/queries': (
+        (*_QUERIES, *_ANSWERING, 'geometry/_contact_surfaces', 'geometry/_joint_gradients'),
+        ('numpy',),
+    ),
     'geometry/scene': ((*_SCENE, *_ANSWERING), ('numpy',)),
     'geometry/autodiff': ((*_SCENE, *_ANSWERING, 'geometry/autodiff'), ('numpy',)),
     'geometry/visualizer': ((*_SCENE, 'geometry/visualizer'), ('numpy',)),

@@ -21,6 +21,7 @@ from drake_geom_ros.geometry.model.hydroelastic_properties import (
 )
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
 from drake_geom_ros.geometry.model.properties import PerceptionProperties, ProximityProperties
+from drake_geom_ros.geometry.queries.joint_gradients import JointGradients
 from drake_geom_ros.geometry.queries.joint_queries import JointQueries
 from drake_geom_ros.geometry.queries.joint_trees import JointTree, side_by_side
 from drake_geom_ros.geometry.queries.motion_queries import MotionQueries, MotionQuestion
@@ -103,6 +104,10 @@ def _answer_for_states() -> None:
     checks = JointQueries(scene, chain, np.zeros((2, 0)), 'exact', 0.0)
     checks.verdicts(np.zeros((1, 0)))
     checks.least(np.zeros((1, 0)))
+    gradients = JointGradients(scene, chain, 0, 'exact')
+    gradients.within(np.zeros((1, 0)), math.inf)
+    gradients.least(np.zeros((1, 0)))
+    gradients.of_rows(np.zeros((1, 0)), none, np.zeros((0, 2), dtype=np.int64), np.zeros((0, 12)))
 
 
 def _check_a_motion() -> None:

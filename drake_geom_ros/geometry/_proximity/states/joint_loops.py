@@ -67,28 +67,28 @@ class JointLoops:
         numbers = moved_together(world, rows)
         groups = groups_of(numbers, pairs)
         put_boxes_of(tuple(groups), world.handle)
-        self._world = world  # kept alive, since the handle refers to its arrays
-        self._arrays = _arrays(world, pairs, rows, chain, limits, groups, numbers)
+        self.world = world  # kept alive, since the handle refers to its arrays
+        self.arrays = _arrays(world, pairs, rows, chain, limits, groups, numbers)
         widest = 2.0 * float(paddings.max(initial=0.0))
         values = gap, margin or 0.0, margin is None, widest, rounded if widest > 0.0 else 0.0
-        self._arrays.parameters[:] = values
-        self._arrays.paddings[:] = paddings
-        self._handle = handle_of(self._arrays)
+        self.arrays.parameters[:] = values
+        self.arrays.paddings[:] = paddings
+        self.handle = handle_of(self.arrays)
         self._verdict = np.zeros(1, dtype=np.int64)  # scratch for one
 
     def verdict(self, state: Floats) -> int:
         """Return the verdict about a contiguous state (1, c)."""
-        return check_states(self._handle, state, self._verdict)
+        return check_states(self.handle, state, self._verdict)
 
     def verdicts(self, states: Floats) -> Indices:
         """Return the verdicts (N,) about contiguous states (N, c)."""
         verdicts = np.empty(len(states), dtype=np.int64)
-        check_states(self._handle, states, verdicts)
+        check_states(self.handle, states, verdicts)
         return verdicts
 
     def least(self, state: Floats) -> Least:
         """Return the pair of the least lower bound in a state (1, c), ignoring joint limits."""
-        return least_of_state(self._handle, state)
+        return least_of_state(self.handle, state)
 
 
 def _arrays(
