@@ -14,3 +14,10 @@ SAME_HINT = 1e-6  # of a hint: what the smallest one that is allowed is found to
 # from a buffer of few bits, so a small value costs no accuracy. It is not 0, so that a camera on a
 # surface does not see that surface. Tolerances of drawing: ``_rendering/tolerances.py``.
 NEAREST_SURFACE = 1e-6
+
+# Normals of two faces that may lie face to face are opposite to this [-]; the heights of their
+# corners over the other's plane decide.
+ALMOST_OPPOSITE = 1e-6
+
+# A normal in a binary STL file has length 1 to this [-], as exporters write it.
+UNIT_NORMAL = 1e-2

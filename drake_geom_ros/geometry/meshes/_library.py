@@ -34,17 +34,28 @@ def tight_box(points: Floats) -> Floats:
     return axes if np.linalg.det(axes) > 0.0 else -axes
 
 
+def extent_axes(points: Floats) -> tuple[Floats, Floats]:
+    """Return axes (3, 3) of points, widest first, and the extents (k,) [m] beyond rounding.
+
+    Rows of the axes are unit vectors. k is 3, or less for points in a plane, a line or a point.
+    """
+    padded = np.vstack((points - points.mean(axis=0), np.zeros((3, 3))))
+    _, extents, axes = np.linalg.svd(padded, full_matrices=False)
+    rank = int(np.count_nonzero(extents > FLAT_HULL * extents[0]))
+    return axes, extents[:rank]
+
+
 def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
     """Return vertices and triangles, counter-clockwise from outside, of the convex hull of points.
 
     Points inside a face or an edge of the hull, within rounding, are not among its vertices.
     ``name`` is for the error. Raises MeshFileError if the hull has no volume.
     """
-    extents = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1]
-    if len(extents) < 3 or extents[2] <= FLAT_HULL * extents[0]:
+    if len(extent_axes(points)[1]) < 3:
         raise MeshFileError(
             f'{name}: its {len(points)} vertices lie in a plane, and a convex hull without '
-            'a volume has no inside; give the mesh a thickness'
+            'a volume has no inside; give the mesh a thickness, or a robot of a scene file the '
+            'key `flat_meshes`'
         )
     vertices, triangles = _hull(points)
     while (corners := _corners(vertices, triangles)).sum() < len(vertices):

@@ -8,6 +8,7 @@ cavity with the opposite orientation.
 - Triangles with two corners in one place are left out, and so are two that lie back to back.
 - A mesh that is inside out as a whole is reversed.
 - Triangles without area match edges at T-junctions; after this they are left out.
+- Where two bodies lie on each other, the common area of their faces is cut out.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     SMALL_SIZE,
 )
 from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.meshes._flush_faces import without_flush_areas
 from drake_geom_ros.geometry.meshes._library import connected_pieces
 from drake_geom_ros.geometry.meshes._welding import ADVICE, ClosedSurface, closed_surface
 from drake_geom_ros.geometry.meshes.source import (
@@ -91,14 +93,39 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     hull = unlisted_parameters(hull_vertices, hull_triangles)
     planes = planes_of(hull_vertices, hull_triangles)
     live_number = np.cumsum(live) - 1  # index of each triangle among those with an area
-    largest = live_number[largest_triangles(corners, pieces)]
     crowded = at_crowded_edges(triangles)
     crowded = live_number[crowded[live[crowded]]]
-    parameters, numbers = solid_parameters(hull, corners[live], largest, planes)
-    check_simple(parameters, numbers[largest], numbers[crowded], name)
+    pieces = [live_number[piece] for piece in pieces]
+    try:
+        parameters = _packed(hull, corners[live], pieces, crowded, planes, name)
+    except MeshFileError:
+        cut = without_flush_areas(corners[live])
+        if cut is None:
+            raise
+        pieces = [np.flatnonzero(np.isin(cut.origins, piece)) for piece in pieces]
+        crowded = np.flatnonzero(np.isin(cut.origins, crowded))
+        parameters = _packed(hull, cut.corners, pieces, crowded, planes, name)
     parameters = with_boxes(parameters)
     parameters.flags.writeable = False
     return SOLID, parameters
+
+
+def _packed(
+    hull: Floats,
+    corners: Floats,
+    pieces: list[Indices],
+    crowded: Indices,
+    planes: Floats,
+    name: str,
+) -> Floats:
+    """Return the parameters of triangles (n, 3, 3) with areas; raises as ``check_simple``.
+
+    ``pieces`` and ``crowded`` are indices of triangles.
+    """
+    largest = largest_triangles(corners, [piece for piece in pieces if len(piece)])
+    parameters, numbers = solid_parameters(hull, corners, largest, planes)
+    check_simple(parameters, numbers[largest], numbers[crowded], name)
+    return parameters
 
 
 @functools.lru_cache(maxsize=4)  # small: welds are queried directly after packing

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
+import codecs
+
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
+from drake_geom_ros.geometry.tolerances import UNIT_NORMAL
 
 _HEADER = 84  # [bytes] a comment and the number of triangles
 _FACET = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('attribute', '<u2')])
 
 
 def parse_stl(data: bytes) -> ParsedMesh:
-    """Return the mesh in an STL file; raises ValueError for a truncated or other file."""
+    """Return the mesh in an STL file; raises ValueError for a truncated or other file.
+
+    Bytes behind the triangles of a binary file are left out, with a remark, unless they may be
+    triangles that the header does not count.
+    """
     stated_count = int.from_bytes(data[80:_HEADER], 'little')
-    if len(data) == _HEADER + stated_count * _FACET.itemsize and len(data) >= _HEADER:
+    end = _HEADER + stated_count * _FACET.itemsize
+    remarks: tuple[str, ...] = ()
+    text = data.removeprefix(codecs.BOM_UTF8)
+    if len(data) == end:
         corners = np.frombuffer(data, _FACET, stated_count, _HEADER)['corners']
-    elif data.lstrip()[:5].lower() == b'solid' and b'\0' not in data:
-        corners = _corners_in(data.decode(errors='replace'))
+    elif text.lstrip()[:5].lower() == b'solid' and b'\0' not in text:
+        corners = _corners_in(text.decode(errors='replace'))
+    elif stated_count and end < len(data) and not _may_be_facets(data[end:]):
+        corners = np.frombuffer(data, _FACET, stated_count, _HEADER)['corners']
+        remarks = (f'{len(data) - end} bytes behind its {stated_count} triangles are left out',)
     elif len(data) < _HEADER:
         raise ValueError(
             f'{len(data)} bytes are no STL file, whose header alone has {_HEADER}: it is truncated'
@@ -35,7 +48,17 @@ def parse_stl(data: bytes) -> ParsedMesh:
     if not len(corners):
         raise ValueError('it has no triangles')
     vertices = corners.reshape(-1, 3).astype(np.float64)
-    return ParsedMesh(vertices, np.arange(len(vertices)).reshape(-1, 3))
+    return ParsedMesh(vertices, np.arange(len(vertices)).reshape(-1, 3), remarks=remarks)
+
+
+def _may_be_facets(data: bytes) -> bool:
+    """Return whether bytes begin with a facet: finite numbers, and a normal of length 0 or 1."""
+    if len(data) < _FACET.itemsize or not any(data[: _FACET.itemsize]):
+        return False
+    facet = np.frombuffer(data, _FACET, 1)[0]
+    length = float(np.linalg.norm(facet['normal'].astype(np.float64)))
+    is_normal = length == 0.0 or abs(length - 1.0) < UNIT_NORMAL
+    return is_normal and bool(np.isfinite(facet['corners']).all())
 
 
 def _corners_in(text: str) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ from oracles.mesh_files import BOX, SIDES
 
 from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry import InMemoryMesh, MeshFileError
-from drake_geom_ros.geometry.meshes.source import surface
+from drake_geom_ros.geometry.meshes.source import remarks_on, surface
 
 
 def read(content):
@@ -35,6 +35,7 @@ def solid(corners, name='a vertex of solid'):
         binary(b'solid made by a program that begins like text'),
         solid(BOX[SIDES]),
         solid(BOX[SIDES]).upper(),
+        '\ufeff' + solid(BOX[SIDES]),
         solid(BOX[SIDES]).replace('\n', '\r\n  \t'),
         solid(BOX[SIDES][:5]) + '\n' + solid(BOX[SIDES][5:], ''),
     ],
@@ -54,7 +55,8 @@ def test_all_triangles_are_read(content):
         (binary(told=0)[:84], 'no triangles'),
         (binary()[:40], '40 bytes'),
         (b'', 'it is empty'),
-        (binary() + b'  ', 'too long by 2 bytes'),
+        (binary() + binary()[84:134] + b'  ', 'too long by 52 bytes'),
+        (binary(told=11) + b'trailer', 'tells of 11 triangles, and 12 are found'),
         (solid([]), 'no triangles'),
         (solid(BOX[SIDES]).rpartition('endsolid')[0], "12 triangles are found, and no 'endsolid'"),
         # Of several solids the last one ends early: the others alone would look whole.
@@ -67,3 +69,11 @@ def test_all_triangles_are_read(content):
 def test_what_is_truncated_or_damaged_is_refused(content, reason):
     with pytest.raises(MeshFileError, match=reason):
         read(content)
+
+
+@pytest.mark.parametrize('behind', [b'  ', b'\0' * 512, b'made by a program: ' * 20])
+def test_bytes_behind_the_triangles_are_left_out_with_a_remark(behind):
+    mesh = InMemoryMesh(mesh_file=MemoryFile(binary() + behind, '.stl', 'box'))
+    vertices, triangles = surface(mesh, np.ones(3))
+    np.testing.assert_array_equal(vertices[triangles], BOX[SIDES])
+    assert remarks_on(mesh) == (f'{len(behind)} bytes behind its 12 triangles are left out',)
