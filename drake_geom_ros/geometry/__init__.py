@@ -76,7 +76,7 @@ from drake_geom_ros.geometry.model.collision_filter_manager import (
     FilterGroup,
     FilterStatement,
 )
-from drake_geom_ros.geometry.model.contact_material import AddContactMaterial
+from drake_geom_ros.geometry.model.contact_material import AddContactMaterial, CoulombFriction
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet
 from drake_geom_ros.geometry.model.geometry_version import GeometryVersion
@@ -205,6 +205,7 @@ __all__ = [
     'RoleAssign',
     'MakePhongIllustrationProperties',
     'AddContactMaterial',
+    'CoulombFriction',
     'AddRigidHydroelasticProperties',
     'AddCompliantHydroelasticProperties',
     'AddCompliantHydroelasticPropertiesForHalfSpace',

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry import (
     Box,
     Capsule,
     Convex,
+    CoulombFriction,
     Cylinder,
     Ellipsoid,
     FilterOperation,
@@ -206,6 +207,8 @@ def _value(value: Any) -> Any:
     kind = type(value).__name__
     if kind == 'Rgba':
         return Rgba(value.r(), value.g(), value.b(), value.a())
+    if kind == 'CoulombFriction':
+        return CoulombFriction(value.static_friction(), value.dynamic_friction())
     if kind == 'RenderLabel':
         return RenderLabel(int(value))
     return np.array(value) if isinstance(value, np.ndarray) else value

@@ -26,6 +26,7 @@ IMAGES = ('color', 'depth', 'label')
 PERCEPTION = 'perception'
 # Defaults of cameras: range of depths [m], and publishing rate of a node [Hz].
 NEAR, FAR, RATE = 0.01, 100.0, 10.0
+LEAVE_OUT = 'leave_out'  # flat meshes
 _NOWHERE = Location('<scene>')
 
 
@@ -82,11 +83,12 @@ class GeometryDescription:
 
 @dataclass(frozen=True)
 class RobotOptions:
-    """Options of reading a robot: filters between its links, solid meshes, padding, TF prefix.
+    """Options of reading a robot: filters between its links, meshes, padding, TF prefix.
 
     ``solid_meshes`` are patterns with ``*`` and ``?`` for links or ``link/geometry``.
     ``paddings`` are pairs of such a pattern and a padding [m] on all sides; the last pattern that
     matches a geometry counts. ``frame_prefix`` is the prefix of the links' names in TF.
+    ``flat_meshes`` is LEAVE_OUT or a thickness [m] for flat meshes, 0 if they are refused.
     """
 
     filter_adjacent_links: bool = True
@@ -94,6 +96,7 @@ class RobotOptions:
     solid_meshes: tuple[str, ...] = ()
     paddings: tuple[tuple[str, float], ...] = ()
     frame_prefix: str = ''
+    flat_meshes: str | float = 0.0
 
     def is_solid(self, link: str, geometry: str) -> bool:
         """Return whether a mesh stands for the solid inside its surface instead of its hull."""

@@ -1,16 +1,17 @@
-"""Hydroelastic properties as plain words and numbers of scene files, URDF and messages."""
+"""Proximity properties as plain words and numbers of scene files, URDF and messages."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from drake_geom_ros.geometry import ArgumentError, HydroelasticType
+from drake_geom_ros.geometry import ArgumentError, CoulombFriction, HydroelasticType
 from drake_geom_ros.geometry.checks import as_number
 
 GROUP = 'hydroelastic'
 COMPLIANCE, HINT, MODULUS = 'compliance_type', 'resolution_hint', 'hydroelastic_modulus'
 _LENGTHS = ('slab_thickness', 'margin')
+FRICTION = ('material', 'coulomb_friction')
 TYPES = {
     'rigid': HydroelasticType.kRigid,
     'compliant': HydroelasticType.kCompliant,
@@ -23,9 +24,16 @@ def proximity_property(group: str, name: str, value: Any) -> Any:
     """Return the value of a proximity property from its plain form.
 
     In the group ``hydroelastic`` the compliance type becomes one of ``TYPES``, and all others
-    floats; values of other groups are returned unchanged. Raises ArgumentError for unknown names
-    in this group, and for values that these properties cannot have.
+    floats. The friction of ``material`` becomes a CoulombFriction from ``[static, dynamic]``;
+    other values are returned unchanged. Raises ArgumentError for unknown names in the group
+    ``hydroelastic``, and for values that these properties cannot have.
     """
+    if (group, name) == FRICTION:
+        if isinstance(value, str) or not hasattr(value, '__len__') or len(value) != 2:
+            raise ArgumentError(
+                f"the property '{group}/{name}' is {value!r}; it must be [static, dynamic]"
+            )
+        return CoulombFriction(*value)
     if group != GROUP:
         return value
     if name == COMPLIANCE:

@@ -11,6 +11,7 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     Member,
 )
+from drake_geom_ros.scene_files.drake_names import drake_name
 from drake_geom_ros.scene_files.errors import Location
 
 MemberName = str | Mapping[str, str]
@@ -20,15 +21,16 @@ class FileNames:
     """Names of a scene's frames, and of its geometries with the proximity role.
 
     A frame is ``frame`` or ``source::frame``, a geometry ``frame/geometry`` or
-    ``source::frame/geometry``. Names may contain ``::`` and ``/``: a text is looked up whole, and
-    refused if it matches several members. Parts that are given by key (``source``, ``frame``,
-    ``geometry``) are never ambiguous.
+    ``source::frame/geometry``, by its own name or else by Drake's. Names may contain ``::`` and
+    ``/``: a text is looked up whole, and refused if it matches several members. Parts that are
+    given by key (``source``, ``frame``, ``geometry``) are never ambiguous.
     """
 
     def __init__(
         self, frames: Iterable[FrameDescription], geometries: Iterable[GeometryDescription]
     ):
         self._members: defaultdict[str, dict[Member, None]] = defaultdict(dict)
+        self._by_drake_name: defaultdict[str, dict[Member, None]] = defaultdict(dict)
         self._members[WORLD] = {Member('', WORLD): None}
         for frame in frames:
             self._add(frame.name, Member(frame.source, frame.name))
@@ -36,16 +38,25 @@ class FileNames:
             if Role.kProximity in geometry.roles:
                 member = Member(geometry.source, geometry.frame, geometry.name)
                 self._add(f'{geometry.frame}/{geometry.name}', member)
+                if name := drake_name(geometry.roles[Role.kProximity]):
+                    short = f'{geometry.frame}/{name}'
+                    for text in (short, f'{geometry.source}::{short}'):
+                        self._by_drake_name[text][member] = None
 
     def _add(self, short: str, member: Member) -> None:
         self._members[short][member] = None
         self._members[f'{member.source}::{short}'][member] = None
 
+    def _called(self, name: str) -> list[Member]:
+        """Return the members of that name; Drake's names count where no own name is equal."""
+        table = self._members if self._members.get(name) else self._by_drake_name
+        return list(table.get(name, ()))
+
     def find(self, name: MemberName, place: Location) -> Member:
         """Return the member of a name; SceneFileError if none or several match."""
         if isinstance(name, Mapping):
             return self._find_parts(name, place)
-        members = list(self._members.get(name, ()))
+        members = self._called(name)
         if len(members) == 1:
             return members[0]
         if not members:
@@ -63,6 +74,9 @@ class FileNames:
         member = Member(parts['source'], parts['frame'], parts.get('geometry'))
         if member in self._members.get(_full_name(member), ()):
             return member
+        of_drake = self._by_drake_name.get(_full_name(member), {})
+        if same := [m for m in of_drake if (m.source, m.frame) == (member.source, member.frame)]:
+            return same[0]
         raise place.error(f'{_full_name(member)!r} is not in this scene')
 
     def name(self, member: Member) -> MemberName:

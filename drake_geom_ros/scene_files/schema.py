@@ -75,6 +75,7 @@ def is_surely_valid(value: Any, schema: dict[str, Any]) -> bool:
 _PATTERNS = {
     '[^ \\t]': 'a name has at least one character that is not blank',
     '^[A-Za-z][A-Za-z0-9_]*$': 'a source is called by a letter, then letters, digits and _',
+    '^leave_out$': 'it must be leave_out, or a mapping {thickness: ...}',
     '^[~A-Za-z_/][A-Za-z0-9_/]*$': 'a topic is called by letters, digits, _ and /; ~ is the node',
 }
 

@@ -22,6 +22,7 @@ from drake_geom_ros.scene_files.description import (
     Member,
     RobotOptions,
 )
+from drake_geom_ros.scene_files.flat_meshes import with_flat_meshes
 from drake_geom_ros.scene_files.grounding import free_links, grounded
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.resources import ResourceResolver
@@ -150,11 +151,14 @@ class _ModelReader:
             for name, (_, item) in self._links.items()
         )
         masks: dict[Member, int] = {}
-        geometries = tuple(
+        listed = [
             geometry
             for name, (placed, item) in self._links.items()
             for geometry in self._geometries(name, placed, item, resolver, options, masks)
-        )
+        ]
+        geometries, of_flat = with_flat_meshes(listed, options, where)
+        members = {Member(self._source, g.frame, g.name) for g in geometries}
+        registered = {member: mask for member, mask in masks.items() if member in members}
         shaped = {geometry.frame for geometry in geometries}
         groups, of_groups = self._groups()
         held = (*tree.joints, *self._undriven)
@@ -163,10 +167,10 @@ class _ModelReader:
             *urdf_filters.self_cliques(shaped, self._source, options),
             *self._without_self_collisions(shaped),
             *groups,
-            *sdf_filters.bitmask_filters(masks, where),
+            *sdf_filters.bitmask_filters(registered, where),
         )
         elements = [(p.scope, p.scope.element) for p in self._scopes]
-        warnings = (*warnings_about(elements), *of_groups)
+        warnings = (*warnings_about(elements), *of_groups, *of_flat)
         warnings += tuple(str(j.where.error(_UNDRIVEN.format(j.child))) for j in self._undriven)
         if not geometries:
             warnings += (str(where.error(_NO_SHAPES.format(self._source))),)
@@ -174,9 +178,7 @@ class _ModelReader:
             elements_of = {name: item.element for name, (_, item) in self._links.items()}
             only_seen = [name for name, link in elements_of.items() if is_visual_only(link)]
             warnings += visual_only_warning(only_seen, len(self._links), where)
-        roots = root_links(tree.joints, tree.links)
-        X_WB = RigidTransform() if roots == [WORLD] else self._X_WLs[roots[0]]
-        free = {link: self._X_WLs[link] for link in free_links(tree)} if roots == [WORLD] else {}
+        X_WB, free = self._standing(tree)
         return RobotParts(
             frames,
             geometries,
@@ -188,6 +190,13 @@ class _ModelReader:
             free,
             self._is_static,
         )
+
+    def _standing(self, tree: LinkTree) -> tuple[RigidTransform, dict[str, RigidTransform]]:
+        """Return the pose of the root link in the world, and those of links that float."""
+        roots = root_links(tree.joints, tree.links)
+        if roots != [WORLD]:
+            return self._X_WLs[roots[0]], {}
+        return RigidTransform(), {link: self._X_WLs[link] for link in free_links(tree)}
 
     def _pose(self, placed: _Placed, name: str, item: Item) -> RigidTransform:
         """Return the pose of a name of a scope in the world."""

@@ -44,7 +44,7 @@ _KNOWN = {
         'gearbox_ratio gearbox_reference_body rotor_inertia gear_ratio controller_gains damping'
     ),
     'axis': _words('xyz limit mimic dynamics use_parent_model_frame initial_position'),
-    'proximity_properties': frozenset(KNOWN_PROPERTIES) | _words('mu_dynamic mu_static'),
+    'proximity_properties': frozenset(KNOWN_PROPERTIES),
 }
 _INSIDE = {
     'sdf': ('world',),

@@ -9,7 +9,7 @@ geometries with the proximity role.
 Only links, joints and collision elements are read; masses and visuals change no answer.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,8 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     RobotOptions,
 )
+from drake_geom_ros.scene_files.drake_names import drake_names, set_drake_name
+from drake_geom_ros.scene_files.flat_meshes import with_flat_meshes
 from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.robot_parts import RobotParts, is_visual_only, visual_only_warning
@@ -61,7 +63,8 @@ def read_urdf(
     """Return the parts of a robot, owned by ``source``; mesh paths count from ``folder``.
 
     The n-th geometry of a link has the name of its collision element, or ``collision_n`` (from 0)
-    if that has no name or repeats one of the link. A warning names links with a visual and
+    if that has no name or repeats one of the link; look-ups also find it by Drake's name for it. A
+    warning names links with a visual and
     without a collision element. Raises SceneFileError, with the line, for
 
     - text that is not a URDF, or has no links;
@@ -86,18 +89,20 @@ def read_urdf(
         warnings += (str(place_of(root, file).error(_UNDRIVEN.format(joint.child))),)
     moved, welded = moved_links(held), urdf_filters.welded_links(held, options)
     frames = []
-    geometries: list[GeometryDescription] = []
+    listed: list[GeometryDescription] = []
     for name, element in links.items():
         if name == WORLD:
             of_world = _link_geometries(element, name, file, source, folder, resolver, options)
-            geometries += of_world
+            listed += of_world
             continue
         static = False if name in moved else None
         where = place_of(element, file)
         frames.append(
             FrameDescription(source, name, static=static, where=where, welded=name in welded)
         )
-        geometries += _link_geometries(element, name, file, source, folder, resolver, options)
+        listed += _link_geometries(element, name, file, source, folder, resolver, options)
+    geometries, of_flat = with_flat_meshes(listed, options, place_of(root, file))
+    warnings += of_flat
     if below := [joint for joint in joints if joint.child == WORLD]:
         raise below[0].where.error(f'the child {WORLD!r} is the world frame, which nothing holds')
     # As in Drake, a joint to the world filters no pair.
@@ -113,7 +118,7 @@ def read_urdf(
         warnings += visual_only_warning(_visual_only(links), len(links), place_of(root, file))
     tree = LinkTree(robot, tuple(links), tuple(joints))
     offsets = _offsets(root, links, file)
-    return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings, offsets)
+    return RobotParts(tuple(frames), geometries, filters, tree, warnings, offsets)
 
 
 def _visual_only(links: Mapping[str, Any]) -> list[str]:
@@ -143,22 +148,33 @@ def _link_geometries(
     resolver: ResourceResolver,
     options: RobotOptions,
 ) -> Iterator[GeometryDescription]:
-    names: set[str] = set()
-    for index, element in enumerate(link.findall('collision')):
-        place = place_of(element, file)
+    elements = link.findall('collision')
+    named = [(element.get('name') or '').strip(' \t') for element in elements]
+    names = _unique(named)
+    parts = []
+    for element in elements:
         try:
             shape = urdf_shapes.shape_of(element, folder, resolver)
-            X_LG = pose_of(element)
-            properties = proximity_properties_of(element)
+            parts.append((shape, pose_of(element), proximity_properties_of(element)))
         except (ValueError, RuntimeError) as error:
-            raise place.error(str(error)) from error
-        name = (element.get('name') or '').strip(' \t')
-        if not name or name in names:
-            name = f'{name or "collision"}_{index}'
-        names.add(name)
+            raise place_of(element, file).error(str(error)) from error
+    of_drake = drake_names(named, [type(shape).__name__ for shape, *_ in parts])
+    for index, (shape, X_LG, properties) in enumerate(parts):
+        name, place = names[index], place_of(elements[index], file)
+        if of_drake[index] not in names:
+            set_drake_name(properties, of_drake[index])
         if isinstance(shape, Mesh) and options.is_solid(frame, name):
             properties.AddProperty('mesh', 'solid', True)
         if padding := options.padding(frame, name):
             properties.AddProperty('proximity', 'padding', padding)
         roles = {Role.kProximity: properties}
         yield GeometryDescription(source, frame, name, shape, X_LG, roles, place)
+
+
+def _unique(named: Sequence[str]) -> list[str]:
+    """Return the names of a link's collision elements, with numbers where they lack one."""
+    names: list[str] = []
+    for index, name in enumerate(named):
+        is_own = name and name not in names
+        names.append(name if is_own else f'{name or "collision"}_{index}')
+    return names

@@ -1,8 +1,9 @@
-"""Hydroelastic properties of collision elements of URDF and SDFormat, in Drake's elements.
+"""Proximity properties of collision elements of URDF and SDFormat, in Drake's elements.
 
 ``<drake:proximity_properties>`` holds ``<drake:rigid_hydroelastic/>`` or
-``<drake:compliant_hydroelastic/>``, and numbers as ``<drake:hydroelastic_modulus value="1e6"/>``,
-in SDFormat as text in the element.
+``<drake:compliant_hydroelastic/>``, coefficients of friction (``<drake:mu_static>``,
+``<drake:mu_dynamic>``) and numbers as ``<drake:hydroelastic_modulus value="1e6"/>``, in SDFormat
+as text in the element.
 """
 
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 from drake_geom_ros.geometry import ProximityProperties
 from drake_geom_ros.scene_files.hydroelastic import (
     COMPLIANCE,
+    FRICTION,
     GROUP,
     HINT,
     MODULUS,
@@ -30,13 +32,15 @@ _NUMBERS = {
     'relaxation_time': ('material', 'relaxation_time'),
     'point_contact_stiffness': ('material', 'point_contact_stiffness'),
 }
-KNOWN_PROPERTIES = (*_COMPLIANCE, *_NUMBERS)
+_COEFFICIENTS = ('mu_static', 'mu_dynamic')
+KNOWN_PROPERTIES = (*_COMPLIANCE, *_NUMBERS, *_COEFFICIENTS)
 
 
 def proximity_properties_of(collision: Any) -> ProximityProperties:
     """Return the properties of a collision element, empty if it has none.
 
-    As in Drake, the modulus of a rigid element is ignored. Raises ValueError or RuntimeError,
+    As in Drake, the modulus of a rigid element is ignored, and one coefficient of friction stands
+    for both. Raises ValueError or RuntimeError,
     which name no line, for an element that is both rigid and compliant, and for a value that is
     no number or that the property cannot have.
     """
@@ -58,5 +62,13 @@ def _add(elements: dict[str, Any], properties: ProximityProperties) -> None:
     for name, (group, key) in _NUMBERS.items():
         if name not in elements or (key == MODULUS and 'rigid_hydroelastic' in elements):
             continue
-        (value,) = numbers(elements[name], 'value', 1, elements[name].text)
+        value = _number(elements[name])
         properties.AddProperty(group, key, proximity_property(group, key, value))
+    if coefficients := [_number(elements[name]) for name in _COEFFICIENTS if name in elements]:
+        both = (coefficients[0], coefficients[-1])
+        properties.AddProperty(*FRICTION, proximity_property(*FRICTION, both))
+
+
+def _number(element: Any) -> float:
+    """Return the number of an element, in its attribute ``value`` or as its text."""
+    return numbers(element, 'value', 1, element.text)[0]

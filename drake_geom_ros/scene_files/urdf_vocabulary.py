@@ -59,7 +59,6 @@ _KNOWN = {
     ),
     'proximity_properties': _KnownElement(
         elements=frozenset(KNOWN_PROPERTIES),
-        without_effect=_words('mu_dynamic mu_static'),
         once=frozenset(KNOWN_PROPERTIES),
     ),
     **{name: _KnownElement(_words('value')) for name in KNOWN_PROPERTIES},

@@ -41,7 +41,7 @@ from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, sha
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
 # Keys of a robot that change how its URDF is read.
-_OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding'}
+_OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding', 'flat_meshes'}
 
 
 def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
@@ -153,6 +153,7 @@ class _SceneParser:
             plain.get('self_collisions') == 'filtered',
             tuple(plain.get('solid_meshes', ())),
             _paddings(plain.get('padding', {})),
+            flat_meshes=_flat_meshes(plain.get('flat_meshes', 0.0)),
         )
         parts = read_model(urdf_path, name, self._resolver, options, robot.model)
         robot = self._standing(index, plain, robot, parts.tree, semantics)
@@ -372,3 +373,8 @@ def _paddings(plain: float | Plain) -> tuple[tuple[str, float], ...]:
     if not isinstance(plain, Mapping):
         return (('*', float(plain)),)
     return tuple((pattern, float(padding)) for pattern, padding in plain.items())
+
+
+def _flat_meshes(plain: str | float | Plain) -> str | float:
+    """Return the thickness [m] of flat meshes, or that they are left out."""
+    return float(plain['thickness']) if isinstance(plain, Mapping) else plain

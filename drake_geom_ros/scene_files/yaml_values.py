@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import (
     Box,
     Capsule,
     Convex,
+    CoulombFriction,
     Cylinder,
     Ellipsoid,
     GeometryProperties,
@@ -204,6 +205,8 @@ def _plain_property(value: Any, key: str) -> Any:
         return value
     if isinstance(value, HydroelasticType):
         return in_words(value)
+    if isinstance(value, CoulombFriction):
+        return [value.static_friction(), value.dynamic_friction()]
     if isinstance(value, RenderLabel) and not value.is_reserved():
         return int(value)
     if isinstance(value, set) and all(isinstance(item, str) for item in value):
@@ -214,8 +217,8 @@ def _plain_property(value: Any, key: str) -> Any:
             return {'array': plain}
     raise TypeError(
         f'property {key!r} = {value!r}; a scene file holds bool, int of 64 bits, finite float, '
-        'str, lists of these, sets of str, Rgba, HydroelasticType, and finite float arrays of one '
-        'or two dimensions'
+        'str, lists of these, sets of str, Rgba, HydroelasticType, CoulombFriction, and finite '
+        'float arrays of one or two dimensions'
     )
 
 

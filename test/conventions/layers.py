@@ -189,7 +189,7 @@ LAYERS = {
     'sensed_maps': (('math', 'common', 'geometry', 'geometry/meshes', 'sensed_maps'), ('numpy',)),
     'scene_files': (
         (
-            *('math', 'common', 'sensors', 'geometry', 'geometry/queries'),
+            *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('proximity_rules', 'sensed_maps', 'scene_files'),
         ),
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'jsonschema_rs', 'xacro', 'mujoco'),

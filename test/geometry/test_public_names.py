@@ -40,7 +40,8 @@ OURS = """
     SceneGraphContext PenetrationResults SignedDistanceResults PointDistanceResults
     CandidatePairs MotionCheck ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup MeshData
-    FilterOperation FilterStatement HydroelasticType ContactSurfaceResults OccupiedCells PointCloud
+    CoulombFriction FilterOperation FilterStatement HydroelasticType
+    ContactSurfaceResults OccupiedCells PointCloud
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError
     compile_all_kernels kernel_cache kernel_state DrakeVisualizerPublisher

@@ -2,8 +2,8 @@
 
 import pytest
 
-from drake_geom_ros.geometry import HydroelasticType, Role, SceneGraph
-from drake_geom_ros.scene_files import SceneFileError, read_scene, register
+from drake_geom_ros.geometry import CoulombFriction, HydroelasticType, Role, SceneGraph
+from drake_geom_ros.scene_files import SceneFileError, read_scene, register, save_scene
 
 NAMES = [
     ('hydroelastic', 'compliance_type'),
@@ -103,3 +103,38 @@ def test_what_cannot_be_is_refused_with_its_line(inside, told):
 def test_what_is_not_understood_is_told():
     _, (warning,) = ours(robot('<drake:hydroelastic_margin value="0.01"/>'))
     assert '<drake:hydroelastic_margin> in <proximity_properties> is not understood' in warning
+
+
+@pytest.mark.parametrize(
+    ('elements', 'coefficients'),
+    [
+        ('<drake:mu_static value="0.9"/><drake:mu_dynamic value="0.7"/>', (0.9, 0.7)),
+        ('<drake:mu_static value="0.9"/>', (0.9, 0.9)),
+        ('<drake:mu_dynamic value="0.7"/>', (0.7, 0.7)),
+    ],
+)
+def test_friction_is_that_of_pydrake_and_is_saved(elements, coefficients):
+    multibody = pytest.importorskip('pydrake.multibody.parsing', exc_type=ImportError)
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+    from pydrake.systems.framework import DiagramBuilder
+
+    text = robot(elements)
+    plant, of_drake = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
+    multibody.Parser(plant).AddModelsFromString(text, 'urdf')
+    (id,) = of_drake.model_inspector().GetAllGeometryIds()
+    properties = of_drake.model_inspector().GetProximityProperties(id)
+    theirs = properties.GetProperty('material', 'coulomb_friction')
+    assert (theirs.static_friction(), theirs.dynamic_friction()) == coefficients
+    scene = read_scene(text)
+    scene_graph = SceneGraph()
+    register(scene_graph, scene)
+    for description in (scene, read_scene(save_scene(scene_graph))):
+        (geometry,) = description.geometries
+        friction = geometry.roles[Role.kProximity].GetProperty('material', 'coulomb_friction')
+        assert friction == CoulombFriction(*coefficients)
+
+
+def test_a_friction_that_slides_worse_than_it_sticks_is_refused():
+    text = robot('<drake:mu_static value="0.5"/><drake:mu_dynamic value="0.7"/>')
+    with pytest.raises(SceneFileError, match=r'dynamic_friction = 0\.7.*0 <= dynamic <= static'):
+        read_scene(text)

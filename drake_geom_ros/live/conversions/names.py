@@ -22,6 +22,7 @@ from drake_geom_ros.geometry import (
     SceneGraphInspector,
     SourceId,
 )
+from drake_geom_ros.scene_files.drake_names import drake_name
 
 WORLD = 'world'
 _LONGEST = 80  # letters of a name that are shown
@@ -107,6 +108,7 @@ class NameTable:
             aliases = {f'{called}/{name}' for called in frames}
             for key in aliases | {f'{source}::{alias}' for alias in aliases}:
                 self._geometries[key].append(geometry)
+        self._add_drake_names(inspector)
         self.frame_values = tuple(frame.get_value() for frame in self.labels)  # of ids
         self._hints: dict[tuple[str, str], str] = {}
         self._known_frames: dict[int | None, FrameId] = {
@@ -115,6 +117,19 @@ class NameTable:
         self._known_geometries: dict[int | None, GeometryId] = {
             g.get_value(): g for g in self.geometry_names
         }
+
+    def _add_drake_names(self, inspector: SceneGraphInspector) -> None:
+        """Let Drake's names of geometries stand for them where no own name is equal."""
+        more: dict[str, list[GeometryId]] = defaultdict(list)
+        for geometry, full in self.geometry_names.items():
+            if name := drake_name(inspector.GetProximityProperties(geometry)):
+                own = inspector.GetName(geometry)
+                alias = f'{full.removesuffix(own)}{name}'
+                for key in (alias, alias.removeprefix(f'{self._owners[geometry]}::')):
+                    more[key].append(geometry)
+        for key, geometries in more.items():
+            if key not in self._geometries:
+                self._geometries[key] = geometries
 
     def source(self, name: str) -> SourceId:
         """Return the source of that name or ``#<id>``.

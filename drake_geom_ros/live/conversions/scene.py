@@ -9,6 +9,7 @@ import numpy as np
 
 from drake_geom_ros.geometry import (
     ArgumentError,
+    CoulombFriction,
     FrameId,
     GeometryId,
     GeometryInstance,
@@ -99,6 +100,8 @@ def _fill_value(message: Any, value: Any) -> None:
     """Fill a ParameterValue with a property of any type; a type it does not know as its text."""
     if isinstance(value, HydroelasticType):
         value = in_words(value)
+    if isinstance(value, CoulombFriction):
+        value = [value.static_friction(), value.dynamic_friction()]
     if isinstance(value, Rgba):
         value = [value.r(), value.g(), value.b(), value.a()]
     if isinstance(value, (set, frozenset)) and all(isinstance(item, str) for item in value):
