@@ -26,6 +26,9 @@ _OCCUPIED, _INNER = 2, 3
 # Bytes of a node in a full tree before the byte of its children, by kind of tree.
 _PAYLOADS = {'OcTree': 4, 'ColorOcTree': 7}
 KINDS = tuple(_PAYLOADS)
+# The 16 bits of a coordinate within a path, which is a Morton code: every third bit, then in groups
+# of 2, 4, 8 and 16 bits, each at the start of three times its width.
+_GROUPS = (0x249249249249, 0xC30C30C30C3, 0xF00F00F00F, 0xFF0000FF, 0xFFFF)
 
 
 def bytes_a_node(kind: str, *, binary: bool) -> int:
@@ -163,7 +166,7 @@ def _cells_of_leaves(paths: NDArray[np.int64], resolution: float) -> Cells:
         own = paths[depths == depth] - (1 << 3 * depth)
         edge = 1 << (LEVELS - depth)
         within = np.indices((edge, edge, edge)).reshape(3, -1).T
-        corners = _deinterleaved(own, depth) * edge
+        corners = _deinterleaved(own) * edge
         parts.append((corners[:, np.newaxis] + within).reshape(-1, 3))
     return Cells.of_keys(np.concatenate(parts) - HALF, resolution)
 
@@ -171,15 +174,20 @@ def _cells_of_leaves(paths: NDArray[np.int64], resolution: float) -> Cells:
 def _interleaved(keys: Keys) -> NDArray[np.int64]:
     """Return the path (n,) of cells (n, 3) of the finest level, without the leading 1."""
     path = np.zeros(len(keys), dtype=np.int64)
-    for bit in range(LEVELS):
-        for axis in range(3):
-            path |= (keys[:, axis] >> bit & 1) << (3 * bit + axis)
+    for axis in range(3):
+        bits = keys[:, axis]
+        for k in reversed(range(len(_GROUPS) - 1)):
+            bits = (bits | bits << (2 << k)) & _GROUPS[k]
+        path |= bits << axis
     return path
 
 
-def _deinterleaved(path: NDArray[np.int64], depth: int) -> Keys:
-    keys = np.zeros((len(path), 3), dtype=np.int64)
-    for bit in range(depth):
-        for axis in range(3):
-            keys[:, axis] |= (path >> (3 * bit + axis) & 1) << bit
+def _deinterleaved(path: NDArray[np.int64]) -> Keys:
+    """Return the cells (n, 3) of paths (n,) without the leading 1."""
+    keys = np.empty((len(path), 3), dtype=np.int64)
+    for axis in range(3):
+        bits = path >> axis & _GROUPS[0]
+        for k, mask in enumerate(_GROUPS[1:], 1):
+            bits = (bits | bits >> (1 << k)) & mask
+        keys[:, axis] = bits
     return keys

@@ -248,6 +248,8 @@ class ObstacleInput:
 
 def _cells_in_box(cells: Cells, X_WM: RigidTransform, settings: ObstacleSettings) -> Cells:
     """Return the cells that reach into the box of settings, or the nearest to it."""
+    if not settings.box:
+        return cells  # millions of cells take long to look at
     low, high = settings.corners()
     p_WCs = X_WM.multiply(cells.centres().T).T
     reach = 0.5 * cells.resolution * np.abs(X_WM.rotation().matrix()).sum(axis=1)

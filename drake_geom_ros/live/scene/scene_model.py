@@ -185,4 +185,9 @@ def shared_context(scene_graph: SceneGraph) -> SceneGraphContext:
 
 def is_large(inspector: SceneGraphInspector) -> bool:
     """Return whether tables of all that there is take longer than a cycle may wait."""
-    return inspector.num_geometries() + inspector.num_frames() > _MANY
+    return is_many(inspector.num_geometries() + inspector.num_frames())
+
+
+def is_many(count: int) -> bool:
+    """Return whether tables of so many frames and geometries take longer than a cycle may wait."""
+    return count > _MANY

@@ -26,11 +26,13 @@ from drake_geom_ros.geometry import (
     Shape,
 )
 from drake_geom_ros.live.conversions.fields import pose_from_message
+from drake_geom_ros.live.conversions.names import NameTable
 from drake_geom_ros.live.conversions.scene import properties_from_message, set_role
 from drake_geom_ros.live.conversions.shapes import shape_from_message
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.scene_model import is_many
 from drake_geom_ros.scene_files.hydroelastic import GROUP as HYDROELASTIC
 
 
@@ -55,19 +57,14 @@ def _registered(
         with _at(place.format(k)):
             instances.append(_instance(live, message))
     with live.reading() as scene:
-        source = scene.model.names.source(source_name)
+        names = scene.model.names
+        source = names.source(source_name)
         scene.maps.refuse(source)
-        parents: list[FrameId | GeometryId] = []
-        is_new = False
-        for k, (message, instance) in enumerate(zip(messages, instances, strict=True)):
-            with _at(place.format(k)):
-                parent, anchored = _parent(scene, message, source_name)
-            parents.append(parent)
-            properties = instance.proximity_properties()
-            is_new |= properties is not None and (
-                properties.HasGroup(HYDROELASTIC)
-                or _calls_for_more(scene, instance.shape(), anchored)
-            )
+    parents: list[FrameId | GeometryId] = []
+    for k, message in enumerate(messages):
+        with _at(place.format(k)):
+            parents.append(_parent(names, message, source_name))
+    is_new = is_many(len(messages)) or _any_calls_for_more(live, parents, instances)
 
     def change(graph: SceneGraph, context: SceneGraphContext | None) -> list[GeometryId]:
         made: list[GeometryId] = []
@@ -102,14 +99,31 @@ def _instance(live: LiveScene, message: Any) -> GeometryInstance:
     return instance
 
 
-def _parent(scene: HeldScene, message: Any, source: str) -> tuple[FrameId | GeometryId, bool]:
-    """Return what a geometry is to be fixed to, and whether it is anchored by that."""
-    names = scene.model.names
-    if not message.parent_geometry:
-        frame = names.frame(message.frame, source)
-        return frame, frame == names.world
-    geometry = names.geometry(message.parent_geometry)
-    return geometry, scene.model.inspector.GetFrameId(geometry) == names.world
+def _parent(names: NameTable, message: Any, source: str) -> FrameId | GeometryId:
+    """Return what a geometry is to be fixed to."""
+    if message.parent_geometry:
+        return names.geometry(message.parent_geometry)
+    return names.frame(message.frame, source)
+
+
+def _any_calls_for_more(
+    live: LiveScene,
+    parents: Sequence[FrameId | GeometryId],
+    instances: Sequence[GeometryInstance],
+) -> bool:
+    """Return whether queries may have to load or compile something for new geometries."""
+    with live.reading() as scene:
+        inspector, world = scene.model.inspector, scene.model.names.world
+        kinds: dict[tuple[type[Shape], bool], Shape] = {}
+        for parent, instance in zip(parents, instances, strict=True):
+            properties = instance.proximity_properties()
+            if properties is None:
+                continue
+            if properties.HasGroup(HYDROELASTIC):
+                return True
+            frame = parent if isinstance(parent, FrameId) else inspector.GetFrameId(parent)
+            kinds[type(instance.shape()), frame == world] = instance.shape()
+        return any(_calls_for_more(scene, shape, fixed) for (_, fixed), shape in kinds.items())
 
 
 @contextmanager

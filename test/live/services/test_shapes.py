@@ -9,7 +9,7 @@ import pytest
 from live.live_scenes import live_scene
 from oracles.small_scene import TETRAHEDRON
 
-from drake_geom_ros.geometry import ShapeKind
+from drake_geom_ros.geometry import SceneGraph, ShapeKind
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
 from drake_geom_ros.geometry.meshes import source as mesh_source
 from drake_geom_ros.live.conversions.file_access import FileAccess
@@ -209,6 +209,21 @@ def test_another_of_a_kind_that_is_there_is_not_made_ready(live, monkeypatch):
     request = registration(shape(SPHERE, (0.2,)))
     call(shapes.register_geometry, live, request)
     assert query(live).kernels_compiled == []
+
+
+@pytest.mark.clock
+def test_many_are_registered_while_the_lock_is_free(live, monkeypatch):
+    register, was_free = SceneGraph.RegisterGeometry, []
+
+    def registering(*args, **fields):
+        was_free.append(is_free(live._lock))
+        return register(*args, **fields)
+
+    monkeypatch.setattr(SceneGraph, 'RegisterGeometry', registering)
+    balls = [registration(shape(SPHERE, (0.2,)), f'new{k}') for k in range(1001)]
+    answer = call(shapes.register_geometries, live, Plain(source='s', geometries=balls))
+    assert len(answer.geometry_ids) == len(was_free) == 1001
+    assert all(was_free)
 
 
 @pytest.mark.clock
