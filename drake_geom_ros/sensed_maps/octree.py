@@ -26,7 +26,7 @@ _OCCUPIED, _INNER = 2, 3
 # Bytes of a node in a full tree before the byte of its children, by kind of tree.
 _PAYLOADS = {'OcTree': 4, 'ColorOcTree': 7}
 KINDS = tuple(_PAYLOADS)
-# The 16 bits of a coordinate within a path, which is a Morton code: every third bit, then in groups
+# The 16 bits of a coordinate within a path, which is a Morton code: every third bit, then groups
 # of 2, 4, 8 and 16 bits, each at the start of three times its width.
 _GROUPS = (0x249249249249, 0xC30C30C30C3, 0xF00F00F00F, 0xFF0000FF, 0xFFFF)
 
