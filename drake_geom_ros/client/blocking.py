@@ -393,13 +393,18 @@ class SceneGraphClient:
         parent: str,
         X_PF: RigidTransform | ArrayLike | None = None,
         part_of_robot: bool = True,
+        touch_links: Sequence[str] = (),
     ) -> RigidTransform:
         """Attach a frame to a parent of any source, where it is now or at X_PF; return X_PF.
 
         With ``part_of_robot``, name patterns that match the robot match the frame too, in rules
-        and results.
+        and results. ``touch_links`` are names or patterns of what it may touch until ``detach``,
+        or groups of an SRDF, such as ``['gripper']``: a transient filter excludes these pairs.
         """
-        fields: dict[str, Any] = {'part_of_robot': part_of_robot}
+        fields: dict[str, Any] = {
+            'part_of_robot': part_of_robot,
+            'touch_links': list(touch_links),
+        }
         if X_PF is not None:
             fields |= {'pose_given': True, 'pose': _pose_message(X_PF)}
         return _pose_of(self.call('attach', frame=frame, parent=parent, **fields).pose)

@@ -56,13 +56,20 @@ class SelectedPairs(NamedTuple):
     waiting: tuple[FrameId, ...]  # frames without a pose, of pairs left out
 
 
-def selected_pairs(query: QueryObject, pairs: PairSet) -> SelectedPairs:
-    """Return the pairs of a set in a scene; raises ArgumentError if there are none."""
+def selected_pairs(
+    query: QueryObject, pairs: PairSet, *, may_be_empty: bool = False
+) -> SelectedPairs:
+    """Return the pairs of a set in a scene.
+
+    Raises ArgumentError if there are none, unless the set ``may_be_empty``: an attachment excludes
+    pairs for a while, and tracked bodies come and go.
+    """
     inspector = query.inspector()
     ids, reported = inspector.candidate_matrix()
     geometries = [GeometryId(value) for value in ids.tolist()]
-    selected = reported & _between(pairs, [geometry_names(inspector, g) for g in geometries])
-    if not selected.any():
+    names = [geometry_names(inspector, geometry) for geometry in geometries]
+    selected = reported & _between(pairs, names, may_lack=may_be_empty)
+    if not (selected.any() or may_be_empty):
         raise ArgumentError(
             f'between {pairs.name}: the scene has no pair that queries report: all are filtered, '
             'of one frame, or of two anchored geometries'
@@ -82,23 +89,30 @@ def selected_pairs(query: QueryObject, pairs: PairSet) -> SelectedPairs:
     )
 
 
-def _between(pairs: PairSet, names: Sequence[GeometryNames]) -> Flags:
-    """Return a mask (n, n) of the pairs with one geometry on each side."""
+def _between(pairs: PairSet, names: Sequence[GeometryNames], *, may_lack: bool) -> Flags:
+    """Return a mask (n, n) of the pairs with one geometry on each side.
+
+    Raises ArgumentError for a side that matches nothing, unless names ``may_lack``.
+    """
     if not pairs.side_a:
         return np.ones((len(names), len(names)), dtype=np.bool_)
-    in_a, in_b = (_members(pattern, names, pairs.name) for pattern in pairs[1:])
+    in_a, in_b = (_members(pattern, names) for pattern in pairs[1:])
+    for pattern, members in ((pairs.side_a, in_a), (pairs.side_b, in_b)):
+        if not (may_lack or members.any()):
+            raise ArgumentError(_unknown(pattern, names, pairs.name))
     one_way = in_a[:, None] & in_b[None, :]
     return np.asarray(one_way | one_way.T)
 
 
-def _members(pattern: str, names: Sequence[GeometryNames], of: str) -> Flags:
-    """Return a mask (n,) of the geometries that match a pattern; ArgumentError for none."""
-    members = np.array([matches(each.found_by, pattern) for each in names], dtype=np.bool_)
-    if not members.any():
-        every_name = dict.fromkeys(name for each in names for name in each.found_by)
-        raise ArgumentError(
-            f'between {of}: {pattern!r} stands for no geometry with the proximity role'
-            f'{nearest(pattern, every_name)}; there are '
-            f'{", ".join(list(every_name)[:10]) or "none"}'
-        )
-    return members
+def _members(pattern: str, names: Sequence[GeometryNames]) -> Flags:
+    """Return a mask (n,) of the geometries that match a pattern."""
+    return np.array([matches(each.found_by, pattern) for each in names], dtype=np.bool_)
+
+
+def _unknown(pattern: str, names: Sequence[GeometryNames], of: str) -> str:
+    every_name = dict.fromkeys(name for each in names for name in each.found_by)
+    return (
+        f'between {of}: {pattern!r} stands for no geometry with the proximity role'
+        f'{nearest(pattern, every_name)}; there are '
+        f'{", ".join(list(every_name)[:10]) or "none"}'
+    )

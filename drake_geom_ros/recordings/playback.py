@@ -21,6 +21,7 @@ from drake_geom_ros.live.scene.changes.addition import addition
 from drake_geom_ros.live.scene.clocks import JUMP_BACKWARD, JUMP_FORWARD, Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.recordings.raw_messages import NANOSECONDS
+from drake_geom_ros.recordings.recorded_attachments import RecordedAttachments
 from drake_geom_ros.recordings.recorded_robots import SceneRobots
 from drake_geom_ros.recordings.recording import Recorded
 from drake_geom_ros.recordings.report_record import digest
@@ -115,6 +116,7 @@ class Playback:
         self._troubles: dict[str, Trouble] = {}
         self._refused: dict[str, RefusedMessages] = {}
         self._differences = SceneDifferences()
+        self._attachments = RecordedAttachments()
         self._looked = -math.inf
         if description is not None:
             with self.live.editing() as scene:
@@ -214,8 +216,11 @@ class Playback:
             self.take_robot(message.data, is_semantic=role.endswith('semantic'))
             role = ''
         if role == 'scene':
-            with self.live.reading() as held:
-                self._differences.take(recorded.topic.name, message, held.model.inspector)
+            topic = recorded.topic.name
+            with self.live.editing() as held:
+                for reason in self._attachments.follow(topic, message, held):
+                    self.note(reason, recorded.time, is_doubt=True)
+                self._differences.take(topic, message, held.model.inspector)
             return False
         with self.live.editing() as scene:
             if role == 'frame_poses':

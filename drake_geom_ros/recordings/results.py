@@ -168,7 +168,7 @@ class _Sum:
     """Accumulator of the summary of a set of pairs."""
 
     def __init__(self) -> None:
-        self.states = self._stale = self._waiting = self._left_out = 0
+        self.states = self._stale = self._waiting = self._left_out = self._empty = 0
         self._first, self._last = math.inf, 0.0  # [s] of stale states
         self._frames: dict[str, None] = {}
         self.lower = math.inf  # [m] minimum lower bound
@@ -182,6 +182,7 @@ class _Sum:
             ends = pairs.times[pairs.is_stale][[0, -1]].tolist()
             self._first, self._last = min(self._first, ends[0]), ends[1]
         self._waiting += int(pairs.is_waiting.sum())
+        self._empty += int((np.isnan(pairs.known_distance) & ~pairs.is_waiting).sum())
         self._left_out = max(self._left_out, int(pairs.left_out.max(initial=0)))
         self._frames.update(dict.fromkeys(pairs.waiting_frames))
         self.is_certified |= pairs.motion is not None
@@ -206,4 +207,9 @@ class _Sum:
             yield (
                 f'in {self._waiting} of {self.states} states up to {self._left_out} pairs are '
                 f'left out, for these never had a pose until then: {names}'
+            )
+        if self._empty:
+            yield (
+                f'in {self._empty} of {self.states} states queries report no pair of the set: all '
+                'are excluded, as an attachment does, or are not there'
             )

@@ -166,6 +166,7 @@ class StateBlocks:
         self._pairs = pairs
         self._latest = _Latest()
         self._version, self._generation = -1, -1
+        self._met = set[str]()  # sets that had pairs once
         self._times: list[int] = []
         self._run_ages: list[PoseSince] = []
         with playback.live.editing() as scene:
@@ -254,7 +255,11 @@ class StateBlocks:
         self._frames = np.array(moving, dtype=np.int64)
         self._moving = np.array([self._latest.columns[f] for f in moving], dtype=np.int64)
         self._context = scene.view().context
-        self._selected = tuple(selected_pairs(QueryObject(self._context), p) for p in self._pairs)
+        self._selected = tuple(
+            selected_pairs(QueryObject(self._context), pairs, may_be_empty=pairs.name in self._met)
+            for pairs in self._pairs
+        )
+        self._met.update(pairs.name for pairs in self._pairs)
         # Frames without a pose are in no considered pair; any pose lets other pairs be queried.
         self._waiting = tuple(QueryObject(self._context).waiting_frames())
         anywhere = FramePoseVector({frame: RigidTransform() for frame in self._waiting})

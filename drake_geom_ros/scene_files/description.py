@@ -126,6 +126,7 @@ class RobotDescription:
       measured in that frame instead of the world.
     - ``configuration``: values [rad] or [m] of the joints that the scene gives one.
     - ``held_joints``: those of them that stay, until a value is heard.
+    - ``groups``: the links of each group of its SRDF.
     """
 
     name: str
@@ -140,6 +141,7 @@ class RobotDescription:
     configuration: Mapping[str, float] = field(default_factory=dict, hash=False)
     model: str = ''
     held_joints: tuple[str, ...] = ()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict, hash=False, compare=False)
 
 
 @dataclass(frozen=True)

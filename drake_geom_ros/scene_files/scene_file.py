@@ -25,7 +25,7 @@ from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.robot_parts import RobotParts
 from drake_geom_ros.scene_files.saving import describe
 from drake_geom_ros.scene_files.sdf import read_sdf
-from drake_geom_ros.scene_files.srdf import read_srdf
+from drake_geom_ros.scene_files.srdf import link_groups, read_srdf
 from drake_geom_ros.scene_files.urdf import read_urdf
 from drake_geom_ros.scene_files.welding import Weld, welded_scene
 from drake_geom_ros.scene_files.xml_tree import is_xml, root_tag
@@ -153,7 +153,7 @@ def _urdf_scene(
     name = robot_name(data, file)
     parts = read_urdf(data, file, name, folder, resolver, options)
     filters, warnings = parts.filters, parts.warnings
-    srdf_path = None
+    srdf_path, groups = None, dict[str, tuple[str, ...]]()
     if srdf:
         srdf_data, srdf_file, _ = _content(srdf)
         if not _as_text(srdf):
@@ -161,6 +161,7 @@ def _urdf_scene(
             srdf_data, srdf_file = read_robot_file(Path(srdf_file), resolver.is_free)
         semantics = read_srdf(srdf_data, srdf_file, name, name, parts.link_names, options)
         filters, warnings = filters + semantics.filters, warnings + semantics.warnings
+        groups = link_groups(srdf_data, srdf_file, parts.tree)
     robot = RobotDescription(
         name,
         urdf=path,
@@ -168,6 +169,7 @@ def _urdf_scene(
         srdf=srdf_path,
         tree=parts.tree,
         frame_prefix=options.frame_prefix,
+        groups=groups,
     )
     return SceneDescription(
         file,

@@ -1,13 +1,14 @@
 """Collision filters of a robot from its SRDF, with MoveIt's meaning.
 
-An SRDF contributes its disabled and enabled pairs, and the states of groups that the robot's key
-``configuration`` names, and passive joints (``standing``). Groups, end effectors, properties and
-sphere approximations of links change no answer here. The pose of the base is not read from
-``virtual_joint``, but from the robot's key ``pose``, TF or messages. Sources of the meaning:
-MoveIt's AllowedCollisionMatrix and srdfdom.
+An SRDF contributes its disabled and enabled pairs, the states of groups that the robot's key
+``configuration`` names, passive joints (``standing``), and the links of its groups, which an
+attached part may touch. End effectors, properties and sphere approximations of links change no
+answer here. The pose of the base is not read from ``virtual_joint``, but from the robot's key
+``pose``, TF or messages. Sources of the meaning: MoveIt's AllowedCollisionMatrix, RobotModel and
+srdfdom.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +22,7 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
     Statement,
 )
+from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.scene_files.xml_tree import (
     XACRO_FIRST,
     attribute,
@@ -104,6 +106,50 @@ def read_srdf(
     statements = tuple(_statements(entries, source, options))
     filters.append(DeclarationDescription(statements, place_of(root, file)))
     return Semantics(tuple(filters), tuple(warnings))
+
+
+def link_groups(data: bytes, file: str, tree: LinkTree) -> dict[str, tuple[str, ...]]:
+    """Return the links of each group of an SRDF, in the order of the robot's file.
+
+    As in MoveIt, a group has the links that it lists, the child links of its joints, the links of
+    its chains below the last link that both ends hang on, and those of the groups that it lists.
+    Links and joints that the robot does not have are skipped.
+    """
+    elements = {
+        attribute(element, 'name', file): element
+        for element in read_robot_xml(data, file).findall('group')
+    }
+    return {
+        name: tuple(link for link in tree.links if link in _links_of(name, elements, tree, file))
+        for name in elements
+    }
+
+
+def _links_of(
+    name: str, groups: Mapping[str, Any], tree: LinkTree, file: str, within: tuple[str, ...] = ()
+) -> set[str]:
+    """Return the links of a group; a group that contains itself adds nothing."""
+    if name not in groups or name in within:
+        return set()
+    element, above = groups[name], {joint.child: joint.parent for joint in tree.joints}
+    links = {attribute(each, 'name', file) for each in element.findall('link')}
+    joints = {attribute(each, 'name', file) for each in element.findall('joint')}
+    links |= {joint.child for joint in tree.joints if joint.name in joints}
+    for chain in element.findall('chain'):
+        ends = (attribute(chain, end, file) for end in ('base_link', 'tip_link'))
+        from_base, from_tip = (set(_up_from(link, above)) for link in ends)
+        links |= from_base ^ from_tip
+    for each in element.findall('group'):
+        links |= _links_of(attribute(each, 'name', file), groups, tree, file, (*within, name))
+    return links
+
+
+def _up_from(link: str, above: Mapping[str, str]) -> Iterator[str]:
+    """Yield a link and those that it hangs on, up to the root."""
+    yield link
+    while link in above:
+        link = above[link]
+        yield link
 
 
 def _statements(

@@ -213,7 +213,10 @@ class _SceneParser:
                 within_limits=not plain.get('loaded', False),
             )
         joints = {**configuration, **held}
-        return replace(robot, tree=tree, configuration=joints, held_joints=tuple(held))
+        groups = srdf.link_groups(*semantics, tree) if semantics else {}
+        return replace(
+            robot, tree=tree, configuration=joints, held_joints=tuple(held), groups=groups
+        )
 
     def _frame(self, index: int, plain: Plain) -> FrameDescription:
         path = ('frames', index)

@@ -152,6 +152,16 @@ def test_a_part_follows_the_hand_that_holds_it_until_it_is_let_go(client):
     assert client.detach('right::hand', [7, 0, 0, 0, 0, 0, 1]).translation()[0] == 7.0
 
 
+def test_what_an_attached_part_may_touch_is_in_the_scene_until_detach(client):
+    client.call('load_scene', text=SCENE, replace=True)
+    client.attach('right::hand', 'left::hand', touch_links=['left'])
+    for other in ('left::hand/ball', 'left::world/floor'):
+        assert client.explain_filter(other, 'right::hand/ball')
+    client.detach('right::hand')
+    for other in ('left::hand/ball', 'left::world/floor'):
+        assert client.explain_filter(other, 'right::hand/ball') == []
+
+
 def test_geometries_come_together_and_sources_go_whole(client):
     client.call('load_scene', text=SCENE, replace=True)
     ball = msg.Shape(type=msg.Shape.SPHERE, dimensions=[0.1])

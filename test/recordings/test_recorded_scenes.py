@@ -160,3 +160,62 @@ def test_a_robot_that_the_scene_has_is_not_taken_twice(tmp_path):
     assert refused.reason.startswith("the robot 'arm' of the scene that was given is another")
     assert 'arm::hand/' in refused.reason
     assert 'arm::lower/' not in refused.reason
+
+
+CELL_OF_PARTS = """
+frames: [{name: hand, source: s, pose: {}}, {name: part, source: s, pose: {position: [0, 1, 0]}}]
+geometries:
+- {name: hand, source: s, frame: hand, shape: {type: sphere, radius: 0.1}}
+- {name: part, source: s, frame: part, shape: {type: sphere, radius: 0.1}}
+- {name: post, source: s, shape: {type: sphere, radius: 0.1}, pose: {position: [9, 0, 0]}}
+"""
+
+
+def shown(file, **of_part):
+    """Return the ``~/scene`` of a node, with other fields of the frame of the part."""
+    message = recorder.scene(file)
+    hand, part = (f for f in message.frames if f.name in ('hand', 'part'))
+    if of_part:
+        part.is_attached, part.parent_id = True, hand.id
+        part.attached_pose.orientation.w = 1.0
+        part.attached_pose.position.x = of_part.pop('x')
+        for name, value in of_part.items():
+            setattr(part, name, value)
+    return message
+
+
+def test_an_attachment_of_the_recorded_scene_is_made_and_undone(tmp_path):
+    file = tmp_path / 'cell.yaml'
+    file.write_text(CELL_OF_PARTS)
+    held = {'x': 0.15, 'touch_links': ['s::hand/hand']}
+    moves = [
+        (t, '/node/frame_poses', recorder.frame_poses(t, ['hand'], [[t, 0, 0, 0, 0, 0, 1]]))
+        for t in np.arange(0.0, 5.0).tolist()
+    ]
+    scenes = [(0.1, shown(file)), (1.5, shown(file, **held)), (3.5, shown(file))]
+    messages = [*moves, *((t, TOPIC, message) for t, message in scenes)]
+    run = recorder.record(tmp_path / 'run', sorted(messages, key=lambda each: each[0]))
+    to_post = clearance(run, file, between=['part:post'])
+    # Attached at 1.5 s, 0.15 m before the hand; at 3.5 s it stays where the hand had taken it.
+    p_Wparts = np.array([[0, 1], [0, 1], [2.15, 0], [3.15, 0], [3.15, 0]])
+    expected = np.linalg.norm(p_Wparts - [9, 0], axis=1) - 0.2
+    np.testing.assert_allclose(to_post['part:post'].distance, expected, rtol=0, atol=1e-12)
+    assert to_post.reservations() == []
+    between = clearance(run, file, between=['part:hand'])
+    # While the part is attached nothing is known of the excluded pair, and that is reported.
+    gaps = np.hypot([0, 1, np.nan, np.nan, 0.85], [1, 1, 0, 0, 0]) - 0.2
+    np.testing.assert_allclose(between['part:hand'].distance, gaps, rtol=0, atol=1e-12)
+    (reservation,) = between.reservations()
+    assert 'in 2 of 5 states queries report no pair of the set' in reservation
+
+
+def test_an_attachment_to_what_the_scene_lacks_is_a_reservation(tmp_path, balls):  # noqa: F811
+    file = tmp_path / 'cell.yaml'
+    file.write_text(CELL_OF_PARTS)
+    message = shown(file, x=0.15)
+    for frame in message.frames:
+        frame.name = {'hand': 'gripper', 'part': 'a'}.get(frame.name, frame.name)
+    messages = [*still(np.arange(0.0, 1.0, 0.1)), (0.95, TOPIC, message)]
+    run = recorder.record(tmp_path / 'run', messages)
+    told = clearance(run, balls, between=['a:b']).reservations()
+    assert f'{TOPIC} shows another parent than the scene that is played here: s::a' in told

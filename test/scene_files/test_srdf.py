@@ -9,7 +9,8 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import read_scene, register
 from drake_geom_ros.scene_files.description import Member, Operation, RobotOptions, Statement
 from drake_geom_ros.scene_files.errors import SceneFileError
-from drake_geom_ros.scene_files.srdf import read_srdf
+from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
+from drake_geom_ros.scene_files.srdf import link_groups, read_srdf
 
 PLAIN = RobotOptions()
 SRDF = b"""<robot name="arm">
@@ -144,3 +145,33 @@ def test_pairs_are_switched_as_by_moveit(body, gone, options):
 
 def test_a_pair_that_is_enabled_counts_though_a_joint_connects_it():
     assert reported('<enable_collisions link1="a" link2="b"/>') == {*ALL, 'ab'}
+
+
+GROUPED = """<robot name="arm">
+<group name="links"><link name="a"/><link name="nobody"/></group>
+<group name="joints"><joint name="bc"/><joint name="base_fixed"/></group>
+<group name="chain"><chain base_link="a" tip_link="c"/></group>
+<group name="elsewhere"><chain base_link="d" tip_link="b"/></group>
+<group name="all"><group name="ring"/><group name="chain"/><group name="gone"/></group>
+<group name="ring"><link name="d"/><group name="all"/></group>
+<end_effector name="hand" group="links" parent_link="b"/>
+</robot>"""
+CHAIN = LinkTree(
+    'arm',
+    ('a', 'b', 'c', 'd'),
+    tuple(
+        UrdfJoint('fixed', parent, child, f'{parent}{child}', RigidTransform(), (1.0, 0.0, 0.0))
+        for parent, child in ('ab', 'bc', 'ad')
+    ),
+)
+
+
+def test_a_group_has_its_links_joints_chains_and_groups():
+    assert link_groups(GROUPED.encode(), 'r.srdf', CHAIN) == {
+        'links': ('a',),
+        'joints': ('c',),
+        'chain': ('b', 'c'),
+        'elsewhere': ('b', 'd'),
+        'all': ('b', 'c', 'd'),
+        'ring': ('b', 'c', 'd'),
+    }

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,10 +24,19 @@ from drake_geom_ros.geometry import (
     Role,
     SceneGraphInspector,
 )
-from drake_geom_ros.live.conversions.fields import fill_pose_row
+from drake_geom_ros.live.conversions.fields import fill_pose, fill_pose_row
 from drake_geom_ros.live.conversions.shapes import fill_shape
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.scene_files.hydroelastic import in_words, proximity_property
+
+
+class Attachment(NamedTuple):
+    """The pose of an attached frame in its carrier, and what it may touch."""
+
+    X_PF: RigidTransform
+    touch_links: tuple[str, ...] = ()  # full names of geometries
+
 
 _ROLES: tuple[tuple[int, Role, type[GeometryProperties]], ...] = (
     (1, Role.kProximity, ProximityProperties),
@@ -138,15 +149,27 @@ def fill_roles(message: Any, inspector: SceneGraphInspector, id: GeometryId, typ
         message.roles.append(entry)
 
 
-def fill_scene(message: Any, inspector: SceneGraphInspector, types: Any) -> None:
-    """Fill a Scene message; ``types`` holds the classes of the messages inside."""
+def fill_scene(
+    message: Any,
+    inspector: SceneGraphInspector,
+    types: Any,
+    attachments: Mapping[FrameId, Attachment] = MappingProxyType({}),
+) -> None:
+    """Fill a Scene message; ``types`` holds the classes of the messages inside.
+
+    ``attachments`` are those of attached frames.
+    """
     for source in sorted(inspector.GetAllSourceIds()):
         message.sources.append(
             types.SceneSource(id=source.get_value(), name=inspector.GetName(source))
         )
     world = inspector.world_frame_id()
     for frame in inspector.FramesParentsFirst():
-        message.frames.append(_frame_message(inspector, frame, world, types))
+        filled = _frame_message(inspector, frame, world, types)
+        if (attachment := attachments.get(frame)) is not None:
+            fill_pose(filled.attached_pose, attachment.X_PF)
+            filled.touch_links = list(attachment.touch_links)
+        message.frames.append(filled)
     geometries = sorted(inspector.GetAllGeometryIds())
     poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
     Rs = np.array([X.rotation().matrix() for X in poses]).reshape(-1, 3, 3)

@@ -10,9 +10,10 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
+from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.live.conversions.scene import fill_scene
 from drake_geom_ros.live.scene.driven_robot import JointEntry
 from drake_geom_ros.live.scene.held_scene import HeldScene
@@ -50,6 +51,7 @@ class SceneTopic:
         self._version = self._names = self._noted = self._model = -1
         self._next = self._next_maps = 0.0  # [s] of the steady clock
         self._waiting: deque[SceneView] = deque()
+        self._touch_links: Mapping[FrameId, tuple[str, ...]] = {}
         self.unpublished = 0  # sets of names that were referred to and for which there was no room
         with live.editing() as scene:
             scene.tell_named = self._note
@@ -72,9 +74,10 @@ class SceneTopic:
             if (now := time.monotonic()) > self._next:
                 with self._live.reading() as scene:
                     model = scene.model.model_version
-                    if self._version == scene.model.version:
+                    is_same = self._touch_links == scene.filters.touch_links.names()
+                    if is_same and self._version == scene.model.version:
                         return
-                    if self._model == model and now < self._next_maps:
+                    if is_same and self._model == model and now < self._next_maps:
                         return
                     view = scene.view()
                 self._publish(view)
@@ -97,10 +100,11 @@ class SceneTopic:
         )
         message.header.frame_id = moment.world_frame
         message.header.stamp = self._now()
-        fill_scene(message, view.query.inspector(), self._types)
+        fill_scene(message, view.query.inspector(), self._types, view.attachments())
         message.joints = [_joint(entry, self._types) for entry in view.joints]
         self._publisher.publish(message)
         self._version, self._names = moment.version, moment.names_version
+        self._touch_links = view.touch_links
         now = time.monotonic()
         self._next = now + _PAUSE * (now - start)
         self._did(len(message.geometries), now - start)

@@ -168,6 +168,7 @@ class HeldScene:
         self.poses.forget(frames)
         self.cameras.forget(frames)
         self.filters.awaited.forget(name)
+        self.filters.forget_frames(frames)
 
     def bind_rules(self) -> None:
         """Have the proximity rules be about the scene as it is now."""
@@ -250,6 +251,7 @@ class HeldScene:
             twists=twists,
             beside=beside,
             stale=stale,
+            touch_links=self.filters.touch_links.names(),
         )
 
     def snapshot(self) -> SceneSnapshot:

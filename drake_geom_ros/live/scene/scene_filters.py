@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-from drake_geom_ros.geometry import FilterError, FilterId
+from drake_geom_ros.geometry import FilterError, FilterId, FrameId
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.awaited_filters import AwaitedFilters
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.leases import Leases
 from drake_geom_ros.live.scene.scene_log import SceneLog
 from drake_geom_ros.live.scene.scene_model import SceneModel
+from drake_geom_ros.live.scene.touch_links import AttachmentFilters
 
 
 class SceneFilters:
-    """Owners and leases of transient filters, and the filters that wait for a robot."""
+    """Owners and leases of transient filters, and the filters that wait for a robot.
+
+    ``touch_links`` are the transient filters of attached frames.
+    """
 
     def __init__(self, model: SceneModel, clocks: Clocks, log: SceneLog) -> None:
         self._model, self._clocks, self._log = model, clocks, log
@@ -24,6 +29,7 @@ class SceneFilters:
     def begin_anew(self) -> None:
         """Forget all filters: another scene takes the place of this one."""
         self.awaited = AwaitedFilters()
+        self.touch_links = AttachmentFilters(self._model)
         self._leases = Leases(self._clocks.steady)
         self._owners: dict[int, str] = {}
         self._long: set[int] = set()  # transient ones about many geometries
@@ -51,6 +57,11 @@ class SceneFilters:
         self.lease(filter_id, 0.0)
         owner = owned_by(self.owner_of(filter_id))
         self._log.notes.append(f'transient filter {filter_id.get_value()} removed{owner}')
+
+    def forget_frames(self, frames: Iterable[FrameId]) -> None:
+        """End the filters of attached frames that have gone."""
+        for filter_id in self.touch_links.forget(frames):
+            self.end(filter_id)
 
     def refuse_too_many(self, owner: str) -> None:
         """Raise FilterError where an owner has as many transient filters as one may have."""

@@ -22,6 +22,7 @@ from drake_geom_ros.geometry import (
     closing_speeds,
 )
 from drake_geom_ros.live.conversions.names import NameTable
+from drake_geom_ros.live.conversions.scene import Attachment
 from drake_geom_ros.live.scene.driven_robot import JointEntry
 from drake_geom_ros.live.scene.half_spaces import overlapping_half_spaces
 from drake_geom_ros.live.scene.pose_ages import Oldest, UnknownAges
@@ -89,6 +90,8 @@ class SceneView:
     beside: BesideBodies = NOTHING_BESIDE
     stale: Mapping[int, float] = field(default_factory=dict)  # ages [s] of old poses, by frame
     replaced: frozenset[int] = frozenset()  # frames that a question poses, by values of ids
+    # Full names of the geometries that attached frames may touch.
+    touch_links: Mapping[FrameId, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def filters(self) -> CollisionFilterManager:
@@ -100,6 +103,15 @@ class SceneView:
     ) -> ClosingSpeeds | None:
         """Return how fast pairs come together at the twists of this moment; None: nobody knows."""
         return None if self.twists is None else closing_speeds(results, self.twists)
+
+    def attachments(self) -> dict[FrameId, Attachment]:
+        """Return the attachments of the attached frames that have a pose."""
+        inspector, unposed = self.query.inspector(), set(self.query.waiting_frames())
+        return {
+            frame: Attachment(self.query.X_PF(frame), self.touch_links.get(frame, ()))
+            for frame in inspector.GetAllFrameIds()
+            if inspector.IsAttached(frame) and frame not in unposed
+        }
 
     def stale_frames(self) -> list[str]:
         """Return the names of frames with a stale pose on which geometries hang, the oldest first.

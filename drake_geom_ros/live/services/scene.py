@@ -24,6 +24,7 @@ from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.changes.attachment import attachment, detachment
 from drake_geom_ros.live.scene.changes.removal import removal
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.touch_links import touched_geometries
 from drake_geom_ros.math import RigidTransform
 
 
@@ -90,7 +91,7 @@ def remove_source(live: LiveScene, request: Any, response: Any) -> None:
 
 
 def attach(live: LiveScene, request: Any, response: Any) -> None:
-    """Let a frame follow another one."""
+    """Let a frame follow another one, which it may touch where the request says."""
     X_PF = _given_pose(request)
     with live.editing() as scene:
         names = scene.model.names
@@ -101,8 +102,14 @@ def attach(live: LiveScene, request: Any, response: Any) -> None:
             )
         for each in (frame, parent):
             scene.maps.refuse(scene.model.inspector.GetOwningSourceId(each))
-        change = attachment(scene, frame, parent, X_PF, is_part=request.part_of_robot)
+        touching = touched_geometries(scene.model, frame, request.touch_links)
+        change = attachment(
+            scene, frame, parent, X_PF, is_part=request.part_of_robot, touching=touching
+        )
     fill_pose(response.pose, live.change(change))
+    with live.reading() as scene:
+        filter_id = scene.filters.touch_links.filter_of(frame)
+    response.filter_id = 0 if filter_id is None else filter_id.get_value()
 
 
 def detach(live: LiveScene, request: Any, response: Any) -> None:

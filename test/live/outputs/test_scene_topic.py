@@ -10,6 +10,7 @@ from drake_geom_ros.geometry import GeometryInstance, Sphere
 from drake_geom_ros.live.outputs import scene_topic
 from drake_geom_ros.live.outputs.scene_topic import SceneTopic
 from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.changes.attachment import attachment
 from drake_geom_ros.math import RigidTransform
 
 TEXT = 'sources: [s]\nframes: [{name: a, source: s}]\n'
@@ -129,3 +130,67 @@ def test_a_scene_that_takes_long_is_not_published_at_once_again(
         register_source(scene, f'after {now[0]}')
         topic.publish()
         assert len(publisher.published) == count
+
+
+HAND = """
+frames: [{name: hand, source: s, pose: {}}, {name: part, source: s, pose: {position: [1, 0, 0]}}]
+geometries:
+- {name: hand, source: s, frame: hand, shape: {type: sphere, radius: 0.1}}
+- {name: part, source: s, frame: part, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+def no_pose():
+    """Return a geometry_msgs/Pose."""
+    return Plain(
+        position=Plain(x=0.0, y=0.0, z=0.0), orientation=Plain(x=0.0, y=0.0, z=0.0, w=1.0)
+    )
+
+
+class Frame(Plain):
+    """A SceneFrame."""
+
+    def __init__(self, **fields):
+        super().__init__(attached_pose=no_pose(), touch_links=[], **fields)
+
+
+class Geometry(Plain):
+    """A SceneGeometry."""
+
+    def __init__(self, **fields):
+        shape = Plain(mesh_uri='', vertices=[], triangles=[])
+        super().__init__(pose=no_pose(), shape=shape, roles=[], **fields)
+
+
+def test_an_attachment_is_told_with_its_pose_and_until_its_filter_ends(publisher):
+    live, (part, hand) = live_scene(HAND), ('s::part', 's::hand')
+    kinds = {
+        'SceneFrame': Frame,
+        'SceneGeometry': Geometry,
+        'Role': lambda **_: Plain(properties=[]),
+    }
+    types = Plain(Scene=Message, SceneSource=Plain, **kinds)
+    topic = SceneTopic(live, publisher, types, lambda: 'now', lambda *_: None)
+
+    def published():
+        topic._next = 0.0
+        topic.publish()
+        return next(f for f in publisher.published[-1].frames if f.name == 'part')
+
+    with live.editing() as scene:
+        names = scene.model.names
+        frame, parent = names.frame(part), names.frame(hand)
+        touching = [names.geometry(f'{hand}/hand')]
+        scene.make(attachment(scene, frame, parent, touching=touching))
+    there = published()
+    assert there.is_attached
+    assert there.attached_pose.position.x == 1.0
+    assert there.touch_links == [f'{hand}/hand']
+    with live.editing() as scene:
+        scene.model.filter_manager.RemoveDeclaration(scene.filters.touch_links.filter_of(frame))
+    there = published()
+    assert there.is_attached
+    assert there.touch_links == []
+    count = len(publisher.published)
+    published()
+    assert len(publisher.published) == count

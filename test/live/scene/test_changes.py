@@ -60,7 +60,7 @@ def call(live, service, response=None, **fields):
 
 def attach(live, **fields):
     given = {'frame': 'part', 'parent': 'hand', 'pose_given': False, 'pose': pose()}
-    given['part_of_robot'] = True
+    given |= {'part_of_robot': True, 'touch_links': []}
     return call(live, scene.attach, **{**given, **fields})
 
 

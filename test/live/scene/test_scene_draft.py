@@ -103,7 +103,7 @@ def load(live, text=NO_RULE, **fields):
 
 
 def attach(live):
-    place = {'pose_given': False, 'part_of_robot': True}
+    place = {'pose_given': False, 'part_of_robot': True, 'touch_links': []}
     request = Plain(frame='parts::part', parent='s::a', **place)
     scene.attach(live, request, Plain(pose=Plain(position=Plain(), orientation=Plain())))
 

@@ -2,11 +2,32 @@
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry import FrameId, SceneGraph, SceneGraphContext
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    FilterId,
+    FrameId,
+    GeometryId,
+    GeometrySet,
+    SceneGraph,
+    SceneGraphContext,
+)
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.scene.clocks import ALWAYS
 from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.touch_links import TouchLinks, carried_frames
 from drake_geom_ros.math import RigidTransform
+
+_MANY = 100  # geometries of a filter that takes longer than a cycle may wait
+
+
+class _Attached(NamedTuple):
+    """The filter of an attachment, and the one of the attachment before; None: there is none."""
+
+    filter_id: FilterId | None
+    ended: FilterId | None
 
 
 def attachment(
@@ -16,16 +37,24 @@ def attachment(
     X_PF: RigidTransform | None = None,
     *,
     is_part: bool = True,
+    touching: Sequence[GeometryId] = (),
 ) -> Change[HeldScene, RigidTransform]:
     """Return the attachment of a frame to another one, where it is or at X_PF: its X_PF.
 
-    ``is_part``: it counts as part of what carries it in sets by name. Raises ArgumentError where
+    ``is_part``: it counts as part of what carries it in sets by name. Its pairs with the
+    geometries ``touching`` are excluded by a transient filter, which takes the place of the one
+    that an earlier attachment had, and which ``detachment`` removes. Raises ArgumentError where
     nobody knows where the frame is.
     """
-    source = scene.model.inspector.GetOwningSourceId(frame)
+    inspector, names = scene.model.inspector, scene.model.names
+    source = inspector.GetOwningSourceId(frame)
     X_now = X_PF or scene.poses.pose_in(frame, parent)
+    before = scene.filters.touch_links.filter_of(frame)
+    owner = f'attach {names.frame_names[frame]}'
+    carried = carried_frames(inspector, frame)
+    may_touch = tuple(sorted(names.geometry_names[each] for each in touching))
 
-    def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Attached:
         graph.AttachFrame(
             context=context,
             source_id=source,
@@ -34,13 +63,28 @@ def attachment(
             X_PF=X_now,
             is_part=is_part,
         )
+        manager = graph.collision_filter_manager(context)
+        ended = before if before is not None and manager.RemoveDeclaration(before) else None
+        if not touching:
+            return _Attached(None, ended)
+        attached = GeometrySet(frame_ids=carried)
+        declaration = CollisionFilterDeclaration()
+        declaration.ExcludeBetween(attached, GeometrySet(geometry_ids=touching))
+        return _Attached(manager.ApplyTransient(declaration), ended)
 
     def first(scene: HeldScene) -> None:
         nonlocal X_now
         X_now = X_PF or scene.poses.pose_in(frame, parent)
 
-    def then(scene: HeldScene, made: None) -> RigidTransform:
+    def then(scene: HeldScene, made: _Attached) -> RigidTransform:
         scene.poses.rest_at(frame, X_now)
+        if made.ended is not None:
+            scene.filters.end(made.ended)
+        if made.filter_id is None:
+            scene.filters.touch_links.end(frame)
+        else:
+            scene.filters.begin(made.filter_id, owner, 0.0, is_short=len(touching) < _MANY)
+            scene.filters.touch_links.begin(frame, TouchLinks(made.filter_id, may_touch))
         return X_now
 
     return Change(on, first, then)
@@ -51,22 +95,28 @@ def detachment(
 ) -> Change[HeldScene, RigidTransform]:
     """Return the return of a frame to its home, where it is or at X_PF: its X_PF there.
 
-    Its pose is as old as the oldest of those that led to it. Raises ArgumentError where nobody
-    knows where the frame is.
+    The filter of what it might touch ends. Its pose is as old as the oldest of those that led to
+    it. Raises ArgumentError where nobody knows where the frame is.
     """
     home = scene.model.inspector.GetHomeFrame(frame)
     source = scene.model.inspector.GetOwningSourceId(frame)
     X_now, since = X_PF or scene.poses.pose_in(frame, home), ALWAYS
+    touching = scene.filters.touch_links.filter_of(frame)
 
-    def on(graph: SceneGraph, context: SceneGraphContext | None) -> None:
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> bool:
         graph.DetachFrame(context=context, source_id=source, frame_id=frame, X_PF=X_now)
+        manager = graph.collision_filter_manager(context)
+        return touching is not None and manager.RemoveDeclaration(touching)
 
     def first(scene: HeldScene) -> None:
         nonlocal X_now, since
         X_now = X_PF or scene.poses.pose_in(frame, home)
         since = scene.poses.since_now(None if X_PF else frame)
 
-    def then(scene: HeldScene, made: None) -> RigidTransform:
+    def then(scene: HeldScene, removed: bool) -> RigidTransform:
+        if removed and touching is not None:
+            scene.filters.end(touching)
+        scene.filters.touch_links.end(frame)
         scene.poses.move_again_from(frame, X_now, since)
         return X_now
 
