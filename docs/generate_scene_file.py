@@ -121,6 +121,10 @@ def _shapes(definition: dict[str, Any]) -> str:
             sections += [f'### {title}', '', _keys({**then, 'properties': properties}), '']
             rows.append((names, f'`uri`* or `{numbers}`*, see below'))
             continue
+        if any('description' in value for value in properties.values()):
+            sections += [f'### {names}', '', _keys({**then, 'properties': properties}), '']
+            rows.append((names, ', '.join(f'`{key}`*' for key in properties) + ', see below'))
+            continue
         keys = [f'`{key}`* ({kind(value)})' for key, value in properties.items()]
         rows.append((names, ', '.join(keys) or 'none'))
     head = (

@@ -144,6 +144,7 @@ from drake_geom_ros.geometry.scene.compilation import (
 from drake_geom_ros.geometry.scene.scene_graph import SceneGraph, SceneGraph_
 from drake_geom_ros.geometry.shapes.bounding_boxes import Aabb, Obb
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.height_field import HeightField
 from drake_geom_ros.geometry.shapes.measures import (
     CalcObb,
     CalcVolume,
@@ -180,6 +181,7 @@ __all__ = [
     'Cylinder',
     'Ellipsoid',
     'HalfSpace',
+    'HeightField',
     'Convex',
     'Mesh',
     'MeshcatCone',

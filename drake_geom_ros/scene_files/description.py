@@ -13,7 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry import FilterOperation, GeometryProperties, Mesh, Role, Shape
+from drake_geom_ros.geometry import (
+    FilterOperation,
+    GeometryProperties,
+    HeightField,
+    Mesh,
+    Role,
+    Shape,
+)
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files.errors import Location
@@ -214,6 +221,7 @@ def hulls_in_words(geometries: Sequence[GeometryDescription]) -> str:
     """Return a clause with the number of meshes that stand for their convex hulls, or ''."""
     count = sum(
         isinstance(geometry.shape, Mesh)
+        and not isinstance(geometry.shape, HeightField)
         and Role.kProximity in geometry.roles
         and not geometry.roles[Role.kProximity].GetPropertyOrDefault('mesh', 'solid', False)
         for geometry in geometries

@@ -6,12 +6,15 @@ from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
     Cylinder,
     Ellipsoid,
     HalfSpace,
+    HeightField,
     Mesh,
     MeshData,
     ProximityProperties,
@@ -24,7 +27,6 @@ from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.mujoco_joints import pose_of
 
 _NOT_READ = {
-    'HFIELD': 'a height field is not read; give its surface as a mesh',
     'SDF': 'a signed distance field is not read; give its surface as a mesh',
 }
 
@@ -86,7 +88,19 @@ def _shape_of(model: Any, id: int) -> Shape:
         return Box(*(2.0 * half for half in size))
     if kind == 'MESH':
         return Mesh.FromMeshData(_mesh_of(model, int(model.geom_dataid[id])))
+    if kind == 'HFIELD':
+        return _height_field_of(model, int(model.geom_dataid[id]))
     raise ValueError(_NOT_READ.get(kind, f'the shape {kind} is not read'))
+
+
+def _height_field_of(model: Any, field: int) -> HeightField:
+    """Return a height field: rows of MuJoCo's data run along y, and the bottom is at -size[3]."""
+    rows, columns = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
+    first = model.hfield_adr[field]
+    data = model.hfield_data[first : first + rows * columns].reshape(rows, columns)
+    x, y, highest, below = model.hfield_size[field].tolist()
+    xs, ys = np.linspace(-x, x, columns), np.linspace(-y, y, rows)
+    return HeightField(xs, ys, highest * data.T.astype(float), -below)
 
 
 def _mesh_of(model: Any, mesh: int) -> MeshData:

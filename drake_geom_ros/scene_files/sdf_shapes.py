@@ -20,7 +20,8 @@ from drake_geom_ros.scene_files.xml_tree import local_name
 
 KNOWN_SHAPES = ('box', 'capsule', 'cylinder', 'ellipsoid', 'empty', 'mesh', 'plane', 'sphere')
 _HOW = {
-    'heightmap': 'give its surface as a mesh',
+    'heightmap': 'simulators scale and turn its image differently; give the heights as the shape '
+    'height_field of a scene file, or the surface as a mesh',
     'polyline': 'give the extruded outline as a mesh',
     'image': 'give its boxes, or a mesh',
     'cone': 'give it as a mesh, whose hull is the cone',

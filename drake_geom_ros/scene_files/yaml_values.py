@@ -4,7 +4,7 @@
 """
 
 import math
-from base64 import b64encode
+from base64 import b64decode, b64encode
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -19,6 +19,7 @@ from drake_geom_ros.geometry import (
     Ellipsoid,
     GeometryProperties,
     HalfSpace,
+    HeightField,
     HydroelasticType,
     IllustrationProperties,
     Mesh,
@@ -104,6 +105,8 @@ def shape_of(plain: Plain, find_file: Callable[[str], str], warn: Callable[[str]
         return Ellipsoid(*plain['semi_axes'])
     if kind == 'half_space':
         return HalfSpace()
+    if kind == 'height_field':
+        return _height_field_of(plain)
     if kind in sensed_shapes.KINDS:
         return sensed_shapes.map_of(plain, find_file, warn)
     make = Convex if kind == 'convex' else Mesh
@@ -129,6 +132,8 @@ def plain_shape(shape: Shape) -> dict[str, Any]:
         return {'type': 'ellipsoid', 'semi_axes': [shape.a(), shape.b(), shape.c()]}
     if isinstance(shape, HalfSpace):
         return {'type': 'half_space'}
+    if isinstance(shape, HeightField):
+        return _plain_height_field(shape)
     if isinstance(shape, Convex | Mesh):
         kind = 'convex' if isinstance(shape, Convex) else 'mesh'
         scales = shape.scale3().tolist()
@@ -139,6 +144,27 @@ def plain_shape(shape: Shape) -> dict[str, Any]:
     if isinstance(shape, OccupiedCells | PointCloud):
         return sensed_shapes.plain_map(shape)
     raise TypeError(f'{type(shape).__name__} cannot be written to a scene file')
+
+
+def _height_field_of(plain: Plain) -> HeightField:
+    xs, ys, heights = plain['xs'], plain['ys'], plain['heights']
+    if isinstance(heights, str):
+        try:
+            heights = np.frombuffer(b64decode(heights, validate=True), '<f8').reshape(len(xs), -1)
+        except ValueError as error:
+            raise ValueError(f'heights are packed as base64 of float64: {error}') from None
+    elif len({len(row) for row in heights}) > 1:
+        raise ValueError('heights has rows of several lengths; each has a number for each of ys')
+    return HeightField(xs, ys, heights, plain['base'])
+
+
+def _plain_height_field(shape: HeightField) -> dict[str, Any]:
+    """Return the keys of a height field, with long heights packed."""
+    heights: Any = shape.heights().tolist()
+    if shape.heights().size > _MOST_ROWS:
+        heights = b64encode(shape.heights().astype('<f8').tobytes()).decode()
+    grid = {'xs': shape.xs().tolist(), 'ys': shape.ys().tolist()}
+    return {'type': 'height_field', **grid, 'heights': heights, 'base': shape.base()}
 
 
 def _plain_mesh(data: MeshData) -> dict[str, Any]:

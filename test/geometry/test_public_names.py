@@ -40,7 +40,7 @@ OURS = """
     SceneGraphContext PenetrationResults SignedDistanceResults PointDistanceResults
     CandidatePairs MotionCheck ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup MeshData
-    CoulombFriction FilterOperation FilterStatement HydroelasticType
+    CoulombFriction HeightField FilterOperation FilterStatement HydroelasticType
     ContactSurfaceResults OccupiedCells PointCloud
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError

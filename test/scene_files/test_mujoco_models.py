@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -210,13 +211,6 @@ def test_what_counts_in_mujoco_alone_is_reported(text, warning):
         (mjcf('<thing/>'), r'MuJoCo refuses it: .*thing'),
         (
             mjcf(
-                '<geom type="hfield" hfield="h"/>',
-                '<asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/></asset>',
-            ),
-            r'body\[world\].geom\[collision_0\]: a height field is not read; give its surface',
-        ),
-        (
-            mjcf(
                 '<flexcomp name="f" type="grid" count="3 3 1" spacing="1 1 1" mass="1" dim="2"/>'
             ),
             r'1 flexible bodies',
@@ -237,3 +231,29 @@ def test_without_mujoco_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(__import__('sys').modules, 'mujoco', None)
     with pytest.raises(SceneFileError, match=r"pip install 'drake_geom_ros\[mujoco\]'"):
         read_scene(mjcf(BALL) + '\n')
+
+
+def test_height_fields_have_the_surface_that_rays_of_mujoco_hit():
+    """Rows run along y, and each cell is cut along the same edge."""
+    text = mjcf(
+        '<geom type="hfield" hfield="h" pos="0.1 0.2 0.3"/>',
+        '<asset><hfield name="h" nrow="3" ncol="4" size="1.5 1 0.8 0.2" '
+        'elevation="0 0.2 0.9 0.3 0.7 0 0.4 1 0.1 0.6 0.5 0.2"/></asset>',
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    scene_graph = SceneGraph()
+    register(scene_graph, read_scene(text + '\n'))
+    query = scene_graph.get_query_output_port().Eval(scene_graph.CreateDefaultContext())
+    rng = np.random.default_rng(1)
+    hits = []
+    for x, y in rng.uniform([-1.3, -0.7], [1.5, 1.1], (60, 2)):
+        start = np.array([x, y, 5.0])
+        geom = np.zeros(1, dtype=np.int32)
+        reach = mujoco.mj_ray(model, data, start, np.array([0.0, 0, -1]), None, 1, -1, geom)
+        hits.append(start - [0, 0, reach])
+    distances = query.ComputeSignedDistanceToPoint(np.array(hits)).distance
+    np.testing.assert_allclose(distances, 0.0, rtol=0.0, atol=1e-7)  # its data is of float32
+    below = np.array([[0.1, 0.2, 0.3 - 0.2 - 0.1]])
+    assert query.ComputeSignedDistanceToPoint(below).distance[0] == pytest.approx(0.1, abs=1e-12)

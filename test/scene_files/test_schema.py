@@ -86,7 +86,7 @@ filters:
          '4: geometries[1].shape.length: unknown key; allowed are type, radius'),
         (HEAD + GEOMETRY % 'cube',
          "4: geometries[1].shape.type: 'cube' must be one of sphere, box, capsule, cylinder, "
-         'ellipsoid, half_space, convex, mesh, '
+         'ellipsoid, half_space, convex, mesh, height_field, '
          'occupied_cells, point_cloud'),
         (HEAD + GEOMETRY % 'box, size: [1, 2]',
          '4: geometries[1].shape.size: has 2 items; 3 are needed'),

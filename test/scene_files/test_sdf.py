@@ -468,7 +468,10 @@ def shaped(shape):
             ),
             r'lower = 1 is above upper = 0',
         ),
-        (shaped('<heightmap/>'), r'<heightmap> is not read; give its surface as a mesh'),
+        (
+            shaped('<heightmap/>'),
+            r'<heightmap> is not read; simulators scale .* height_field of a scene file',
+        ),
         (shaped('<polyline/>'), r'<polyline> is not read'),
         (shaped('<cone/>'), r'<cone> is not read; give it as a mesh'),
         (shaped('<box><size>1 2</size></box>'), r"<size> is '1 2'; it must be 3 finite numbers"),

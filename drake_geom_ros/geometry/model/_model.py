@@ -30,8 +30,8 @@ from drake_geom_ros.geometry.model._records import (
     GeometryRecord,
     Renderer,
     Versions,
-    check_for_queries,
     named,
+    prepared,
 )
 from drake_geom_ros.geometry.model.contact_defaults import HeldConfig
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
@@ -225,7 +225,7 @@ class Model:
             perception=perception and frozen(perception),
         )
         self._check_geometry_name(record, record.name, record.roles(), 'RegisterGeometry')
-        check_for_queries(record)
+        record = prepared(record)
         self.frames[frame_id].geometry_ids[record.id] = None
         if record.parent_id is not None:
             self.children.setdefault(record.parent_id, []).append(record.id)
@@ -276,7 +276,7 @@ class Model:
             self._check_geometry_name(record, record.name, [role], 'AssignRole')
         record = record.changed(**{ROLE_FIELDS[role]: frozen(self.config.filled(properties))})
         if role is Role.kProximity:
-            check_for_queries(record)
+            record = prepared(record)
         self._store(record, roles=[role], names=assign is RoleAssign.kNew)
         return record
 
@@ -312,7 +312,7 @@ class Model:
         checked_type(shape, Shape, 'ChangeShape: shape')
         pose = record.X_FG if X_FG is None else checked_pose(X_FG, 'ChangeShape: X_FG')
         record = record.changed(shape=shape)
-        check_for_queries(record)
+        record = prepared(record)
         self._store(record, names=False)
         if X_FG is not None:
             self._repose(self.geometries[geometry_id], pose)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -22,6 +23,7 @@ from drake_geom_ros.geometry.model.properties import (
     frozen,
 )
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh, warn_if_open
+from drake_geom_ros.geometry.shapes.height_field import HeightField
 from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape, for_queries
 from drake_geom_ros.geometry.shapes.sensed import FARTHEST_CELL, SensedMap
 from drake_geom_ros.math import RigidTransform
@@ -31,6 +33,7 @@ from drake_geom_ros.math.tolerances import FARTHEST
 WORLD_FRAME_ID = FrameId.get_new_id()
 WORLD_NAME = 'world'
 INTERNAL_SOURCE_NAME = 'SceneGraphInternal'  # the source that owns the world frame
+SOLID = ('mesh', 'solid')
 PADDING = ('proximity', 'padding')  # enlarges a body on all sides [m]
 MARGIN = ('map', 'margin')  # enlarges each cell of a sensed map on all sides [m]
 WORLD_FRAME_GROUP = -1  # no GeometryFrame can have it
@@ -185,7 +188,7 @@ def is_solid(record: GeometryRecord) -> bool:
     """Return the property ('mesh', 'solid') of a Mesh; raises RuntimeError if it is no bool."""
     if record.proximity is None or not isinstance(record.shape, Mesh):
         return False
-    return bool(record.proximity.GetPropertyOrDefault('mesh', 'solid', False))
+    return bool(record.proximity.GetPropertyOrDefault(*SOLID, False))
 
 
 def padding_of(record: GeometryRecord) -> float:
@@ -224,12 +227,25 @@ def _length_of(record: GeometryRecord, name: tuple[str, str], most: float) -> fl
     return number
 
 
-def check_for_queries(record: GeometryRecord) -> None:
-    """Raise GeometryError if queries cannot support a geometry with the proximity role."""
+def prepared(record: GeometryRecord) -> GeometryRecord:
+    """Return the record of a geometry for queries: a height field is a solid.
+
+    Raises GeometryError if queries cannot support it with the proximity role.
+    """
     if record.proximity is None:
-        return
+        return record
+    if isinstance(record.shape, HeightField) and not is_solid(record):
+        if record.proximity.HasProperty(*SOLID):
+            raise GeometryError(
+                f'{named(record)} is a height field, and has the property {SOLID} = False; it is '
+                'always a solid'
+            )
+        properties = copy(record.proximity)
+        properties.AddProperty(*SOLID, True)
+        record = record.changed(proximity=frozen(properties))
     padding_of(record)
     _ = record.queried_shape
     _ = record.hydroelastic_body
     if isinstance(record.shape, Mesh) and not is_solid(record):
         warn_if_open(record.shape)
+    return record
