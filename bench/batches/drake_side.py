@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from pydrake.autodiffutils import InitializeAutoDiff
 from pydrake.common import Parallelism
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 from pydrake.math import RigidTransform
+from pydrake.multibody.inverse_kinematics import MinimumDistanceLowerBoundConstraint
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.planning import RobotDiagramBuilder, SceneGraphCollisionChecker
 
@@ -129,6 +131,21 @@ class DrakeSide:
         """Return which states are free, each asked about alone."""
         free = self._checker.CheckConfigCollisionFree
         return np.array([free(q) for q in states[:, self._columns]], dtype=bool)
+
+    def minimum_distance(self, bound: float, offset: float) -> Any:
+        """Return its constraint, from joint values (n,) to a value and its derivatives (n,)."""
+        constraint = MinimumDistanceLowerBoundConstraint(
+            self._plant, bound, self._own, influence_distance_offset=offset
+        )
+        followers = np.zeros((len(self._columns), max(self._columns) + 1))
+        followers[np.arange(len(self._columns)), self._columns] = 1.0
+
+        def evaluate(q: np.ndarray) -> tuple[float, np.ndarray]:
+            values = InitializeAutoDiff(followers @ q, gradient=followers).ravel()
+            (output,) = constraint.Eval(values)
+            return output.value(), output.derivatives()
+
+        return evaluate
 
     def edge_is_free(self, path: np.ndarray, steps: int) -> bool:
         """Return whether all of so many steps of an edge (2, 16) are free."""

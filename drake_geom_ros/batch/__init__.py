@@ -19,6 +19,7 @@ from drake_geom_ros.batch.contacts import ContactsOfStates
 from drake_geom_ros.batch.distance_gradients import (
     ClearanceAndGradient,
     DistancesAndGradients,
+    NearPairs,
 )
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
@@ -32,6 +33,7 @@ __all__ = [
     'Clearance',
     'ClearanceAndGradient',
     'DistancesAndGradients',
+    'NearPairs',
     'PathChecker',
     'evaluate',
     'check_path',

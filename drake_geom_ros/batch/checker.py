@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.batch.distance_gradients import (
     ClearanceAndGradient,
     DistancesAndGradients,
+    NearPairs,
+    Pairs,
     fill_distances,
     numbers_of_pairs,
     on_all_cores,
@@ -198,9 +200,14 @@ class Checker:
         Raises:
             ArgumentError, GeometryError, PoseError: as ``free``, with the number of the state.
 
-        Example::
-
-            clearance, gradient = checker.clearance_and_gradient(q)
+        Example:
+            >>> scene_graph = SceneGraph()
+            >>> joints = Joints.of(load_scene('scenes/two_pandas.yaml', scene_graph))
+            >>> checker = Checker(scene_graph, joints)
+            >>> q = [0, -0.7854, 0, -2.3562, 0, 1.5707, 0.7854, 0.04] * 2
+            >>> clearance, gradient = checker.clearance_and_gradient(q)
+            >>> gradient.shape
+            (16,)
         """
         states, is_one = self._rows(q)
         clearances, unique = np.empty(len(states)), np.empty(len(states), dtype=np.bool_)
@@ -226,7 +233,7 @@ class Checker:
     def distances_and_gradients(
         self,
         q: ArrayLike,
-        pairs: ArrayLike | None = None,
+        pairs: Pairs | None = None,
         within: float = math.inf,
         *,
         out: DistancesAndGradients | None = None,
@@ -249,14 +256,16 @@ class Checker:
             ArgumentError, GeometryError, PoseError: as ``free``; also for pairs that are unknown,
                 filtered out or named twice, a ``within`` that is NaN, and an unfit ``out``.
 
-        Example::
-
-            near = checker.distances_and_gradients(q, within=0.1)
-            is_near = np.isfinite(near.distance)
+        Example:
+            >>> scene_graph = SceneGraph()
+            >>> joints = Joints.of(load_scene('scenes/two_pandas.yaml', scene_graph))
+            >>> checker = Checker(scene_graph, joints)
+            >>> q = [0, -0.7854, 0, -2.3562, 0, 1.5707, 0.7854, 0.04] * 2
+            >>> near = checker.distances_and_gradients(q, within=0.1)
+            >>> near.gradient.shape == (len(checker.pairs), 16)
+            True
         """
-        limit = as_number(within)
-        if limit is None or math.isnan(limit):
-            raise ArgumentError(f'within={within!r} must be a distance in metres or infinity')
+        limit = _limit_of(within)
         states, is_one = self._rows(q)
         numbers = None
         if pairs is not None:
@@ -282,6 +291,38 @@ class Checker:
         else:
             on_all_cores(len(states), answer)
         return out
+
+    def near_pairs(self, q: ArrayLike, within: float) -> NearPairs:
+        """Return the pairs that may be within a distance [m], with derivatives by joint values.
+
+        It is ``distances_and_gradients`` without the other pairs, and twice as fast for thousands.
+
+        Args:
+            q: a state (c,).
+            within: [m] pairs that are certified to be farther apart are left out.
+
+        Raises:
+            ArgumentError, GeometryError, PoseError: as ``distances_and_gradients``.
+
+        Example:
+            >>> scene_graph = SceneGraph()
+            >>> joints = Joints.of(load_scene('scenes/two_pandas.yaml', scene_graph))
+            >>> checker = Checker(scene_graph, joints)
+            >>> q = [0, -0.7854, 0, -2.3562, 0, 1.5707, 0.7854, 0.04] * 2
+            >>> near = checker.near_pairs(q, within=0.1)
+            >>> bool((near.distance - near.error_bound <= 0.1).all())
+            True
+        """
+        limit, state = _limit_of(within), self._state(q)
+        near = self._gradients().within(state, limit)
+        self._checked(near.verdict, state[0])
+        return NearPairs(
+            near.numbers.copy(),
+            near.distance.copy(),
+            near.error_bound.copy(),
+            near.gradient.copy(),
+            near.is_unique.copy(),
+        )
 
     def free_each(self, states: ArrayLike) -> NDArray[np.bool_]:
         """Return whether each of the states (N, c) is free: (N,), computed by this thread.
@@ -429,6 +470,14 @@ class Checker:
 
     def _wanted(self) -> str:
         return f'one value each for {", ".join(self.joints.names)}'
+
+
+def _limit_of(within: float) -> float:
+    """Return a distance [m] or infinity; raises ArgumentError for other values."""
+    limit = as_number(within)
+    if limit is None or math.isnan(limit):
+        raise ArgumentError(f'within={within!r} must be a distance in metres or infinity')
+    return limit
 
 
 def _numbers(values: ArrayLike) -> Floats:

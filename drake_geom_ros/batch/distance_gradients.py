@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,9 @@ from drake_geom_ros.batch.running import blocks_of, cores, size_for_all
 from drake_geom_ros.geometry import ArgumentError, GeometryId
 from drake_geom_ros.geometry.queries.joint_gradients import NearDistances
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
+
+# Of geometries, by GeometryId or their values (k, 2).
+Pairs: TypeAlias = Sequence[Sequence[Any]] | ArrayLike
 
 _LARGEST_BLOCK = 256  # states of one task
 
@@ -71,7 +74,20 @@ class DistancesAndGradients(NamedTuple):
                 )
 
 
-def numbers_of_pairs(pairs: ArrayLike, number_of: Mapping[tuple[int, int], int]) -> Indices:
+class NearPairs(NamedTuple):
+    """The h pairs of a state that may be within a distance, with derivatives by c joint values.
+
+    Pairs that are left out are certified to be farther apart.
+    """
+
+    numbers: Indices  # (h,) rows of ``Checker.pairs``, ascending
+    distance: Floats  # (h,) [m]
+    error_bound: Floats  # (h,) [m]
+    gradient: Floats  # (h, c) [m/rad] or [-]
+    is_gradient_unique: Flags  # (h,)
+
+
+def numbers_of_pairs(pairs: Pairs, number_of: Mapping[tuple[int, int], int]) -> Indices:
     """Return the numbers (k,) of pairs of geometries, by ``number_of`` their ascending id values.
 
     ``pairs`` are k pairs of GeometryId or their values. Raises ArgumentError for a pair that is

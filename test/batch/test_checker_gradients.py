@@ -104,6 +104,19 @@ def test_gradients_are_central_differences_where_they_are_unique(cell, checker):
     assert smooth > 1000
 
 
+def test_near_pairs_are_the_finite_ones(cell, checker):
+    for q in cell.states(20):
+        every = checker.distances_and_gradients(q, within=0.2)
+        near = checker.near_pairs(q, within=0.2)
+        np.testing.assert_array_equal(near.numbers, np.flatnonzero(np.isfinite(every.distance)))
+        for name in every._fields:
+            expected = getattr(every, name)[near.numbers]
+            np.testing.assert_array_equal(getattr(near, name), expected)
+    for bad in (np.zeros(3), np.zeros((2, 4))):
+        with pytest.raises(ArgumentError, match='shape'):
+            checker.near_pairs(bad, within=0.2)
+
+
 def test_chosen_pairs_come_in_the_callers_order(cell, checker):
     q = cell.states(1)[0]
     every = checker.distances_and_gradients(q)

@@ -205,6 +205,11 @@ LAYERS = {
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),
         ('numpy', 'distributed', 'matplotlib', 'pyarrow'),
     ),
+    # Constraints and gradients for solvers.
+    'optimization': (
+        ('math', 'autodiffutils', 'common', 'geometry', 'batch', 'optimization'),
+        ('numpy', 'scipy', 'casadi'),
+    ),
     'replay': (
         ('math', 'common', 'geometry', 'proximity_rules', 'scene_files', 'replay'),
         ('numpy', 'yaml'),
