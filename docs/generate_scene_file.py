@@ -43,6 +43,7 @@ _SECTIONS = (
     ('Cameras', 'camera'),
     ('Proximity rules', 'proximity_rule'),
     ('Obstacle sources', 'obstacle_source'),
+    ('Policies of a subscription', 'source_qos'),
 )
 # Keys whose value is a mapping with keys of its own.
 _PARTS = {'roles': 'Roles', 'group': 'Group', 'clique': 'Clique'}
@@ -69,6 +70,7 @@ _KINDS = {
     'frame_name': 'text',
     'proximity_rule': '[proximity rule](#proximity-rules)',
     'obstacle_source': '[obstacle source](#obstacle-sources)',
+    'source_qos': '[policies](#policies-of-a-subscription)',
     'patterns': 'text, or list of texts',
 }
 

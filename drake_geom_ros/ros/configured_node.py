@@ -29,6 +29,7 @@ from drake_geom_ros.live.outputs.rule_events import RuleEvents, RuleMessages, Ru
 from drake_geom_ros.live.outputs.scene_topic import SceneTopic
 from drake_geom_ros.live.pose_stream import PoseStream
 from drake_geom_ros.live.scene.live_scene import LiveScene
+from drake_geom_ros.live.scene.map_sources import NamedSource
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
@@ -60,7 +61,6 @@ from drake_geom_ros.ros.surface import (
     transforms,
 )
 from drake_geom_ros.ros.tf_listening import listen_to_tf
-from drake_geom_ros.scene_files import ObstacleSource
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -86,7 +86,7 @@ class ConfiguredNode:
         guard: Guard,
         diagnostics: Diagnostics,
         live: LiveScene,
-        obstacle_sources: Mapping[str, ObstacleSource],
+        obstacle_sources: Mapping[str, NamedSource],
     ) -> None:
         """Open everything on ``surface``, which the caller closes where this raises."""
         self.live = live
@@ -232,9 +232,7 @@ class ConfiguredNode:
         receivers = topics.Receivers(self._stream, points, RobotInput(self.live), log)
         topics.subscribe(self._surface, self._guard, self._groups, values, receivers)
 
-    def _listen(
-        self, values: NodeParameters, obstacle_sources: Mapping[str, ObstacleSource]
-    ) -> None:
+    def _listen(self, values: NodeParameters, obstacle_sources: Mapping[str, NamedSource]) -> None:
         """Listen to TF, joint states and sensors, whose topics depend on parameters and robots."""
         surface, stream, guard = self._surface, self._stream, self._guard
         group, clocks = self._groups.stream, self.live.clocks

@@ -2,20 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
+from drake_geom_ros.live.conversions.misread_numbers import refuse_misread_numbers
 from drake_geom_ros.live.guard import Guard
+from drake_geom_ros.live.inputs.late_messages import LateMessages
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
-from drake_geom_ros.live.inputs.obstacle_sources import age_limits, camera_info_of, settings_of
+from drake_geom_ros.live.inputs.obstacle_sources import (
+    age_limits,
+    camera_info_of,
+    refuse_taken_name,
+    refuse_without_package,
+    removable,
+    saved_sources,
+    settings_of,
+)
 from drake_geom_ros.live.inputs.obstacles import ObstacleInput
 from drake_geom_ros.live.inputs.sensor_frames import SensorFrames
 from drake_geom_ros.live.pose_stream import PoseStream
+from drake_geom_ros.live.scene.changes.standing_maps import standing_maps
+from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import stand_fed
-from drake_geom_ros.live.scene.map_sources import MapSources
+from drake_geom_ros.live.scene.map_sources import ListedSource, MapSources, NamedSource, Origin
+from drake_geom_ros.live.scene.pose_history import PoseHistory
 from drake_geom_ros.ros import topics
 from drake_geom_ros.ros.callback_groups import CallbackGroups
 from drake_geom_ros.ros.outputs.diagnostics import add_trouble, add_values
@@ -38,6 +55,10 @@ from drake_geom_ros.scene_files import (
     POINT_CLOUD,
     ObstacleSource,
 )
+from drake_geom_ros.sensed_maps.passes import compile_passes
+from drake_geom_ros.sensed_maps.tree_walk import compile_tree_walk
+
+_LATE_PERIOD = 0.02  # [s] between two looks whether the poses of OctoMaps that wait have come
 
 
 def _sensed(source: ObstacleSource) -> list[tuple[str, str]]:
@@ -49,7 +70,7 @@ def _sensed(source: ObstacleSource) -> list[tuple[str, str]]:
 
 
 class ObstacleListening:
-    """The inputs of maps: a process for clouds and images, a subscription for OctoMaps."""
+    """The inputs of maps: a process for clouds and images, subscriptions for OctoMaps."""
 
     def __init__(
         self,
@@ -59,15 +80,106 @@ class ObstacleListening:
         guard: Guard,
         groups: CallbackGroups,
         settings: ParameterStore,
-        sources: Mapping[str, ObstacleSource],
+        sources: Mapping[str, NamedSource],
     ) -> None:
         """Open the sources by name; where a map of the scene changed, a cycle runs."""
-        self._surface, self._guard, self._group = surface, guard, groups.obstacles
-        answer = partial(guard.attempt, stream.map_has_changed)
-        changed = surface.wake(answer, groups.stream)
+        self._surface, self._live, self._guard = surface, live, guard
+        self._group, self._settings = groups.obstacles, settings
+        self._changed = surface.wake(partial(guard.attempt, stream.map_has_changed), groups.stream)
+        self._hanging = SensorFrames(lambda: stream.inputs.tf)
+        self._sources = dict(sources)
+        self.inputs = {name: self._input_of(each.source) for name, each in sources.items()}
+        self._octomaps: dict[str, Subscription[Any]] = {}
+        self._late = LateMessages()
+        self._process: SensingProcess | None = None
+        with live.editing() as scene:
+            self._follow(scene)
+            if sources:
+                stand_fed(scene, live.map_sources)
+        self._open()
+        surface.timer(_LATE_PERIOD, partial(guard.attempt, self._late.retry), self._group)
 
-        def now() -> ObstacleSettings:
-            return obstacle_settings(settings.values)
+    def add(self, source: ObstacleSource) -> None:
+        """Listen to one more source, the map of which waits for its first message.
+
+        Raises RuntimeError to refuse, and then nothing has changed.
+        """
+        refuse_taken_name(source, self._sources)
+        refuse_without_package(source)
+        for topic in (topic for _, topic in _sensed(source) or [('', source.topic)]):
+            self._surface.full_topic(topic)
+        compile_passes()
+        compile_tree_walk()
+        name = source.name
+        with self._live.editing() as scene:
+            change = standing_maps(scene, [], [name], self._live.map_sources.margin)
+
+        def then(scene: HeldScene, made: Any) -> int:
+            cells = change.then(scene, made)
+            if scene.poses.history is None:
+                scene.poses.history = PoseHistory()
+            self._sources = {**self._sources, name: NamedSource(source, Origin.SERVICE)}
+            self.inputs = {**self.inputs, name: self._input_of(source)}
+            self._follow(scene)
+            return cells
+
+        self._live.change(replace(change, then=then), calls_for_more=True)
+        self._live.compile_kernels()
+        self._open()
+        self._changed()
+
+    def remove(self, name: str) -> int:
+        """Listen to a source no more; return the number of cells that its map had.
+
+        Raises RuntimeError where there is none, or one of a parameter or a scene file.
+        """
+        removable(name, self._sources)
+        with self._live.editing() as scene:
+            change = standing_maps(scene, [name], [], self._live.map_sources.margin)
+
+        def then(scene: HeldScene, made: Any) -> int:
+            self.inputs[name].remove()
+            self._sources = {key: each for key, each in self._sources.items() if key != name}
+            self.inputs = {key: each for key, each in self.inputs.items() if key != name}
+            self._follow(scene)
+            return change.then(scene, made)
+
+        cells = self._live.change(replace(change, then=then))
+        self._open()
+        self._changed()
+        return cells
+
+    def listed(self) -> list[ListedSource]:
+        """Return what is listened to."""
+        inputs = self.inputs
+        return [
+            ListedSource(*each, inputs[name].counts.taken)
+            for name, each in list(self._sources.items())
+            if name in inputs
+        ]
+
+    def _now(self) -> ObstacleSettings:
+        return obstacle_settings(self._settings.values)
+
+    def _input_of(self, source: ObstacleSource) -> ObstacleInput:
+        def settings() -> ObstacleSettings:
+            return settings_of(source, self._now())
+
+        return ObstacleInput(source, self._live, settings, self._hanging, self._changed)
+
+    def _follow(self, scene: HeldScene) -> None:
+        """Have the scene know the sources, and what it has to know of each."""
+        now, live = self._now, self._live
+        sources = {name: each.source for name, each in self._sources.items()}
+        live.map_sources = MapSources(
+            self.inputs,
+            now().margin,
+            lambda: now().resolution,
+            self._changed,
+            self.add,
+            self.remove,
+            self.listed,
+        )
 
         def told_apart(name: str) -> float:
             source = sources.get(name)
@@ -75,25 +187,10 @@ class ObstacleListening:
                 return 0.0
             return settings_of(source, now()).told_apart
 
-        hanging = SensorFrames(lambda: stream.inputs.tf)
-
-        def input_of(source: ObstacleSource) -> ObstacleInput:
-            return ObstacleInput(
-                source, live, lambda: settings_of(source, now()), hanging, changed
-            )
-
-        self.inputs = {name: input_of(source) for name, source in sources.items()}
-        live.map_sources = MapSources(self.inputs, now().margin, lambda: now().resolution, changed)
-        if sources:
-            with live.editing() as scene:
-                scene.maps.stand = partial(stand_fed, sources=live.map_sources)
-                scene.maps.told_apart = told_apart
-                scene.maps.limits = age_limits(sources)
-                stand_fed(scene, live.map_sources)
-        self._process = self._sensing(sources)
-        for name, source in sources.items():
-            if source.type == OCTOMAP:
-                self._listen(topics.OCTOMAP.type(), source.topic, self.inputs[name].take_octomap)
+        scene.maps.stand = partial(stand_fed, sources=live.map_sources)
+        scene.maps.told_apart = told_apart
+        scene.maps.limits = age_limits(sources)
+        scene.maps.sources = saved_sources(sources.values())
 
     def tell(self, status: Any) -> None:
         """Add to a status of diagnostics what became of messages."""
@@ -111,20 +208,30 @@ class ObstacleListening:
         if self._process is not None:
             self._process.close()
 
-    def _sensing(self, sources: Mapping[str, ObstacleSource]) -> SensingProcess | None:
-        """Have clouds, scans and images taken in a process of their own; None: none are."""
-        topics = [
-            _topic(self._surface, name, kind, topic)
-            for name, source in sources.items()
+    def _open(self) -> None:
+        """Listen to the topics of the sources, and to no others."""
+        sources = [each.source for each in self._sources.values()]
+        sensed = tuple(
+            _topic(self._surface, source, kind, topic, its_own=self._is_added(source))
+            for source in sources
             for kind, topic in _sensed(source)
-        ]
-        if not topics:
-            return None
-        space, _, name = self._surface.full_name().rpartition('/')
-        task = Task(f'{name}{SENSORS}', space or '/', self._surface.enclave(), topics)
-        process = SensingProcess(task, self.inputs, self._guard)
-        self._surface.until_closed(process.close)  # where opening others fails
-        return process
+        )
+        if self._process is not None:
+            self._process.listen_to(sensed, self.inputs)
+        elif sensed:
+            space, _, name = self._surface.full_name().rpartition('/')
+            task = Task(f'{name}{SENSORS}', space or '/', self._surface.enclave(), sensed)
+            self._process = SensingProcess(task, self.inputs, self._guard)
+            self._surface.until_closed(self._process.close)  # where opening others fails
+        octomaps = {source.name: source for source in sources if source.type == OCTOMAP}
+        for name in self._octomaps.keys() - octomaps.keys():
+            self._surface.close_subscription(self._octomaps.pop(name))
+            self._late.forget(name)
+        for name in octomaps.keys() - self._octomaps.keys():
+            self._octomaps[name] = self._listen(octomaps[name])
+
+    def _is_added(self, source: ObstacleSource) -> bool:
+        return self._sources[source.name].origin == Origin.SERVICE
 
     def _values(self) -> dict[str, str]:
         values = {}
@@ -152,19 +259,57 @@ class ObstacleListening:
         ]
         return never + [trouble for each in self.inputs.values() for trouble in each.troubles()]
 
-    def _listen(self, kind: Any, topic: str, take: Callable[[Any, float, str], object]) -> None:
+    def _listen(self, source: ObstacleSource) -> Subscription[Any]:
+        """Open the topic of an OctoMap."""
+        told_as, profile = source.topic.removeprefix('~/'), _profile(source)
+        take = self.inputs[source.name].take_octomap
+
         def hear(message: Any, info: MessageInfo) -> None:
-            who = publisher_of(info)
-            self._guard.take(topic.removeprefix('~/'), take, message, waited(info), who)
+            def attempt() -> None:
+                refuse_misread_numbers(message)
+                take(message, waited(info), publisher_of(info), patience=0.0)
 
-        self._surface.subscription(kind, topic, hear, topics.newest(), self._group)
+            def refuse(error: Exception) -> None:
+                foreseen = isinstance(error, RuntimeError)
+                self._guard.refused(
+                    told_as, str(error) if foreseen else f'internal error: {error!r}'
+                )
+
+            self._late.take(source.name, attempt, refuse, profile.depth)
+
+        return self._surface.subscription(
+            *(topics.OCTOMAP.type(), source.topic, hear, profile, self._group),
+            comes_and_goes=self._is_added(source),
+        )
 
 
-def _topic(surface: Surface, its_map: str, kind: str, topic: str) -> SensorTopic:
+def _profile(source: ObstacleSource) -> QoSProfile:
+    """Return the profile of a source: as usual for sensors but for what it says itself."""
+    profile, qos = topics.newest(), source.qos
+    if qos.reliability is not None:
+        profile.reliability = ReliabilityPolicy.get_from_short_key(qos.reliability)
+    if qos.durability is not None:
+        profile.durability = DurabilityPolicy.get_from_short_key(qos.durability)
+    if qos.depth is not None:
+        profile.depth = qos.depth
+    return profile
+
+
+def _topic(
+    surface: Surface, source: ObstacleSource, kind: str, topic: str, *, its_own: bool
+) -> SensorTopic:
     """Return what a process has to know to listen to a topic of this node."""
-    name, profile = surface.heard_elsewhere(topic, topics.newest())
-    how = int(profile.history), profile.depth, int(profile.reliability)
-    return SensorTopic(its_map, kind, topic.removeprefix('~/'), name, *how)
+    name, profile = surface.heard_elsewhere(topic, _profile(source), comes_and_goes=its_own)
+    return SensorTopic(
+        source.name,
+        kind,
+        topic.removeprefix('~/'),
+        name,
+        int(profile.history),
+        profile.depth,
+        int(profile.reliability),
+        int(profile.durability),
+    )
 
 
 def obstacle_settings(values: NodeParameters) -> ObstacleSettings:

@@ -19,10 +19,11 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from drake_geom_ros.common.nearest import nearest
-from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError
+from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.live.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.inputs.obstacle_refusals import refusal_of_obstacles
+from drake_geom_ros.live.inputs.obstacle_sources import obstacle_sources_of
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class NodeParameters:
     contact_polygons: bool = False
     lcm_url: str = ''
     obstacles: tuple[str, ...] = ()
+    obstacle_sources: str = ''
     obstacle_resolution: float = 0.03
     obstacle_reach: float = 3.0
     obstacle_box: tuple[float, ...] = ()
@@ -163,6 +165,10 @@ TEXTS = {
     'obstacles': (
         'Maps of what sensors see: points (~/obstacles/points), depth (~/obstacles/depth/...), '
         'octomap (~/obstacles/octomap, needs octomap_msgs); empty: none.'
+    ),
+    'obstacle_sources': (
+        'More sensors with a map each, as the key obstacle_sources of a scene file, in YAML: '
+        '{front: {type: laser_scan, topic: /scan}}; empty: none.'
     ),
     'obstacle_resolution': 'Edge length of the cells that points and depths become [m].' + _LIVE,
     'obstacle_reach': (
@@ -387,7 +393,8 @@ def _refusal(values: NodeParameters) -> str:
         return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
     try:
         paddings_of(values.paddings)
-    except ArgumentError as error:
+        obstacle_sources_of(values.obstacle_sources)
+    except RuntimeError as error:
         return str(error)
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
 

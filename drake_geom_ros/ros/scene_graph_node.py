@@ -28,7 +28,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
 from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.guard import Guard
-from drake_geom_ros.live.inputs.obstacle_sources import all_sources
+from drake_geom_ros.live.inputs.obstacle_sources import all_sources, obstacle_sources_of
 from drake_geom_ros.live.memory import give_back_large_blocks, leave_out_of_searches, settle
 from drake_geom_ros.live.scene.clocks import Clocks
 from drake_geom_ros.live.scene.live_scene import LiveScene
@@ -151,14 +151,14 @@ class SceneGraphNode(LifecycleNode):
             roots, options = live.files.package_roots, live.robot_options
             described = read_scene(values.scene_file, package_roots=roots, options=options)
         of_scene = () if described is None else described.obstacle_sources
-        sources = all_sources(values.obstacles, of_scene)
+        of_parameter = obstacle_sources_of(values.obstacle_sources)
+        sources = all_sources(values.obstacles, of_parameter, of_scene)
         if sources:
             compile_passes()
             compile_tree_walk()
         with live.editing() as scene:
             if sources:
                 scene.poses.history = PoseHistory()
-            scene.maps.sources = tuple(of_scene)
             counts = begin_with_maps(scene, described, list(sources), values.obstacle_margin)
         if described is not None:
             hulls = hulls_in_words(described.geometries)

@@ -20,6 +20,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
+from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.conversions.arrivals import MessageInfo
 from drake_geom_ros.ros.outputs.service_answers import Answers
 from drake_geom_ros.ros.parameters import QOS_OVERRIDES
@@ -74,10 +75,8 @@ class Surface:
         parameter cannot be taken back, and each costs kilobytes for as long as the node lives.
         """
         options: QoSOverridingOptions | None = QoSOverridingOptions.with_default_policies()
-        if comes_and_goes:
-            begin = f'{QOS_OVERRIDES}{self._node.resolve_topic_name(topic)}.'
-            is_overridden = any(name.startswith(begin) for name in self._node._parameter_overrides)
-            options = options if is_overridden else None
+        if comes_and_goes and not self._is_overridden(topic):
+            options = None
         publisher = self._node.create_publisher(
             kind, topic, profile, qos_overriding_options=options
         )
@@ -93,26 +92,49 @@ class Surface:
         group: CallbackGroup | None = None,
         *,
         raw: bool = False,
+        comes_and_goes: bool = False,
     ) -> Subscription[Any]:
-        """Open a topic to listen to; ``raw``: to the bytes of its messages."""
+        """Open a topic to listen to; ``raw``: to the bytes of its messages.
+
+        See ``publisher`` for one that ``comes_and_goes``.
+        """
+        options: QoSOverridingOptions | None = QoSOverridingOptions.with_default_policies()
+        if comes_and_goes and not self._is_overridden(topic):
+            options = None
         subscription = self._node.create_subscription(
             kind,
             topic,
             callback,
             profile,
             callback_group=group,
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            qos_overriding_options=options,
             raw=raw,
         )
         self._open.append((self._node.destroy_subscription, subscription))
         return subscription
 
-    def heard_elsewhere(self, topic: str, profile: QoSProfile) -> tuple[str, QoSProfile]:
+    def _is_overridden(self, topic: str) -> bool:
+        """Return whether the node was started with parameters of the QoS of a topic."""
+        begin = f'{QOS_OVERRIDES}{self._node.resolve_topic_name(topic)}.'
+        return any(name.startswith(begin) for name in self._node._parameter_overrides)
+
+    def full_topic(self, topic: str) -> str:
+        """Return the full name of a topic; raises ArgumentError for what cannot be one."""
+        try:
+            return str(self._node.resolve_topic_name(topic))
+        except (ValueError, RuntimeError) as error:  # InvalidName, RCLError
+            raise ArgumentError(f'topic is {topic[:80]!r}, which is none: {error}') from error
+
+    def heard_elsewhere(
+        self, topic: str, profile: QoSProfile, *, comes_and_goes: bool = False
+    ) -> tuple[str, QoSProfile]:
         """Return the full name and profile of a topic that another process of ours listens to.
 
         The node has the parameters of its QoS as if it listened itself.
         """
         name = self._node.resolve_topic_name(topic)
+        if comes_and_goes and not self._is_overridden(topic):
+            return name, profile
 
         def value_of(policy: str, default: Any) -> Any:
             parameter = f'{QOS_OVERRIDES}{name}.subscription.{policy}'
@@ -129,7 +151,9 @@ class Surface:
             )
         )
         depth = value_of('depth', profile.depth)
-        return name, QoSProfile(history=history, depth=depth, reliability=reliability)
+        return name, QoSProfile(
+            history=history, depth=depth, reliability=reliability, durability=profile.durability
+        )
 
     def full_name(self) -> str:
         """Return the name of the node with its namespace."""

@@ -47,6 +47,9 @@ from drake_geom_ros.scene_files.obstacle_sources import (
     OCTOMAP,
     POINT_CLOUD,
     ObstacleSource,
+    SourceQos,
+    obstacle_source_of_text,
+    obstacle_sources_of_text,
     sensors_left_out,
 )
 from drake_geom_ros.scene_files.registration import (
@@ -60,7 +63,7 @@ from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
 from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.schema import scene_schema
-from drake_geom_ros.scene_files.yaml_writer import to_yaml
+from drake_geom_ros.scene_files.yaml_writer import obstacle_source_text, to_yaml
 
 __all__ = [
     'load_scene',
@@ -96,6 +99,10 @@ __all__ = [
     'LoadedScene',
     'SceneDescription',
     'ObstacleSource',
+    'SourceQos',
+    'obstacle_source_of_text',
+    'obstacle_sources_of_text',
+    'obstacle_source_text',
     'sensors_left_out',
     'DEPTH_IMAGE',
     'LASER_SCAN',

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 from drake_geom_ros.scene_files.errors import Location
-from drake_geom_ros.scene_files.yaml_text import Document
+from drake_geom_ros.scene_files.schema import check_schema, scene_schema
+from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml
 
 LASER_SCAN, POINT_CLOUD = 'laser_scan', 'point_cloud'
 DEPTH_IMAGE, OCTOMAP = 'depth_image', 'octomap'
@@ -18,6 +19,18 @@ _OF_POINTS = (
     *('resolution', 'range', 'keep', 'rays', 'noise', 'padding', 'least_points', 'extrude'),
 )
 _NO_KEYS = ('name', 'where')
+_SECTION = 'obstacle_sources'
+
+
+class SourceQos(NamedTuple):
+    """Policies of a subscription; None: as usual for sensors."""
+
+    reliability: str | None = None  # 'reliable' or 'best_effort'
+    durability: str | None = None  # 'volatile' or 'transient_local'
+    depth: int | None = None
+
+
+_USUAL = SourceQos()
 
 
 @dataclass(frozen=True)
@@ -32,6 +45,7 @@ class ObstacleSource:
     - ``required``: whether a rule about the map is stale with it.
     - ``range``: points farther from the sensor are left out.
     - ``extrude``: heights (low, high) in the world that each seen cell stands for.
+    - ``qos``: policies of its subscription.
     """
 
     name: str
@@ -49,17 +63,51 @@ class ObstacleSource:
     padding: float | None = None
     least_points: int | None = None
     extrude: tuple[float, float] | None = None
+    qos: SourceQos = _USUAL
     where: Location = field(default=Location('<scene>'), compare=False)
 
 
 def read_obstacle_sources(document: Document) -> tuple[ObstacleSource, ...]:
     """Return the sources of a document; raises SceneFileError for an invalid one."""
-    plain: Mapping[str, Any] = document.value.get('obstacle_sources', {})
+    plain: Mapping[str, Any] = document.value.get(_SECTION, {})
     return tuple(_source(document, name, each) for name, each in plain.items())
 
 
+def obstacle_sources_of_text(text: str, called: str) -> tuple[ObstacleSource, ...]:
+    """Return the sources of a YAML text as it stands below ``obstacle_sources`` of a scene file.
+
+    ``called`` is the name of the text in errors. Raises SceneFileError for an invalid one.
+
+    >>> text = '{front: {type: laser_scan, topic: /scan}}'
+    >>> [source.topic for source in obstacle_sources_of_text(text, 'example')]
+    ['/scan']
+    """
+    return _of_section(read_yaml(text, called), (_SECTION,))
+
+
+def obstacle_source_of_text(name: str, settings: str, called: str) -> ObstacleSource:
+    """Return a source of the YAML text of its keys, such as ``{type: octomap, topic: /map}``.
+
+    ``called`` is the name of the text in errors. Raises SceneFileError for an invalid one.
+    """
+    (source,) = _of_section(read_yaml(settings, called), (_SECTION, name))
+    return source
+
+
+def _of_section(document: Document, path: KeyPath) -> tuple[ObstacleSource, ...]:
+    """Return the sources of a document that stands at a path of a scene file."""
+    lines: dict[KeyPath, int] = {path[:k]: 1 for k in range(len(path))}
+    lines.update({(*path, *inner): line for inner, line in document.lines.items()})
+    value = document.value
+    for key in reversed(path):
+        value = {key: value}
+    whole = Document(document.file, value, lines)
+    check_schema(whole, scene_schema())
+    return read_obstacle_sources(whole)
+
+
 def _source(document: Document, name: str, plain: Mapping[str, Any]) -> ObstacleSource:
-    path = 'obstacle_sources', name
+    path = _SECTION, name
     where = document.at(*path)
     if name == RESERVED:
         raise where.error(
@@ -87,6 +135,8 @@ def _source(document: Document, name: str, plain: Mapping[str, Any]) -> Obstacle
         values['box'] = tuple(map(float, box))
     if extrude is not None:
         values['extrude'] = float(extrude[0]), float(extrude[1])
+    if 'qos' in plain:
+        values['qos'] = SourceQos(**plain['qos'])
     return ObstacleSource(name, **values)
 
 
@@ -103,9 +153,14 @@ def sensors_left_out(sources: Sequence[ObstacleSource]) -> str:
 
 def plain_obstacle_source(source: ObstacleSource) -> dict[str, Any]:
     """Return the plain form of a source, without defaults."""
-    plain = {}
+    plain: dict[str, Any] = {}
     for each in fields(source):
         value = getattr(source, each.name)
-        if each.name not in _NO_KEYS and value != each.default:
+        if each.name in _NO_KEYS or value == each.default:
+            continue
+        if isinstance(value, SourceQos):
+            policies = value._asdict().items()
+            plain[each.name] = {key: policy for key, policy in policies if policy is not None}
+        else:
             plain[each.name] = list(value) if isinstance(value, tuple) else value
     return plain

@@ -21,7 +21,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.names import FileNames
-from drake_geom_ros.scene_files.obstacle_sources import plain_obstacle_source
+from drake_geom_ros.scene_files.obstacle_sources import ObstacleSource, plain_obstacle_source
 from drake_geom_ros.scene_files.proximity_rules import plain_proximity_rule
 from drake_geom_ros.scene_files.yaml_text import (
     MAX_BYTES,
@@ -85,6 +85,11 @@ def to_yaml(description: SceneDescription) -> str:
         return text
     except TypeError as error:
         raise SceneFileError(f'cannot be saved: {error}', description.file) from error
+
+
+def obstacle_source_text(source: ObstacleSource) -> str:
+    """Return the keys of a source as they stand in a scene file."""
+    return _flow(plain_obstacle_source(source)).strip()
 
 
 def check_size(plain: Any, file: str) -> None:

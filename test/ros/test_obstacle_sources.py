@@ -117,3 +117,98 @@ def test_a_scene_of_other_sensors_is_refused_and_the_own_ones_are_saved(base):
     why = refused(base.client.call(srv.LoadScene, 'load_scene', text=other))
     assert "'left'" in why
     assert 'scene_file' in why
+
+
+def listed(client):
+    answer = accepted(client.call(srv.ListObstacleSources, 'list_obstacle_sources'))
+    return {
+        name: (origin, settings, age)
+        for name, origin, settings, age in zip(
+            answer.names, answer.origins, answer.settings, answer.ages, strict=True
+        )
+    }
+
+
+def test_a_source_is_added_listed_saved_and_removed_while_the_node_runs(base):
+    base.until(lambda: base.near() == (False, 0), 'both far')
+    added = '{type: laser_scan, topic: /scanned/side, frame: body, qos: {depth: 3}}'
+    base.scans['side'] = base.client.node.create_publisher(LaserScan, '/scanned/side', 10)
+    call = base.client.call
+    accepted(call(srv.AddObstacleSource, 'add_obstacle_source', name='side', settings=added))
+    waits = True, msg.ProximityEvents.NO_POSE
+    base.until(lambda: base.near() == waits, 'a required source that waits')
+    origin, settings, age = listed(base.client)['side']
+    assert (origin, settings, age) == (srv.ListObstacleSources.Request.SERVICE, added, math.inf)
+    assert listed(base.client)['front'][0] == srv.ListObstacleSources.Request.SCENE_FILE
+    assert f'side: {added}' in accepted(call(srv.SaveScene, 'save_scene')).text
+
+    def seen():
+        base.scan('side', FAR, 1.5)
+        return base.near() == (False, 0) and base.cells().get('side')
+
+    base.until(seen, 'its scans')
+    refused(
+        call(srv.AddObstacleSource, 'add_obstacle_source', name='side', settings=added), 'already'
+    )
+    assert accepted(call(srv.RemoveObstacleSource, 'remove_obstacle_source', name='side')).cells
+    base.until(lambda: 'side' not in base.cells() and base.near() == (False, 0), 'its end')
+    assert 'side' not in listed(base.client)
+
+
+@pytest.mark.parametrize(
+    ('name', 'settings', 'why'),
+    [
+        ('front', '{type: laser_scan, topic: /a}', 'by the scene file'),
+        ('new', '{type: laser_scan, topic: /a//b}', '/a//b'),
+        ('new', '{type: sonar, topic: /a}', 'sonar'),
+        ('new', '{', 'not YAML'),
+    ],
+)
+def test_a_source_that_cannot_be_added_changes_nothing(base, name, settings, why):
+    before = listed(base.client)
+    call = base.client.call
+    text = accepted(call(srv.SaveScene, 'save_scene')).text
+    refused(call(srv.AddObstacleSource, 'add_obstacle_source', name=name, settings=settings), why)
+    assert listed(base.client).keys() == before.keys()
+    assert accepted(call(srv.SaveScene, 'save_scene')).text == text
+
+
+def test_a_source_of_the_scene_file_is_not_removed_by_a_service(base):
+    why = refused(
+        base.client.call(srv.RemoveObstacleSource, 'remove_obstacle_source', name='rear')
+    )
+    assert 'scene file' in why
+    assert 'rear' in listed(base.client)
+
+
+def test_a_sensor_whose_poses_never_come_delays_no_other(base):
+    """Messages of a frame that stands still in the past wait 0.5 s each; others do not."""
+    added = '{type: laser_scan, topic: /scanned/lost, required: false}'
+    call = base.client.call
+    accepted(call(srv.AddObstacleSource, 'add_obstacle_source', name='lost', settings=added))
+    lost = base.client.node.create_publisher(LaserScan, '/scanned/lost', 10)
+
+    def count():
+        answer = accepted(call(srv.ListObstacleSources, 'list_obstacle_sources'))
+        return dict(zip(answer.names, answer.messages, strict=True))
+
+    def send_lost():
+        header = base.header()
+        header.stamp.sec += 5  # from the future: it is waited for
+        lost.publish(LaserScan(header=header, range_max=10.0, ranges=array.array('f', FAR)))
+
+    def seen():
+        send_lost()
+        return base.near() == (False, 0)
+
+    base.until(seen, 'far scans')
+    before, sent = count()['front'], 0
+    for _ in range(40):
+        send_lost()
+        base.until(lambda: True, '')
+        sent += 1
+    after = count()
+    assert after['lost'] == 0
+    # A process that waited for each lost scan would take two of others a second.
+    assert after['front'] - before > sent // 2
+    accepted(call(srv.RemoveObstacleSource, 'remove_obstacle_source', name='lost'))

@@ -7,7 +7,11 @@ from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import (
     ObstacleSource,
     SceneFileError,
+    SourceQos,
     load_scene,
+    obstacle_source_of_text,
+    obstacle_source_text,
+    obstacle_sources_of_text,
     read_scene,
     to_yaml,
 )
@@ -27,7 +31,7 @@ obstacle_sources:
     noise: 0.02
     padding: 0.1
     least_points: 3
-  world: {type: octomap, topic: ~/world}
+  world: {type: octomap, topic: ~/world, qos: {reliability: reliable, durability: transient_local}}
 """
 
 
@@ -51,7 +55,8 @@ def test_each_key_is_read():
         padding=0.1,
         least_points=3,
     )
-    assert world == ObstacleSource('world', 'octomap', '~/world')
+    qos = SourceQos('reliable', 'transient_local')
+    assert world == ObstacleSource('world', 'octomap', '~/world', qos=qos)
 
 
 def test_what_is_written_is_read_again():
@@ -70,6 +75,8 @@ def test_what_is_written_is_read_again():
         ('a: {type: laser_scan, topic: /a, extrude: [1, 1]}', 'lowest and the highest height'),
         ('a: {type: laser_scan, topic: /a, box: [0, 0, 0, 1, 1, 0]}', 'each of the first three'),
         ('a: {type: octomap, topic: /a, keep: 1}', 'keep is of points'),
+        ('a: {type: octomap, topic: /a, qos: {depth: 0}}', 'depth'),
+        ('a: {type: octomap, topic: /a, qos: {reliability: maybe}}', 'reliable, best_effort'),
         ('file: {type: laser_scan, topic: /a}', 'load_obstacles'),
     ],
 )
@@ -77,6 +84,31 @@ def test_what_is_no_source_is_refused_with_its_line(line, reason):
     with pytest.raises(SceneFileError, match=reason) as refused:
         read_scene(f'sources: [s]\nobstacle_sources:\n  {line}\n')
     assert refused.value.line == 3
+
+
+def test_a_text_of_sources_is_read_as_the_section_of_a_scene_file():
+    section = SCENE.partition('obstacle_sources:')[2]
+    every = obstacle_sources_of_text(section, 'parameter')
+    assert every == read_scene(SCENE).obstacle_sources
+    for each in every:
+        assert obstacle_source_of_text(each.name, obstacle_source_text(each), 'request') == each
+
+
+@pytest.mark.parametrize(
+    ('name', 'settings', 'reason'),
+    [
+        ('a', '{type: laser_scan}', '^request:1: obstacle_sources.a: missing `topic`'),
+        ('a', '{type: octomap,\n topic: /a,\n keep: 1}', '^request:3: .*keep is of points'),
+        ('a b', '{type: octomap, topic: /a}', "'a b': a source is called by a letter"),
+        ('file', '{type: octomap, topic: /a}', 'load_obstacles'),
+        ('a', '', 'is empty'),
+        ('a', '7', 'must be a mapping'),
+        ('a', 'topic', 'must be a mapping'),
+    ],
+)
+def test_a_text_that_is_no_source_is_refused_with_its_line(name, settings, reason):
+    with pytest.raises(SceneFileError, match=reason):
+        obstacle_source_of_text(name, settings, 'request')
 
 
 def test_a_name_that_no_frame_may_have_is_refused():

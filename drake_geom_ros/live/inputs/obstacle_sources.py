@@ -9,12 +9,14 @@ from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.live.inputs import obstacle_records
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
 from drake_geom_ros.live.inputs.obstacle_refusals import octomap_refusal
+from drake_geom_ros.live.scene.map_sources import NamedSource, Origin
 from drake_geom_ros.live.scene.scene_maps import AgeLimit
 from drake_geom_ros.scene_files import (
     DEPTH_IMAGE,
     OCTOMAP,
     POINT_CLOUD,
     ObstacleSource,
+    obstacle_sources_of_text,
 )
 
 # The sources that the parameter `obstacles` names.
@@ -26,25 +28,72 @@ _DEFAULTS = {
 
 
 def all_sources(
-    names: Iterable[str], of_scene: Sequence[ObstacleSource]
-) -> dict[str, ObstacleSource]:
-    """Return the sources by name, those of the parameter ``obstacles`` first.
+    names: Iterable[str],
+    of_parameter: Sequence[ObstacleSource],
+    of_scene: Sequence[ObstacleSource],
+) -> dict[str, NamedSource]:
+    """Return the sources by name: of the parameters obstacles and obstacle_sources, of the scene.
 
-    Raises ArgumentError for a name that both have, and for an OctoMap whose package is missing.
+    Two of one name have to be the same, as in a scene that was saved with those of a parameter.
+    Raises ArgumentError for others, and for an OctoMap whose package is missing.
     """
-    sources = {name: ObstacleSource(name, *_DEFAULTS[name]) for name in names}
-    for each in of_scene:
-        if each.name in sources:
-            raise ArgumentError(
-                f'the scene has an obstacle source {each.name!r}, and so has the parameter '
-                'obstacles: leave it out of one of the two'
-            )
-        sources[each.name] = each
-    octomaps = [name for name, each in sources.items() if each.type == OCTOMAP]
-    who = f'the obstacle source {octomaps[0]!r} is an octomap' if octomaps else ''
-    if who and (reason := octomap_refusal(who)):
-        raise ArgumentError(reason)
+    defaults = [ObstacleSource(name, *_DEFAULTS[name]) for name in names]
+    sources: dict[str, NamedSource] = {}
+    for origin, several in (
+        *((Origin.PARAMETER, defaults), (Origin.PARAMETER, of_parameter)),
+        (Origin.SCENE_FILE, of_scene),
+    ):
+        for each in several:
+            refuse_without_package(each)
+            there = sources.setdefault(each.name, NamedSource(each, origin))
+            if there.source != each:
+                raise ArgumentError(
+                    f'{origin.in_words()} has an obstacle source {each.name!r}, and so has '
+                    f'{there.origin.in_words()}, with other keys: leave one of the two out'
+                )
     return sources
+
+
+def obstacle_sources_of(text: str) -> tuple[ObstacleSource, ...]:
+    """Return the sources of the parameter ``obstacle_sources``; raises RuntimeError."""
+    return obstacle_sources_of_text(text, 'obstacle_sources') if text.strip() else ()
+
+
+def refuse_without_package(source: ObstacleSource) -> None:
+    """Raise ArgumentError for a source whose messages no package here has."""
+    if source.type != OCTOMAP:
+        return
+    if reason := octomap_refusal(f'the obstacle source {source.name!r} is an octomap'):
+        raise ArgumentError(reason)
+
+
+def refuse_taken_name(source: ObstacleSource, there: Mapping[str, NamedSource]) -> None:
+    """Raise ArgumentError where a node has a source of that name."""
+    if source.name in there:
+        raise ArgumentError(
+            f'there is an obstacle source {source.name!r} already, by '
+            f'{there[source.name].origin.in_words()}; give this one another name'
+        )
+
+
+def removable(name: str, there: Mapping[str, NamedSource]) -> ObstacleSource:
+    """Return the source of that name; ArgumentError where no service may remove it."""
+    added = [each for each, (_, origin) in there.items() if origin == Origin.SERVICE]
+    if name in added:
+        return there[name].source
+    why = 'there is none'
+    if name in there:
+        why = f'it is by {there[name].origin.in_words()}: leave it out there, and configure anew'
+    raise ArgumentError(
+        f'the obstacle source {name[:80]!r} cannot be removed: {why}; those of '
+        f'add_obstacle_source: {", ".join(added) or "none"}'
+    )
+
+
+def saved_sources(sources: Iterable[ObstacleSource]) -> tuple[ObstacleSource, ...]:
+    """Return the sources that a saved scene has: all but those of the parameter ``obstacles``."""
+    defaults = [ObstacleSource(name, *default) for name, default in _DEFAULTS.items()]
+    return tuple(each for each in sources if each not in defaults)
 
 
 def settings_of(source: ObstacleSource, settings: ObstacleSettings) -> ObstacleSettings:

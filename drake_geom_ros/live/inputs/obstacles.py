@@ -30,7 +30,7 @@ from drake_geom_ros.live.scene.changes.map_update import Sighting, has_many, sha
 from drake_geom_ros.live.scene.held_scene import HeldScene
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import stand
-from drake_geom_ros.live.scene.moments import Hanging, Model, Moment, moment_of
+from drake_geom_ros.live.scene.moments import PATIENCE, Hanging, Model, Moment, moment_of
 from drake_geom_ros.live.scene.out_of_sight import Sight
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
@@ -74,6 +74,7 @@ class ObstacleInput:
         self._known = KnownBodies()
         self._known_of: tuple[Model, str] | None = None
         self._generation = 0  # how often it was cleared
+        self._is_removed = False
         self._begun: _Begun | None = None
         self._feeds = MapFeeds(live.clocks)
         self._held: dict[Feed, Held] = {}  # by sensor
@@ -84,6 +85,11 @@ class ObstacleInput:
         self._feeds, self._held = MapFeeds(self._live.clocks), {}
         self.counts = MapCounts()
 
+    def remove(self) -> None:
+        """Refuse all messages from now on; the scene is held."""
+        self.forget()
+        self._is_removed = True
+
     def troubles(self) -> list[str]:
         """Return which sensors feed the map, in words, where several do."""
         ages = list(self._feeds.ages())
@@ -93,7 +99,7 @@ class ObstacleInput:
         return [
             f'{len(ages)} sensors feed {self.source.topic}: {each}. The map shows what all of '
             'them see, and is as old as the oldest: give each a topic and a source of its own '
-            '(obstacle_sources of the scene file); clear_obstacles forgets one that is gone'
+            '(obstacle_sources); clear_obstacles forgets one that is gone'
         ]
 
     def begin(
@@ -103,13 +109,16 @@ class ObstacleInput:
         bodies_number: int = 0,
         publisher: str = '',
         duration: float = 0.0,
+        patience: float = PATIENCE,
     ) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
         Bodies of the number ``bodies_number`` are not sent again. With a ``duration`` [s] the
         place has the turn of the frame meanwhile. ``finish`` puts the cells of its points into the
-        scene. Raises RuntimeError to refuse it.
+        scene. Raises RuntimeError to refuse it, UnknownYetError where it may be taken after
+        ``patience`` [s].
         """
+        self._refuse_if_removed()
         header = self._framed(header)
         start, self._begun = time.perf_counter(), None
         generation, settings = self._generation, self._settings()
@@ -121,14 +130,14 @@ class ObstacleInput:
                 self._known_of = model, which
             return self._known.frames
 
-        moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies)
+        moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies, patience)
         feed = Feed(header.frame_id, publisher)
         self._begun = _Begun(moment, start, generation, feed)
         R_WF = np.array(moment.X_WF.rotation().matrix())
         p_WF = np.array(moment.X_WF.translation())
         there, since = self._known.then(moment.query, bodies_number), moment.since
         when = since.held, since.epoch, generation
-        turn = self._turn(moment, header, waited, duration) if duration else None
+        turn = self._turn(moment, header, waited, duration, patience) if duration else None
         return Place(R_WF, p_WF, *when, there, settings, self._held.get(feed), feed, turn)
 
     def _framed(self, header: Any) -> Any:
@@ -137,11 +146,17 @@ class ObstacleInput:
             return header
         return SimpleNamespace(stamp=header.stamp, frame_id=self.source.frame)
 
-    def _turn(self, moment: Moment, header: Any, waited: float, duration: float) -> Turn | None:
+    def _refuse_if_removed(self) -> None:
+        if self._is_removed:
+            raise ArgumentError(f'the obstacle source {self.name!r} was removed')
+
+    def _turn(
+        self, moment: Moment, header: Any, waited: float, duration: float, patience: float
+    ) -> Turn | None:
         """Return how the frame of a header moved in the time [s] after its stamp."""
         stamp = stamp_after(header.stamp, duration)
         later = SimpleNamespace(stamp=stamp, frame_id=header.frame_id)
-        end = moment_of(self._live, later, waited, self._hanging, lambda *_: ())
+        end = moment_of(self._live, later, waited, self._hanging, lambda *_: (), patience)
         X_FE = moment.X_WF.inverse() @ end.X_WF
         if X_FE.IsExactlyIdentity():
             return None
@@ -172,13 +187,16 @@ class ObstacleInput:
         epoch = begun.moment.since.epoch
         self._held[begun.feed] = Held(taken.kept, epoch, begun.generation, shell)
 
-    def take_octomap(self, octomap: Any, waited: float = 0.0, publisher: str = '') -> None:
-        """Take an Octomap in place of the one of before, as it is; raises RuntimeError."""
+    def take_octomap(
+        self, octomap: Any, waited: float = 0.0, publisher: str = '', patience: float = PATIENCE
+    ) -> None:
+        """Take an Octomap in place of the one of before, as it is; raises as ``begin``."""
+        self._refuse_if_removed()
         start = time.perf_counter()
         refuse_too_many_nodes(octomap, MOST_NODES)
         generation, header = self._generation, self._framed(octomap.header)
         # Before the tree is read, which takes seconds: its stamp is that much older then.
-        moment = moment_of(self._live, header, waited, self._hanging, lambda *_: ())
+        moment = moment_of(self._live, header, waited, self._hanging, lambda *_: (), patience)
         cells = cells_from_octomap(octomap)
         if not len(cells):
             raise ArgumentError('the tree has no occupied cell: it shows nothing')
@@ -232,6 +250,7 @@ class ObstacleInput:
 
     def _refuse_late(self, scene: HeldScene, begun: _Begun) -> None:
         """Raise ArgumentError for a message that something has overtaken."""
+        self._refuse_if_removed()
         moment = begun.moment
         if begun.generation != self._generation:
             raise ArgumentError('the map was cleared while the message was taken')

@@ -51,8 +51,9 @@ class Map(Protocol):
     ) -> Place:
         """Return where the frame of a header was, of a message that came ``waited`` [s] ago.
 
-        Bodies of the number ``bodies_number`` are not sent again. Each ``publisher`` has its own
-        map. ``duration`` [s] is for how long it was measured, from its stamp on.
+        Raises UnknownYetError where that may be known later. Bodies of the number
+        ``bodies_number`` are not sent again. Each ``publisher`` has its own map. ``duration`` [s]
+        is for how long it was measured, from its stamp on.
         """
 
     def finish(self, taken: Found) -> None:

@@ -35,6 +35,10 @@ _OLDEST = 10.0  # [s] by which it may be earlier
 _LOOKS = 0.005  # [s] between two looks
 
 
+class UnknownYetError(ArgumentError):
+    """The poses of a stamp are not known yet; they may be, later."""
+
+
 class Moment(NamedTuple):
     """The scene at a stamp: frames of interest are where they were then."""
 
@@ -62,18 +66,20 @@ def moment_of(
     waited: float,
     hanging: Hanging,
     bodies: Interest,
+    patience: float = PATIENCE,
 ) -> Moment:
     """Return the scene at the stamp of a header, the frame of which may be any.
 
     ``bodies`` returns the other frames that have to be where they were. Raises ArgumentError where
-    the stamp or the frame is none, and where it is not known where they were then.
+    the stamp or the frame is none, and where it is not known where they were then;
+    UnknownYetError where that may be known after ``patience`` [s].
     """
     stamp = header.stamp
     held = seconds_of(stamp)
     if not held:
         raise ArgumentError('header.stamp is 0; what a sensor saw belongs to the poses of a time')
     arrival = live.clocks.arrival(waited)
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + patience
     while True:
         ahead = held - live.clocks.node()
         if ahead < -_OLDEST:
@@ -84,14 +90,14 @@ def moment_of(
         moment = None if ahead > _AHEAD else _look(live, header, held, hanging, bodies)
         if isinstance(moment, Moment):
             return moment._replace(since=arrival.since(held), stamp=stamp)
-        if time.monotonic() > deadline:
+        if time.monotonic() >= deadline:
             break
         time.sleep(_LOOKS)
     if moment is None:
-        raise ArgumentError(
+        raise UnknownYetError(
             f'header.stamp is {ahead:.3f} s after the time of the node: it is from the future'
         )
-    raise ArgumentError(
+    raise UnknownYetError(
         f'where {moment} was at the stamp of the message is not known: no pose of then or later '
         f'came within {PATIENCE:g} s'
     )

@@ -6,16 +6,17 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from multiprocessing.connection import Connection
 from typing import Any
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import CameraInfo, Image, LaserScan, PointCloud2
 
 from drake_geom_ros.geometry import ArgumentError
@@ -26,8 +27,10 @@ from drake_geom_ros.live.conversions.serialized_cloud import (
     cloud_of_bytes,
     is_plain,
 )
+from drake_geom_ros.live.inputs.late_messages import LateMessages
 from drake_geom_ros.live.inputs.obstacle_records import Found, Place
 from drake_geom_ros.live.inputs.point_taker import PointTaker
+from drake_geom_ros.live.scene.moments import UnknownYetError
 from drake_geom_ros.ros.sensing.protocol import (
     ALIVE,
     CAMERA,
@@ -46,6 +49,7 @@ from drake_geom_ros.sensed_maps.passes import compile_passes
 
 _NICER = 5  # steps of nice, as threads of the node that give way have
 _LONGEST_WAIT = 0.2  # [s] between two signs of life
+_LOOKS = 0.005  # [s] between two looks whether the poses of messages that wait have come
 _KINDS: dict[str, Any] = {
     CLOUD: PointCloud2,
     IMAGE: Image,
@@ -83,7 +87,8 @@ class _MapOfNode:
         self._pipe.send(request)
         answer = self._pipe.recv()
         if isinstance(answer, RefusalReason):
-            raise ArgumentError(answer.reason)
+            refusal = UnknownYetError if answer.may_pass else ArgumentError
+            raise refusal(answer.reason)
         return answer
 
 
@@ -92,33 +97,72 @@ def _cloud_of(raw: bytes) -> Any:
     return cloud_of_bytes(raw) if is_plain(raw) else deserialize_message(raw, PointCloud2)
 
 
-def _listen(node: Node, topic: SensorTopic, point_taker: PointTaker, pipe: Connection) -> None:
-    takes: dict[str, Callable[[Any, float, str], None]] = {
-        CLOUD: lambda raw, *how: point_taker.take_cloud(_cloud_of(raw), *how),
-        IMAGE: lambda raw, *how: point_taker.take_depth(deserialize_message(raw, Image), *how),
-        CAMERA: lambda raw, *how: point_taker.take_camera(
-            deserialize_message(raw, CameraInfo), *how
-        ),
-        SCAN: lambda raw, *how: point_taker.take_scan(deserialize_message(raw, LaserScan), *how),
-    }
-    take = takes[topic.kind]
+class _Listening:
+    """The subscriptions of a process, each with what takes its messages."""
 
-    def hear(raw: bytes, info: MessageInfo) -> None:
-        try:
-            take(raw, waited(info), publisher_of(info))
-        except (EOFError, ConnectionError):  # the node is gone
-            raise
-        except Exception as error:  # RuntimeError refuses; nobody foresaw others
+    def __init__(self, node: Node, pipe: Connection) -> None:
+        self._node, self._pipe = node, pipe
+        self._takers: dict[str, PointTaker] = {}  # by map
+        self._open: dict[SensorTopic, Subscription[Any]] = {}
+        self.late = LateMessages()
+
+    def follow(self, topics: Iterable[SensorTopic]) -> None:
+        """Listen to these topics, and to no others."""
+        wanted = set(topics)
+        for topic in [topic for topic in self._open if topic not in wanted]:
+            self._node.destroy_subscription(self._open.pop(topic))
+            self.late.forget(_key(topic))
+        maps = {topic.input for topic in wanted}
+        self._takers = {name: each for name, each in self._takers.items() if name in maps}
+        for topic in wanted - self._open.keys():
+            self._open[topic] = self._subscription(topic)
+
+    def _subscription(self, topic: SensorTopic) -> Subscription[Any]:
+        point_taker = self._takers.get(topic.input)
+        if point_taker is None:
+            point_taker = PointTaker(_MapOfNode(self._pipe, topic.input))
+            self._takers[topic.input] = point_taker
+        take = _take(topic.kind, point_taker)
+
+        def refuse(error: Exception) -> None:
             foreseen = isinstance(error, RuntimeError)
             reason = str(error) if foreseen else f'internal error: {error!r}'
-            pipe.send(RefusedMessage(topic.told_as, reason))
+            self._pipe.send(RefusedMessage(topic.told_as, reason))
 
-    profile = QoSProfile(
-        history=HistoryPolicy(topic.history),
-        depth=topic.depth,
-        reliability=ReliabilityPolicy(topic.reliability),
-    )
-    node.create_subscription(_KINDS[topic.kind], topic.name, hear, profile, raw=True)
+        def hear(raw: bytes, info: MessageInfo) -> None:
+            def attempt() -> None:
+                take(raw, waited(info), publisher_of(info))
+
+            self.late.take(_key(topic), attempt, refuse, topic.depth)
+
+        profile = QoSProfile(
+            history=HistoryPolicy(topic.history),
+            depth=topic.depth,
+            reliability=ReliabilityPolicy(topic.reliability),
+            durability=DurabilityPolicy(topic.durability),
+        )
+        return self._node.create_subscription(
+            _KINDS[topic.kind], topic.name, hear, profile, raw=True
+        )
+
+
+def _key(topic: SensorTopic) -> str:
+    """Return what no other topic has."""
+    return f'{topic.input} {topic.name}'
+
+
+def _take(kind: str, point_taker: PointTaker) -> Callable[[bytes, float, str], None]:
+    """Return what takes the bytes of messages of a kind."""
+    if kind == CLOUD:
+        return lambda raw, *how: point_taker.take_cloud(_cloud_of(raw), *how)
+    if kind == IMAGE:
+        return lambda raw, *how: point_taker.take_depth(deserialize_message(raw, Image), *how)
+    if kind == CAMERA:
+        return lambda raw, *how: point_taker.take_camera(
+            deserialize_message(raw, CameraInfo), *how
+        )
+    assert kind == SCAN, kind
+    return lambda raw, *how: point_taker.take_scan(deserialize_message(raw, LaserScan), *how)
 
 
 def _end_with_node() -> None:
@@ -141,9 +185,8 @@ def _work(pipe: Connection) -> None:
         enable_rosout=False,
         start_parameter_services=False,
     )
-    takers = {each.input: PointTaker(_MapOfNode(pipe, each.input)) for each in task.topics}
-    for topic in task.topics:
-        _listen(node, topic, takers[topic.input], pipe)
+    listening = _Listening(node, pipe)
+    listening.follow(task.topics)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     if sys.platform.startswith('linux'):  # which has it by thread: not those that receive
@@ -152,8 +195,12 @@ def _work(pipe: Connection) -> None:
     while True:
         if time.monotonic() - last_sign >= _LONGEST_WAIT:
             pipe.send(ALIVE)
+            topics = pipe.recv()
+            if topics is not None:
+                listening.follow(topics)
             last_sign = time.monotonic()
-        executor.spin_once(timeout_sec=_LONGEST_WAIT)
+        executor.spin_once(timeout_sec=_LOOKS if listening.late else _LONGEST_WAIT)
+        listening.late.retry()
 
 
 def main() -> None:

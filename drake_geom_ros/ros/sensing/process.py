@@ -19,14 +19,16 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Protocol
 
-from drake_geom_ros.live.inputs.obstacle_records import Place
-from drake_geom_ros.live.inputs.point_taker import Map
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.inputs.obstacle_records import Found, Place
+from drake_geom_ros.live.scene.moments import UnknownYetError
 from drake_geom_ros.ros.sensing.protocol import (
     ALIVE,
     Begin,
     Finish,
     RefusalReason,
     RefusedMessage,
+    SensorTopic,
     Task,
 )
 
@@ -36,6 +38,24 @@ _COMPILING = 120.0  # [s] the same where it starts, or may have to compile what 
 _OWN = ('Private_Clean:', 'Private_Dirty:')
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.5, 10.0  # [s] before another one is started; it doubles
 _LONG_LIFE = 60.0  # [s] after which the first pause counts again
+
+
+class PatientMap(Protocol):
+    """The owner of the scene of a map, as ``Map``, which may be asked not to wait."""
+
+    def begin(
+        self,
+        header: Any,
+        waited: float,
+        bodies_number: int,
+        publisher: str,
+        duration: float = 0.0,
+        patience: float = 0.0,
+    ) -> Place:
+        """Do as ``Map.begin``, waiting for poses for at most ``patience`` [s]."""
+
+    def finish(self, taken: Found) -> None:
+        """Do as ``Map.finish``."""
 
 
 class Listener(Protocol):
@@ -51,7 +71,7 @@ class Listener(Protocol):
 class SensingProcess:
     """Keeps one process at work until it is closed."""
 
-    def __init__(self, task: Task, maps: Mapping[str, Map], listener: Listener) -> None:
+    def __init__(self, task: Task, maps: Mapping[str, PatientMap], listener: Listener) -> None:
         """Start it, which is not waited for; ``maps`` by input take what it finds."""
         self.trouble = 'the process that takes what sensors see has not started yet'
         self.starts = 0
@@ -62,11 +82,18 @@ class SensingProcess:
         self._heard = time.monotonic()
         self._limit = _COMPILING  # [s] for how long it may be silent
         self._hung = False
+        self._has_other_topics = False  # than the process was sent
         # Sensors by input, frame and publisher, of which it has what is held from before.
         self._holding: set[tuple[str, ...]] = set()
         self._begun: tuple[str, ...] = ()  # the sensor of the message that was begun last
         self._thread = threading.Thread(target=self._serve, name='sensing', daemon=True)
         self._thread.start()
+
+    def listen_to(self, topics: tuple[SensorTopic, ...], maps: Mapping[str, PatientMap]) -> None:
+        """Have other topics listened to from now on, for other maps."""
+        with self._lock:
+            self._maps, self._task = maps, self._task._replace(topics=topics)
+            self._has_other_topics = True
 
     def look(self) -> None:
         """End the process if it hangs; to be called every second or so."""
@@ -128,7 +155,9 @@ class SensingProcess:
         end = ''
         try:
             with node_end:
-                node_end.send(self._task)
+                with self._lock:
+                    task, self._has_other_topics = self._task, False
+                node_end.send(task)
                 while True:
                     self._answer(node_end, node_end.recv())
         except (EOFError, OSError):
@@ -150,9 +179,10 @@ class SensingProcess:
         self.trouble = ''
         self._limit, limit = math.inf, _SILENCE  # it waits for this thread meanwhile
         if isinstance(said, Begin):
-            arguments = said.header, said.waited, said.known, said.publisher, said.duration
+            # It answers at once: a thread that waited for a pose would delay all other sensors.
+            arguments = said.header, said.waited, said.known, said.publisher, said.duration, 0.0
             self._begun = said.input, said.header.frame_id, said.publisher
-            answer = self._done(lambda: self._maps[said.input].begin(*arguments))
+            answer = self._done(lambda: self._map_of(said.input).begin(*arguments))
             if isinstance(answer, Place):
                 if answer.bodies.bodies is not None:
                     limit = _COMPILING
@@ -160,22 +190,33 @@ class SensingProcess:
                     answer = answer._replace(before=None)
             node_end.send(answer)
         elif isinstance(said, Finish):
-            refusal = self._done(lambda: self._maps[said.input].finish(said.found))
+            refusal = self._done(lambda: self._map_of(said.input).finish(said.found))
             if refusal is None:
                 self._holding.add(self._begun)
             node_end.send(refusal)
         elif isinstance(said, RefusedMessage):
             self._listener.refused(said.told_as, said.reason)
-        elif said != ALIVE:
+        elif said == ALIVE:
+            with self._lock:
+                topics = self._task.topics if self._has_other_topics else None
+                self._has_other_topics = False
+            node_end.send(topics)
+        else:
             raise TypeError(type(said))
         self._heard, self._limit = time.monotonic(), limit
+
+    def _map_of(self, name: str) -> PatientMap:
+        if name not in self._maps:
+            raise ArgumentError(f'the obstacle source {name!r} was removed')
+        return self._maps[name]
 
     def _done(self, task: Callable[[], Place | None]) -> Place | RefusalReason | None:
         try:
             return task()
         except Exception as error:  # RuntimeError refuses; nobody foresaw others
             foreseen = isinstance(error, RuntimeError)
-            return RefusalReason(str(error) if foreseen else f'internal error: {error!r}')
+            reason = str(error) if foreseen else f'internal error: {error!r}'
+            return RefusalReason(reason, isinstance(error, UnknownYetError))
 
 
 def _in_words(code: int) -> str:

@@ -2,8 +2,9 @@
 
 The process receives its ``Task``. For each message it sends a ``Begin``, which is answered by a
 ``Place`` or a ``RefusalReason``, and a ``Finish``, which is answered by None or a
-``RefusalReason``. It reports its own refusals by ``RefusedMessage``, and now and then it sends
-``ALIVE``: none of these is answered.
+``RefusalReason``. It reports its own refusals by ``RefusedMessage``, which is not answered. Now
+and then it sends ``ALIVE``: the answer is the topics to listen to from now on, or None where these
+are as before.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ class SensorTopic(NamedTuple):
     history: int
     depth: int
     reliability: int
+    durability: int
 
 
 class Task(NamedTuple):
@@ -36,7 +38,7 @@ class Task(NamedTuple):
     node_name: str
     namespace: str
     enclave: str  # of SROS 2: that of the node
-    topics: list[SensorTopic]
+    topics: tuple[SensorTopic, ...]
 
 
 class Begin(NamedTuple):
@@ -68,3 +70,4 @@ class RefusalReason(NamedTuple):
     """Why a message is not to be taken on."""
 
     reason: str
+    may_pass: bool = False  # the message may be taken later

@@ -16,7 +16,7 @@ from drake_geom_ros.ros.sensing.protocol import Task
 pytestmark = pytest.mark.processes
 
 PATIENCE = 60.0  # [s]
-IDLE = Task('sensors', '/', '/', [])
+IDLE = Task('sensors', '/', '/', ())
 # Each is run in place of the process, with the number of its pipe.
 BROKEN = {
     'noise': ('os.write(pipe, b"\\xff" * 64); time.sleep(100)', 'nobody can read'),
@@ -150,7 +150,7 @@ def test_it_ends_with_who_started_it_however_that_dies():
         'from drake_geom_ros.ros.sensing.protocol import Task\n'
         'class Heard:\n'
         '    def tell(self, about, what): pass\n'
-        'sensing = SensingProcess(Task("sensors", "/", "/", []), {}, Heard())\n'
+        'sensing = SensingProcess(Task("sensors", "/", "/", ()), {}, Heard())\n'
         'while sensing.trouble: time.sleep(0.02)\n'
         'print(sensing.in_words(), flush=True)\n'
         'time.sleep(100)\n'
