@@ -6,7 +6,7 @@ the state of each rule, and a scale of speed for the robot.
 
 from drake_geom_ros.proximity_rules.decisions import Poses
 from drake_geom_ros.proximity_rules.events import Event
-from drake_geom_ros.proximity_rules.measured import Measured
+from drake_geom_ros.proximity_rules.measured import Measured, UnseenBodies
 from drake_geom_ros.proximity_rules.monitor import RuleMonitor, RuleState, RuleStates
 from drake_geom_ros.proximity_rules.named_geometries import NamedGeometries
 from drake_geom_ros.proximity_rules.rule import (
@@ -16,6 +16,7 @@ from drake_geom_ros.proximity_rules.rule import (
     Why,
     scale_points,
 )
+from drake_geom_ros.proximity_rules.unseen_bodies import unseen_of_groups
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedKinds, WatchedPairs
 
 __all__ = [
@@ -30,8 +31,10 @@ __all__ = [
     'RuleState',
     'RuleStates',
     'ScenePairs',
+    'UnseenBodies',
     'WatchedKinds',
     'WatchedPairs',
     'Why',
     'scale_points',
+    'unseen_of_groups',
 ]

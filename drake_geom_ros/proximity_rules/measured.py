@@ -12,6 +12,14 @@ from drake_geom_ros.math.array_types import Flags, Floats
 Ids = NDArray[np.int64]
 
 
+class UnseenBodies(NamedTuple):
+    """Geometries (n,), by the order of ``WatchedPairs.ids``, that sensors of maps (m,) can see."""
+
+    maps: Ids  # (m,) rows of the maps among the geometries
+    is_unseen: Flags  # (m, n) no sensor of the map sees the geometry
+    is_reported: Flags  # (m, n) pairs that may be reported
+
+
 class Measured(NamedTuple):
     """Unfiltered pairs (k,) of a cycle: all within its maximum distance."""
 
@@ -24,6 +32,7 @@ class Measured(NamedTuple):
     closing_speed: Floats | None = None  # [m/s], NaN where unknown; None: not computed
     # (n,) geometries of unknown motion, in the order of ``WatchedPairs.ids``; None: none.
     unpredicted: Flags | None = None
+    unseen: UnseenBodies | None = None  # None: nothing is out of the sight of sensors
 
 
 _NO_IDS, _NO_NUMBERS, _NO_POINTS = np.empty(0, dtype=np.int64), np.empty(0), np.empty((0, 3))

@@ -23,6 +23,7 @@ from drake_geom_ros.proximity_rules.events import Event, Seen, events_of, events
 from drake_geom_ros.proximity_rules.measured import Measured
 from drake_geom_ros.proximity_rules.rule import ProximityRule, RuleError, Why
 from drake_geom_ros.proximity_rules.speed_scale import SpeedScale
+from drake_geom_ros.proximity_rules.unseen_bodies import with_unseen_bodies
 from drake_geom_ros.proximity_rules.watched_pairs import ScenePairs, WatchedPairs
 
 
@@ -213,6 +214,7 @@ class RuleMonitor:
         reasons, entered = self._reasons, self._entered
         if measured is not None:
             nearest = watched.nearest_of_groups(measured, farthest)
+            measured, nearest = with_unseen_bodies(watched, measured, nearest)
             take_nearest(nearest, limits, reasons)
             reasons.unpredicted[:] = self._unpredicted(measured)
             self._seen, self.is_measured = Seen(measured, nearest), True

@@ -53,11 +53,6 @@ class WatchedKinds(NamedTuple):
     kinds: Ids  # (n,) of the geometries
     watched: Flags  # (k, k), symmetric: pairs of these kinds are watched
 
-    def partners(self, places: Flags) -> Flags:
-        """Return which geometries (n,) are in a watched pair with one of some (n,)."""
-        kinds: Flags = np.logical_or.reduce(self.watched[self.kinds[places]], axis=0)
-        return np.asarray(kinds[self.kinds])
-
 
 class WatchedPairs:
     """Pairs of one version of a scene that a set of rules watches."""
@@ -140,6 +135,16 @@ class WatchedPairs:
     def nearest_of_groups(self, measured: Measured, farthest: float = math.inf) -> NearestPairs:
         """Return the nearest pairs of each group; ``groups`` (r,) maps rules to groups."""
         return nearest_pairs(measured, farthest, self._bits, len(self._in_a))
+
+    def groups_with(self, rows: Ids) -> Ids:
+        """Return the groups with any of some geometries, by row, in a set."""
+        return np.flatnonzero((self._in_a[:, rows] | self._in_b[:, rows]).any(axis=1))
+
+    def watches(self, group: int, rows: Ids, others: Ids) -> Flags:
+        """Return which pairs (m, n) of geometries, by row, a group watches; filters count not."""
+        in_a, in_b = self._in_a[group], self._in_b[group]
+        one_way = in_a[rows][:, np.newaxis] & in_b[others]
+        return np.asarray(one_way | (in_b[rows][:, np.newaxis] & in_a[others]))
 
     def watched(self) -> WatchedKinds:
         """Return the pairs that any rule watches; filters are ignored."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import GeometryId, QueryObject, SceneGraphInspector
 from drake_geom_ros.math.array_types import Flags, Floats
-from drake_geom_ros.proximity_rules import Measured, ScenePairs
+from drake_geom_ros.proximity_rules import ScenePairs, UnseenBodies
 
 
 class Sight(NamedTuple):
@@ -80,36 +80,17 @@ def unseen(query: QueryObject, balls: Balls, sights: Sequence[Sight]) -> Flags:
     return flags
 
 
-def with_unseen(
-    measured: Measured,
-    query: QueryObject,
-    balls: Balls,
-    maps: Sequence[MapSights],
-    pairs: ScenePairs,
-) -> Measured:
-    """Return what was measured, and that nothing is known of unseen bodies and the maps.
+def unseen_bodies(
+    query: QueryObject, balls: Balls, maps: Sequence[MapSights], pairs: ScenePairs
+) -> UnseenBodies:
+    """Return which geometries of ``pairs`` the sensors of each map can see.
 
-    ``balls`` are of the geometries of ``pairs``, in their order.
+    ``balls`` are of the geometries, in their order.
     """
-    flags = unseen(query, balls, [sight for _, sights in maps for sight in sights])
-    if not flags.any():  # as in most cycles
-        return measured
-    ids = []
-    for its_map, _ in maps:
-        own = np.flatnonzero(pairs.ids == its_map.get_value())
-        for row in np.flatnonzero(flags & pairs.reported.rows(own).any(axis=0)):
-            ids.append(sorted((int(pairs.ids[row]), its_map.get_value())))
-    if not ids:
-        return measured
-    more, count = np.array(ids, dtype=np.int64), len(ids)
-    unknown, nowhere = np.full(count, np.nan), np.full((count, 3), np.nan)
-    speeds = measured.closing_speed
-    return measured._replace(
-        id_A=np.concatenate([measured.id_A, more[:, 0]]),
-        id_B=np.concatenate([measured.id_B, more[:, 1]]),
-        distance=np.concatenate([measured.distance, unknown]),
-        error_bound=np.concatenate([measured.error_bound, np.zeros(count)]),
-        p_WCa=np.concatenate([measured.p_WCa, nowhere]),
-        p_WCb=np.concatenate([measured.p_WCb, nowhere]),
-        closing_speed=None if speeds is None else np.concatenate([speeds, unknown]),
-    )
+    ids = [its_map.get_value() for its_map, _ in maps]
+    rows = np.searchsorted(pairs.ids, ids)
+    there = np.flatnonzero((rows < len(pairs.ids)) & np.isin(ids, pairs.ids))
+    rows = rows[there]
+    flags = [unseen(query, balls, maps[k][1]) for k in there.tolist()]
+    is_unseen = np.array(flags, dtype=np.bool_).reshape(len(rows), len(balls.radii))
+    return UnseenBodies(rows, is_unseen, pairs.reported.rows(rows))

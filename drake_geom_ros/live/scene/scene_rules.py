@@ -24,7 +24,7 @@ from drake_geom_ros.geometry import (
     closing_speeds,
 )
 from drake_geom_ros.live.conversions.names import some_of
-from drake_geom_ros.live.scene.out_of_sight import Balls, MapSights, unseen, with_unseen
+from drake_geom_ros.live.scene.out_of_sight import Balls, MapSights, unseen_bodies
 from drake_geom_ros.live.scene.seen_shells import SeenShell, with_shells
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.array_types import Flags
@@ -39,6 +39,7 @@ from drake_geom_ros.proximity_rules import (
     RuleStates,
     ScenePairs,
     WatchedPairs,
+    unseen_of_groups,
 )
 
 Twists = Mapping[FrameId, NDArray[np.float64]]
@@ -303,7 +304,8 @@ class SceneRules:
             measured = with_shells(measured, query, shells, self._pairs, farthest)
         if sights:
             balls = self._balls_of(query, sights)
-            measured = with_unseen(measured, query, balls, sights, self._pairs)
+            bodies = unseen_bodies(query, balls, sights, self._pairs)
+            measured = measured._replace(unseen=bodies)
         if twists is not None and any(rule.min_time_to_contact for rule in self.rules):
             known = np.array([frame.get_value() for frame in twists], dtype=np.int64)
             lost = ~np.isin(self._frames, known)
@@ -312,18 +314,20 @@ class SceneRules:
         return computed
 
     def unseen(self, query: QueryObject, sights: Sequence[MapSights]) -> str:
-        """Return which bodies that rules watch no sensor of a map can see, in words."""
-        everywhere = [sight for _, each in sights for sight in each]
-        flags = unseen(query, self._balls_of(query, sights), everywhere)
-        watched = self._monitor.watched.watched()
-        of_maps = np.isin(self._pairs.ids, [its_map.get_value() for its_map, _ in sights])
-        rows = np.flatnonzero(flags & watched.partners(of_maps)).tolist()
-        if not rows:
+        """Return which bodies no sensor of the maps of a rule can see, in words."""
+        watched = self._monitor.watched
+        bodies = unseen_bodies(query, self._balls_of(query, sights), sights, self._pairs)
+        unseen = unseen_of_groups(watched, bodies)
+        if not unseen:
             return ''
+        rows = np.flatnonzero(np.logical_or.reduce(list(unseen.values()))).tolist()
         names = [self._pairs.geometries.names[row].full_name for row in rows]
+        groups = watched.groups.tolist()
+        rules = [r.name for r, group in zip(self.rules, groups, strict=True) if group in unseen]
         return (
-            f'no sensor sees {some_of(names)}: beyond obstacle_reach of all of them, or '
-            'beyond obstacle_box; what is near is not seen, and rules about that are entered'
+            f'no sensor sees {some_of(names)}: beyond obstacle_reach of all those that proximity '
+            f'rules {some_of(rules)} are about, or beyond obstacle_box; what is near is not seen, '
+            'and these rules are entered'
         )
 
     def _balls_of(self, query: QueryObject, sights: Sequence[MapSights]) -> Balls:

@@ -63,6 +63,22 @@ class Node:
             held.maps.limits = age_limits({name: source})
             held.maps.stand(held)
 
+    def add(self, source):
+        """Add an input of one more source, and return it with what takes its points."""
+        added = ObstacleInput(
+            source,
+            self.live,
+            lambda: settings_of(source, self.settings),
+            SensorFrames(lambda: self.tf),
+            self._note_change,
+        )
+        self.live.map_sources = MapSources({**self.live.map_sources.fed, source.name: added})
+        with self.live.editing() as held:
+            held.maps.stand = partial(stand_fed, sources=self.live.map_sources)
+            held.maps.limits = {**held.maps.limits, **age_limits({source.name: source})}
+            held.maps.stand(held)
+        return added, PointTaker(added)
+
     def _note_change(self):
         self.changes += 1
 
