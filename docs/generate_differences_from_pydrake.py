@@ -48,11 +48,11 @@ In the examples `g` is the module `geometry`, `m` is `math`, `np` is NumPy, and
 _IN_WORDS = """
 ### Other differences
 
-- Mesh files are OBJ, glTF, VTK (in ASCII), and what pydrake does not read: GLB, STL, PLY and DAE
-  (Collada, in metres by its `<unit>`). glTF is turned to z up and scaled after that, as in
-  pydrake; one with a skin or with morph targets that are on is refused, where pydrake takes the
-  mesh as it is before it is bent. Files that a mesh file refers to are not opened: buffers of glTF
-  must be embedded, and `supporting_files` of an `InMemoryMesh` are kept, not read.
+- Mesh files are OBJ, glTF, VTK (in ASCII), and what pydrake does not read: GLB, STL, PLY, OFF, 3MF
+  and DAE (Collada), the last two in metres by their units. glTF is turned to z up and scaled after
+  that, as in pydrake; one with a skin or with morph targets that are on is refused, where pydrake
+  takes the mesh as it is before it is bent. Buffers of glTF may be files in its folder or below,
+  or files in memory among the `supporting_files` of an `InMemoryMesh`.
 - Vertices of a `.vtk` file that no tetrahedron has are left out; pydrake counts their distance to
   the boundary in the pressure. Of a compliant one, tetrahedra with all corners on the boundary are
   cut by `RefineVolumeMesh` first, and one in several pieces is refused: in pydrake such parts

@@ -26,7 +26,7 @@ from drake_geom_ros.command_line.answers import AS_IN_BATCHES
 from drake_geom_ros.command_line.exit_codes import INTERRUPTED
 from drake_geom_ros.command_line.option_values import count, distance
 from drake_geom_ros.command_line.query import points_of_file
-from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_warn
+from drake_geom_ros.command_line.scene_input import add_scene_options, load_chosen
 from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, SceneGraph
@@ -43,7 +43,7 @@ def add_to(commands: Any) -> None:
         description='Answers one question about each of many states of a scene: joint values of '
         'its robots, or poses of frames. What is done is kept beside the output until all is.',
     )
-    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
     parser.add_argument('states', metavar='STATES', help='.npy, .npz or .csv: see docs/batches.md')
     add_scene_options(parser)
     parser.add_argument(
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(outputs, inputs)
     check_place(output)
     scene_graph = SceneGraph()
-    loaded = load_and_warn(options.scene, scene_graph, options.srdf, options.package_root)
+    loaded = load_chosen(options, scene_graph)
     check_outputs(outputs, files_of(scene_graph, loaded.robots.values()))
     if options.picture and options.what in ('collision', 'contacts'):
         raise SceneFileError(

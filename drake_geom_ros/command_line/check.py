@@ -39,7 +39,7 @@ def add_to(commands: Any) -> None:
         description='Loads a scene and lists its frames, geometries, filters and the pairs that '
         'are filtered. Exit code 1 and file, line and reason on standard error where it is bad.',
     )
-    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
     add_scene_options(parser)
     add_joints_to(parser)
     parser.add_argument(
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     """Check, list, and return the exit code."""
     check_readable(options.scene, options.srdf)
     try:
-        scene = PosedScene(options.scene, options.srdf, options.package_root)
+        scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
     except SceneFileError as error:
         print(f'drake_geom_ros: {error}', file=sys.stderr)
         return NO

@@ -33,7 +33,7 @@ def add_to(commands: Any) -> None:
         'not, and 3 where a motion is clear in pieces: of its curve between the moments nothing '
         'is proved. Times are rows of the path, or seconds of the motion.',
     )
-    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
     add_scene_options(parser)
     moving = parser.add_mutually_exclusive_group(required=True)
     moving.add_argument('--path', metavar='FILE', help='.npy, .npz or .csv, as states of batch')

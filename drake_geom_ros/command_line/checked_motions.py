@@ -13,7 +13,7 @@ from drake_geom_ros.batch import Joints, check_path
 from drake_geom_ros.batch.path_profile import PathProfile, profile_of_path
 from drake_geom_ros.batch.state_files import read_states
 from drake_geom_ros.command_line.posed_scene import PosedScene
-from drake_geom_ros.command_line.scene_input import load_and_warn
+from drake_geom_ros.command_line.scene_input import load_chosen
 from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import GeometryId, MotionCheck, SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, files_of
@@ -45,7 +45,7 @@ class CheckedMotion(NamedTuple):
 def of_path(options: argparse.Namespace) -> CheckedMotion:
     """Check a path of joint values; raises GeometryError or OSError for bad input."""
     scene_graph = SceneGraph()
-    loaded = load_and_warn(options.scene, scene_graph, options.srdf, options.package_root)
+    loaded = load_chosen(options, scene_graph)
     states = read_states(options.path, options.names)
     if states.are_poses:
         raise SceneFileError('--path takes joint values (k, q), not poses', options.path)
@@ -75,7 +75,10 @@ def of_motion(options: argparse.Namespace) -> CheckedMotion:
     for name in _OF_PATHS:
         if getattr(options, name):
             raise OSError(f'--{name.replace("_", "-")} goes with --path, not with --motion')
-    posed, count = PosedScene(options.scene, options.srdf, options.package_root), options.pieces
+    posed, count = (
+        PosedScene(options.scene, options.srdf, options.package_root, options.solid),
+        options.pieces,
+    )
     motion = load_motion(options.motion, posed.description)
     if count < 1 or not motion.duration > 0.0:
         raise SceneFileError(

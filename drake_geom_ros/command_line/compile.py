@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     if options.part != 'all' and not options.scene:
         raise OSError(f'compile --part {options.part} needs a scene: compile SCENE --part ...')
     if options.scene:
-        scene = PosedScene(options.scene, options.srdf, options.package_root)
+        scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
         kernels = scene.compile_kernels(show_progress, options.part)
     else:
         kernels = compile_all_kernels(show_progress)

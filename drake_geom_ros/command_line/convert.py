@@ -12,6 +12,7 @@ from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, files_of, save_scene
+from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file
 from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 
 _SCENE_SUFFIXES = ('.yaml', '.yml')
@@ -22,7 +23,8 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser(
         'convert',
         description=(
-            'A model (URDF, SDF, MJCF, directives) or .yaml to .yaml; .csv to .json and back; '
+            'A model (URDF, SDF, MJCF, directives, a mesh) or .yaml to .yaml; .csv to .json and '
+            'back; '
             'cells (.bt, .ot) and points (.pcd, .ply, .xyz, .npy) to each other.'
         ),
     )
@@ -42,13 +44,17 @@ def run(options: argparse.Namespace) -> int:
     """Convert and return the exit code; raises SceneFileError or OSError for bad input."""
     source, target = Path(options.input), Path(options.output)
     check_outputs({'OUT': target}, [source, options.srdf])
-    if source.suffix.lower() in MAP_SUFFIXES:
+    becomes_scene = target.suffix in _SCENE_SUFFIXES
+    kind = source.suffix.lower()
+    if kind in MAP_SUFFIXES and not (becomes_scene and is_mesh_file(source)):
         _convert_map(source, target, options.resolution)
     elif options.resolution is not None:
         raise SceneFileError('is no map, and --resolution is for these alone', str(source))
-    elif source.suffix not in POSE_SUFFIXES and target.suffix in _SCENE_SUFFIXES:
+    elif source.suffix not in POSE_SUFFIXES and becomes_scene:
         scene_graph = SceneGraph()
-        loaded = load_and_warn(str(source), scene_graph, options.srdf, options.package_root)
+        loaded = load_and_warn(
+            str(source), scene_graph, options.srdf, options.package_root, options.solid
+        )
         check_outputs({'OUT': target}, files_of(scene_graph, loaded.robots.values()))
         text = save_scene(scene_graph, loaded.X_PFs, loaded.robots.values())
         with whole_file(target) as file:

@@ -28,10 +28,16 @@ class PosedScene:
     links of a robot whose joints form no tree.
     """
 
-    def __init__(self, path: str, srdf: str = '', package_roots: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        path: str,
+        srdf: str = '',
+        package_roots: Sequence[str] = (),
+        solid: bool = False,
+    ) -> None:
         """Load a file and print its warnings; raises SceneFileError for an invalid one."""
         self._path = path
-        self.description: SceneDescription = read_and_warn(path, srdf, package_roots)
+        self.description: SceneDescription = read_and_warn(path, srdf, package_roots, solid)
         self.scene_graph = SceneGraph()
         self.loaded = loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames

@@ -40,7 +40,7 @@ def add_to(commands: Any) -> None:
         'query',
         description='Answers one question about a scene, for each moment of the pose file.',
     )
-    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
     add_scene_options(parser)
     parser.add_argument(
         '--what',
@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
     points = points_of_file(options.points) if options.points else None
     query_options = QueryOptions(options.max_distance, options.accuracy, points, options.count)
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
-    scene = PosedScene(options.scene, options.srdf, options.package_root)
+    scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
     pose_joints(scene, options.joints)
     inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
     check_outputs({'--out': options.out}, inputs)

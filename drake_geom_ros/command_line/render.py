@@ -47,7 +47,7 @@ def add_to(commands: Any) -> None:
         'writes colour, depth (16 bits, millimetres) and labels as PNG, with depth and labels '
         'also as pictures with a scale and a legend.',
     )
-    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
     add_scene_options(parser)
     _add_camera(parser)
     moving = parser.add_mutually_exclusive_group()
@@ -117,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
     if options.time is not None and not options.poses:
         raise SceneFileError('--time goes with --poses', options.scene)
     pictures.check_libraries()
-    scene = PosedScene(options.scene, options.srdf, options.package_root)
+    scene = PosedScene(options.scene, options.srdf, options.package_root, options.solid)
     pose_joints(scene, options.joints)
     moments: Moments = [PoseSet()]
     if options.poses:

@@ -55,7 +55,7 @@ def add_to(commands: Any) -> None:
         'those that a joint connects, as SRDF or as filters of a scene file. That a pair was '
         'never in collision is what was seen, and no proof.',
     )
-    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('scene', metavar='SCENE', help='scene file, model or mesh')
     add_scene_options(parser)
     parser.add_argument('--robot', metavar='NAME', help='which, where the scene has several')
     parser.add_argument(
@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
     if output is not None and output.suffix not in ('.srdf', '.yaml', '.yml'):
         raise SceneFileError('--out ends with .srdf, .yaml or .yml', str(output))
     check_outputs({'--out': output}, [options.scene, options.srdf])
-    description = read_and_warn(options.scene, options.srdf, options.package_root)
+    description = read_and_warn(options.scene, options.srdf, options.package_root, options.solid)
     robot = _chosen(description, options.robot, options.scene)
     scene_graph = SceneGraph()
     loaded = register(scene_graph, _alone(description, robot))

@@ -35,7 +35,7 @@ def add_to(commands: Any) -> None:
         'nearest pairs, its filters; joints, frames and motions that can be moved.',
     )
     parser.add_argument(
-        'scene', metavar='SCENE', help='scene file (YAML or URDF); with --scene a recording of ROS'
+        'scene', metavar='SCENE', help='scene file, model or mesh; with --scene a recording of ROS'
     )
     parser.add_argument(
         '--scene',
@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
 def open_page(options: argparse.Namespace) -> Page:
     """Return the page of a scene file, or of a recording of one."""
     file = options.of_recording or options.scene
-    posed = PosedScene(file, options.srdf, options.package_root)
+    posed = PosedScene(file, options.srdf, options.package_root, options.solid)
     values = pose_joints(posed, options.joints)
     scene = LocalScene(posed.scene_graph, posed.context)
     motion = load_motion(options.motion, posed.description)

@@ -16,6 +16,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.directives import is_directives, read_directives
 from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file, mesh_scene
 from drake_geom_ros.scene_files.model_files import robot_name
 from drake_geom_ros.scene_files.mujoco_models import read_mjcf
 from drake_geom_ros.scene_files.obstacle_sources import sensors_left_out
@@ -35,13 +36,9 @@ from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 PathLike = str | os.PathLike[str]
 
-FORMATS = ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd')
+FORMATS = ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd', 'mesh')
+_XML_FORMATS = ('urdf', 'sdf', 'mjcf')
 _XML_SUFFIXES = ('.urdf', '.sdf', '.world')
-_MESH_SUFFIXES = ('.obj', '.stl', '.ply', '.gltf', '.glb', '.off', '.3mf', '.vtk')
-_MESH = (
-    'this is a mesh; a scene file names it: '
-    'geometries: [{{name: part, shape: {{type: mesh, uri: {}}}}}]'
-)
 _NO_OPTIONS = RobotOptions()
 
 
@@ -61,13 +58,14 @@ def read_scene(
     Args:
         path_or_text: A path, or the text itself: a str with a line break in it, or one that
             begins with ``{`` or ``<``. Paths in a text count from the working folder.
-        format: ``yaml``, ``urdf``, ``sdf``, ``mjcf`` (by the package mujoco) or ``dmd`` (model
-            directives). If empty, the content decides, whatever the file name: the root element of
-            XML, and the key ``directives`` of YAML.
+        format: ``yaml``, ``urdf``, ``sdf``, ``mjcf`` (by the package mujoco), ``dmd`` (model
+            directives) or ``mesh`` (a scene of one body). If empty, the suffix of a mesh decides,
+            and for other files the content: the root element of XML, and the key ``directives`` of
+            YAML.
         srdf: The SRDF of a URDF, a path or a text too.
         package_roots: A folder or several to search for packages, see ``ResourceResolver``.
         allowed_roots: A folder or several outside of which no file may be opened.
-        options: Options of a URDF (in YAML each robot has its own); adjacent links are filtered
+        options: Options of a model (in YAML each robot has its own); adjacent links are filtered
             by default.
 
     Raises:
@@ -81,21 +79,23 @@ def read_scene(
     resolver = ResourceResolver(package_roots, allowed_roots)
     if format not in ('', *FORMATS):
         raise SceneFileError(f'format {format!r} must be one of {FORMATS}', _file(path_or_text))
+    if format == 'mesh' or (not text and not format and is_mesh_file(path_or_text)):
+        if text or srdf:
+            raise SceneFileError('a mesh is a file, and has no SRDF', _file(path_or_text))
+        return mesh_scene(Path(path_or_text), options)
     data, file, folder = _content(path_or_text)
-    looks_like_urdf = is_xml(data) or (not text and file.lower().endswith(_XML_SUFFIXES))
-    if format in ('urdf', 'sdf', 'mjcf') or (not format and looks_like_urdf):
+    looks_like_xml = is_xml(data) or (not text and file.lower().endswith(_XML_SUFFIXES))
+    if format in _XML_FORMATS or (not format and looks_like_xml):
         path = None if text else Path(file).absolute()
         if path is not None:
             data, file = read_robot_file(Path(file), resolver.is_free)
-        if format != 'urdf' and (tag := root_tag(data)) in ('sdf', 'mujoco'):
-            if srdf:
-                raise SceneFileError(f'srdf is only for a URDF, and this is <{tag}>', file)
-            return _models_scene(data, file, folder, path, resolver, options)
-        return _urdf_scene(data, file, folder, path, srdf, resolver, options)
+        if format == 'urdf' or root_tag(data) not in ('sdf', 'mujoco'):
+            return _urdf_scene(data, file, folder, path, srdf, resolver, options)
+        if srdf:
+            raise SceneFileError(f'srdf is only for a URDF, this is <{root_tag(data)}>', file)
+        return _models_scene(data, file, folder, path, resolver, options)
     if not text and (reason := stand_in(data)):
         raise SceneFileError(reason, file)
-    if not text and not format and file.lower().endswith(_MESH_SUFFIXES):
-        raise SceneFileError(_MESH.format(Path(file).name), file)
     if srdf:
         raise SceneFileError('srdf is only for a URDF; in YAML a robot has the key `srdf`', file)
     if format == 'dmd' or (not format and is_directives(data, '' if text else file)):

@@ -59,8 +59,8 @@ def test_a_scene_without_meshes_has_no_such_part(capsys, tmp_path):
 
 
 def test_a_file_that_is_not_read_whole_is_the_exit_code(capsys, tmp_path):
-    (tmp_path / 'part.3mf').write_text('PK')
-    text = 'geometries: [{name: a, shape: {type: mesh, uri: part.3mf}}]'
+    (tmp_path / 'part.fbx').write_text('PK')
+    text = 'geometries: [{name: a, shape: {type: mesh, uri: part.fbx}}]'
     (tmp_path / 'scene.yaml').write_text(text)
     assert main(['check', str(tmp_path / 'scene.yaml')]) == 1
-    assert 'dae, glb, gltf, obj, ply, stl' in capsys.readouterr().err
+    assert 'dae, glb, gltf, obj, off, ply, stl' in capsys.readouterr().err

@@ -1,8 +1,10 @@
 """Mesh files of a box and of what a test wants, written as text."""
 
 import base64
+import io
 import json
 import struct
+import zipfile
 
 import numpy as np
 
@@ -112,3 +114,29 @@ def dae(unit='', axis='Z_UP', nodes='', shapes=None, library=''):
 {library}
 <library_visual_scenes><visual_scene id="s">{nodes}</visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+def off(points=BOX, faces=SIDES, header='OFF', counts=None):
+    """Return an OFF file of the box, or of other faces."""
+    counts = f'{len(points)} {len(faces)} 0' if counts is None else counts
+    lines = [header, counts, *(' '.join(map(repr, map(float, row))) for row in points)]
+    return (
+        '\n'.join([*lines, *(f'{len(face)} {" ".join(map(str, face))}' for face in faces)]) + '\n'
+    )
+
+
+def threemf(unit='meter', item='', vertices=None, more='', build='1', model='3D/3dmodel.model'):
+    """Return a 3MF file of the box; ``more`` follows its object."""
+    rows = BOX.tolist() if vertices is None else vertices
+    points = ''.join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in rows)
+    sides = ''.join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in SIDES.tolist())
+    text = (
+        '<?xml version="1.0"?><model xmlns="http://schemas.microsoft.com/3dmanufacturing/core/'
+        f'2015/02" unit="{unit}"><resources><object id="1" type="model"><mesh><vertices>{points}'
+        f'</vertices><triangles>{sides}</triangles></mesh></object>{more}</resources><build>'
+        f'<item objectid="{build}"{item}/></build></model>'
+    )
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, 'w') as archive:
+        archive.writestr(model, text)
+    return content.getvalue()

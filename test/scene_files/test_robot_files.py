@@ -45,8 +45,7 @@ def test_a_default_namespace_and_other_encodings_are_fine(tmp_path):
 @pytest.mark.parametrize(
     ('name', 'text', 'told'),
     [
-        ('m.obj', 'v 0 0 0\n', r'm.obj: this is a mesh; .*shape: {type: mesh, uri: m.obj}'),
-        ('M.STL', 'solid x\n', r'M.STL: this is a mesh'),
+        ('M.STL', 'solid x\n', r"M.STL: .*M.STL' cannot be read: .*endsolid"),
         ('w.sdf', '<sdf version="1.7"/>', r'w.sdf:1: there is neither a <model> nor'),
         ('m.xml', '\n<mujocoinclude/>', r'm.xml:2: .*a part of MJCF; load the model'),
         ('r.urdf', POINTER, r'r.urdf: it is a Git LFS pointer.*git lfs pull'),

@@ -79,7 +79,7 @@ def test_a_robot_that_came_as_text_is_saved_without_its_urdf(folder):
         (
             TEXT,
             {'format': 'stl'},
-            "<text>: format 'stl' must be one of ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd')",
+            "<text>: format 'stl' must be one of ('yaml', 'urdf', 'sdf', 'mjcf', 'dmd', 'mesh')",
         ),
         (TEXT, {'srdf': 'a.srdf'}, '<text>: srdf is only for a URDF'),
         (TEXT + 'frames: 1', {}, '<text>:3: frames: 1 must be a list'),

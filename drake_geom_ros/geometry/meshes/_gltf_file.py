@@ -10,11 +10,14 @@ from __future__ import annotations
 import base64
 import json
 import struct
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import unquote_to_bytes
 
 import numpy as np
 
+from drake_geom_ros.geometry.meshes._companions import companion_name
 from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh, Pieces
 from drake_geom_ros.math.array_types import Floats, Indices
 
@@ -31,10 +34,14 @@ _HARMLESS = (
 )
 
 
-def parse_gltf(data: bytes) -> ParsedMesh:
+_NO_FILES: Mapping[str, bytes] = MappingProxyType({})
+
+
+def parse_gltf(data: bytes, companions: Mapping[str, bytes] = _NO_FILES) -> ParsedMesh:
     """Return the mesh of a file's scene, each mesh at the pose of its nodes.
 
-    Points and lines give vertices without triangles. Raises ValueError, or another error for a
+    ``companions`` are the contents of the files that it names for its buffers. Points and lines
+    give vertices without triangles. Raises ValueError, or another error for a
     document of another structure.
     """
     tree, binary = _document(data)
@@ -44,7 +51,7 @@ def parse_gltf(data: bytes) -> ParsedMesh:
     odd = [name for name in tree.get('extensionsRequired', []) if not name.startswith(_HARMLESS)]
     if odd:
         raise ValueError(f'it requires {", ".join(odd)}, which is not read')
-    return _GltfReader(tree, binary).mesh()
+    return _GltfReader(tree, binary, companions).mesh()
 
 
 def _document(data: bytes) -> tuple[Any, bytes | None]:
@@ -68,10 +75,10 @@ def _document(data: bytes) -> tuple[Any, bytes | None]:
 class _GltfReader:
     """Reads the scene of one document."""
 
-    def __init__(self, tree: Any, binary: bytes | None) -> None:
+    def __init__(self, tree: Any, binary: bytes | None, companions: Mapping[str, bytes]) -> None:
         self._tree = tree
         self._buffers = [
-            _buffer(each, binary if k == 0 else None)
+            _buffer(each, binary if k == 0 else None, companions)
             for k, each in enumerate(tree.get('buffers', []))
         ]
         self._pieces = Pieces()
@@ -185,8 +192,8 @@ def fan(order: Indices) -> Indices:
     return np.column_stack((hub, order[1:-1], order[2:]))
 
 
-def _buffer(buffer: Any, binary: bytes | None) -> bytes:
-    """Return the bytes of a buffer that is in the file."""
+def _buffer(buffer: Any, binary: bytes | None, companions: Mapping[str, bytes]) -> bytes:
+    """Return the bytes of a buffer, in the file or in one of its companions."""
     uri = buffer.get('uri')
     if uri is None:
         content = binary
@@ -195,9 +202,10 @@ def _buffer(buffer: Any, binary: bytes | None) -> bytes:
         raw = unquote_to_bytes(text)
         content = base64.b64decode(raw) if header.endswith(';base64') else raw
     else:
-        raise ValueError(
-            f'its buffer {uri!r} is another file, which is not opened: embed it, or use .glb'
-        )
+        name = companion_name(uri, 'it')
+        if name not in companions:
+            raise ValueError(f'its buffer {uri!r} is another file, which is not here')
+        content = companions[name]
     if content is None or len(content) < buffer['byteLength']:
         raise ValueError(
             f'a buffer has {len(content or b"")} bytes of {buffer["byteLength"]}: it is truncated'

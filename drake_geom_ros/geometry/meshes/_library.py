@@ -1,7 +1,7 @@
 """Functions that use trimesh: convex hulls, smallest boxes, clusters, connected pieces.
 
 They import it when called, since the import takes 2 s and most scenes have no mesh. Only this file
-imports it.
+and that of 3MF import it.
 """
 
 from __future__ import annotations

@@ -16,7 +16,8 @@ from drake_geom_ros.geometry.errors import ArgumentTypeError, GeometryError
 class InMemoryMesh:
     """A mesh file in memory, and the files that it refers to, by their names in it.
 
-    ``supporting_files`` are for drawing; queries read only ``mesh_file``.
+    ``supporting_files`` are for drawing; queries read ``mesh_file`` alone, and the buffers of glTF
+    that are in memory too.
     """
 
     mesh_file: MemoryFile = field(default_factory=MemoryFile)

@@ -11,7 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
+from drake_geom_ros.geometry.meshes._companions import companions_of
 from drake_geom_ros.geometry.meshes._formats import FORMATS, VOLUME_FORMATS, parse_mesh
 from drake_geom_ros.geometry.meshes._hull_polygons import united
 from drake_geom_ros.geometry.meshes._library import convex_hull
@@ -68,25 +70,18 @@ class MeshData:
 class MeshFile:
     """A mesh file with its state at a time; it compares and hashes by its content.
 
-    Two paths with the same bytes and the same format by suffix are the same mesh. Raises
-    MeshFileError for a file that is missing or too large.
+    Two paths with the same bytes and the same format by suffix are the same mesh; so are the
+    bytes of the files that it names for its numbers. Raises MeshFileError for a file that is
+    missing or too large.
     """
 
     __slots__ = ('_key', 'filename')
 
     def __init__(self, filename: str) -> None:
-        try:
-            status = os.stat(filename)
-            if status.st_size > MAX_MESH_BYTES:
-                raise MeshFileError(
-                    f'{filename!r} has {status.st_size} bytes; at most {MAX_MESH_BYTES} are read: '
-                    'collision geometry needs a simpler mesh'
-                )
-            digest = _digest(filename, status.st_mtime_ns, status.st_size)
-        except OSError as error:
-            raise MeshFileError(f'{filename!r} cannot be read: {error.strerror}') from None
         self.filename = filename
-        self._key = digest, self.kind
+        digest, names = _facts_of(filename)
+        digests = [_facts_of(_beside(filename, name)).digest for name in names]
+        self._key = digest, self.kind, tuple(zip(names, digests, strict=True))
 
     @property
     def kind(self) -> str:
@@ -95,10 +90,13 @@ class MeshFile:
 
     def content(self) -> bytes:
         """Return the bytes; raises MeshFileError if they have changed."""
-        data = Path(self.filename).read_bytes()
-        if hashlib.sha256(data).digest() != self._key[0]:
-            raise MeshFileError(f'{self.filename!r} changed while it was read')
-        return data
+        return _unchanged(self.filename, self._key[0])
+
+    def companions(self) -> dict[str, bytes]:
+        """Return the bytes of the files that it names, by name; errors as ``content``."""
+        return {
+            name: _unchanged(_beside(self.filename, name), digest) for name, digest in self._key[2]
+        }
 
     def __eq__(self, other: object) -> bool:
         return self._key == other._key if isinstance(other, MeshFile) else NotImplemented
@@ -115,10 +113,46 @@ MeshGiven = str | MeshData | InMemoryMesh
 MeshKey = MeshData | MeshFile | InMemoryMesh
 
 
+class _FileFacts(NamedTuple):
+    """The digest of a file, and the files that it names for its numbers."""
+
+    digest: bytes
+    companions: tuple[str, ...]
+
+
 @functools.lru_cache(maxsize=1024)
-def _digest(filename: str, mtime_ns: int, size: int) -> bytes:
-    """Return the digest of a file; its time stamp and size are part of the cache key."""
-    return hashlib.sha256(Path(filename).read_bytes()).digest()
+def _file_facts(filename: str, mtime_ns: int, size: int) -> _FileFacts:
+    """Return the facts of a file; its time stamp and size are part of the cache key."""
+    data = Path(filename).read_bytes()
+    kind = os.path.splitext(filename)[1].lower().lstrip('.')
+    return _FileFacts(hashlib.sha256(data).digest(), companions_of(data, kind, filename))
+
+
+def _facts_of(filename: str) -> _FileFacts:
+    """Return the facts of a file; MeshFileError if it is missing or too large."""
+    try:
+        status = os.stat(filename)
+        if status.st_size > MAX_MESH_BYTES:
+            raise MeshFileError(
+                f'{filename!r} has {status.st_size} bytes; at most {MAX_MESH_BYTES} are read: '
+                'collision geometry needs a simpler mesh'
+            )
+        return _file_facts(filename, status.st_mtime_ns, status.st_size)
+    except OSError as error:
+        raise MeshFileError(f'{filename!r} cannot be read: {error.strerror}') from None
+
+
+def _beside(filename: str, name: str) -> str:
+    """Return the path of a file that a mesh file names."""
+    return os.path.join(os.path.dirname(filename), name)
+
+
+def _unchanged(filename: str, digest: bytes) -> bytes:
+    """Return the bytes of a file; raises MeshFileError if they have changed."""
+    data = Path(filename).read_bytes()
+    if hashlib.sha256(data).digest() != digest:
+        raise MeshFileError(f'{filename!r} changed while it was read')
+    return data
 
 
 def mesh_source(mesh: MeshGiven) -> MeshKey:
@@ -209,12 +243,13 @@ def _kind_of(source: MeshKey) -> str:
     return '' if isinstance(source, MeshData) else source.kind
 
 
-def _content(source: MeshFile | InMemoryMesh) -> tuple[bytes, str, str]:
-    """Return the bytes of a file, its format, and its name for messages."""
+def _content(source: MeshFile | InMemoryMesh) -> tuple[bytes, str, str, dict[str, bytes]]:
+    """Return the bytes of a file, its format, its name for messages, and its companions."""
     if isinstance(source, MeshFile):
-        return source.content(), source.kind, source.filename
-    file = source.mesh_file
-    return file.contents(), _kind_of(source), file.filename_hint()
+        return source.content(), source.kind, source.filename, source.companions()
+    file, files = source.mesh_file, source.supporting_files.items()
+    companions = {name: f.contents() for name, f in files if isinstance(f, MemoryFile)}
+    return file.contents(), _kind_of(source), file.filename_hint(), companions
 
 
 class Triangles(NamedTuple):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.mesh_files import BOX, SIDES, dae, glb, gltf, vtk
+from oracles.mesh_files import BOX, SIDES, dae, glb, gltf, off, threemf, vtk
 
 from drake_geom_ros.geometry import Convex, MeshFileError
 from drake_geom_ros.geometry.meshes._formats import FORMATS, parse_mesh
@@ -22,15 +22,17 @@ PLY = (
     + ''.join(f'3 {a} {b} {c}\n' for a, b, c in SIDES)
 )
 FILES = {
+    '3mf': threemf(),
     'dae': dae(),
     'glb': glb(),
     'gltf': gltf(),
     'obj': obj_text(BOX, SIDES),
+    'off': off(),
     'ply': PLY,
     'stl': STL,
     'vtk': vtk(),
 }
-OTHERS = ['3dxml', '3mf', 'off', 'stl_ascii', 'xaml', 'xyz', 'zae', 'vtu', 'fbx', 'mesh', '']
+OTHERS = ['3dxml', 'stl_ascii', 'xaml', 'xyz', 'zae', 'vtu', 'fbx', 'mesh', '']
 
 
 def written(folder, suffix, content):
@@ -61,10 +63,12 @@ def test_each_is_read(tmp_path, kind, upper):
 @pytest.mark.parametrize('kind', OTHERS)
 def test_any_other_is_refused_with_the_list(tmp_path, kind):
     path = written(tmp_path, kind, 'OFF\n0 0 0\n')
-    with pytest.raises(MeshFileError, match='dae, glb, gltf, obj, ply, stl, vtk') as told:
+    with pytest.raises(
+        MeshFileError, match='3mf, dae, glb, gltf, obj, off, ply, stl, vtk'
+    ) as told:
         surface(path, np.ones(3))
     assert repr(kind) in str(told.value)
-    with pytest.raises(MeshFileError, match='dae, glb, gltf, obj, ply, stl, vtk'):
+    with pytest.raises(MeshFileError, match='3mf, dae, glb, gltf, obj, off, ply, stl, vtk'):
         Convex(path).GetConvexHull()
 
 

@@ -9,7 +9,7 @@ from oracles.shape_scenes import ShapeScene
 
 from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry import Convex, InMemoryMesh, Mesh, MeshFileError, Sphere
-from drake_geom_ros.geometry.meshes.source import facet_colours, remarks_on, surface
+from drake_geom_ros.geometry.meshes.source import facet_colours, mesh_source, remarks_on, surface
 
 ONES = np.ones(3)
 Z_UP = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -180,7 +180,14 @@ PRIMITIVE = {'attributes': {'POSITION': 0}, 'indices': 1}
         (None, {'asset': {'version': '1.0'}}, r'glTF 1\.0'),
         (None, {'meshes': [{'primitives': [{'attributes': {}}]}]}, 'POSITION'),
         (None, {'accessors': [{'componentType': 5126, 'count': 8, 'type': 'VEC3'}]}, 'sparse'),
-        (None, {'buffers': [{'byteLength': 168, 'uri': 'box.bin'}]}, 'embed it'),
+        (
+            None,
+            {'buffers': [{'byteLength': 168, 'uri': 'box.bin'}]},
+            "'box.bin' is another file, which is",
+        ),
+        (None, {'buffers': [{'byteLength': 168, 'uri': '../box.bin'}]}, 'in its own folder'),
+        (None, {'buffers': [{'byteLength': 168, 'uri': '/tmp/box.bin'}]}, 'in its own folder'),
+        (None, {'buffers': [{'byteLength': 168, 'uri': 'http://a/b.bin'}]}, 'in its own folder'),
         (None, {'buffers': [{'byteLength': 168, 'uri': 'data:;base64,AAAA'}]}, '3 bytes of 168'),
     ],
 )
@@ -199,3 +206,44 @@ def test_an_index_of_no_vertex_is_refused():
     data = BOX.astype('<f4').tobytes() + np.array([0, 1, 8], '<u2').tobytes()
     with pytest.raises(MeshFileError, match='vertex 8; there are 8'):
         surface(memory(gltf(**{**tree, **with_buffer(tree, data, 3)})), ONES)
+
+
+def beside(folder, points=BOX):
+    """Write the box as a document whose buffer is a file in a folder below; return its path."""
+    data = points.astype('<f4').tobytes() + SIDES.astype('<u2').tobytes()
+    (folder / 'a b').mkdir(exist_ok=True)
+    (folder / 'a b' / 'box.bin').write_bytes(data)
+    path = folder / 'box.gltf'
+    path.write_text(gltf(buffers=[{'byteLength': len(data), 'uri': 'a%20b/box.bin'}]))
+    return str(path)
+
+
+def test_a_buffer_in_a_file_beside_it_is_read(tmp_path):
+    vertices, triangles = surface(beside(tmp_path), ONES)
+    np.testing.assert_array_equal(vertices, BOX @ Z_UP.T)
+    np.testing.assert_array_equal(triangles, SIDES)
+
+
+def test_another_buffer_makes_another_mesh(tmp_path):
+    """The document stays the same."""
+    path = beside(tmp_path)
+    first = mesh_source(path)
+    assert surface(path, ONES)[0].max() == 2.0
+    beside(tmp_path, 2.0 * BOX)
+    assert mesh_source(path) != first
+    assert surface(path, ONES)[0].max() == 4.0
+
+
+def test_a_missing_buffer_is_named(tmp_path):
+    path = beside(tmp_path)
+    (tmp_path / 'a b' / 'box.bin').unlink()
+    with pytest.raises(MeshFileError, match=r'a b/box\.bin.*cannot be read: No such file'):
+        surface(path, ONES)
+
+
+def test_a_buffer_of_a_mesh_in_memory_is_among_its_files():
+    points, corners = BOX.astype('<f4').tobytes(), SIDES.astype('<u2').tobytes()
+    text = gltf(buffers=[{'byteLength': len(points + corners), 'uri': 'box.bin'}])
+    files = {'box.bin': MemoryFile(points + corners, '.bin', 'box')}
+    mesh = InMemoryMesh(mesh_file=MemoryFile(text, '.gltf', 'box'), supporting_files=files)
+    np.testing.assert_array_equal(surface(mesh, ONES)[0], BOX @ Z_UP.T)
