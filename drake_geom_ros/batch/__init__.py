@@ -22,6 +22,7 @@ from drake_geom_ros.batch.distance_gradients import (
     NearPairs,
 )
 from drake_geom_ros.batch.evaluation import evaluate
+from drake_geom_ros.batch.joint_trajectories import check_trajectory
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker, check_path, check_paths
 from drake_geom_ros.batch.questions import WANTS, Question
@@ -38,6 +39,7 @@ __all__ = [
     'evaluate',
     'check_path',
     'check_paths',
+    'check_trajectory',
     'Joints',
     'ContactsOfStates',
     'LeastDistances',

@@ -25,6 +25,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.geometry.queries.motion_queries import (
+    JointPath,
     MotionAnswer,
     MotionQueries,
     MotionQuestion,
@@ -33,6 +34,7 @@ from drake_geom_ros.geometry.queries.scene_mark import SceneMark
 from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+from drake_geom_ros.trajectories.joint_spline import JointSpline
 
 Booleans = NDArray[np.bool_]
 _PART = 256  # edges that are checked in one call, which Ctrl-C and other threads wait for
@@ -212,13 +214,22 @@ class PathChecker:
         Raises ArgumentError for an invalid path, GeometryError after a change of the scene.
         """
         self._refuse_another_scene()
-        return self._check(_path_of(path, 0, self.joints, self._ignore_limits))
+        return self._check(JointPath.straight(self._rows_of(path)))
+
+    def check_spline(self, spline: JointSpline) -> MotionCheck:
+        """Return the result for a spline, with times by its points; raises as ``check``.
+
+        It is refused where it leaves the limits of a joint, between two points too.
+        """
+        self._refuse_another_scene()
+        self._rows_of(spline.positions)
+        if not self._ignore_limits:
+            self._refuse_overshoot(spline)
+        return self._check(spline.path())
 
     def check_each(self, paths: Iterable[ArrayLike], threads: int = 0) -> list[MotionCheck]:
         """Return the result for each path, by threads (0: one for each core); raises as above."""
-        every = [
-            _path_of(path, k, self.joints, self._ignore_limits) for k, path in enumerate(paths)
-        ]
+        every = [JointPath.straight(self._rows_of(path, k)) for k, path in enumerate(paths)]
         self._refuse_another_scene()
         count = threads or cores()
         if count == 1:
@@ -240,14 +251,28 @@ class PathChecker:
 
         With ``ignore_start_contacts``, pairs not clear at the start of the path are left out.
         """
-        rows = _path_of(path, 0, self.joints, self._ignore_limits)
+        way = JointPath.straight(self._rows_of(path))
         self._refuse_another_scene()
-        queries, question = self._queries(), self._question
-        answers = [queries.follow(question, rows, (0, min(1, len(rows) - 1)))]
+        queries, question, last = self._queries(), self._question, len(way.rows) - 1
+        answers = [queries.follow(question, way, (0, min(1, last)))]
         skipped = queries.skipped()
-        for k in range(1, len(rows) - 1):
-            answers.append(queries.follow(question, rows, (k, k + 1), skipped))
+        for k in range(1, last):
+            answers.append(queries.follow(question, way, (k, k + 1), skipped))
         return [MotionCheck.of(each, self._prepared.ids) for each in answers]
+
+    def _rows_of(self, path: ArrayLike, number: int = 0) -> Floats:
+        return _path_of(path, number, self.joints, self._ignore_limits)
+
+    def _refuse_overshoot(self, spline: JointSpline) -> None:
+        """Raise ArgumentError for a spline that leaves the limits of a joint."""
+        joints, extreme = self.joints, spline.beyond(self.joints.lower, self.joints.upper)
+        if extreme is not None:
+            k = extreme.joint
+            raise ArgumentError(
+                f'the spline takes {joints.names[k]} to {extreme.value:.6g} at '
+                f'{extreme.time:.6g} s, between points that are within; its limits are '
+                f'[{joints.lower[k]:.6g}, {joints.upper[k]:.6g}]; ignore_limits=True lets it pass'
+            )
 
     def _refuse_another_scene(self) -> None:
         if self._ended:
@@ -271,9 +296,9 @@ class PathChecker:
         queries: MotionQueries = self._own.queries
         return queries
 
-    def _check(self, path: Floats, pool: ThreadPoolExecutor | None = None) -> MotionCheck:
+    def _check(self, path: JointPath, pool: ThreadPoolExecutor | None = None) -> MotionCheck:
         """Return the result for a path, whose parts may be distributed to a pool's threads."""
-        question, edges, queries = self._question, len(path) - 1, self._queries()
+        question, edges, queries = self._question, len(path.rows) - 1, self._queries()
         answer = queries.follow(question, path, (0, min(edges, _PART)))
         parts = [(k, min(k + _PART, edges)) for k in range(_PART, edges, _PART)]
         if answer.outcome == 'clear' and parts:
@@ -286,12 +311,16 @@ class PathChecker:
         return MotionCheck.of(answer, self._prepared.ids)
 
     def _part(
-        self, question: MotionQuestion, path: Floats, skipped: Booleans, part: tuple[int, int]
+        self, question: MotionQuestion, path: JointPath, skipped: Booleans, part: tuple[int, int]
     ) -> MotionAnswer:
         return self._queries().follow(question, path, part, skipped)
 
     def _one_by_one(
-        self, answer: MotionAnswer, path: Floats, parts: list[tuple[int, int]], skipped: Booleans
+        self,
+        answer: MotionAnswer,
+        path: JointPath,
+        parts: list[tuple[int, int]],
+        skipped: Booleans,
     ) -> MotionAnswer:
         """Return the answer about a path whose parts share one budget of evaluations, if any."""
         for part in parts:

@@ -9,12 +9,15 @@
 program ``pose_player`` and the viewer play such files.
 """
 
+from drake_geom_ros.trajectories.joint_spline import JointSpline, JointTrajectory
 from drake_geom_ros.trajectories.kinematics import Kinematics
 from drake_geom_ros.trajectories.motion import Grasp, Motion, RobotMotion
 from drake_geom_ros.trajectories.motion_file import load_motion
 from drake_geom_ros.trajectories.timed_poses import TimedPoses, read_timed_poses
 
 __all__ = [
+    'JointSpline',
+    'JointTrajectory',
     'Kinematics',
     'load_motion',
     'read_timed_poses',

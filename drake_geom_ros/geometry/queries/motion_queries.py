@@ -24,6 +24,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     STOPPED,
     UNKNOWN,
 )
+from drake_geom_ros.geometry._proximity.motion.joint_path import NO_VALUES, JointPath
 from drake_geom_ros.geometry._proximity.motion.motion_loops import MotionLoops, MotionOutcome
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.tolerances import GAPS_OF_LEVELS
@@ -40,6 +41,8 @@ from drake_geom_ros.geometry.queries.packed_scene import PackedScene
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
 from drake_geom_ros.math.array_types import Floats, Indices
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+
+__all__ = ['JointPath', 'MotionAnswer', 'MotionQueries', 'MotionQuestion']
 
 Booleans = NDArray[np.bool_]
 
@@ -150,7 +153,7 @@ class MotionQueries:
         def once(question: MotionQuestion, skipped: Booleans | None) -> MotionAnswer:
             self._prepare(question, skipped)
             row = self._loops.move(starts, ends, INTERPOLATIONS[interpolation])
-            return self._answer_of(row, np.zeros((2, 0)), 1.0)
+            return self._answer_of(row, NO_VALUES, 1.0)
 
         answer = self._with_close_bound(question, once, None)
         if self._half_spaces is None:
@@ -164,17 +167,18 @@ class MotionQueries:
     def follow(
         self,
         question: MotionQuestion,
-        path: Floats,
+        path: JointPath,
         rows: tuple[int, int] | None = None,
         skipped: Booleans | None = None,
     ) -> MotionAnswer:
-        """Return the answer about a contiguous path (k, c) in joint space; times are row numbers.
+        """Return the answer about a path of contiguous arrays; times are row numbers.
 
         ``rows`` limits it to the part from one row to another; pairs in the mask ``skipped`` (n,)
         are left out.
         """
-        way = path if len(path) > 1 else np.repeat(path, 2, axis=0)
-        first, last = rows or (0, len(path) - 1)
+        count = len(path.rows)
+        way = path if count > 1 else JointPath.straight(np.repeat(path.rows, 2, axis=0))
+        first, last = rows or (0, count - 1)
 
         def once(question: MotionQuestion, skipped: Booleans | None) -> MotionAnswer:
             self._prepare(question, skipped)
@@ -184,10 +188,10 @@ class MotionQueries:
         answer = self._with_close_bound(question, once, skipped)
         if self._half_spaces is None:
             return answer
-        at_joints, part = self._half_spaces.at_joints, way[first : last + 1]
-        start = at_joints(way[first])
-        end = None if (part != way[first]).any() else start
-        span = _span(question, start, end, at_joints(way[0]), self._half_spaces.moves)
+        at_joints = self._half_spaces.at_joints
+        start = at_joints(way.rows[first])
+        end = start if way.is_still(first, last) else None
+        span = _span(question, start, end, at_joints(way.rows[0]), self._half_spaces.moves)
         return _with_half_spaces(answer, span, float(first))
 
     def skipped(self) -> Booleans:
@@ -254,7 +258,7 @@ class MotionQueries:
             ignores=question.ignore_start_contacts,
         )
 
-    def _answer_of(self, row: MotionOutcome, path: Floats, end: float) -> MotionAnswer:
+    def _answer_of(self, row: MotionOutcome, path: JointPath, end: float) -> MotionAnswer:
         """Return the answer for a row of the loops, about a motion that ends at time ``end``."""
         if row.verdict == STOPPED:
             raise InterruptedError(f'stopped in edge {row.edge} of a path')

@@ -41,17 +41,27 @@ BEND = 2  # [m] the acceleration of its origin
 OFFSET = 3  # [m] the distance of its origin from that of the parent
 TURN_ROUNDING = 4  # [-] error of its interpolated rotation (Frobenius)
 SLIDE_ROUNDING = 5  # [m] error of its interpolated position
-NODE_WIDTH = 6
+SPIN = 6  # [rad] the angular acceleration, about an axis that is fixed in it
+NODE_WIDTH = 7
 
 # Columns of ``moves``, of a frame that moves by poses: see ``interpolants``.
 AXIS, ANGLE, STEP = 0, 3, 4
 MOVE_WIDTH = 7
 
+# Rows of ``values``, of a column of a path on the current edge: the values at its start, at its
+# end and at the current time, and the ``CURVE_WIDTH`` numbers of ``JointPath.curves``: five
+# coefficients, and bounds of the speed, of the acceleration, of the size of the value and of its
+# rounding. On a straight edge the coefficients are not read.
+FIRST_VALUE, LAST_VALUE, NOW, POWERS = 0, 1, 2, 3
+SPEED, ACCELERATION, SIZE, ROUNDING = 8, 9, 10, 11
+CURVE_WIDTH, VALUE_ROWS = 9, 12
+
 # Places of ``parameters``.
 LEVEL_GAP, TIME_TOLERANCE, MIN_DISTANCE, MOST_PADDING = 0, 1, 2, 3
 PARAMETER_COUNT = 4
 # Places of ``flags``.
-KIND, MOST, IGNORES = 0, 1, 2
+KIND, MOST, IGNORES, CURVED = 0, 1, 2, 3
+FLAG_COUNT = 4
 
 # Columns of ``records``, of a pair at one time: the normal of a plane, out of A towards B in the
 # axes of the pair's common node; the gap that the plane leaves; bounds of the distance; and the
@@ -107,7 +117,7 @@ class MotionArrays(NamedTuple):
     children: Integers
     X_WLs: Rows  # relative to the carrier of the robot
     links: Integers
-    values: Rows  # (3, c) at the start, at the end, and at the current time
+    values: Rows  # (VALUE_ROWS, c)
     # The scene.
     rows: Integers  # (f,) of the frames that are posed
     poses: States  # (1, f, 7) scratch
@@ -132,7 +142,7 @@ class MotionArrays(NamedTuple):
     # The parameters of the check.
     kernels: HandleField
     parameters: Reals  # (PARAMETER_COUNT,)
-    flags: Integers  # KIND, MOST, IGNORES
+    flags: Integers  # (FLAG_COUNT,)
     stop: Integers  # (1,)
     # The results.
     outcome: Reals  # (OUTCOME_WIDTH,)

@@ -5,19 +5,29 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.motion.arrays import (
+    ACCELERATION,
     CLEAR,
+    CURVE_WIDTH,
+    CURVED,
     EDGE,
     EVALUATIONS,
+    FIRST_VALUE,
     IGNORED,
     IGNORES,
+    LAST_VALUE,
     LEVEL_GAP,
     LOWER_BOUND,
     PAIR,
+    POWERS,
+    ROUNDING,
     SEEN,
     SEEN_EDGE,
     SEEN_PAIR,
     SEEN_TIME,
+    SIZE,
+    SPEED,
     STOPPED,
+    MotionArrays,
     motions_of,
 )
 from drake_geom_ros.geometry._proximity.motion.beginning import begin
@@ -27,17 +37,34 @@ from drake_geom_ros.geometry._proximity.motion.rates import prepare
 from drake_geom_ros.geometry._proximity.motion.records import answer_pair
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_rows
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 
 
+@inlined
+def _put_edge(motion: MotionArrays, path: Floats, curves: Floats, edge: int) -> None:
+    """Write the ``values`` of an edge of a path: straight where there are no curves."""
+    values, curved = motion.values, curves.shape[0] > 0
+    motion.flags[CURVED] = 1 if curved else 0
+    for c in range(path.shape[1]):
+        start, end = path[edge, c], path[edge + 1, c]
+        values[FIRST_VALUE, c], values[LAST_VALUE, c] = start, end
+        if curved:
+            for k in range(CURVE_WIDTH):
+                values[POWERS + k, c] = curves[edge, k, c]
+        else:
+            values[SPEED, c], values[ACCELERATION, c] = abs(end - start), 0.0
+            values[SIZE, c], values[ROUNDING, c] = abs(start) + abs(end), 0.0
+
+
 @allocating
-def check_edges(handle: Handle, path: Floats, first: int, last: int) -> int:
+def check_edges(handle: Handle, path: Floats, curves: Floats, first: int, last: int) -> int:
     """Return the verdict about the edges of a path (k, c), from row ``first`` to row ``last``.
 
     The check ends with the first edge that is not CLEAR; ``outcome`` and ``counts`` have the
-    details. A path without joint values (k, 0) is the motion of the frames that was set. Only at
-    row 0 may pairs be left out because they are not clear at the start.
+    details. ``curves`` are those of a ``JointPath``. A path without joint values (k, 0) is the
+    motion of the frames that was set. Only at row 0 may pairs be left out because they are not
+    clear at the start.
     """
     motion = motions_of(handle)
     motion.outcome[LOWER_BOUND], motion.outcome[SEEN] = math.inf, math.inf
@@ -50,8 +77,7 @@ def check_edges(handle: Handle, path: Floats, first: int, last: int) -> int:
             return STOPPED
         motion.counts[EDGE] = edge
         motion.flags[IGNORES] = ignores if edge == 0 else 0
-        for c in range(path.shape[1]):
-            motion.values[0, c], motion.values[1, c] = path[edge, c], path[edge + 1, c]
+        _put_edge(motion, path, curves, edge)
         prepare(handle)
         count = begin(handle)
         verdict = -count if count < 0 else CLEAR
@@ -65,12 +91,18 @@ def check_edges(handle: Handle, path: Floats, first: int, last: int) -> int:
 
 @allocating
 def row_of_pair(
-    handle: Handle, path: Floats, edge: int, t: float, k: int, ids: Indices, rows: Floats
+    handle: Handle,
+    path: Floats,
+    curves: Floats,
+    edge: int,
+    t: float,
+    k: int,
+    ids: Indices,
+    rows: Floats,
 ) -> None:
     """Write the answer (1, BATCH_WIDTH) of pair k at a time of an edge, and its ids (1, 2)."""
     motion = motions_of(handle)
-    for c in range(path.shape[1]):
-        motion.values[0, c], motion.values[1, c] = path[edge, c], path[edge + 1, c]
+    _put_edge(motion, path, curves, edge)
     put_state(handle, t)
     answer_pair(handle, k)
     gather_rows(

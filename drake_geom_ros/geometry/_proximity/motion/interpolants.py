@@ -4,7 +4,8 @@ A frame moves from X_PF to another pose in one of two ways. Its position moves s
 rotation turns about one axis, by the shorter way (slerp); or it follows a screw (Murray, Li,
 Sastry, A Mathematical Introduction to Robotic Manipulation, section 2.3). Both turn at a constant
 rate about an axis fixed in the frame. Both ways of a half turn are equally short: it turns about
-the axis whose first nonzero component is positive. Joints move straight in joint space.
+the axis whose first nonzero component is positive. Joints move straight in joint space, or each
+along a polynomial of at most the fifth degree.
 """
 
 from __future__ import annotations
@@ -24,9 +25,15 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.motion.arrays import (
     ANGLE,
     AXIS,
+    CURVED,
+    FIRST_VALUE,
     JOINTS,
     KIND,
+    LAST_VALUE,
+    NOW,
+    POWERS,
     SCREW,
+    SPEED,
     STEP,
     MotionArrays,
     motions_of,
@@ -165,12 +172,26 @@ def _put_frames(motion: MotionArrays, t: float) -> None:
 
 
 @inlined
+def _risen(values: Floats, c: int, t: float) -> float:
+    """Return the change of a value since the start of a curved edge, by Horner's scheme."""
+    change = 0.0
+    for power in range(SPEED - 1, POWERS - 1, -1):
+        change = t * (values[power, c] + change)
+    return change
+
+
+@inlined
 def _put_links(motion: MotionArrays, t: float) -> None:
     """Write the poses of those links that are frames, at a time, to ``poses``."""
-    values = motion.values
+    values, curved = motion.values, motion.flags[CURVED] != 0
     for c in range(values.shape[1]):
-        start, end = values[0, c], values[1, c]
-        values[2, c] = end if t == 1.0 else start + t * (end - start)
+        start, end = values[FIRST_VALUE, c], values[LAST_VALUE, c]
+        if t == 1.0:
+            values[NOW, c] = end
+        elif curved:
+            values[NOW, c] = start + _risen(values, c, t)
+        else:
+            values[NOW, c] = start + t * (end - start)
     chain = (
         motion.leaders,
         motion.multipliers,
@@ -183,7 +204,7 @@ def _put_links(motion: MotionArrays, t: float) -> None:
         motion.X_WLs,
         motion.links,
     )
-    pose_links(table(row(values, 2), 0, 1, values.shape[1]), chain, 0, motion.poses)
+    pose_links(table(row(values, NOW), 0, 1, values.shape[1]), chain, 0, motion.poses)
 
 
 @compiled

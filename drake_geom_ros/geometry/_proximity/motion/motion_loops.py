@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     COUNT_WIDTH,
     EDGE,
     EVALUATIONS,
+    FLAG_COUNT,
     IGNORED,
     IGNORES,
     JOINTS,
@@ -42,9 +43,11 @@ from drake_geom_ros.geometry._proximity.motion.arrays import (
     T0,
     T1,
     TIME_TOLERANCE,
+    VALUE_ROWS,
     MotionArrays,
 )
 from drake_geom_ros.geometry._proximity.motion.edges import check_edges, row_of_pair
+from drake_geom_ros.geometry._proximity.motion.joint_path import NO_VALUES, JointPath
 from drake_geom_ros.geometry._proximity.motion.tree import common_nodes, offsets_of, tree_of
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch
 from drake_geom_ros.geometry._proximity.report import COUNTS
@@ -140,11 +143,11 @@ class MotionLoops:
         """Return the outcome for the motion of the frames between poses (f, POSE_WIDTH)."""
         self._arrays.starts[:], self._arrays.ends[:] = starts, ends
         self._arrays.flags[KIND] = kind
-        return self.follow(np.zeros((2, 0)), 0, 1)
+        return self.follow(NO_VALUES, 0, 1)
 
-    def follow(self, path: Floats, first: int, last: int) -> MotionOutcome:
-        """Return the outcome for a path (k, c) of joint values, from row ``first`` to ``last``."""
-        while (verdict := check_edges(self._handle, path, first, last)) == NO_ROOM:
+    def follow(self, path: JointPath, first: int, last: int) -> MotionOutcome:
+        """Return the outcome for a path from row ``first`` to row ``last``."""
+        while (verdict := check_edges(self._handle, *path, first, last)) == NO_ROOM:
             entries = np.zeros((2 * len(self._arrays.entries), 3), dtype=np.int64)
             records = np.zeros((2 * len(self._arrays.records), RECORD_WIDTH))
             self._arrays = self._arrays._replace(entries=entries, records=records)
@@ -165,10 +168,10 @@ class MotionLoops:
             ignored=counts[IGNORED],
         )
 
-    def row(self, path: Floats, edge: int, t: float, pair: int) -> PairBatch:
+    def row(self, path: JointPath, edge: int, t: float, pair: int) -> PairBatch:
         """Return the answer of one pair at a time of an edge, which poses the world there."""
         batch = PairBatch(np.zeros((1, 2), dtype=np.int64), np.zeros((1, BATCH_WIDTH)))
-        row_of_pair(self._handle, path, edge, t, pair, batch.ids, batch.rows)
+        row_of_pair(self._handle, *path, edge, t, pair, batch.ids, batch.rows)
         return batch
 
 
@@ -198,7 +201,7 @@ def _arrays(
         ends=np.zeros((count if chain is None else 0, POSE_WIDTH)),
         moves=np.zeros((count if chain is None else 0, MOVE_WIDTH)),
         **{_NAMES.get(name, name): array for name, array in moves._asdict().items()},
-        values=np.zeros((3, columns)),
+        values=np.zeros((VALUE_ROWS, columns)),
         rows=rows,
         poses=np.zeros((1, count, 7)),
         Xs=np.zeros((count, POSE_WIDTH)),
@@ -220,7 +223,7 @@ def _arrays(
         common_of_pair=of_pair,
         kernels=ADDRESSES,
         parameters=np.zeros(PARAMETER_COUNT),
-        flags=np.zeros(3, dtype=np.int64),
+        flags=np.zeros(FLAG_COUNT, dtype=np.int64),
         stop=np.zeros(1, dtype=np.int64),
         outcome=np.zeros(OUTCOME_WIDTH),
         counts=np.zeros(COUNT_WIDTH, dtype=np.int64),

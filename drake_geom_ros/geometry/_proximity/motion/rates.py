@@ -6,7 +6,10 @@ of N, ``p_Px = p_PN + R_PN p_Nx``. Let N turn at the rate w about an axis fixed 
 length, speed and acceleration of p_Nx. Then those of p_Px are (Craig, Introduction to Robotics,
 3rd ed., equations 5.13 and 6.9)
 
-    r + |p_PN|,   v + s + w r,   a + b + 2 w v + w^2 r.
+    r + |p_PN|,   v + s + w r,   a + b + 2 w v + (w^2 + c) r,
+
+where w bounds the rate and c the angular acceleration: a joint that follows a curve changes its
+rate.
 
 Relative to the common node of two bodies, only the nodes between it and the bodies count
 (Schwarzer, Saha, Latombe, Exact collision checking of robot paths, WAFR 2002, for speeds): links
@@ -21,14 +24,19 @@ from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
 from drake_geom_ros.geometry._proximity.motion.arrays import (
+    ACCELERATION,
     ANGLE,
     BEND,
     JOINTS,
     KIND,
     OFFSET,
+    ROUNDING,
     SCREW,
+    SIZE,
     SLIDE,
     SLIDE_ROUNDING,
+    SPEED,
+    SPIN,
     STEP,
     TURN,
     TURN_ROUNDING,
@@ -71,8 +79,9 @@ def rates_against(motion: MotionArrays, node: int, ancestor: int) -> Rates:
     speed, speed_r, bend, bend_r, reach = 0.0, 0.0, 0.0, 0.0, 0.0
     while node != ancestor:
         w = nodes[node, TURN]
-        bend += nodes[node, BEND] + 2.0 * w * speed + w * w * reach
-        bend_r += 2.0 * w * speed_r + w * w
+        turning = w * w + nodes[node, SPIN]
+        bend += nodes[node, BEND] + 2.0 * w * speed + turning * reach
+        bend_r += 2.0 * w * speed_r + turning
         speed += nodes[node, SLIDE] + w * reach
         speed_r += w
         reach += nodes[node, OFFSET]
@@ -125,21 +134,24 @@ def _link_rates(motion: MotionArrays) -> None:
     """
     for j in range(motion.chain_parents.size):
         node, leader = row(motion.nodes, 1 + motion.children[j]), motion.leaders[j]
-        length, rate, size = norm(vector_at(row(motion.X_PJs, j), 0)), 0.0, abs(motion.offsets[j])
+        length, size = norm(vector_at(row(motion.X_PJs, j), 0)), abs(motion.offsets[j])
+        rate, change, rounding = 0.0, 0.0, 0.0
         if leader >= 0:
-            start, end = motion.values[0, leader], motion.values[1, leader]
             multiplier = abs(motion.multipliers[j])
-            rate = abs(end - start) * multiplier * ROUNDED_UP
-            size += multiplier * (abs(start) + abs(end))
+            rate = motion.values[SPEED, leader] * multiplier * ROUNDED_UP
+            change = motion.values[ACCELERATION, leader] * multiplier * ROUNDED_UP
+            size += multiplier * motion.values[SIZE, leader]
+            rounding = multiplier * motion.values[ROUNDING, leader]
         kind = motion.kinds[j]
         node[TURN] = rate if kind == REVOLUTE else 0.0
         node[SLIDE] = rate if kind == PRISMATIC else 0.0
-        node[BEND] = 0.0
+        node[SPIN] = change if kind == REVOLUTE else 0.0
+        node[BEND] = change if kind == PRISMATIC else 0.0
         node[OFFSET] = (length + (size if kind == PRISMATIC else 0.0)) * ROUNDED_UP
         node[TURN_ROUNDING] = INTERPOLATED_ROTATION
         node[SLIDE_ROUNDING] = 0.0
         if kind != FIXED:
-            rounding = 4.0 * EPS * size
+            rounding += 4.0 * EPS * size
             node[TURN_ROUNDING] += rounding if kind == REVOLUTE else 0.0
             node[SLIDE_ROUNDING] += rounding if kind == PRISMATIC else 0.0
 

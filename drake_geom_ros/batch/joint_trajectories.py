@@ -1,0 +1,88 @@
+"""``check_trajectory``: a continuous check of the curve on which a controller takes joints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from drake_geom_ros.batch.joints import Joints
+from drake_geom_ros.batch.paths import PathChecker
+from drake_geom_ros.common.times import time_between
+from drake_geom_ros.geometry import MotionCheck, SceneGraph, SceneGraphContext
+from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+from drake_geom_ros.trajectories.joint_spline import JointSpline, JointTrajectory
+
+
+def check_trajectory(
+    scene_graph: SceneGraph | SceneGraphContext,
+    joints: Joints,
+    trajectory: JointTrajectory,
+    min_distance: float = 0.0,
+    time_tolerance: float = TIME_TOLERANCE,
+    max_evaluations: int = 0,
+    *,
+    accuracy: str = '',
+    ignore_start_contacts: bool = False,
+    ignore_limits: bool = False,
+    bound_tolerance: float = math.inf,
+) -> MotionCheck:
+    """Return whether a trajectory is clear as a controller executes it, for all times.
+
+    Each segment is followed on its own polynomial, not on a chord: straight without velocities,
+    cubic with velocities, quintic with accelerations too (``JointSpline``). The certified bounds
+    of a motion use closed bounds of the polynomial's derivatives on each segment.
+
+    Args:
+        scene_graph: The scene, or a context of it.
+        joints: The columns of the trajectory.
+        trajectory: Points with times [s]; ``velocities`` and ``accelerations`` may be None.
+        min_distance: Pairs are clear while they are farther apart [m].
+        time_tolerance: The longest span [s] that may hold the first contact.
+        max_evaluations: Of pairs by kernels; 0: no limit.
+        accuracy: The level; empty: that of the scene.
+        ignore_start_contacts: Leave out pairs that are not clear at the start.
+        ignore_limits: Let joints pass their limits.
+        bound_tolerance: As in ``check_path`` [m].
+
+    Returns:
+        A result as that of ``check_path``, with times [s] of the trajectory.
+
+    Raises:
+        ArgumentError: For a trajectory that cannot be meant, and for one that leaves the limits of
+            a joint, at a point or between two, unless ``ignore_limits``.
+    """
+    spline = JointSpline(trajectory)
+    longest = float(np.diff(spline.times).max(initial=0.0)) or 1.0
+    with PathChecker(
+        scene_graph,
+        joints,
+        min_distance,
+        time_tolerance / longest,
+        max_evaluations,
+        accuracy=accuracy,
+        ignore_start_contacts=ignore_start_contacts,
+        ignore_limits=ignore_limits,
+        bound_tolerance=bound_tolerance,
+    ) as checker:
+        return in_seconds(checker.check_spline(spline), spline.times)
+
+
+def in_seconds(check: MotionCheck, times: Floats) -> MotionCheck:
+    """Return a result with times [s] instead of rows of a path, which are reached at ``times``."""
+    first, last = (
+        _time_of(place, times, towards)
+        for place, towards in zip(check.times, (-math.inf, math.inf), strict=True)
+    )
+    return replace(check, times=(first, last), time=_time_of(check.time, times, None))
+
+
+def _time_of(place: float, times: Floats, towards: float | None) -> float:
+    """Return the time [s] of a place by rows, rounded as by ``time_between``."""
+    if len(times) == 1:
+        return float(times[0])
+    edge = min(int(place), len(times) - 2)
+    begin, end = times[edge : edge + 2].tolist()
+    return time_between(begin, end, place - edge, towards)

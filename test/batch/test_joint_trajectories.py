@@ -1,0 +1,148 @@
+"""Splines of joints in a scene: against fine scans of their own polynomials, and closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from batch.conftest import Cell
+from batch.test_path_edges import FAR, cart, row
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drake_geom_ros.batch import Joints, check_path, check_trajectory, evaluate
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    CollisionFilterDeclaration,
+    GeometrySet,
+    SceneGraph,
+)
+from drake_geom_ros.scene_files import load_scene
+from drake_geom_ros.trajectories import JointSpline, JointTrajectory
+
+SCAN = 400  # states a segment
+
+
+@pytest.fixture(scope='module')
+def cell():
+    """Return the cell, in which the arm's base touches the floor and nobody counts it."""
+    cell = Cell()
+    base = GeometrySet(frame_ids=[cell.loaded.frames['arm', 'base']])
+    floor = GeometrySet(geometry_ids=[cell.loaded.geometries['things', 'world', 'floor']])
+    declaration = CollisionFilterDeclaration().ExcludeBetween(base, floor)
+    cell.scene_graph.collision_filter_manager().Apply(declaration)
+    return cell
+
+
+def trajectory_of(cell, seed, kind, points, step):
+    rng = np.random.default_rng(seed)
+    times = np.cumsum(rng.uniform(0.05, 1.0, points))
+    start = cell.states(1, seed)[0]
+    shape = points, cell.joints.count
+    positions = start + np.cumsum(rng.normal(0, step, shape), axis=0)
+    velocities, accelerations = rng.normal(0, 3 * step, (2, *shape))
+    return JointTrajectory(
+        times,
+        positions,
+        None if kind == 'straight' else velocities,
+        accelerations if kind == 'quintic' else None,
+    )
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    kind=st.sampled_from(['cubic', 'quintic']),
+    points=st.integers(2, 5),
+    step=st.sampled_from([1e-3, 0.1, 0.5]),
+    least=st.sampled_from([0.0, 0.02]),
+)
+def test_splines_against_a_fine_scan(cell, seed, kind, points, step, least):
+    trajectory = trajectory_of(cell, seed, kind, points, step)
+    check = check_trajectory(cell.scene_graph, cell.joints, trajectory, least, ignore_limits=True)
+    spline = JointSpline(trajectory)
+    parts = [np.linspace(a, b, SCAN) for a, b in zip(spline.times, spline.times[1:], strict=False)]
+    times = np.concatenate(parts)
+    states = np.array([spline.value(time) for time in times])
+    found = evaluate(cell.scene_graph, states=states, joints=cell.joints, want='least')
+    upper = found.distance + found.error_bound + 1e-12
+    near = times[upper <= least]
+    if check.outcome == 'clear':
+        assert not len(near)
+        assert least < check.lower_bound <= upper.min()
+        assert check.times == (spline.times[-1],) * 2
+        return
+    assert not (near < check.last_free).any()
+    if check.outcome == 'contact':
+        assert check.times[1] - check.times[0] <= 1.001e-6
+        assert check.distance + check.error_bound <= least
+        seen = evaluate(
+            cell.scene_graph,
+            states=spline.value(check.time)[None],
+            joints=cell.joints,
+            want='least',
+        )
+        assert seen.distance[0] - seen.error_bound[0] <= least + 1e-9
+
+
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10**6), points=st.integers(1, 4))
+def test_without_velocities_a_trajectory_is_a_path(cell, seed, points):
+    trajectory = trajectory_of(cell, seed, 'straight', points, 0.3)
+    spline = check_trajectory(cell.scene_graph, cell.joints, trajectory, ignore_limits=True)
+    path = check_path(cell.scene_graph, cell.joints, trajectory.positions, ignore_limits=True)
+    assert spline.outcome == path.outcome
+    if path.outcome != 'clear':
+        times, rows = np.asarray(trajectory.times), np.arange(points)
+        # Either may end anywhere within its tolerance.
+        assert spline.times[1] == pytest.approx(np.interp(path.times[1], rows, times), abs=3e-6)
+
+
+def test_a_swing_between_two_equal_points_is_followed_and_not_its_chord(tmp_path):
+    """The joint leaves 0 by v t (1 - t), to the angle v / 4, and meets a post at 1 rad."""
+    _, joints = cart(tmp_path, 'fixed')
+    post = f'[{math.cos(1.0)}, {math.sin(1.0)}, 0]'
+    (tmp_path / 'scene.yaml').write_text(FAR.replace('[1000, 0, 0]', post))
+    graph = SceneGraph()
+    joints = Joints.of(load_scene(tmp_path / 'scene.yaml', graph))
+    rows = np.array([row(joints), row(joints)])
+    swings = [np.array([row(joints, turn=v), row(joints, turn=-v)]) for v in (8.0, 3.0)]
+    wide, narrow = (JointTrajectory([0.0, 1.0], rows, swing) for swing in swings)
+    assert check_path(graph, joints, rows).outcome == 'clear'
+    assert check_trajectory(graph, joints, narrow).outcome == 'clear'
+    check = check_trajectory(graph, joints, wide)
+    # The balls touch while their centres on the circle of 1 m are 0.2 m apart.
+    angle = 1.0 - 2.0 * math.asin(0.1)
+    touching = 0.5 - math.sqrt(0.25 - angle / 8.0)
+    assert check.outcome == 'contact'
+    assert check.times[0] <= touching + 1e-9
+    assert check.times[1] >= touching - 1e-9
+
+
+def test_the_time_of_a_contact_is_that_of_the_cubic(tmp_path):
+    """A base slides by 3 s^2 - 2 s^3 of 998.5 m towards a post; balls touch after 998.3 m."""
+    graph, joints = cart(tmp_path, 'planar')
+    slide = next(name for name in joints.names if name.endswith('base/x'))
+    column = joints.names.index(slide)
+    rows = np.zeros((2, joints.count))
+    rows[1, column] = 998.5
+    trajectory = JointTrajectory([0.0, 2.0], rows, np.zeros_like(rows))
+    check = check_trajectory(graph, joints, trajectory, time_tolerance=1e-9, ignore_limits=True)
+    assert check.outcome == 'contact'
+    # The hand at 1.5 m from the base touches the post at 1000 m: x = 1000 - 0.2 - 1.5.
+    s = float(check.times[1]) / 2.0
+    x = 998.5 * (3 * s**2 - 2 * s**3)
+    assert math.isclose(x, 998.3, abs_tol=1e-6)
+
+
+def test_a_spline_that_overshoots_a_limit_is_refused_with_time_and_value(cell):
+    joints = cell.joints
+    column = int(np.argmax(np.isfinite(joints.upper)))
+    rest = 0.5 * (joints.lower.clip(-3) + joints.upper.clip(max=3))
+    rows = np.tile(rest, (2, 1))
+    rows[:, column] = joints.upper[column] - 0.1
+    velocities = np.zeros_like(rows)
+    velocities[0, column], velocities[1, column] = 1.0, -1.0
+    trajectory = JointTrajectory([0.0, 1.0], rows, velocities)
+    with pytest.raises(ArgumentError, match=rf'{joints.names[column]} to .* at 0.5 s, between'):
+        check_trajectory(cell.scene_graph, joints, trajectory)
+    check_trajectory(cell.scene_graph, joints, trajectory, ignore_limits=True)

@@ -1,0 +1,111 @@
+"""Splines of joints: the conditions that define them, in high precision, and bounds of them."""
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.trajectories import JointSpline, JointTrajectory
+
+KINDS = ['straight', 'cubic', 'quintic']
+
+
+def trajectory_of(seed, kind, points=4, joints=2):
+    rng = np.random.default_rng(seed)
+    times = np.cumsum(rng.uniform(0.01, 2.0, points))
+    q, v, a = rng.normal(0, 1, (3, points, joints))
+    return JointTrajectory(
+        times, q, None if kind == 'straight' else v, a if kind == 'quintic' else None
+    )
+
+
+def in_high_precision(trajectory, kind, edge, joint):
+    """Return the polynomial in t - t0 that has the ends' values and derivatives."""
+    count = {'straight': 1, 'cubic': 2, 'quintic': 3}[kind]
+    ends = [trajectory.positions, trajectory.velocities, trajectory.accelerations][:count]
+    span = mpmath.mpf(trajectory.times[edge + 1]) - mpmath.mpf(trajectory.times[edge])
+    size = 2 * count
+    matrix, right = mpmath.matrix(size), mpmath.matrix(size, 1)
+    for order, values in enumerate(ends):
+        for row, (time, point) in enumerate([(mpmath.mpf(0), edge), (span, edge + 1)]):
+            for power in range(order, size):
+                factor = mpmath.factorial(power) / mpmath.factorial(power - order)
+                matrix[2 * order + row, power] = factor * time ** (power - order)
+            right[2 * order + row] = mpmath.mpf(values[point, joint])
+    return mpmath.lu_solve(matrix, right)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10**6), kind=st.sampled_from(KINDS), part=st.floats(0, 1))
+def test_values_are_those_of_the_polynomial_with_the_given_ends(seed, kind, part):
+    trajectory = trajectory_of(seed, kind)
+    spline = JointSpline(trajectory)
+    with mpmath.workdps(40):
+        for edge in range(3):
+            begin, end = trajectory.times[edge : edge + 2]
+            time = begin + part * (end - begin)
+            for joint in range(2):
+                powers = in_high_precision(trajectory, kind, edge, joint)
+                since = mpmath.mpf(time) - mpmath.mpf(begin)
+                truth = sum(powers[k] * since**k for k in range(len(powers)))
+                assert abs(spline.value(time)[joint] - truth) < 1e-12
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10**6), kind=st.sampled_from(KINDS))
+def test_bounds_contain_the_values_and_derivatives(seed, kind):
+    spline = JointSpline(trajectory_of(seed, kind))
+    rows, curves = spline.path()
+    s = np.linspace(0, 1, 101)
+    for edge in range(3):
+        for joint in range(2):
+            powers = [rows[edge, joint], *curves[edge, :5, joint]]
+            polynomial = np.polynomial.Polynomial(powers)
+            speed, acceleration, size, _ = curves[edge, 5:, joint]
+            for bound, order in ((size, 0), (speed, 1), (acceleration, 2)):
+                truth = np.abs(polynomial.deriv(order)(s)).max() if order else np.abs(
+                    polynomial(s)
+                ).max()  # fmt: skip
+                assert truth <= bound <= 1.5 * truth + 0.2 * np.abs(powers).sum() + 1e-12
+
+
+def test_speeds_are_upper_bounds_in_seconds():
+    still = [[0.0], [0.0]]
+    spline = JointSpline(JointTrajectory([0.0, 2.0], [[0.0], [1.0]], still))
+    assert 0.75 <= spline.speeds()[0] <= 0.76  # 1.5 times the mean
+
+
+def test_a_spline_overshoots_between_points_that_are_within():
+    trajectory = JointTrajectory([0.0, 1.0], [[0.9], [0.9]], [[1.0], [-1.0]])
+    extreme = JointSpline(trajectory).beyond(np.array([-1.0]), np.array([1.0]))
+    assert extreme.joint == 0
+    assert extreme.time == pytest.approx(0.5)
+    assert extreme.value == pytest.approx(1.15)
+    assert JointSpline(trajectory).beyond(np.array([-1.0]), np.array([1.2])) is None
+
+
+def test_points_without_velocities_make_straight_segments():
+    velocities = [[1.0], [1.0], [np.nan]]
+    spline = JointSpline(JointTrajectory([0, 1, 2], [[0.0], [0.0], [1.0]], velocities))
+    assert spline.value(1.5) == 0.5
+    assert spline.value(0.25) != 0.0
+
+
+@pytest.mark.parametrize(
+    ('changes', 'word'),
+    [
+        ({'times': [0.0, 0.0]}, 'grow'),
+        ({'times': [0.0, np.nan]}, 'finite'),
+        ({'times': [0.0]}, r'must be \(2,\)'),
+        ({'positions': [[0.0], [np.inf]]}, 'finite'),
+        ({'positions': [0.0, 1.0]}, 'must be'),
+        ({'velocities': [[0.0, 0.0], [0.0, 0.0]]}, r'velocities \(2, 2\)'),
+        ({'velocities': [[np.inf], [0.0]]}, 'velocities'),
+    ],
+)
+def test_what_is_no_trajectory_is_refused(changes, word):
+    good = {'times': [0.0, 1.0], 'positions': [[0.0], [1.0]], 'velocities': None}
+    with pytest.raises(ArgumentError, match=word):
+        JointSpline(JointTrajectory(**{**good, **changes}))
