@@ -32,6 +32,7 @@ from drake_geom_ros.geometry import (
     SceneGraphContext,
 )
 from drake_geom_ros.geometry.checks import as_number
+from drake_geom_ros.geometry.queries.distance_rates import distance_rates
 from drake_geom_ros.geometry.queries.joint_gradients import JointGradients, with_pairs
 from drake_geom_ros.geometry.queries.joint_queries import (
     FREE,
@@ -184,6 +185,20 @@ class Checker:
     def pair_names(self) -> list[tuple[str, str]]:
         """Names, ``source::frame/geometry``, of both geometries of each of ``pairs``."""
         return [(self._names[a], self._names[b]) for a, b in self._every_pair.tolist()]
+
+    @cached_property
+    def distance_rates(self) -> Floats:
+        """Bounds (k, c) of the change of each pair's distance per unit of each joint value.
+
+        For states q and p within the limits, ``|d(q) - d(p)| <= rates @ |q - p|`` for each of
+        ``pairs``, in [m/rad] or [-]. It holds for convex bodies, and for all others while they
+        stay apart (S. Schwarzer, M. Saha, J.-C. Latombe, *Exact collision checking of robot
+        paths*, 2002). A rate is infinite where a joint turns a half space, or what an unlimited
+        joint slides. With ``ignore_limits`` all joints are unlimited.
+        """
+        rates = distance_rates(self._scene, self._chain, self._limits)
+        rates.setflags(write=False)
+        return rates
 
     def clearance_and_gradient(self, q: ArrayLike) -> ClearanceAndGradient:
         """Return ``clearance`` and its derivatives by the joint values.

@@ -13,9 +13,21 @@ from drake_geom_ros.optimization.minimum_distance import (
     MinimumDistanceUpperBoundConstraint,
 )
 from drake_geom_ros.optimization.pair_distance import DistanceConstraint
+from drake_geom_ros.optimization.path_clearance import (
+    PathClearance,
+    PathClearanceConstraint,
+    path_clearance,
+)
 from drake_geom_ros.optimization.penalties import (
     ExponentiallySmoothedHingeLoss,
     QuadraticallySmoothedHingeLoss,
+)
+from drake_geom_ros.optimization.polyhedron import HPolyhedron
+from drake_geom_ros.optimization.regions import (
+    FreeRegion,
+    certified_free_ball,
+    certified_free_box,
+    free_region,
 )
 
 __all__ = [
@@ -25,4 +37,12 @@ __all__ = [
     'DistanceConstraint',
     'ExponentiallySmoothedHingeLoss',
     'QuadraticallySmoothedHingeLoss',
+    'PathClearance',
+    'PathClearanceConstraint',
+    'path_clearance',
+    'HPolyhedron',
+    'FreeRegion',
+    'certified_free_ball',
+    'certified_free_box',
+    'free_region',
 ]

@@ -1,4 +1,4 @@
-"""What all constraints on joint values have in common: bounds, evaluation, adapters."""
+"""Base of constraints on joint values: bounds, evaluation, adapters."""
 
 from __future__ import annotations
 

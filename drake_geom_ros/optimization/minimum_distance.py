@@ -104,7 +104,6 @@ class MinimumDistanceLowerBoundConstraint(_MinimumDistanceConstraint):
         ArgumentError: an offset that is not finite and above 0, a bound that is not finite, a
             penalty function that does not fall at -1.
 
-    Example:
         >>> scene_graph = SceneGraph()
         >>> joints = Joints.of(load_scene('scenes/two_pandas.yaml', scene_graph))
         >>> checker = Checker(scene_graph, joints)

@@ -31,7 +31,6 @@ class DistanceConstraint(Constraint):
     Raises:
         ArgumentError: a pair that the checker does not have, or limits that are NaN or reversed.
 
-    Example:
         >>> scene_graph = SceneGraph()
         >>> joints = Joints.of(load_scene('scenes/two_pandas.yaml', scene_graph))
         >>> checker = Checker(scene_graph, joints)

@@ -24,7 +24,6 @@ def QuadraticallySmoothedHingeLoss(x: float, compute_grad: bool) -> tuple[float,
 
     It is 0 for x >= 0, x^2 / 2 down to -1, and -1/2 - x below.
 
-    Example:
         >>> QuadraticallySmoothedHingeLoss(-1.0, True)
         (0.5, -1.0)
     """
@@ -42,7 +41,6 @@ def ExponentiallySmoothedHingeLoss(x: float, compute_grad: bool) -> tuple[float,
 
     It is 0 for x >= 0, and -x exp(1 / x) below.
 
-    Example:
         >>> ExponentiallySmoothedHingeLoss(-1.0, False) == (math.exp(-1.0), None)
         True
     """

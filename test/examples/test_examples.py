@@ -106,6 +106,20 @@ def test_a_path_is_found_at_its_clearance(tmp_path):
     assert picture.stat().st_size > 10_000
 
 
+def test_an_arm_reaches_down_and_keeps_its_distance():
+    lines = output(EXAMPLES / 'inverse_kinematics.py').splitlines()
+    assert lines[0].startswith('Optimization terminated successfully')
+    clearance = float(lines[1].split()[1])
+    assert 0.0199 < clearance < 0.022  # the constraint of 2 cm is active
+
+
+def test_a_path_is_optimised_until_it_is_proved():
+    straight, optimised, check = output(EXAMPLES / 'optimise_a_path.py', '60').splitlines()
+    assert straight == 'straight: clearance -0.090 m'
+    assert float(optimised.split('certified ')[1].split()[0]) > 0.003
+    assert check.startswith('check_path: clear')
+
+
 @pytest.mark.skipif(not importlib.util.find_spec('pydrake'), reason='pydrake is not installed')
 @pytest.mark.parametrize('name', EXPECTED)
 def test_pydrake_says_the_same(tmp_path, name):
