@@ -7,12 +7,13 @@ from typing import Any
 from drake_geom_ros.command_line.option_values import finite
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
-from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_warn
+from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_warn, read_and_warn
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, files_of, save_scene
 from drake_geom_ros.scene_files.mesh_scenes import is_mesh_file
+from drake_geom_ros.scene_files.urdf_writer import to_urdf
 from drake_geom_ros.sensed_maps import MAP_SUFFIXES, map_bytes, read_map
 
 _SCENE_SUFFIXES = ('.yaml', '.yml')
@@ -23,8 +24,8 @@ def add_to(commands: Any) -> None:
     parser = commands.add_parser(
         'convert',
         description=(
-            'A model (URDF, SDF, MJCF, directives, a mesh) or .yaml to .yaml; .csv to .json and '
-            'back; '
+            'A model (URDF, SDF, MJCF, directives, a mesh) or .yaml to .yaml, or, of one robot, '
+            'to .urdf; .csv to .json and back; '
             'cells (.bt, .ot) and points (.pcd, .ply, .xyz, .npy) to each other.'
         ),
     )
@@ -59,13 +60,18 @@ def run(options: argparse.Namespace) -> int:
         text = save_scene(scene_graph, loaded.X_PFs, loaded.robots.values())
         with whole_file(target) as file:
             file.write(text)
+    elif source.suffix not in POSE_SUFFIXES and target.suffix == '.urdf':
+        scene = read_and_warn(str(source), options.srdf, options.package_root, options.solid)
+        text = to_urdf(scene)
+        with whole_file(target) as file:
+            file.write(text)
     elif source.suffix in POSE_SUFFIXES and target.suffix in POSE_SUFFIXES:
         sets = read_poses(source)
         with whole_file(target) as file:
             write_poses(sets, file, target.suffix)
     else:
         raise SceneFileError(
-            f'cannot be converted to {str(target)!r}: models and .yaml become .yaml, '
+            f'cannot be converted to {str(target)!r}: models and .yaml become .yaml or .urdf, '
             f'.csv and .json become each other, and so do maps ({", ".join(MAP_SUFFIXES)})',
             str(source),
         )

@@ -43,3 +43,8 @@ def drake_name(properties: GeometryProperties | None) -> str:
         return ''
     name = properties.GetPropertyOrDefault(_GROUP, _NAME, '')
     return name if isinstance(name, str) else ''
+
+
+def is_drake_name(group: str, name: str) -> bool:
+    """Return whether a property holds the name that Drake gives a geometry."""
+    return (group, name) == (_GROUP, _NAME)

@@ -8,7 +8,8 @@ as text in the element.
 
 from typing import Any
 
-from drake_geom_ros.geometry import ProximityProperties
+from drake_geom_ros.geometry import CoulombFriction, HydroelasticType, ProximityProperties
+from drake_geom_ros.scene_files.drake_names import is_drake_name
 from drake_geom_ros.scene_files.hydroelastic import (
     COMPLIANCE,
     FRICTION,
@@ -72,3 +73,37 @@ def _add(elements: dict[str, Any], properties: ProximityProperties) -> None:
 def _number(element: Any) -> float:
     """Return the number of an element, in its attribute ``value`` or as its text."""
     return numbers(element, 'value', 1, element.text)[0]
+
+
+def write_properties(collision: Any, properties: ProximityProperties, namespace: str) -> None:
+    """Add the element of properties to a collision element, none for no properties.
+
+    Names that look-ups use for a geometry are not written, for reading makes them again. Raises
+    ValueError for a property that no element of Drake holds.
+    """
+    written = collision.makeelement(f'{{{namespace}}}proximity_properties')
+    for group in sorted(properties.GetGroupNames()):
+        for key, held in sorted(properties.GetPropertiesInGroup(group).items()):
+            value = held.get_value()
+            if is_drake_name(group, key) or value is HydroelasticType.kUndefined:
+                continue
+            for name, number in _elements_of(group, key, value).items():
+                element = written.makeelement(f'{{{namespace}}}{name}')
+                if number is not None:
+                    element.set('value', repr(number))
+                written.append(element)
+    if len(written):
+        collision.append(written)
+
+
+def _elements_of(group: str, key: str, value: Any) -> dict[str, float | None]:
+    """Return the elements that hold a property, each with its number; ValueError if none does."""
+    elements = {where: name for name, where in _NUMBERS.items()}
+    if (group, key) == FRICTION and isinstance(value, CoulombFriction):
+        numbers = value.static_friction(), value.dynamic_friction()
+        return dict(zip(_COEFFICIENTS, numbers, strict=True))
+    if (group, key) == (GROUP, COMPLIANCE):
+        return {name: None for name, kind in _COMPLIANCE.items() if kind == value}
+    if (group, key) in elements and isinstance(value, float):
+        return {elements[group, key]: value}
+    raise ValueError(f'a URDF cannot hold the property {group}/{key} = {value!r}')

@@ -130,7 +130,7 @@ def compared(model, scene, seed=0):
     fromto = np.zeros(6)
     for pair in sorted(map(sorted, truth & pairs))[:40]:
         kinds = {int(model.geom_type[g]) for g in pair}
-        if kinds & {0}:  # MuJoCo has no distance of planes
+        if kinds & {0, 1}:  # MuJoCo has no distance of planes and of height fields
             continue
         distance = mujoco.mj_geomDistance(model, data, *pair, 10.0, fromto)
         here = query.ComputeSignedDistancePairClosestPoints(*(where[g] for g in pair))
