@@ -70,6 +70,7 @@ _KINDS = {
     'frame_name': 'text',
     'proximity_rule': '[proximity rule](#proximity-rules)',
     'obstacle_source': '[obstacle source](#obstacle-sources)',
+    'source_padding': 'number, or mapping of patterns to numbers',
     'source_qos': '[policies](#policies-of-a-subscription)',
     'patterns': 'text, or list of texts',
 }

@@ -12,6 +12,7 @@ from rclpy.subscription import Subscription
 
 from drake_geom_ros.live.conversions.arrivals import MessageInfo, publisher_of, waited
 from drake_geom_ros.live.conversions.misread_numbers import refuse_misread_numbers
+from drake_geom_ros.live.conversions.paddings import paddings_of
 from drake_geom_ros.live.guard import Guard
 from drake_geom_ros.live.inputs.late_messages import LateMessages
 from drake_geom_ros.live.inputs.obstacle_records import ObstacleSettings
@@ -244,7 +245,8 @@ class ObstacleListening:
                 f'them, which rules take for near, {counts.out_of_box} beyond '
                 f'obstacle_box, {counts.in_sparse_cells} in cells with fewer points than '
                 'obstacle_least_points that are not held, which are in no answer; '
-                f'{counts.cells} cells, {counts.held_cells} of them held from before, and '
+                f'{counts.cells} cells, {counts.held_cells} of them held from before, '
+                f'{counts.shadow_cells} behind bodies, which hide them from the sensor, and '
                 f'{counts.shell_cells} beside bodies, {counts.held_shell_cells} of them held, '
                 f'in {1e3 * counts.seconds:.1f} ms'
             )
@@ -318,6 +320,7 @@ def obstacle_settings(values: NodeParameters) -> ObstacleSettings:
         resolution=values.obstacle_resolution,
         reach=values.obstacle_reach,
         padding=values.obstacle_padding,
+        paddings=paddings_of(values.obstacle_paddings, 'obstacle_paddings'),
         noise=values.obstacle_noise,
         self_filter=values.obstacle_self_filter,
         least_points=values.obstacle_least_points,

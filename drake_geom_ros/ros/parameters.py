@@ -65,6 +65,7 @@ class NodeParameters:
     obstacle_box: tuple[float, ...] = ()
     obstacle_self_filter: str = 'robots'
     obstacle_padding: float = 0.05
+    obstacle_paddings: tuple[str, ...] = ()
     obstacle_noise: float = 0.01
     obstacle_least_points: int = 1
     obstacle_keep: float = 0.0
@@ -183,6 +184,10 @@ TEXTS = {
         + _LIVE
     ),
     'obstacle_padding': 'How far from these bodies points are in no map, but near [m].' + _LIVE,
+    'obstacle_paddings': (
+        'obstacle_padding of single bodies: PATTERN=METRES of robots, links or geometries, with * '
+        'and ?; of those that fit, the last one counts.' + _LIVE
+    ),
     'obstacle_noise': 'How far from them points count as their own surface [m].' + _LIVE,
     'obstacle_least_points': 'Points that make a cell of a map occupied.' + _LIVE,
     'obstacle_keep': (
@@ -393,6 +398,7 @@ def _refusal(values: NodeParameters) -> str:
         return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
     try:
         paddings_of(values.paddings)
+        paddings_of(values.obstacle_paddings, 'obstacle_paddings')
         obstacle_sources_of(values.obstacle_sources)
     except RuntimeError as error:
         return str(error)

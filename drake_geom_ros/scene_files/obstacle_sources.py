@@ -18,8 +18,9 @@ RESERVED = 'file'  # the map that load_obstacles makes
 _OF_POINTS = (
     *('resolution', 'range', 'keep', 'rays', 'noise', 'padding', 'least_points', 'extrude'),
 )
-_NO_KEYS = ('name', 'where')
+_NO_KEYS = ('name', 'where', 'paddings')
 _SECTION = 'obstacle_sources'
+_DEFAULT = 'default'  # key of the padding of all bodies without one of their own
 
 
 class SourceQos(NamedTuple):
@@ -44,6 +45,7 @@ class ObstacleSource:
     - ``timeout``: the map is stale from this age on; None: as any pose of the node.
     - ``required``: whether a rule about the map is stale with it.
     - ``range``: points farther from the sensor are left out.
+    - ``paddings``: those of bodies, by name or pattern; of those that fit the last one counts.
     - ``extrude``: heights (low, high) in the world that each seen cell stands for.
     - ``qos``: policies of its subscription.
     """
@@ -61,6 +63,7 @@ class ObstacleSource:
     rays: bool | None = None
     noise: float | None = None
     padding: float | None = None
+    paddings: tuple[tuple[str, float], ...] = ()
     least_points: int | None = None
     extrude: tuple[float, float] | None = None
     qos: SourceQos = _USUAL
@@ -135,6 +138,9 @@ def _source(document: Document, name: str, plain: Mapping[str, Any]) -> Obstacle
         values['box'] = tuple(map(float, box))
     if extrude is not None:
         values['extrude'] = float(extrude[0]), float(extrude[1])
+    if isinstance(padding := plain.get('padding'), dict):
+        values['padding'] = padding.get(_DEFAULT)
+        values['paddings'] = tuple(item for item in padding.items() if item[0] != _DEFAULT)
     if 'qos' in plain:
         values['qos'] = SourceQos(**plain['qos'])
     return ObstacleSource(name, **values)
@@ -163,4 +169,7 @@ def plain_obstacle_source(source: ObstacleSource) -> dict[str, Any]:
             plain[each.name] = {key: policy for key, policy in policies if policy is not None}
         else:
             plain[each.name] = list(value) if isinstance(value, tuple) else value
+    if source.paddings:
+        usual = {} if source.padding is None else {_DEFAULT: source.padding}
+        plain['padding'] = {**usual, **dict(source.paddings)}
     return plain

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.math.array_types import Flags, Floats
 from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells, Keys, MapError, unique_numbers
 
 _STEP = 0.5  # between samples of a ray, in cells; it may miss the corner of a cell, which stays
@@ -34,9 +34,12 @@ class KeptCells:
 
     def without(self, others: Cells) -> KeptCells:
         """Return the cells that are not among others of the same grid."""
-        left = ~np.isin(self.cells.packed, others.packed, assume_unique=True)
-        cells = Cells(self.cells.resolution, self.cells.packed[left])
-        return KeptCells(cells, self.seen[left])
+        return self.among(~np.isin(self.cells.packed, others.packed, assume_unique=True))
+
+    def among(self, flags: Flags) -> KeptCells:
+        """Return the flagged cells, by a mask (n,)."""
+        cells = Cells(self.cells.resolution, self.cells.packed[flags])
+        return KeptCells(cells, self.seen[flags])
 
     def as_seen_at(self, now: float) -> KeptCells:
         """Return these cells with all times set to ``now`` [s]."""
@@ -49,27 +52,33 @@ class KeptCells:
         keep: float,
         free: Keys | None = None,
         sparse: Keys | None = None,
+        hidden: Flags | None = None,
     ) -> KeptCells:
         """Return the cells after a cloud of time ``now`` [s] with cells ``new``.
 
         ``free`` are packed keys of cells that its rays cleared, and ``sparse`` of cells with
-        points, too few to make one, which still refresh it. Cells of another resolution are
-        dropped. Times later than ``now`` become ``now``, since clocks are set back. Raises
-        MapError for more cells than a map may have.
+        points, too few to make one, which still refresh it. Flagged cells of these (n,) are
+        ``hidden`` from the sensor: they stay, and do not age meanwhile. Cells of another
+        resolution are dropped. Times later than ``now`` become ``now``, since clocks are set back.
+        Raises MapError for more cells than a map may have.
         """
         old, seen = self.cells.packed, np.minimum(self.seen, now)
         if new.resolution != self.cells.resolution:
-            old, seen = old[:0], seen[:0]
+            old, seen, hidden = old[:0], seen[:0], None
         shown = np.zeros(len(old), dtype=np.bool_)
         if sparse is not None:
             shown = np.isin(old, sparse, assume_unique=True)
             seen[shown] = now
+        if hidden is not None:
+            seen[hidden] = now
         held = now - seen <= keep if math.isfinite(keep) else np.ones(len(seen), dtype=np.bool_)
         held &= ~np.isin(old, new.packed, assume_unique=True)
         if keep <= 0.0:
             held[:] = False
         if free is not None and held.any():
             held &= shown | ~np.isin(old, free)
+        if hidden is not None:
+            held |= hidden & ~np.isin(old, new.packed, assume_unique=True)
         packed = np.concatenate([old[held], new.packed])
         if len(packed) > MOST_CELLS:
             raise MapError(f'the map would have {len(packed)} cells; it may have {MOST_CELLS}')

@@ -21,6 +21,7 @@ geometries: [{name: floor, shape: {type: half_space}}]
 obstacle_sources:
   front_scan: {type: laser_scan, topic: /scan, extrude: [0, 1.8], timeout: 0.5, range: 8}
   rear_scan: {type: laser_scan, topic: rear/scan, frame: rear_lidar, required: false}
+  wrist: {type: point_cloud, topic: /wrist, padding: {default: 0.05, "mm::wrist": 0.02}}
   camera:
     type: depth_image
     topic: /camera/depth/image_rect_raw
@@ -36,12 +37,15 @@ obstacle_sources:
 
 
 def test_each_key_is_read():
-    front, rear, camera, world = read_scene(SCENE).obstacle_sources
+    front, rear, wrist, camera, world = read_scene(SCENE).obstacle_sources
     assert front == ObstacleSource(
         'front_scan', 'laser_scan', '/scan', timeout=0.5, range=8, extrude=(0.0, 1.8)
     )
     assert rear == ObstacleSource(
         'rear_scan', 'laser_scan', 'rear/scan', frame='rear_lidar', required=False
+    )
+    assert wrist == ObstacleSource(
+        'wrist', 'point_cloud', '/wrist', padding=0.05, paddings=(('mm::wrist', 0.02),)
     )
     assert camera == ObstacleSource(
         'camera',
@@ -76,6 +80,10 @@ def test_what_is_written_is_read_again():
         ('a: {type: laser_scan, topic: /a, box: [0, 0, 0, 1, 1, 0]}', 'each of the first three'),
         ('a: {type: octomap, topic: /a, keep: 1}', 'keep is of points'),
         ('a: {type: octomap, topic: /a, qos: {depth: 0}}', 'depth'),
+        ('a: {type: laser_scan, topic: /a, padding: {}}', 'padding'),
+        ('a: {type: laser_scan, topic: /a, padding: {wrist: -1}}', '-1 must be >= 0'),
+        ('a: {type: laser_scan, topic: /a, padding: wide}', 'must be a number or a mapping'),
+        ('a: {type: octomap, topic: /a, padding: {wrist: 0.1}}', 'padding is of points'),
         ('a: {type: octomap, topic: /a, qos: {reliability: maybe}}', 'reliable, best_effort'),
         ('file: {type: laser_scan, topic: /a}', 'load_obstacles'),
     ],
@@ -117,7 +125,9 @@ def test_a_name_that_no_frame_may_have_is_refused():
 
 
 def test_who_makes_no_maps_says_so(tmp_path, capsys):
-    with pytest.warns(UserWarning, match='front_scan, rear_scan, camera, world.*in any answer'):
+    with pytest.warns(
+        UserWarning, match='front_scan, rear_scan, wrist, camera, world.*in any answer'
+    ):
         load_scene(SCENE, SceneGraph())
     file = tmp_path / 'scene.yaml'
     file.write_text(SCENE)

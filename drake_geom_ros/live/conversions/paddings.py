@@ -8,8 +8,10 @@ from collections.abc import Iterable
 from drake_geom_ros.geometry import ArgumentError
 
 
-def paddings_of(texts: Iterable[str]) -> tuple[tuple[str, float], ...]:
+def paddings_of(texts: Iterable[str], called: str = 'paddings') -> tuple[tuple[str, float], ...]:
     """Return patterns of links or geometries with their paddings [m], of ``PATTERN=METRES``.
+
+    ``called`` is the name of the texts in errors.
 
     >>> paddings_of(['*=0.01', 'panda_hand=0.02'])
     (('*', 0.01), ('panda_hand', 0.02))
@@ -25,7 +27,7 @@ def paddings_of(texts: Iterable[str]) -> tuple[tuple[str, float], ...]:
             padding = math.nan
         if not pattern or not 0.0 <= padding < math.inf:
             raise ArgumentError(
-                f'paddings holds {text!r}; each must be PATTERN=METRES, of a link or '
+                f'{called} holds {text!r}; each must be PATTERN=METRES, of a link or '
                 "link/geometry, with * and ?, and a number >= 0, such as 'panda_hand=0.02'"
             )
         paddings.append((pattern, padding))

@@ -9,6 +9,7 @@ import numpy as np
 
 from drake_geom_ros.live.scene.self_filter import BodiesThen
 from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.sensed_maps.cells import Keys
 from drake_geom_ros.sensed_maps.keeping import KeptCells
 from drake_geom_ros.sensed_maps.shell import Shell
 
@@ -32,12 +33,15 @@ class ObstacleSettings(NamedTuple):
     box: tuple[float, ...] = ()  # its corners (6,) [m] in the world; none: no limit
     # Lowest and highest height [m] in the world that each seen cell stands for; none: its own.
     extrude: tuple[float, float] | None = None
+    # Paddings [m] of bodies by name or pattern; of those that fit the last one counts.
+    paddings: tuple[tuple[str, float], ...] = ()
 
     @property
     def told_apart(self) -> float:
         """The distance [m] from a body from which on the map alone says what is there."""
         is_filtered = self.self_filter != 'none'
-        return max(self.resolution, self.padding if is_filtered else 0.0)
+        paddings = self.padding, *(padding for _, padding in self.paddings)
+        return max(self.resolution, max(paddings) if is_filtered else 0.0)
 
     def corners(self) -> tuple[Floats, Floats]:
         """Return the corners (3,), (3,) [m] of what is taken, in the world."""
@@ -62,6 +66,7 @@ class MapCounts:
     held_cells: int = 0  # of these, that are there by those before the last one alone
     shell_cells: int = 0  # beside bodies, in no map
     held_shell_cells: int = 0  # of these, that are there by those before the last one alone
+    shadow_cells: int = 0  # of the map, that bodies hide from the sensor
 
 
 class Held(NamedTuple):
@@ -103,3 +108,4 @@ class Found(NamedTuple):
     shell: Shell
     nearest: float  # [m] least distance of a point in the shell from a body; inf: there is none
     range: float = np.inf  # [m] beyond which the sensor measures nothing, where it says so
+    shadow: Keys = np.zeros(0, dtype=np.int64)  # keys of cells of the map that bodies hide

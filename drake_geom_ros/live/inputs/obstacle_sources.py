@@ -98,6 +98,7 @@ def saved_sources(sources: Iterable[ObstacleSource]) -> tuple[ObstacleSource, ..
 
 def settings_of(source: ObstacleSource, settings: ObstacleSettings) -> ObstacleSettings:
     """Return settings with what a source says otherwise."""
+    has_padding = source.padding is not None or bool(source.paddings)
     own: dict[str, Any] = {
         'resolution': source.resolution,
         'reach': source.range,
@@ -108,6 +109,7 @@ def settings_of(source: ObstacleSource, settings: ObstacleSettings) -> ObstacleS
         'rays': source.rays,
         'box': source.box,
         'extrude': source.extrude,
+        'paddings': source.paddings if has_padding else None,
     }
     return settings._replace(**{key: value for key, value in own.items() if value is not None})
 

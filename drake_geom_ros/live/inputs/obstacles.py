@@ -7,13 +7,14 @@ that shows nothing is refused: a covered lens sees no more than an empty room.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from drake_geom_ros.common.geometry_names import matches
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, QueryObject
 from drake_geom_ros.live.conversions.fields import stamp_after
 from drake_geom_ros.live.conversions.octomap import cells_from_octomap, refuse_too_many_nodes
@@ -32,6 +33,7 @@ from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.map_placing import stand
 from drake_geom_ros.live.scene.moments import PATIENCE, Hanging, Model, Moment, moment_of
 from drake_geom_ros.live.scene.out_of_sight import Sight
+from drake_geom_ros.live.scene.scene_rules import geometry_names
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.live.scene.self_filter import KnownBodies, bodies_of
 from drake_geom_ros.math import RigidTransform
@@ -39,6 +41,9 @@ from drake_geom_ros.scene_files import ObstacleSource
 from drake_geom_ros.sensed_maps.cells import Cells
 
 MOST_NODES = 3_000_000  # of a tree in a message: reading it costs a microsecond a node
+
+
+Paddings = tuple[tuple[str, float], ...]
 
 
 class _Begun(NamedTuple):
@@ -72,7 +77,8 @@ class ObstacleInput:
         self._hanging = hanging
         self._changed = changed
         self._known = KnownBodies()
-        self._known_of: tuple[Model, str] | None = None
+        self._known_of: tuple[Model, str, Paddings] | None = None
+        self._unmatched: list[str] = []  # patterns of paddings that fit no body
         self._generation = 0  # how often it was cleared
         self._is_removed = False
         self._begun: _Begun | None = None
@@ -91,15 +97,21 @@ class ObstacleInput:
         self._is_removed = True
 
     def troubles(self) -> list[str]:
-        """Return which sensors feed the map, in words, where several do."""
+        """Return which sensors feed the map, where several do, and which paddings fit no body."""
+        troubles = [
+            f'a padding of the obstacle source {self.name!r} is for {pattern!r}, and no body on '
+            'which points are left out is called so: see obstacle_self_filter'
+            for pattern in self._unmatched
+        ]
         ages = list(self._feeds.ages())
         if len(ages) < 2:
-            return []
+            return troubles
         each = '; '.join(f'{feed.in_words()}: {age:.3g} s old' for feed, age in ages)
         return [
+            *troubles,
             f'{len(ages)} sensors feed {self.source.topic}: {each}. The map shows what all of '
             'them see, and is as old as the oldest: give each a topic and a source of its own '
-            '(obstacle_sources); clear_obstacles forgets one that is gone'
+            '(obstacle_sources); clear_obstacles forgets one that is gone',
         ]
 
     def begin(
@@ -125,9 +137,11 @@ class ObstacleInput:
         which = settings.self_filter
 
         def frames_of_bodies(query: QueryObject, model: Model) -> Collection[FrameId]:
-            if self._known_of != (model, which):  # each body anew took half of the time
-                self._known.know(query, self._bodies(query, which))
-                self._known_of = model, which
+            key = model, which, settings.paddings
+            if self._known_of != key:  # each body anew took half of the time
+                bodies = self._bodies(query, which)
+                self._known.know(query, bodies, self._paddings_of(query, bodies))
+                self._known_of = key
             return self._known.frames
 
         moment = moment_of(self._live, header, waited, self._hanging, frames_of_bodies, patience)
@@ -215,6 +229,20 @@ class ObstacleInput:
         with self._live.reading() as scene:
             sources = scene.model.robot_names() if which == 'robots' else None
             return bodies_of(query, sources, scene.model.maps_source)
+
+    def _paddings_of(self, query: QueryObject, bodies: Sequence[GeometryId]) -> list[float | None]:
+        """Return the padding [m] of each body that has one of its own."""
+        paddings: list[float | None] = [None] * len(bodies)
+        patterns, matched = self._settings().paddings, set[str]()
+        if patterns:
+            for k, body in enumerate(bodies):
+                names = geometry_names(query.inspector(), body)
+                for pattern, padding in patterns:
+                    if matches(names.found_by, pattern):
+                        paddings[k] = padding
+                        matched.add(pattern)
+        self._unmatched = [pattern for pattern, _ in patterns if pattern not in matched]
+        return paddings
 
     def _put(self, begun: _Begun, shown: Shown, counts: MapCounts) -> None:
         """Have the scene hold what was seen; what is counted changes with it."""

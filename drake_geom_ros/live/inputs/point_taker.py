@@ -145,13 +145,15 @@ class PointTaker:
         free = None
         if settings.rays and before is not None and len(before.kept.cells):
             free = seen_through(place.p_WF, cells)
-        held_cells = _kept(place, before, cells, free, shown.packed[~enough])
+        hidden = None if before is None else self._hidden(place, before.kept, cells)
+        held_cells = _kept(place, before, cells, free, shown.packed[~enough], hidden)
         new = beside.shell(is_shell, shown.resolution, place.held)
         shell = (
             new
             if before is None
             else self._with_shell(place, before, held_cells, new, free, columns)
         )
+        of_shadow = _shadow(held_cells, before, hidden)
         in_none = ~np.isin(shown.packed, held_cells.cells.packed, assume_unique=True)
         counts = MapCounts(
             points=count,
@@ -165,9 +167,10 @@ class PointTaker:
             held_cells=len(held_cells.cells) - len(cells),
             shell_cells=len(shell.cells),
             held_shell_cells=len(shell.cells) - len(new.cells),
+            shadow_cells=len(of_shadow),
         )
         nearest = float(beside.distances.min(initial=np.inf))
-        self._map.finish(Found(held_cells, counts, shell, nearest, sensor_range))
+        self._map.finish(Found(held_cells, counts, shell, nearest, sensor_range, of_shadow))
         self._held.pop(place.feed, None)  # the last one heard of is the last to be forgotten
         self._held[place.feed] = Held(held_cells, place.epoch, place.generation, shell)
         if len(self._held) > 2 * MOST_FEEDS:
@@ -199,22 +202,56 @@ class PointTaker:
         """Return the new shell, and the cells of before that vanished beside bodies.
 
         Such a cell stays until the sensor looks past it, ``keep`` ends, where it is not 0, or no
-        body is near it: then the map alone says what is there.
+        body is near it: then the map alone says what is there. In the shadow of a body it stays.
         """
         settings = place.settings
         old = before.shell.and_others(Shell.of_map(before.kept.without(held_cells.cells)))
         old = old.without(held_cells.cells.packed).without(new.cells.packed)
         if free is not None:
             old = old.without(free)
+        stays = self.filter.within(place.bodies, old.places, settings.padding, old.reach)
         if 0.0 < settings.keep < np.inf:
-            old = old.among(place.held - old.seen <= settings.keep)
-        limit = settings.padding + old.reach
-        old = old.among(self.filter.within(place.bodies, old.places, limit))
+            stays &= place.held - old.seen <= settings.keep
+        stays[~stays] = self._in_shadow(place, old.places[~stays], old.reach)
+        old = old.among(stays)
         if len(old.cells) and not _is_world(place):
             p_FPs = (old.places - place.p_WF) @ place.R_WF
             rays = rays_past(columns, p_FPs, 0.5 * settings.resolution, settings.noise)
             old = old.among(rays < settings.least_points)
         return new.and_others(old)
+
+    def _hidden(self, place: Place, kept: KeptCells, new: Cells) -> Flags:
+        """Return which cells of before that are not among the new ones bodies hide.
+
+        Those beside bodies are left out: they are the shell's.
+        """
+        hidden = ~np.isin(kept.cells.packed, new.packed, assume_unique=True)
+        old = Shell.of_map(kept.among(hidden))
+        is_hidden = self._in_shadow(place, old.places, old.reach)
+        places = old.places[is_hidden]
+        is_beside = self.filter.within(place.bodies, places, place.settings.padding, old.reach)
+        is_hidden[is_hidden] = ~is_beside
+        hidden[hidden] = is_hidden
+        return hidden
+
+    def _in_shadow(self, place: Place, places: Floats, reach: float) -> Flags:
+        """Return which places (n, 3) [m] within the range of the sensor bodies hide from it."""
+        flags = np.zeros(len(places), dtype=np.bool_)
+        if _is_world(place):
+            return flags
+        ways = places - place.p_WF
+        near = np.linalg.norm(ways, axis=1) <= place.settings.reach
+        flags[near] = self.filter.in_shadow(
+            place.bodies, place.p_WF, places[near], reach, place.settings.noise
+        )
+        return flags
+
+
+def _shadow(held: KeptCells, before: Held | None, hidden: Flags | None) -> Keys:
+    """Return the keys of held cells that bodies hide."""
+    if before is None or hidden is None:
+        return held.cells.packed[:0]
+    return np.intersect1d(before.kept.cells.packed[hidden], held.cells.packed, assume_unique=True)
 
 
 def _is_world(place: Place) -> bool:
@@ -231,11 +268,16 @@ def _away_from_bodies(p_WQs: Floats, zones: Zones, settings: ObstacleSettings) -
 
 
 def _kept(
-    place: Place, before: Held | None, cells: Cells, free: Keys | None, sparse: Keys
+    place: Place,
+    before: Held | None,
+    cells: Cells,
+    free: Keys | None,
+    sparse: Keys,
+    hidden: Flags | None,
 ) -> KeptCells:
     """Return cells, and those of before that are held; ``sparse`` ones only hold."""
     held = KeptCells.none(cells.resolution) if before is None else before.kept
-    return held.and_then(cells, place.held, place.settings.keep, free, sparse)
+    return held.and_then(cells, place.held, place.settings.keep, free, sparse, hidden)
 
 
 class _Beside(NamedTuple):

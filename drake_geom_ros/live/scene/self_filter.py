@@ -25,6 +25,7 @@ from drake_geom_ros.geometry import (
     Shape,
     SourceId,
 )
+from drake_geom_ros.live.scene.body_shadows import Balls, are_in_shadow
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 from drake_geom_ros.sensed_maps.passes import Cubes, find_in_cubes
@@ -45,6 +46,7 @@ class Body(NamedTuple):
     frame: int
     centre: Floats  # (3,) [m] in F, of a ball around it
     radius: float  # [m]
+    padding: float | None = None  # [m] of the shell around it; None: as of most
 
 
 class Bodies(NamedTuple):
@@ -92,24 +94,34 @@ class KnownBodies:
         bodies = None if self._number == number else self._bodies
         return BodiesThen(self._number, bodies, np.array(R_WFs), np.array(p_WFs))
 
-    def know(self, query: QueryObject, geometries: Sequence[GeometryId]) -> None:
-        """Take these for the bodies; their number is another where anything of them changed."""
+    def know(
+        self,
+        query: QueryObject,
+        geometries: Sequence[GeometryId],
+        paddings: Sequence[float | None] = (),
+    ) -> None:
+        """Take these for the bodies; their number is another where anything of them changed.
+
+        ``paddings`` [m] are of each; None, or none at all: as of most.
+        """
         inspector = query.inspector()
+        paddings = paddings or [None] * len(geometries)
         shapes = [inspector.GetShape(geometry) for geometry in geometries]
         poses = [inspector.GetPoseInFrame(geometry) for geometry in geometries]
         frames = [inspector.GetFrameId(geometry) for geometry in geometries]
         arrays = (X.GetAsMatrix34().tobytes() for X in poses)
-        key = (*geometries, *map(id, shapes), *frames, *arrays)
+        key = (*geometries, *map(id, shapes), *frames, *arrays, *paddings)
         if key == self._key:
             return
         rows: dict[FrameId, int] = {}
         bodies = []
-        for shape, X_FG, frame, geometry in zip(shapes, poses, frames, geometries, strict=True):
+        columns = shapes, poses, frames, geometries, paddings
+        for shape, X_FG, frame, geometry, padding in zip(*columns, strict=True):
             properties = inspector.GetProximityProperties(geometry)
             assert properties is not None, 'only bodies that queries see are asked for'
             row = rows.setdefault(frame, len(rows))
             ball = _ball(query, geometry)
-            bodies.append(Body(shape, _without_padding(properties), X_FG, row, *ball))
+            bodies.append(Body(shape, _without_padding(properties), X_FG, row, *ball, padding))
         values = np.array([frame.get_value() for frame in rows], dtype=np.int64)
         self._bodies, self._key, self._number = Bodies(bodies, values), key, self._number + 1
         self._frames = list(rows)
@@ -127,52 +139,89 @@ class SelfFilter:
         self._frames: list[FrameId] = []  # its own
         self._graph = SceneGraph()
         self._bodies: list[Body] = []
+        self._ids = np.zeros(0, dtype=np.int64)  # of its geometries, ascending as bodies are
 
     def zones(self, there: BodiesThen, p_WQs: Floats, noise: float, padding: float) -> Zones:
         """Return which points (n, 3) [m] are on bodies, and which beside them.
 
-        On bodies is what is certainly no farther than ``noise`` [m], or ``padding`` [m] where that
-        is less, and the shell reaches from there to the padding. Bodies are where they were when
-        the points were measured.
+        On bodies is what is certainly no farther than ``noise`` [m], or the padding where that is
+        less, and the shell reaches from there to the padding. That is ``padding`` [m] but of
+        bodies with one of their own. Bodies are where they were when the points were measured.
         """
-        on_bodies = np.zeros(len(p_WQs), dtype=np.bool_)
-        nothing = Zones(on_bodies, np.zeros(0, dtype=np.int64), np.zeros(0))
         if there.number != self.number:
             self._take_in(there)
+        paddings = self._paddings(padding)
+        return self._zones(there, p_WQs, np.minimum(noise, paddings), paddings)
+
+    def within(
+        self, there: BodiesThen, p_WQs: Floats, padding: float, reach: float = 0.0
+    ) -> Flags:
+        """Return which points (n, 3) [m] are no farther than padding and ``reach`` from bodies.
+
+        The padding is ``padding`` [m] but of bodies that have one of their own.
+        """
+        if there.number != self.number:
+            self._take_in(there)
+        limits = self._paddings(padding) + reach
+        zones = self._zones(there, p_WQs, limits, limits)
+        zones.on_bodies[zones.in_shell] = True
+        return zones.on_bodies
+
+    def _zones(self, there: BodiesThen, p_WQs: Floats, noises: Floats, paddings: Floats) -> Zones:
+        """Return zones by the noises (b,) and paddings (b,) [m] of bodies."""
+        on_bodies = np.zeros(len(p_WQs), dtype=np.bool_)
+        nothing = Zones(on_bodies, np.zeros(0, dtype=np.int64), np.zeros(0))
         if not self._bodies or not len(p_WQs):
             return nothing
-        numbers = self._may_be_near(there, p_WQs, padding)
+        numbers = self._may_be_near(there, p_WQs, paddings)
         if not len(numbers):
             return nothing
-        noise = min(noise, padding)
         bodies = self._query(there)
-        certain, open_ones = self._decided_by_cubes(bodies, p_WQs[numbers], noise, padding)
+        certain, open_ones = self._decided_by_cubes(bodies, p_WQs[numbers], noises, paddings)
         on_bodies[numbers[certain]] = True
         rest = numbers[open_ones]
-        lower, upper = np.full((2, len(rest)), np.inf)
-        for rows, distances, bounds in self._distances(bodies, p_WQs[rest], padding):
-            np.minimum.at(lower, rows, distances - bounds)
-            np.minimum.at(upper, rows, distances + bounds)
-        is_on = upper <= noise
+        lower, is_on = np.full(len(rest), np.inf), np.zeros(len(rest), dtype=np.bool_)
+        farthest = float(paddings.max())
+        for rows, k, distances, bounds in self._distances(bodies, p_WQs[rest], farthest):
+            is_near = distances - bounds <= paddings[k]
+            np.minimum.at(lower, rows[is_near], (distances - bounds)[is_near])
+            is_on[rows[distances + bounds <= noises[k]]] = True
         on_bodies[rest[is_on]] = True
         is_beside = ~is_on & (lower < np.inf)
         return Zones(on_bodies, rest[is_beside], lower[is_beside])
 
-    def within(self, there: BodiesThen, p_WQs: Floats, limit: float) -> Flags:
-        """Return which points (n, 3) [m] are no farther than ``limit`` [m] from bodies."""
-        zones = self.zones(there, p_WQs, limit, limit)
-        zones.on_bodies[zones.in_shell] = True
-        return zones.on_bodies
+    def in_shadow(
+        self, there: BodiesThen, origin: Floats, places: Floats, reach: float, noise: float
+    ) -> Flags:
+        """Return which places (n, 3) [m] bodies hide from a sensor; see ``are_in_shadow``."""
+        if there.number != self.number:
+            self._take_in(there)
+        if not self._bodies or not len(places):
+            return np.zeros(len(places), dtype=np.bool_)
+        query = self._query(there)
+
+        def distances(
+            points: Floats, threshold: float
+        ) -> Iterator[tuple[Indices, Indices, Floats]]:
+            for rows, k, each, bounds in self._distances(query, points, threshold):
+                yield rows, k, each - bounds
+
+        return are_in_shadow(distances, self._balls(there), origin, places, reach, noise)
+
+    def _paddings(self, usual: float) -> Floats:
+        """Return the padding [m] of each body."""
+        own = (body.padding for body in self._bodies)
+        return np.array([usual if padding is None else padding for padding in own])
 
     def _decided_by_cubes(
-        self, bodies: QueryObject, points: Floats, noise: float, padding: float
+        self, bodies: QueryObject, points: Floats, noises: Floats, paddings: Floats
     ) -> tuple[Flags, Flags]:
         """Return which points (n, 3) [m] are on bodies for sure, and of which more is open.
 
         A distance changes by no more than the way does: that of the centre of a small cube decides
         about all points in it, but for those about as far away as the noise, and in the shell.
         """
-        edge = _SMALL * noise + _SMALLEST
+        edge = _SMALL * float(noises.min()) + _SMALLEST
         steps = np.floor(points / edge)
         first = steps.min(axis=0)
         counts = steps.max(axis=0) - first + 1.0
@@ -188,19 +237,22 @@ class SelfFilter:
         reach = _ROOM * 0.5 * math.sqrt(3.0) * edge
         certain, is_open = np.zeros((2, len(cubes)), dtype=np.bool_)
         centres = (cubes + 0.5) * edge
-        for rows, distances, bounds in self._distances(bodies, centres, padding + reach):
+        farthest = float(paddings.max()) + reach
+        for rows, k, distances, bounds in self._distances(bodies, centres, farthest):
             is_open[rows] = True
-            certain[rows[distances + bounds + reach <= noise]] = True
+            certain[rows[distances + bounds + reach <= noises[k]]] = True
         return certain[cube_of], (is_open & ~certain)[cube_of]
 
     def _distances(
         self, bodies: QueryObject, points: Floats, threshold: float
-    ) -> Iterator[tuple[Indices, Floats, Floats]]:
-        """Yield numbers of points, their distances [m] from bodies, and how far off these are."""
+    ) -> Iterator[tuple[Indices, Indices, Floats, Floats]]:
+        """Yield numbers of points and of bodies, distances [m], and how far off these are."""
         step = max(1, _ROWS // len(self._bodies))
         for k in range(0, len(points), step):
             results = bodies.ComputeSignedDistanceToPoint(points[k : k + step], threshold)
-            yield k + results.point_index.astype(np.int64), results.distance, results.error_bound
+            rows = k + results.point_index.astype(np.int64)
+            bodies_of_rows = np.searchsorted(self._ids, np.asarray(results.id_G))
+            yield rows, bodies_of_rows, results.distance, results.error_bound
 
     def _query(self, there: BodiesThen) -> QueryObject:
         context = self._graph.CreateDefaultContext()
@@ -224,18 +276,25 @@ class SelfFilter:
         graph = SceneGraph()
         source = graph.RegisterSource('bodies')
         own = [graph.RegisterFrame(source, GeometryFrame(f'{k}')) for k in range(frames)]
+        ids = []
         for k, body in enumerate(bodies):
             instance = GeometryInstance(body.X_FG, body.shape, f'{k}')
             instance.set_proximity_properties(body.properties)
-            graph.RegisterGeometry(source, own[body.frame], instance)
+            ids.append(graph.RegisterGeometry(source, own[body.frame], instance).get_value())
         self._graph, self._frames, self._bodies = graph, own, bodies
+        self._ids = np.array(ids, dtype=np.int64)
 
-    def _may_be_near(self, there: BodiesThen, p_WQs: Floats, padding: float) -> Indices:
-        """Return which points may be near: those in cubes that balls of bodies reach into."""
+    def _balls(self, there: BodiesThen) -> Balls:
+        """Return a ball around each body, where it was."""
         rows = [body.frame for body in self._bodies]
         p_FCs = np.array([body.centre for body in self._bodies])
         centres = (there.R_WFs[rows] @ p_FCs[..., np.newaxis])[..., 0] + there.p_WFs[rows]
-        reach = np.array([body.radius for body in self._bodies])[:, np.newaxis] + padding
+        return Balls(centres, np.array([body.radius for body in self._bodies]))
+
+    def _may_be_near(self, there: BodiesThen, p_WQs: Floats, paddings: Floats) -> Indices:
+        """Return which points may be near: those in cubes that balls of bodies reach into."""
+        centres, radii = self._balls(there)
+        reach = (radii + paddings)[:, np.newaxis]
         low, high = (centres - reach).min(axis=0), (centres + reach).max(axis=0)
         if not np.isfinite(high - low).all():
             return np.arange(len(p_WQs))

@@ -1,0 +1,94 @@
+"""Cells behind the robot, as its sensor sees it, are unknown: they stay until it looks there."""
+
+import numpy as np
+import pytest
+from live.inputs.sensing_node import Node, cloud
+
+# A sensor at the origin that looks along x, a plate that comes before it, and things behind.
+SCENE = """
+sources: [s]
+frames:
+- {name: arm, source: s}
+- {name: eye, source: s, static: true, pose: {position: [0, 0, 0.02]}}
+geometries:
+- {name: plate, source: s, frame: arm, shape: {type: box, size: [0.02, 0.4, 0.4]}}
+"""
+AWAY, BEFORE = [0.0, 0.0, 50.0], [1.0, 0.0, 0.0]
+THING, ASIDE = [2.05, 0.05, 0.03], [2.05, 1.05, 0.03]
+ON_PLATE = [0.99, 0.05, 0.03]
+
+
+class Sensor:
+    """Sees points in the world at times, beside a plate that is somewhere then."""
+
+    def __init__(self, **changes):
+        self.node = Node(scene=SCENE, self_filter='scene', **changes)
+
+    def see(self, stamp, plate, *points):
+        self.node.clock.now = stamp
+        self.node.move(stamp, plate)
+        self.node.taker.take_cloud(cloud(np.array(points) - [0.0, 0.0, 0.02], 'eye', stamp))
+
+    def cells(self):
+        return {tuple(np.round(centre, 2)) for centre in self.node.centres().tolist()}
+
+
+def cell(point):
+    return tuple(np.round((np.floor(np.array(point) / 0.1) + 0.5) * 0.1, 2))
+
+
+@pytest.mark.parametrize('rays', [False, True])
+@pytest.mark.parametrize('keep', [0.0, 0.5])
+def test_a_thing_that_the_plate_hides_stays_until_the_sensor_looks_there_again(keep, rays):
+    sensor = Sensor(keep=keep, rays=rays)
+    sensor.see(100.0, AWAY, THING, ASIDE)
+    for stamp in (100.5, 101.0, 105.0):  # longer than any cell is kept
+        sensor.see(stamp, BEFORE, ON_PLATE, ASIDE)
+        assert sensor.cells() == {cell(THING), cell(ASIDE)}
+        assert sensor.node.input.counts.shadow_cells == 1
+    sensor.see(105.1, AWAY, ASIDE)
+    assert (cell(THING) in sensor.cells()) == (keep > 0.0)  # it was unseen for 0.1 s
+    assert sensor.node.input.counts.shadow_cells == 0
+    sensor.see(106.0, AWAY, ASIDE)
+    assert sensor.cells() == {cell(ASIDE)}
+
+
+def test_no_self_filter_has_no_shadow():
+    sensor = Sensor()
+    sensor.node.settings = sensor.node.settings._replace(self_filter='none')
+    sensor.see(100.0, AWAY, THING, ASIDE)
+    sensor.see(100.5, BEFORE, ASIDE)
+    assert sensor.cells() == {cell(ASIDE)}
+
+
+def test_a_thing_beyond_the_range_is_not_in_the_shadow():
+    sensor = Sensor(reach=5.0)
+    sensor.see(100.0, AWAY, THING, ASIDE)
+    sensor.node.settings = sensor.node.settings._replace(reach=1.5)
+    sensor.see(100.5, BEFORE, [1.0, 0.5, 0.0])
+    assert cell(THING) not in sensor.cells()
+
+
+def test_a_cell_beside_the_plate_that_hides_it_is_in_the_shell_and_in_no_distance():
+    sensor = Sensor(padding=0.2)
+    behind = [1.15, 0.05, 0.03]
+    sensor.see(100.0, AWAY, behind, ASIDE)
+    sensor.see(100.5, BEFORE, ON_PLATE, ASIDE)
+    assert sensor.cells() == {cell(ASIDE)}
+    assert sensor.node.input.counts.held_shell_cells == 1
+    further = [0.6, 0.0, 0.0]  # it hides the place from farther away: nobody knows yet
+    sensor.see(101.0, further, [0.59, 0.05, 0.03], ASIDE)
+    assert sensor.node.input.counts.held_shell_cells == 1
+    sensor.see(101.5, AWAY, ASIDE)
+    assert sensor.node.input.counts.held_shell_cells == 0
+
+
+def test_points_in_the_world_have_no_sensor_whose_shadow_there_could_be():
+    sensor = Sensor()
+    sensor.see(100.0, AWAY, THING, ASIDE)
+    node = sensor.node
+    for stamp, plate, points in ((101.0, AWAY, [THING, ASIDE]), (101.5, BEFORE, [ASIDE])):
+        node.clock.now = stamp
+        node.move(stamp, plate)
+        node.taker.take_cloud(cloud(points, 'world', stamp), 0.0, 'helper')
+    assert node.input.counts.shadow_cells == 0
