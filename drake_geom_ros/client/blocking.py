@@ -339,6 +339,11 @@ class SceneGraphClient:
         joint_names: Sequence[str] = (),
         path: ArrayLike = (),
         times: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        accelerations: ArrayLike | None = None,
+        profile: str = '',
+        start_tolerance: float = 0.0,
+        ignore_foreign_joints: bool = False,
         start_joints: JointValues | None = None,
         min_distance: float = 0.0,
         time_tolerance: float = TIME_TOLERANCE,
@@ -356,19 +361,31 @@ class SceneGraphClient:
         ``joint_names``, in straight lines between rows, at ``times`` (k,) [s]. Without ``times``
         the path lasts from 0 to 1 and starts at its first row; a single row is the end.
 
+        With ``velocities`` (k, q), and perhaps ``accelerations``, joints follow the splines on
+        which a controller takes them; ``profile`` 'points' or 'spline' says so explicitly. A
+        spline is refused where the joints are farther than ``start_tolerance`` (0: 0.01) from its
+        first row, and where it leaves their limits. With ``ignore_foreign_joints``, joints that no
+        robot of the scene has are left out, and named in the result.
+
         ``start`` and ``start_joints`` set the initial poses and joint values; all others are the
         live ones. A path whose first time is later than 0 begins there too. ``time_tolerance``
         [s] is the width to which the time of contact is bracketed. Raises StaleError if the
         result rests on stale live poses, unless ``allow_stale``.
         """
         rows = np.asarray(path, dtype=np.float64)
-        trajectory = joint_trajectory(joint_names, rows, times) if rows.size else JointTrajectory()
+        derivatives = velocities, accelerations
+        trajectory = JointTrajectory()
+        if rows.size:
+            trajectory = joint_trajectory(joint_names, rows, times, *derivatives)
         answer = self.ask(
             'check_motion',
             start=frame_poses(start or {}),
             end=frame_poses(end or {}),
             start_joints=joint_positions(start_joints or {}),
             path=trajectory,
+            profile=profile,
+            start_tolerance=float(start_tolerance),
+            ignore_foreign_joints=ignore_foreign_joints,
             min_distance=float(min_distance),
             time_tolerance=float(time_tolerance),
             interpolation=interpolation,

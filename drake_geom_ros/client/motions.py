@@ -40,6 +40,9 @@ class Motion(NamedTuple):
     lower_bound: float  # [m] certified for the whole certified part
     evaluations: int
     ignored: int  # pairs left out because they were not clear at the start
+    fastest_joint: str  # of a path
+    joint_speed: float  # [rad/s] or [m/s] certified: no joint of the path is faster
+    foreign_joints: tuple[str, ...]  # of a path: left out, since no robot of the scene has them
     scene_version: int
     oldest_pose_age: float  # [s] of the oldest frame pose used; inf: unknown
     stale_frames: tuple[str, ...]  # frames whose live pose is stale and used; at most 20
@@ -66,6 +69,9 @@ class Motion(NamedTuple):
             lower_bound=answer.lower_bound,
             evaluations=answer.evaluations,
             ignored=answer.ignored,
+            fastest_joint=answer.fastest_joint,
+            joint_speed=answer.joint_speed,
+            foreign_joints=tuple(answer.foreign_joints),
             scene_version=answer.scene_version,
             oldest_pose_age=answer.oldest_pose_age,
             stale_frames=tuple(answer.stale_frames),
@@ -73,11 +79,16 @@ class Motion(NamedTuple):
 
 
 def joint_trajectory(
-    joint_names: Sequence[str], path: ArrayLike, times: ArrayLike | None = None
+    joint_names: Sequence[str],
+    path: ArrayLike,
+    times: ArrayLike | None = None,
+    velocities: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
 ) -> JointTrajectory:
     """Return a path (k, q) [rad] or [m] as a message; ``times`` (k,) [s], to the nanosecond.
 
-    Raises ValueError if the numbers of rows and times differ.
+    ``velocities`` and ``accelerations`` are (k, q), too. Raises ValueError if numbers of rows
+    differ.
     """
     rows = np.atleast_2d(np.asarray(path, dtype=np.float64))
     seconds = np.zeros(len(rows)) if times is None else np.asarray(times, dtype=np.float64)
@@ -85,11 +96,29 @@ def joint_trajectory(
         raise ValueError(
             f'times has the shape {seconds.shape}; a path of {len(rows)} rows has ({len(rows)},)'
         )
+    derivatives = [_derivative_rows(each, rows) for each in (velocities, accelerations)]
     points = [
         JointTrajectoryPoint(
             positions=row.tolist(),
+            velocities=velocity,
+            accelerations=acceleration,
             time_from_start=Duration(nanoseconds=round(time * 1e9)).to_msg(),
         )
-        for row, time in zip(rows, seconds.tolist(), strict=True)
+        for row, time, velocity, acceleration in zip(
+            rows, seconds.tolist(), *derivatives, strict=True
+        )
     ]
     return JointTrajectory(joint_names=list(joint_names), points=points)
+
+
+def _derivative_rows(values: ArrayLike | None, path: Floats) -> list[list[float]]:
+    """Return derivatives (k, q) by rows, empty ones for None; raises ValueError."""
+    if values is None:
+        return [[]] * len(path)
+    rows = np.asarray(values, dtype=np.float64)
+    if rows.shape != path.shape:
+        raise ValueError(
+            f'velocities or accelerations have the shape {rows.shape}; the path has {path.shape}'
+        )
+    listed: list[list[float]] = rows.tolist()
+    return listed

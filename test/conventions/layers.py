@@ -128,7 +128,10 @@ LIVE_ROOMS = {
         (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'live/outputs'),
         ('numpy',),
     ),
-    'live/services': ((*_HELD, 'batch', 'live/inputs', 'live/services'), ('numpy',)),
+    'live/services': (
+        (*_HELD, 'batch', 'trajectories', 'live/inputs', 'live/services'),
+        ('numpy',),
+    ),
     'live': (_LIVE, ('numpy',)),
 }
 # What rclpy sees.

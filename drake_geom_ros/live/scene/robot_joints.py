@@ -148,6 +148,10 @@ class RobotJoints:
                 )
         return [place for place in places if place is not None]
 
+    def are_known(self, names: Sequence[str]) -> list[bool]:
+        """Return which names mean a joint; raises ArgumentError for an ambiguous one."""
+        return [place is not None for place in look_up(list(self.robots.values()), names)]
+
     def every_place(self) -> list[JointPlace]:
         """Return all joints, robot by robot."""
         robots = self.robots.items()

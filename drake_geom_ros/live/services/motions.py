@@ -14,14 +14,18 @@ import numpy as np
 
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.paths import PathChecker
-from drake_geom_ros.common.counting import counted
-from drake_geom_ros.common.times import time_between
 from drake_geom_ros.geometry import ACCURACY_LEVELS, ArgumentError, MotionCheck
-from drake_geom_ros.live.conversions.fields import seconds_of
 from drake_geom_ros.live.conversions.names import some_of
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.robot_following import ends_with_followers
 from drake_geom_ros.live.scene.scene_view import SceneView
+from drake_geom_ros.live.services.joint_paths import (
+    START_TOLERANCE,
+    TimedPath,
+    refuse_far_start,
+    timed_path,
+    without_columns,
+)
 from drake_geom_ros.live.services.joint_views import GivenJoints, view_of_joints
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
@@ -29,17 +33,13 @@ from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 OUTCOMES = {'clear': 1, 'contact': 2, 'unknown': 3}  # CLEAR, CONTACT and UNKNOWN of the answer
 
 
-class TimedPath(NamedTuple):
-    """Rows (k, q) of joint values, and when each is reached (k,) [s]."""
+class JointWay(NamedTuple):
+    """The path of joints that was checked."""
 
-    rows: Floats
-    times: Floats
-
-    def time_of(self, place: float, towards: float | None = None) -> float:
-        """Return the time [s] of a place by rows, rounded as by ``time_between``."""
-        edge = min(int(place), len(self.times) - 2)
-        begin, end = self.times[edge : edge + 2].tolist()
-        return time_between(begin, end, place - edge, towards)
+    path: TimedPath
+    joints: Joints
+    now: Floats  # (q,) where the joints are; NaN where nobody knows
+    foreign: list[str]  # joints of the request that are none of the scene
 
 
 def check_motion(live: LiveScene, request: Any, response: Any) -> None:
@@ -59,13 +59,15 @@ def check_motion(live: LiveScene, request: Any, response: Any) -> None:
             f'end and path are {"both given" if by_joints else "both empty"}; end poses the '
             'frames that move, path the joints: give one of them'
         )
-    view, check, path = (_along_path if by_joints else _to_poses)(live, request)
-    _fill(response, check, view, path)
+    view, check, way = (_along_path if by_joints else _to_poses)(live, request)
+    _fill(response, check, view, None if way is None else way.path)
     view.beside.fill(response)
     response.scene_version = view.moment.version
     response.oldest_pose_age = view.moment.oldest_pose_age
     response.stale_frames = view.stale_frames()
     response.message = view.reservations()
+    if way is not None:
+        _fill_way(response, way)
 
 
 def _asked(request: Any) -> dict[str, Any]:
@@ -80,8 +82,9 @@ def _asked(request: Any) -> dict[str, Any]:
 
 def _to_poses(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, None]:
     """Check the motion of frames, whose times go from 0 to 1."""
-    if request.ignore_limits:
-        raise ArgumentError('ignore_limits is of a motion of joints; `end` moves frames by poses')
+    for name in ('ignore_limits', 'ignore_foreign_joints', 'profile', 'start_tolerance'):
+        if getattr(request, name):
+            raise ArgumentError(f'{name} is of a motion of joints; `end` moves frames by poses')
     with live.reading() as scene:
         ends = scene.model.reader.read(request.end).poses
         view = live.view(request.start, request.start_joints)
@@ -95,22 +98,30 @@ def _to_poses(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, No
     return view, check, None
 
 
-def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, TimedPath]:
-    """Check a motion of joints, straight from point to point."""
+def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, JointWay]:
+    """Check a motion of joints, from point to point."""
     if request.interpolation:
         raise ArgumentError(
-            f'interpolation is {request.interpolation!r}; it is of a motion of frames: joints go '
-            'straight from point to point'
+            f'interpolation is {request.interpolation!r}; it is of a motion of frames: joints '
+            'follow their path'
+        )
+    if not request.start_tolerance >= 0.0:
+        raise ArgumentError(
+            f'start_tolerance is {request.start_tolerance}; it must be >= 0 [rad] or [m], and 0 '
+            f'stands for {START_TOLERANCE:g}'
         )
     start_joints = GivenJoints(request.start_joints.names, request.start_joints.positions)
-    names = list(request.path.joint_names)
+    trajectory, foreign = _of_the_scene(live, request)
+    names = list(trajectory.joint_names)
     view, joints, begin = view_of_joints(live, request.start, names, start_joints)
-    path = timed_path(request.path, joints, begin.now)
-    if begin.given and len(path.rows) == len(request.path.points):
+    path = timed_path(trajectory, joints, begin.now, request.profile)
+    if begin.given and len(path.rows) == len(trajectory.points):
         raise ArgumentError(
             f'start_joints give {some_of(begin.given)} a value, and so does the first point of '
             'path, which is where it begins; leave them out of one'
         )
+    if path.spline is not None or request.start_tolerance > 0.0:
+        refuse_far_start(joints, path, begin.now, request.start_tolerance or START_TOLERANCE)
     # Within the tolerance in seconds on each edge.
     longest = float(np.diff(path.times).max(initial=0.0)) or 1.0
     with PathChecker(
@@ -120,70 +131,37 @@ def _along_path(live: LiveScene, request: Any) -> tuple[SceneView, MotionCheck, 
         ignore_limits=request.ignore_limits,
         **_asked(request),
     ) as checker:
-        return view, checker.check(path.rows), path
+        if path.spline is None:
+            check = checker.check(path.rows)
+        else:
+            check = checker.check_spline(path.spline)
+    return view, check, JointWay(path, joints, begin.now, foreign)
 
 
-def timed_path(trajectory: Any, joints: Joints, start: Floats) -> TimedPath:
-    """Return the way of a JointTrajectory; raises ArgumentError for what it cannot be.
+def _of_the_scene(live: LiveScene, request: Any) -> tuple[Any, list[str]]:
+    """Return the path of a request for the joints of the scene, and the names of others."""
+    names = list(request.path.joint_names)
+    with live.reading() as scene:
+        is_known = scene.model.joints.are_known(names)
+    foreign = [name for name, known in zip(names, is_known, strict=True) if not known]
+    if not (foreign and request.ignore_foreign_joints):
+        return request.path, []
+    return without_columns(request.path, is_known), foreign
 
-    ``start`` (q,) are the values at time 0 where the first point comes later, NaN of joints of
-    which nobody knows one. Points without times, all 0, go from time 0 to 1 by equal parts; one
-    alone is the end.
-    """
-    points = trajectory.points
-    if not len(points):
-        raise ArgumentError('path has joint names and no points; give at least one')
-    count = joints.count
-    for number, point in enumerate(points):
-        _check_point(number, point, count)
-    # Number by number: NumPy holds the interpreter's lock while it looks at 100 000 arrays.
-    numbers = (number for point in points for number in point.positions)
-    rows = np.fromiter(numbers, np.float64, len(points) * count)
-    rows = rows.reshape(len(points), count)
-    bad = np.argwhere(~np.isfinite(rows))
-    if bad.size:
-        number, column = bad[0].tolist()
-        raise ArgumentError(
-            f'point {number} of path: {joints.names[column]} = {rows[number, column]}; positions '
-            'must be finite'
+
+def _fill_way(response: Any, way: JointWay) -> None:
+    """Fill an answer with what belongs to a path of joints."""
+    speeds = way.path.speeds()
+    fastest = int(np.argmax(speeds))
+    response.fastest_joint, response.joint_speed = way.joints.names[fastest], speeds[fastest]
+    response.foreign_joints = way.foreign
+    unknown = [n for n, q in zip(way.joints.names, way.now, strict=True) if np.isnan(q)]
+    if unknown and way.path.spline is not None:
+        note = (
+            f'nobody knows where {some_of(unknown)} are now: whether the path begins there was '
+            'not judged'
         )
-    times = np.array([seconds_of(point.time_from_start) for point in points])
-    if not times.any():
-        if len(points) > 1:
-            return TimedPath(rows, np.linspace(0.0, 1.0, len(points)))
-        times = np.ones(1)
-    steps = np.diff(times)
-    if times[0] < 0.0 or (steps <= 0.0).any():
-        number = 0 if times[0] < 0.0 else 1 + int(np.argmax(steps <= 0.0))
-        raise ArgumentError(
-            f'point {number} of path has the time_from_start {times[number]:g} s; times must be '
-            '>= 0 and grow from point to point, or all be 0'
-        )
-    if times[0] > 0.0:
-        unknown = [name for name, q in zip(joints.names, start, strict=True) if np.isnan(q)]
-        if unknown:
-            raise ArgumentError(
-                f'path begins at {times[0]:g} s, and nobody knows where {", ".join(unknown)} '
-                'are at 0 s: give a point with time_from_start 0, or start_joints'
-            )
-        rows, times = np.vstack((start, rows)), np.concatenate(([0.0], times))
-    return TimedPath(rows, times)
-
-
-def _check_point(number: int, point: Any, count: int) -> None:
-    """Raise ArgumentError for a point of which the positions alone do not say the way."""
-    if len(point.positions) != count:
-        raise ArgumentError(
-            f'point {number} of path has {len(point.positions)} positions for '
-            f'{counted(count, "joint")}; it must have one for each'
-        )
-    for name in ('velocities', 'accelerations', 'effort'):
-        if len(getattr(point, name)):
-            raise ArgumentError(
-                f'point {number} of path has {name}: by these a controller leaves the straight '
-                'way between points, which is the one that is checked. Cut the curve into points, '
-                f'and leave {name} empty'
-            )
+        response.message = '; '.join(filter(None, (response.message, note)))
 
 
 def _fill(response: Any, check: MotionCheck, view: SceneView, path: TimedPath | None) -> None:

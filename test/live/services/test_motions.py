@@ -20,6 +20,7 @@ from drake_geom_ros.live.inputs.joint_input import JointInput
 from drake_geom_ros.live.scene.change import Change
 from drake_geom_ros.live.services.motions import OUTCOMES, check_motion
 from drake_geom_ros.scene_files import load_scene
+from drake_geom_ros.trajectories import JointSpline, JointTrajectory
 
 CLEAR, CONTACT, UNKNOWN = 1, 2, 3
 NAMES = [f'arm::{name}' for name in JOINTS_OF_ARM]
@@ -88,6 +89,9 @@ def answer(live, **fields):
         'accuracy': '',
         'ignore_start_contacts': False,
         'ignore_limits': False,
+        'profile': '',
+        'start_tolerance': 0.0,
+        'ignore_foreign_joints': False,
     }
     response = Plain(
         times=[0.0, 0.0],
@@ -261,8 +265,37 @@ def test_contacts_at_the_start_are_told_or_left_out(live):
         ({'path': trajectory([[0, 0, 0], [0, math.nan, 0]])}, 'point 1 of path: wrist = nan'),
         (
             {'path': trajectory([[0, 0, 0]], velocities=[1, 1, 1])},
-            'point 0 of path has velocities',
+            'no time_from_start: a spline needs times',
         ),
+        (
+            {'path': trajectory([NOW, NOW], times=(0, 1), velocities=[1, 1])},
+            'point 0 of path has 2 velocities for 3 joints',
+        ),
+        (
+            {'path': trajectory([NOW, NOW], times=(0, 1), accelerations=[1, 1, 1])},
+            'accelerations and no velocities',
+        ),
+        (
+            {'path': trajectory([NOW, NOW], times=(0, 1), velocities=[math.inf, 1, 1])},
+            'they must be finite',
+        ),
+        ({'path': trajectory([NOW, NOW]), 'profile': 'cubic'}, "profile is 'cubic'"),
+        ({'path': trajectory([NOW, NOW]), 'profile': 'spline'}, 'a spline needs times'),
+        ({'path': trajectory([NOW, NOW]), 'start_tolerance': -1.0}, 'start_tolerance is -1'),
+        ({'path': trajectory([NOW, NOW]), 'start_tolerance': math.nan}, 'start_tolerance is nan'),
+        (
+            {'path': trajectory([[1.0, 0.72, 0.1], NOW], times=(0, 1), velocities=[0, 0, 0])},
+            r'path begins with wrist = 0.72, and the joint is at 0.7 now',
+        ),
+        (
+            {'path': trajectory([[1.0, 0.701, 0.1], NOW]), 'start_tolerance': 1e-4},
+            r'path begins with wrist = 0.701',
+        ),
+        (
+            {'path': trajectory([[0.0]], names=['elbow']), 'ignore_foreign_joints': True},
+            'path is of elbow, none of which is a joint of the scene',
+        ),
+        ({'end': poses(free=AT_POST), 'profile': 'spline'}, 'profile is of a motion of joints'),
         ({'path': trajectory([[0, 0, 0]] * 2, times=(1.0, 1.0))}, 'point 1 of path has the time'),
         ({'path': trajectory([[0, 0, 0]] * 2, times=(1.0, 0.0))}, 'point 1 of path has the time'),
         ({'path': trajectory([[5.0, 0, 0]] * 2)}, 'shoulder = 5; it is outside its limits'),
@@ -311,3 +344,63 @@ def test_a_frame_without_a_pose_makes_no_motion_clear(live):
     for fields in ({'end': poses(free=AT_POST)}, {'path': trajectory([[0, 0, 0]])}):
         with pytest.raises(RuntimeError, match='never had a pose'):
             answer(live, **fields)
+
+
+def test_a_spline_is_what_the_core_says_of_it(live, checker):
+    rng = np.random.default_rng(9)
+    kinds = set()
+    asked = checker(min_distance=0.01, time_tolerance=1e-6 / 3.0)
+    for k in range(30):
+        rows = np.vstack((NOW, rng.uniform(*BOUNDS, size=(2, 3))))
+        times, still = np.array([0.0, 2.0, 5.0]), [0.0] * 3
+        spline = JointSpline(JointTrajectory(times, rows, np.zeros_like(rows)))
+        derivatives = {'velocities': still, 'accelerations': still if k % 2 else []}
+        if k % 2:
+            spline = JointSpline(JointTrajectory(times, rows, 0.0 * rows, 0.0 * rows))
+        expected = asked.check_spline(spline)
+        found = answer(live, path=trajectory(rows, times, **derivatives), min_distance=0.01)
+        kinds.add(expected.outcome)
+        assert found.outcome == OUTCOMES[expected.outcome]
+        assert found.lower_bound == expected.lower_bound
+        inner = np.interp(expected.times, np.arange(3), times)
+        assert np.allclose(found.times, inner, rtol=0, atol=1e-12)
+        speeds = spline.speeds()
+        assert found.joint_speed == speeds.max()
+        assert found.fastest_joint == JOINTS_OF_ARM[int(np.argmax(speeds))]
+    assert kinds >= {'clear', 'contact'}
+
+
+def test_a_spline_begins_at_rest_where_the_joints_are(live):
+    row, still = [1.2, 0.6, 0.1], {'velocities': [0, 0, 0]}
+    later = answer(live, path=trajectory([row], times=(1.0,), **still))
+    both = answer(live, path=trajectory([NOW, row], times=(0.0, 1.0), **still))
+    assert vars(later) == vars(both)
+    assert later.joint_speed == pytest.approx(1.5 * 0.2)
+
+
+def test_points_go_straight_where_that_is_said(live):
+    rows, times = [NOW, [1.2, 0.6, 0.1]], (0.0, 1.0)
+    plain = answer(live, path=trajectory(rows, times))
+    with_velocities = trajectory(rows, times, velocities=[3.0, 0, 0])
+    assert vars(answer(live, path=with_velocities, profile='points')) == vars(plain)
+    assert plain.joint_speed == pytest.approx(0.2)
+
+
+def test_joints_of_other_robots_are_left_out_where_that_is_asked_for(live):
+    still = {'velocities': [0.0] * 3}
+    rows = [NOW, [1.2, 0.6, 0.1]]
+    own = answer(live, path=trajectory(rows, (0.0, 1.0), **still))
+    names = [JOINTS_OF_ARM[0], 'gripper', *JOINTS_OF_ARM[1:]]
+    more = [[row[0], 9.9, *row[1:]] for row in rows]
+    path = trajectory(more, (0.0, 1.0), names, velocities=[0.0] * 4)
+    with pytest.raises(RuntimeError, match="no joint 'gripper'"):
+        answer(live, path=path)
+    found = answer(live, path=path, ignore_foreign_joints=True)
+    assert found.foreign_joints == ['gripper']
+    assert {**vars(found), 'foreign_joints': []} == vars(own)
+
+
+def test_where_nobody_knows_the_start_of_a_spline_the_answer_says_so(text):
+    live = live_scene(text, Clock(1000.0))
+    path = trajectory([[0, 0, 0.1], [0.1, 0, 0.1]], (0.0, 1.0), velocities=[0, 0, 0])
+    assert 'whether the path begins there was not judged' in answer(live, path=path).message

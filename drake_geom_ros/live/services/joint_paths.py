@@ -1,0 +1,240 @@
+"""A JointTrajectory of a request as the way on which a controller takes the joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.batch.joints import Joints
+from drake_geom_ros.common.counting import counted
+from drake_geom_ros.common.times import time_between
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.live.conversions.fields import seconds_of
+from drake_geom_ros.live.conversions.names import some_of
+from drake_geom_ros.math.array_types import Floats
+from drake_geom_ros.trajectories import JointSpline, JointTrajectory
+
+POINTS, SPLINE = 'points', 'spline'
+PROFILES = POINTS, SPLINE
+START_TOLERANCE = 0.01  # [rad] or [m], as MoveIt's allowed_start_tolerance
+
+
+class TimedPath(NamedTuple):
+    """Rows (k, q) of joint values, and when each is reached (k,) [s].
+
+    The way is straight from row to row, or follows ``spline``.
+    """
+
+    rows: Floats
+    times: Floats
+    spline: JointSpline | None = None
+
+    def time_of(self, place: float, towards: float | None = None) -> float:
+        """Return the time [s] of a place by rows, rounded as by ``time_between``."""
+        edge = min(int(place), len(self.times) - 2)
+        begin, end = self.times[edge : edge + 2].tolist()
+        return time_between(begin, end, place - edge, towards)
+
+    def speeds(self) -> Floats:
+        """Return an upper bound (q,) of the speed of each joint [rad/s] or [m/s]."""
+        if self.spline is not None:
+            return self.spline.speeds()
+        steps = np.abs(np.diff(self.rows, axis=0)) / np.diff(self.times)[:, None]
+        return np.asarray(steps.max(axis=0, initial=0.0))
+
+
+def without_columns(trajectory: Any, is_known: Sequence[bool]) -> Any:
+    """Return a trajectory message with the joints that are known alone.
+
+    Raises ArgumentError where none is, and for a point that has not a number for each joint.
+    """
+    if all(is_known):
+        return trajectory
+    names = [name for name, known in zip(trajectory.joint_names, is_known, strict=True) if known]
+    if not names:
+        raise ArgumentError(
+            f'path is of {some_of(list(trajectory.joint_names))}, none of which is a joint of the '
+            'scene: nothing of it could be checked'
+        )
+    points = []
+    for number, point in enumerate(trajectory.points):
+        _check_lengths(number, point, len(is_known))
+        points.append(
+            _Point(
+                _chosen(point.positions, is_known),
+                _chosen(point.velocities, is_known),
+                _chosen(point.accelerations, is_known),
+                point.time_from_start,
+            )
+        )
+    return _Trajectory(names, points)
+
+
+class _Point(NamedTuple):
+    """A point of a trajectory with some of its joints."""
+
+    positions: list[float]
+    velocities: list[float]
+    accelerations: list[float]
+    time_from_start: Any
+
+
+class _Trajectory(NamedTuple):
+    """A trajectory with some of its joints."""
+
+    joint_names: list[str]
+    points: list[_Point]
+
+
+def _chosen(values: Sequence[float], is_known: Sequence[bool]) -> list[float]:
+    return [v for v, known in zip(values, is_known, strict=True) if known] if len(values) else []
+
+
+def timed_path(trajectory: Any, joints: Joints, start: Floats, profile: str) -> TimedPath:
+    """Return the way of a JointTrajectory; raises ArgumentError for what it cannot be.
+
+    ``start`` (q,) are the values at time 0 where the first point comes later, NaN of joints of
+    which nobody knows one; a spline begins at rest there. Points without times, all 0, go from
+    time 0 to 1 by equal parts; one alone is the end. An empty ``profile`` is that of splines where
+    a point has velocities.
+    """
+    points = trajectory.points
+    if not len(points):
+        raise ArgumentError('path has joint names and no points; give at least one')
+    if profile not in ('', *PROFILES):
+        allowed = ', '.join(PROFILES)
+        raise ArgumentError(
+            f'profile is {profile!r}; it must be one of {allowed}, or empty: {SPLINE} where '
+            f'points have velocities, else {POINTS}'
+        )
+    for number, point in enumerate(points):
+        _check_lengths(number, point, joints.count)
+    rows = _rows_of(points, joints)
+    times = np.array([seconds_of(point.time_from_start) for point in points])
+    if profile == SPLINE or (not profile and _has_derivatives(points)):
+        return _spline_path(points, joints, rows, times, start)
+    if not times.any():
+        if len(points) > 1:
+            return TimedPath(rows, np.linspace(0.0, 1.0, len(points)))
+        times = np.ones(1)
+    _refuse_times(times)
+    if times[0] > 0.0:
+        _refuse_unknown(times[0], joints, start)
+        rows, times = np.vstack((start, rows)), np.concatenate(([0.0], times))
+    return TimedPath(rows, times)
+
+
+def _spline_path(
+    points: Sequence[Any], joints: Joints, rows: Floats, times: Floats, start: Floats
+) -> TimedPath:
+    """Return the way along splines, whose points must have times."""
+    if not times.any():
+        raise ArgumentError(
+            'the points of path have velocities and no time_from_start: a spline needs times. '
+            f'Give them, or profile {POINTS!r}, which goes straight from point to point'
+        )
+    _refuse_times(times)
+    velocities = _derivatives(points, 'velocities', joints)
+    accelerations = _derivatives(points, 'accelerations', joints)
+    if times[0] > 0.0:
+        _refuse_unknown(times[0], joints, start)
+        rows, times = np.vstack((start, rows)), np.concatenate(([0.0], times))
+        velocities, accelerations = _from_rest(velocities), _from_rest(accelerations)
+    spline = JointSpline(JointTrajectory(times, rows, velocities, accelerations))
+    return TimedPath(rows, times, spline)
+
+
+def _from_rest(derivatives: Floats) -> Floats:
+    """Return derivatives after those of a start at rest; NaN if the first point has none."""
+    first = np.where(np.isnan(derivatives[:1]), np.nan, 0.0)
+    return np.asarray(np.vstack((first, derivatives)))
+
+
+def _has_derivatives(points: Sequence[Any]) -> bool:
+    return any(len(point.velocities) or len(point.accelerations) for point in points)
+
+
+def _rows_of(points: Sequence[Any], joints: Joints) -> Floats:
+    # Number by number: NumPy holds the interpreter's lock while it looks at 100 000 arrays.
+    numbers = (number for point in points for number in point.positions)
+    rows = np.fromiter(numbers, np.float64, len(points) * joints.count)
+    rows = rows.reshape(len(points), joints.count)
+    bad = np.argwhere(~np.isfinite(rows))
+    if bad.size:
+        number, column = bad[0].tolist()
+        raise ArgumentError(
+            f'point {number} of path: {joints.names[column]} = {rows[number, column]}; positions '
+            'must be finite'
+        )
+    return rows
+
+
+def _derivatives(points: Sequence[Any], name: str, joints: Joints) -> Floats:
+    """Return derivatives (k, q), NaN of points that have none; raises ArgumentError."""
+    rows = np.full((len(points), joints.count), np.nan)
+    for number, point in enumerate(points):
+        values = getattr(point, name)
+        if not len(values):
+            continue
+        rows[number] = values
+        if not np.isfinite(rows[number]).all():
+            raise ArgumentError(
+                f'point {number} of path has the {name} {rows[number].tolist()}; they must be '
+                'finite, or left out'
+            )
+        if name == 'accelerations' and not len(point.velocities):
+            raise ArgumentError(
+                f'point {number} of path has accelerations and no velocities; a quintic needs both'
+            )
+    return rows
+
+
+def _refuse_times(times: Floats) -> None:
+    """Raise ArgumentError for times [s] that do not grow."""
+    steps = np.diff(times)
+    if times[0] < 0.0 or (steps <= 0.0).any():
+        number = 0 if times[0] < 0.0 else 1 + int(np.argmax(steps <= 0.0))
+        raise ArgumentError(
+            f'point {number} of path has the time_from_start {times[number]:g} s; times must be '
+            '>= 0 and grow from point to point, or all be 0'
+        )
+
+
+def _refuse_unknown(first: float, joints: Joints, start: Floats) -> None:
+    """Raise ArgumentError where nobody knows where a path begins."""
+    unknown = [name for name, q in zip(joints.names, start, strict=True) if np.isnan(q)]
+    if unknown:
+        raise ArgumentError(
+            f'path begins at {first:g} s, and nobody knows where {", ".join(unknown)} '
+            'are at 0 s: give a point with time_from_start 0, or start_joints'
+        )
+
+
+def refuse_far_start(joints: Joints, path: TimedPath, now: Floats, tolerance: float) -> None:
+    """Raise ArgumentError where a joint is not where a path begins, within a tolerance."""
+    far = np.abs(path.rows[0] - now)
+    if (far > tolerance).any():
+        column = int(np.nanargmax(far))
+        raise ArgumentError(
+            f'path begins with {joints.names[column]} = {path.rows[0, column]:.6g}, and the joint '
+            f'is at {now[column]:.6g} now, which is {far[column]:.3g} away; at most '
+            f'{tolerance:g} is allowed (start_tolerance). Give the first point a time_from_start '
+            'later than 0 to begin where the joints are, or start_joints for another beginning'
+        )
+
+
+def _check_lengths(number: int, point: Any, count: int) -> None:
+    """Raise ArgumentError for a point that has not a number for each joint."""
+    if len(point.positions) != count:
+        raise ArgumentError(
+            f'point {number} of path has {len(point.positions)} positions for '
+            f'{counted(count, "joint")}; it must have one for each'
+        )
+    for name in ('velocities', 'accelerations'):
+        if len(getattr(point, name)) not in (0, count):
+            raise ArgumentError(
+                f'point {number} of path has {len(getattr(point, name))} {name} for '
+                f'{counted(count, "joint")}; it must have one for each, or none'
+            )
