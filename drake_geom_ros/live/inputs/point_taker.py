@@ -220,13 +220,13 @@ class PointTaker:
             old = old.among(rays < settings.least_points)
         return new.and_others(old)
 
-    def _hidden(self, place: Place, kept: KeptCells, new: Cells) -> Flags:
+    def _hidden(self, place: Place, before: KeptCells, new: Cells) -> Flags:
         """Return which cells of before that are not among the new ones bodies hide.
 
         Those beside bodies are left out: they are the shell's.
         """
-        hidden = ~np.isin(kept.cells.packed, new.packed, assume_unique=True)
-        old = Shell.of_map(kept.among(hidden))
+        hidden = ~np.isin(before.cells.packed, new.packed, assume_unique=True)
+        old = Shell.of_map(before.among(hidden))
         is_hidden = self._in_shadow(place, old.places, old.reach)
         places = old.places[is_hidden]
         is_beside = self.filter.within(place.bodies, places, place.settings.padding, old.reach)

@@ -14,7 +14,7 @@ import numpy as np
 from drake_geom_ros.math.array_types import Flags, Floats, Indices
 
 _STRIDE = 1.0  # [m] of a ray at once at most; bodies farther away are not looked at
-_FINEST = 0.001  # [m] nearness to a body at which a ray counts as blocked, at least
+_FINEST = 0.002  # [m] nearness to a body at which a ray counts as blocked, at least
 _MOST_STEPS = 100  # of a ray; one that is not through by then counts as blocked
 
 # Of points (n, 3) [m] within a threshold [m] of bodies: rows of points, rows of bodies, lower
