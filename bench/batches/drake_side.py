@@ -147,6 +147,13 @@ class DrakeSide:
 
         return evaluate
 
+    def distances_to_points(self, state: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Return the least signed distance [m] of all geometries to each point (m, 3)."""
+        self._plant.SetPositions(self._own, state[self._columns])
+        query = self._port.Eval(self._query_context)
+        answers = (query.ComputeSignedDistanceToPoint(point) for point in points)
+        return np.array([min(each.distance for each in answer) for answer in answers])
+
     def edge_is_free(self, path: np.ndarray, steps: int) -> bool:
         """Return whether all of so many steps of an edge (2, 16) are free."""
         first, last = path[:, self._columns]

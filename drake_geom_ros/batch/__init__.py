@@ -16,6 +16,7 @@ state, or files of them.
 from drake_geom_ros.batch.checker import Checker, Clearance
 from drake_geom_ros.batch.cluster import cluster_executor
 from drake_geom_ros.batch.contacts import ContactsOfStates
+from drake_geom_ros.batch.distance_field import DistanceField, sample_sdf
 from drake_geom_ros.batch.distance_gradients import (
     ClearanceAndGradient,
     DistancesAndGradients,
@@ -47,6 +48,8 @@ __all__ = [
     'PointsOfStates',
     'Question',
     'WANTS',
+    'DistanceField',
+    'sample_sdf',
     'cluster_executor',
     'BatchError',
 ]

@@ -111,13 +111,13 @@ class PathClearanceConstraint(Constraint):
         values = np.asarray(q, dtype=np.float64)
         if values.shape != (self._columns,):
             raise ArgumentError(f'q has the shape {values.shape}; it must be ({self._columns},)')
-        found = path_clearance(self.checker, values.reshape(self._shape), self._pieces)
-        edges, pieces, _, columns = found.gradient.shape
+        bounds = path_clearance(self.checker, values.reshape(self._shape), self._pieces)
+        edges, pieces, _, columns = bounds.gradient.shape
         jacobian = np.zeros((edges, pieces, edges + 1, columns))
         every = np.arange(edges)
-        jacobian[every, :, every] = found.gradient[:, :, 0]
-        jacobian[every, :, every + 1] = found.gradient[:, :, 1]
-        return found.lower_bound.ravel(), jacobian.reshape(edges * pieces, -1)
+        jacobian[every, :, every] = bounds.gradient[:, :, 0]
+        jacobian[every, :, every + 1] = bounds.gradient[:, :, 1]
+        return bounds.lower_bound.ravel(), jacobian.reshape(edges * pieces, -1)
 
 
 def _way_points(checker: Checker, path: ArrayLike) -> Floats:

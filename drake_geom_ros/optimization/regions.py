@@ -91,8 +91,8 @@ def certified_free_box(
     for column in range(len(widths)):
         used = rates[:, column] > 0.0
         left = slack[used] - rates[used] @ widths
-        room = _rounded_down((left / rates[used, column]).min(initial=math.inf))
-        widths[column] = min(widths[column] + max(room, 0.0), farthest[column])
+        extra = _rounded_down((left / rates[used, column]).min(initial=math.inf))
+        widths[column] = min(widths[column] + max(extra, 0.0), farthest[column])
     return np.maximum(state - widths, lower), np.minimum(state + widths, upper)
 
 

@@ -206,7 +206,7 @@ LAYERS = {
     ),
     'batch': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),
-        ('numpy', 'distributed', 'matplotlib', 'pyarrow'),
+        ('numpy', 'distributed', 'matplotlib', 'nrrd', 'pyarrow'),
     ),
     # Constraints and gradients for solvers.
     'optimization': (

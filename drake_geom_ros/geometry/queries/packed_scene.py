@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,6 +153,30 @@ class PackedScene:
                 digest.update(np.ascontiguousarray(array).tobytes())
         return digest.hexdigest()
 
+    def with_geometries(self, places: Indices) -> PackedScene:
+        """Return the scene with some of its geometries alone, without pairs and contacts.
+
+        Their places in it are their indices in ``places`` (k,).
+        """
+        none = np.zeros((0, 2), dtype=np.int64)
+        starts, pool = _repacked(self.starts, self.pool, places)
+        point_starts, point_pool = _repacked(self.point_starts, self.point_pool, places)
+        rows = ('frames', 'R_FGs', 'p_FGs', 'roundings', 'types', 'point_types', 'paddings')
+        own = {name: getattr(self, name)[places] for name in rows}
+        return replace(
+            self,
+            **own,
+            starts=starts,
+            pool=pool,
+            point_starts=point_starts,
+            point_pool=point_pool,
+            meshes=self.meshes[places],
+            pairs=none,
+            half_spaces=none,
+            body_of=np.full(len(places), -1),
+            likeness=np.zeros(len(places), dtype=np.int64),
+        )
+
     def carriers(self) -> Indices:
         """Return the frame (n,) that states pose and that carries each geometry; 0: none does."""
         carriers = np.arange(len(self.parents))
@@ -189,6 +213,14 @@ class PackedScene:
         rows = np.arange(1, count)
         world.set_poses(rows, self.R_PFs[1:].copy(), self.p_PFs[1:].copy())
         return world
+
+
+def _repacked(starts: Indices, pool: Floats, places: Indices) -> tuple[Indices, Floats]:
+    """Return starts (k + 1,) and parameters of the shapes at some places (k,)."""
+    parts = [pool[starts[place] : starts[place + 1]] for place in places.tolist()]
+    sizes = [len(part) for part in parts]
+    firsts = np.concatenate(([0], np.cumsum(sizes, dtype=np.int64)))
+    return firsts, np.concatenate((*parts, np.zeros(0)))
 
 
 def _unwelded(

@@ -172,7 +172,8 @@ def _filled(
     ``most`` is the largest number of answers of a state, ``columns`` are shapes and types.
     """
     offsets = np.zeros(states + 1, dtype=np.int64)
-    size, done = states * min(most, _FIRST_ANSWERS), 0
+    # One state always fits, because to answer it twice costs more than memory that is not touched.
+    size, done = most if states == 1 else states * min(most, _FIRST_ANSWERS), 0
     buffers = [np.empty((size, *shape), dtype=dtype) for shape, dtype in columns]
     while True:
         done = answer(done, offsets, buffers)
