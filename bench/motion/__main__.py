@@ -5,6 +5,7 @@
     python -m bench.motion hunt --motions 100000   # random motions against scans and closed forms
     python -m bench.motion arms --edges 2000       # arms, beside sampling, pydrake and tesseract
     python -m bench.motion pairs --motions 2000    # two bodies, beside python-fcl and tesseract
+    python -m bench.motion trajectories --count 2000   # splines of controllers, beside sampling
     python -m bench.motion costs --edges 500       # tolerances, levels, clearance: docs/accuracy
 
 Tesseract is ``pip install tesseract-robotics==0.5.1``, which nothing else here needs.
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 import argparse
 
-from bench.motion import arms, costs, hunt
+from bench.motion import arms, costs, hunt, trajectories
 
 
 def main() -> None:
@@ -28,6 +29,9 @@ def main() -> None:
     racing = commands.add_parser('arms', help='time and verdicts beside sampling')
     racing.add_argument('--edges', type=int, default=2000)
     racing.add_argument('--step', type=float, default=0.5, help='length of an edge [rad]')
+    splining = commands.add_parser('trajectories', help='verdicts about splines, and misses')
+    splining.add_argument('--count', type=int, default=2000)
+    splining.add_argument('--seed', type=int, default=0)
     pairing = commands.add_parser('pairs', help='time and verdicts of two bodies')
     pairing.add_argument('--motions', type=int, default=2000)
     costing = commands.add_parser('costs', help='what proofs cost, into docs/accuracy')
@@ -35,6 +39,8 @@ def main() -> None:
     options = parser.parse_args()
     if options.command == 'hunt':
         raise SystemExit(hunt.run(options.motions, options.seed))
+    if options.command == 'trajectories':
+        raise SystemExit(trajectories.run(options.count, options.seed))
     if options.command == 'costs':
         costs.run(options.edges)
     elif options.command == 'pairs':

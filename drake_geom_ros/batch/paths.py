@@ -34,7 +34,7 @@ from drake_geom_ros.geometry.queries.scene_mark import SceneMark
 from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
-from drake_geom_ros.trajectories.joint_spline import JointSpline
+from drake_geom_ros.trajectories.joint_spline import EDGES, JointSpline
 
 Booleans = NDArray[np.bool_]
 _PART = 256  # edges that are checked in one call, which Ctrl-C and other threads wait for
@@ -225,7 +225,9 @@ class PathChecker:
         self._rows_of(spline.positions)
         if not self._ignore_limits:
             self._refuse_overshoot(spline)
-        return self._check(spline.path())
+        check = self._check(spline.path())
+        first, last = check.times
+        return replace(check, times=(first / EDGES, last / EDGES), time=check.time / EDGES)
 
     def check_each(self, paths: Iterable[ArrayLike], threads: int = 0) -> list[MotionCheck]:
         """Return the result for each path, by threads (0: one for each core); raises as above."""

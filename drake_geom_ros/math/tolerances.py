@@ -46,9 +46,9 @@ WELDED_STAYS = 1e-6
 # Default of the longest time span [-] that contains a first contact.
 TIME_TOLERANCE = 1e-6
 
-# Rounding of a coefficient of a joint's quintic and of the sum of its terms [-], as a part of all
-# magnitudes that go into them: 30 of these are added, with factors of up to 15.
-SPLINE_ROUNDING = 64.0 * 2.0**-52
+# Rounding of the coefficients of a joint's quintic and of the sum of its terms [-], as a part of
+# all magnitudes that go into them: five coefficients with factors of up to 15, shifted once.
+SPLINE_ROUNDING = 256.0 * 2.0**-52
 
 # The smallest magnitude that a floating-point field of a message may hold, apart from 0. rclpy
 # does not convert an integer that is written into such a field: it sends the bits of the integer

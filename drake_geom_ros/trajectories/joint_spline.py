@@ -14,7 +14,10 @@ from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.math.tolerances import SPLINE_ROUNDING
 
 _DEGREE = 5
-_PIECES = 4  # of a segment, for the bounds of its values: closer than of the whole
+# Bounds of a motion hold for a whole edge of a path. With two edges a segment a proof about two
+# arms takes half the time of one, and with four more than with two (bench.motion trajectories).
+EDGES = 2
+_PIECES = 2  # of an edge, for the bounds of its values: closer than of the whole
 
 
 class JointTrajectory(NamedTuple):
@@ -93,14 +96,21 @@ class JointSpline:
         return max(0, len(self.times) - 2)
 
     def path(self) -> JointPath:
-        """Return the path, whose edges are the segments, for a ``batch.PathChecker``."""
-        derivative = self._powers * np.arange(1, _DEGREE + 1)[:, None]
+        """Return the path, with ``EDGES`` of equal length a segment, for a ``PathChecker``."""
+        values = np.einsum('hmd,edn->ehmn', _SHIFTS, self._values())
+        values = values.reshape(-1, _DEGREE + 1, values.shape[-1])
+        powers = values[:, 1:]
+        derivative = powers * np.arange(1, _DEGREE + 1)[:, None]
         second = derivative[:, 1:] * np.arange(1, _DEGREE)[:, None]
-        values = np.concatenate((self.positions[:-1, None], self._powers), axis=1)
         bounds = [_largest(polynomials) for polynomials in (derivative, second, values)]
-        rounding = SPLINE_ROUNDING * self._sizes
-        curves = np.concatenate((self._powers, np.stack((*bounds, rounding), axis=1)), axis=1)
-        return JointPath(np.ascontiguousarray(self.positions), np.ascontiguousarray(curves))
+        rounding = SPLINE_ROUNDING * np.repeat(self._sizes, EDGES, axis=0)
+        curves = np.concatenate((powers, np.stack((*bounds, rounding), axis=1)), axis=1)
+        rows = np.concatenate((values[:, 0], self.positions[-1:]))
+        return JointPath(np.ascontiguousarray(rows), np.ascontiguousarray(curves))
+
+    def _values(self) -> NDArray[np.float64]:
+        """Return the coefficients (k - 1, 6, n) of the values on each segment."""
+        return np.concatenate((self.positions[:-1, None], self._powers), axis=1)
 
     def speeds(self) -> Floats:
         """Return an upper bound (n,) of the speed of each joint [rad/s] or [m/s]."""
@@ -130,8 +140,7 @@ class JointSpline:
 
     def _suspects(self, lower: Floats, upper: Floats) -> list[tuple[int, int]]:
         """Return the segments and joints that may be beyond limits, by bounds of their values."""
-        values = np.concatenate((self.positions[:-1, None], self._powers), axis=1)
-        controls = _controls(values)
+        controls = _controls(self._values())
         beyond = (controls.min(axis=1) < lower) | (controls.max(axis=1) > upper)
         return [(int(edge), int(joint)) for edge, joint in np.argwhere(beyond)]
 
@@ -199,31 +208,31 @@ def _quintic(
     return np.stack(powers, axis=1)
 
 
+def _shift(piece: int, count: int) -> Floats:
+    """Return the matrix from coefficients of p(s) to those of p on one of equal pieces.
+
+    On the piece from a to a + h they are those of ``p(a + h u)`` in u.
+    """
+    a, h, every = piece / count, 1.0 / count, range(_DEGREE + 1)
+    rows = [[comb(i, j) * a ** (i - j) * h**j if i >= j else 0.0 for i in every] for j in every]
+    return np.array(rows)
+
+
 def _to_controls(degree: int) -> Floats:
     """Return the matrix from coefficients to the Bernstein coefficients of all pieces.
 
     A polynomial is within the range of its Bernstein coefficients (Farin, Curves and Surfaces for
-    CAGD, section 4.3). On the piece from a to a + h it has the coefficients of ``p(a + h u)``.
+    CAGD, section 4.3).
     """
-    h, blocks = 1.0 / _PIECES, []
-    for piece in range(_PIECES):
-        a = piece * h
-        shift = np.array(
-            [
-                [comb(i, j) * a ** (i - j) * h**j if i >= j else 0.0 for i in range(degree + 1)]
-                for j in range(degree + 1)
-            ]
-        )
-        bernstein = np.array(
-            [
-                [comb(j, i) / comb(degree, i) if j >= i else 0.0 for i in range(degree + 1)]
-                for j in range(degree + 1)
-            ]
-        )
-        blocks.append(bernstein @ shift)
-    return np.concatenate(blocks)
+    every = range(degree + 1)
+    bernstein = np.array(
+        [[comb(j, i) / comb(degree, i) if j >= i else 0.0 for i in every] for j in every]
+    )
+    shifts = [_shift(piece, _PIECES)[: degree + 1, : degree + 1] for piece in range(_PIECES)]
+    return np.concatenate([bernstein @ shift for shift in shifts])
 
 
+_SHIFTS = np.stack([_shift(edge, EDGES) for edge in range(EDGES)])
 _TO_CONTROLS = {degree: _to_controls(degree) for degree in (3, 4, 5)}
 
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.trajectories import JointSpline, JointTrajectory
+from drake_geom_ros.trajectories.joint_spline import EDGES
 
 KINDS = ['straight', 'cubic', 'quintic']
 
@@ -59,7 +60,7 @@ def test_bounds_contain_the_values_and_derivatives(seed, kind):
     spline = JointSpline(trajectory_of(seed, kind))
     rows, curves = spline.path()
     s = np.linspace(0, 1, 101)
-    for edge in range(3):
+    for edge in range(3 * EDGES):
         for joint in range(2):
             powers = [rows[edge, joint], *curves[edge, :5, joint]]
             polynomial = np.polynomial.Polynomial(powers)
@@ -109,3 +110,15 @@ def test_what_is_no_trajectory_is_refused(changes, word):
     good = {'times': [0.0, 1.0], 'positions': [[0.0], [1.0]], 'velocities': None}
     with pytest.raises(ArgumentError, match=word):
         JointSpline(JointTrajectory(**{**good, **changes}))
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_the_edges_of_a_path_are_the_spline(kind):
+    spline = JointSpline(trajectory_of(1, kind))
+    rows, curves = spline.path()
+    times = np.interp(np.arange(3 * EDGES + 1) / EDGES, np.arange(4), spline.times)
+    for edge in range(3 * EDGES):
+        for part in (0.0, 0.3, 0.9):
+            time = times[edge] + part * (times[edge + 1] - times[edge])
+            value = rows[edge] + (part ** np.arange(1, 6)) @ curves[edge, :5]
+            assert np.allclose(value, spline.value(time), rtol=0, atol=1e-13)
