@@ -14,7 +14,7 @@ from drake_geom_ros.command_line.mesh_report import file_name, is_solid, mesh_li
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.scene_input import add_scene_options, check_readable
 from drake_geom_ros.command_line.second_opinion import cross_checked
-from drake_geom_ros.geometry import Convex, GeometryId, Mesh, Role, Shape
+from drake_geom_ros.geometry import Convex, GeometryId, HeightField, Mesh, Role, Shape
 from drake_geom_ros.scene_files import Member, SceneFileError, poses_in_parents
 from drake_geom_ros.scene_files.description import (
     CliqueDescription,
@@ -103,7 +103,7 @@ def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:
 
 def _mesh(shape: Shape, solid: bool) -> str:
     """Return a text on how queries treat a mesh; empty for other shapes."""
-    if not isinstance(shape, (Convex, Mesh)):
+    if not isinstance(shape, (Convex, Mesh)) or isinstance(shape, HeightField):
         return ''
     name = file_name(shape)
     if solid and isinstance(shape, Mesh):
