@@ -6,7 +6,8 @@ to an echo, which is their bare round trip and what sending them costs; they go 
 
     ./run exec python -m bench.ros.clouds [--points 300000] [--seconds 10] [--queue 20]
 
-``--queue`` sets how many pose messages may wait in the node. Memory: ``bench.ros.cloud_soak``.
+``--queue`` sets how many pose messages may wait in the node, ``--lidars`` adds so many sources of
+1080 rays at 25 Hz, as columns. Memory: ``bench.ros.cloud_soak``.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import argparse
 import array
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from typing import Any
 
@@ -27,7 +28,7 @@ from numpy.typing import NDArray
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from sensor_msgs.msg import PointCloud2, PointField
+from sensor_msgs.msg import LaserScan, PointCloud2, PointField
 from std_msgs.msg import Header
 
 from bench.ros.meanwhile import beside, delays
@@ -37,6 +38,9 @@ from bench.ros.scenes import two_arms
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 RATE = 10.0  # [Hz] of clouds
+RAYS, SCANS = 1080, 25  # of a lidar, and scans a second
+LIDAR = 'lidar_{}'  # name of a source; its topic has the same name
+MOUNT = 'left::panda_link0'  # frame of the lidars, which stands still
 ECHO, TAKEN = 'clouds to an echo', 'clouds to the node'
 RESOLUTION = 0.03  # [m]
 
@@ -85,8 +89,9 @@ def cloud_of(points: Floats) -> PointCloud2:
 class Maps:
     """How late [s] results with a new map were, by the stamps [s] of its cloud."""
 
-    def __init__(self, pid: int) -> None:
+    def __init__(self, pid: int, lidars: int = 0) -> None:
         self.delays: dict[float, float] = {}
+        self._lidars = lidars
         self._pid = pid  # of the node
 
     def route(self, node: Node, server: str) -> Route:
@@ -96,7 +101,7 @@ class Maps:
     @contextmanager
     def sent(self, count: int) -> Iterator[None]:
         """Let clouds be sent to the node, and print what became of them."""
-        with beside(send, TAKEN, count):
+        with self._scans(), beside(send, TAKEN, count):
             self.delays.clear()
             begin, used = time.time(), self._processor()
             yield
@@ -109,6 +114,10 @@ class Maps:
         tell(TAKEN, found, int((end - begin) * RATE))
         node, *its = (f'{100.0 * share:.0f} %' for share in shares)
         print(f'    of a processor the node used {node}, and processes that it started {its}')
+
+    def _scans(self) -> AbstractContextManager[None]:
+        """Let scans be sent meanwhile, if there are lidars."""
+        return beside(send_scans, self._lidars) if self._lidars else nullcontext()
 
     def _processor(self) -> list[float]:
         return [processor(pid) for pid in (self._pid, *children(self._pid))]
@@ -164,6 +173,37 @@ def send(way: str, count: int, ready: Any, ending: Any) -> None:
     rclpy.shutdown()
 
 
+def send_scans(lidars: int, ready: Any, ending: Any) -> None:
+    """Send scans of a round room until it shall end; print how many of each lidar."""
+    rclpy.init()
+    node = rclpy.create_node('lidars')
+    newest = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    publishers = [
+        node.create_publisher(LaserScan, f'/{LIDAR.format(k)}', newest) for k in range(lidars)
+    ]
+    step = 1.5 * np.pi / RAYS
+    ranges = np.random.default_rng(0).normal(2.0, 0.005, RAYS).astype(np.float32)
+    scan = LaserScan(
+        header=Header(frame_id=MOUNT),
+        angle_min=-0.75 * np.pi,
+        angle_increment=step,
+        range_min=0.05,
+        range_max=10.0,
+        ranges=array.array('f', ranges.tobytes()),
+    )
+    number, start = 0, time.time()
+    while not ending.is_set():
+        time.sleep(max(0.0, start + number / SCANS - time.time()))
+        scan.header.stamp = node.get_clock().now().to_msg()
+        for publisher in publishers:
+            publisher.publish(scan)
+        number += 1
+        ready.set()
+    print(f'  scans to the node: {number} of each of {lidars} lidars', flush=True)
+    node.destroy_node()
+    rclpy.shutdown()
+
+
 def tell(way: str, found: list[float], number: int) -> None:
     """Print how late [s] answers were, and of how many clouds there was none."""
     if not found:
@@ -178,14 +218,20 @@ def tell(way: str, found: list[float], number: int) -> None:
     )
 
 
-def parameters() -> dict[str, object]:
-    """Return the parameters of the node that takes the clouds."""
-    return {
+def parameters(lidars: int = 0) -> dict[str, object]:
+    """Return the parameters of the node that takes the clouds, and the scans of lidars."""
+    values: dict[str, object] = {
         'max_distance': 0.1,
         'obstacles': '[points]',
         'obstacle_resolution': RESOLUTION,
         'obstacle_self_filter': 'robots',
     }
+    if lidars:
+        names = [LIDAR.format(k) for k in range(lidars)]
+        keys = 'type: laser_scan, topic: /{}, extrude: [0.0, 1.8]'
+        each = ', '.join(f'{name}: {{{keys.format(name)}}}' for name in names)
+        values['obstacle_sources'] = f"'{{{each}}}'"
+    return values
 
 
 def main() -> None:
@@ -194,14 +240,15 @@ def main() -> None:
     parser.add_argument('--points', type=int, default=300_000)
     parser.add_argument('--seconds', type=float, default=10.0, help='of poses, in a turn')
     parser.add_argument('--queue', type=int, help='pose messages that may wait in the node')
+    parser.add_argument('--lidars', type=int, default=0, help='laser scans beside the clouds')
     options = parser.parse_args()
-    played, given = two_arms(), parameters()
+    played, given = two_arms(), parameters(options.lidars)
     if options.queue:
         given['qos_overrides./scene_graph/frame_poses.subscription.depth'] = options.queue
     with Processes() as processes:
         node = processes.start(NODE, scene_file=played.scene_file, **given)
         processes.start('bench.ros.cloud_echo')
-        maps = Maps(node.pid)
+        maps = Maps(node.pid, options.lidars)
         ways = {
             ECHO: partial(beside, send, ECHO, options.points),
             TAKEN: partial(maps.sent, options.points),

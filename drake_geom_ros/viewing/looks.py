@@ -46,6 +46,12 @@ PAIR_COLOURS: dict[str, Colour] = {
     'normals': (1.0, 0.8, 0.0, 1.0),
     'distances': (0.1, 0.9, 0.3, 1.0),
 }
+# Colours of sensed cells that are new and that are about to be stale, of stale ones, of those
+# beside bodies, and of those that bodies hide from the sensor.
+MAP_AGES: tuple[Colour, Colour] = ((0.00, 0.62, 0.45, 0.9), (0.90, 0.62, 0.00, 0.9))
+STALE_COLOUR: Colour = (0.84, 0.37, 0.00, 0.9)
+SHELL_COLOUR: Colour = (0.94, 0.89, 0.26, 0.9)
+SHADOW_COLOUR: Colour = (0.80, 0.47, 0.65, 0.9)
 NORMAL_LENGTH = 0.1  # [m]
 MOST_DRAWN = 50_000  # triangles of a solid; rclpy takes about 0.3 s for such a marker
 

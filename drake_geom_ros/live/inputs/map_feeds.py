@@ -20,6 +20,7 @@ from drake_geom_ros.live.scene.clocks import Clocks, Since
 from drake_geom_ros.live.scene.out_of_sight import Sight
 from drake_geom_ros.live.scene.seen_shells import SeenShell, joined
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.sensed_maps.cells import MOST_CELLS, Cells
 
 MOST_FEEDS = 16  # of a map; each costs a map
@@ -45,6 +46,7 @@ class Shown(NamedTuple):
     shell: SeenShell
     since: Since
     sight: Sight
+    hidden: Floats = np.zeros((0, 3))  # (n, 3) [m] centres of cells that bodies hide, in the world
 
     def in_world(self) -> Cells:
         """Return cells of the world's grid that cover these."""
@@ -120,7 +122,8 @@ class MapFeeds:
             )
         shell = joined([one.shell for one in each])
         union = Cells(resolution, packed)
-        return Shown(union, RigidTransform(), shell, oldest, each[0].sight)
+        hidden = np.concatenate([one.hidden for one in each])
+        return Shown(union, RigidTransform(), shell, oldest, each[0].sight, hidden)
 
     def sinces(self) -> Iterator[tuple[Feed, Since]]:
         """Yield each sensor, and since when what it showed last holds."""

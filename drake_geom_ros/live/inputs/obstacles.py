@@ -195,7 +195,8 @@ class ObstacleInput:
         if settings.extrude is not None:
             cells = cells.extruded(*settings.extrude)
             counts = replace(counts, cells=len(cells))
-        shown = Shown(cells, RigidTransform(), seen, moment.since, sight)
+        hidden = Cells(taken.kept.cells.resolution, taken.shadow).centres()
+        shown = Shown(cells, RigidTransform(), seen, moment.since, sight, hidden)
         self._put(begun, shown, counts)
         self._held = {feed: held for feed, held in self._held.items() if self._feeds.since(feed)}
         epoch = begun.moment.since.epoch
@@ -259,6 +260,7 @@ class ObstacleInput:
             all_shown.shell,
             tuple((each.in_words(), since) for each, since in feeds.sinces()),
             feeds.sights(),
+            all_shown.hidden,
         )
 
         def first(scene: HeldScene) -> None:

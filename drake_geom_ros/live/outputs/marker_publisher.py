@@ -10,6 +10,7 @@ from typing import Any
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import GeometryError, GeometryId
 from drake_geom_ros.live.outputs.markers import DELETE_ALL, MarkerPart, MarkerWriter, parts_of
+from drake_geom_ros.live.outputs.obstacle_markers import ObstacleMarkers
 from drake_geom_ros.live.scene.live_scene import LiveScene
 from drake_geom_ros.live.scene.scene_view import SceneView
 from drake_geom_ros.math import RigidTransform
@@ -47,6 +48,7 @@ class MarkerPublisher:
         self._publisher = publisher
         self._types = types
         self._max_distance = max_distance
+        self._obstacles = ObstacleMarkers(live)
         self._listeners = 0
         self._shows_surfaces = False
         self._version = self._late_version = -1
@@ -58,6 +60,7 @@ class MarkerPublisher:
         listeners = self._publisher.get_subscription_count()
         if listeners > self._listeners:
             self._shown.clear()
+            self._obstacles.forget()
         self._listeners = listeners
         if not listeners:
             return
@@ -67,6 +70,7 @@ class MarkerPublisher:
         writer = MarkerWriter(self._types, view.moment.world_frame, stamp)
         results = view.query.ComputeSignedDistancePairwiseClosestPoints(self._max_distance())
         markers = self._geometry(view, writer) + writer.pairs(results)
+        markers += self._obstacles.changed(writer)
         if len(view.query.hydroelastic_geometries()):
             contacts = view.query.contacts(
                 overlaps=results.penetrations(), time_budget=_MOST_SECONDS
@@ -92,6 +96,7 @@ class MarkerPublisher:
             marker.header.frame_id = self._live.world_frame
             self._publisher.publish(self._types.MarkerArray(markers=[marker]))
             self._shown.clear()
+            self._obstacles.forget()
 
     def _geometry(self, view: SceneView, writer: MarkerWriter) -> list[Any]:
         """Return the markers of geometry that is new, moved, changed or gone."""
@@ -117,8 +122,10 @@ class MarkerPublisher:
         if self._version == view.moment.version:
             return
         inspector = view.query.inspector()
-        self._looks = {}
+        self._looks, maps = {}, self._obstacles.geometries()
         for look in looks_of(inspector):
+            if look.geometry in maps:
+                continue
             try:
                 parts = parts_of(look.shape, look.solid)
             except (GeometryError, OSError) as error:

@@ -2,7 +2,8 @@
 
 Namespaces: ``proximity`` (translucent) and ``illustration`` for geometry by its role;
 ``contacts`` (witness points), ``normals`` (out of B into A) and ``distances`` (from witness to
-witness) for the pairs; ``contact_surfaces``, coloured by pressure. A geometry keeps its marker ids
+witness) for the pairs; ``contact_surfaces``, coloured by pressure; those of sensed maps stand in
+``obstacle_markers``. A geometry keeps its marker ids
 while it lives: three are set aside for each, because RViz has no capsule and a cylinder with two
 balls stands for one. Hulls and meshes are drawn as the triangles of the hull that queries see,
 solids as their own. A half space is a plate.
@@ -33,11 +34,12 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.live.conversions.fields import fill_pose
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.viewing.looks import NORMAL_LENGTH, PAIR_COLOURS, Colour, mesh_surface
 from drake_geom_ros.viewing.patches import Patches
 
 # visualization_msgs/Marker
-CUBE, SPHERE, CYLINDER, LINE_LIST, SPHERE_LIST, TRIANGLE_LIST = 1, 2, 3, 5, 7, 11
+CUBE, SPHERE, CYLINDER, LINE_LIST, CUBE_LIST, SPHERE_LIST, TRIANGLE_LIST = 1, 2, 3, 5, 6, 7, 11
 ADD, DELETE, DELETE_ALL = 0, 2, 3
 
 _PLATE = 20.0  # [m] side of the plate that stands for a half space
@@ -137,6 +139,17 @@ class MarkerWriter:
             self._list(LINE_LIST, 'normals', np.stack((p_WCas, tips), axis=1)[touching]),
             self._list(LINE_LIST, 'distances', np.stack((p_WCas, p_WCbs), axis=1)[~touching]),
         ]
+
+    def cubes(
+        self, namespace: str, centres: Floats, edge: float, colour: Colour, X_WM: RigidTransform
+    ) -> Any:
+        """Return one marker of cubes at ``centres`` (n, 3) [m] in M; without any, its deletion."""
+        marker = self._marker(namespace, 0, ADD if len(centres) else DELETE)
+        marker.type = CUBE_LIST
+        fill_pose(marker.pose, X_WM)
+        _fill_scale_and_colour(marker, (edge, edge, edge), colour)
+        marker.points = self._points(centres)
+        return marker
 
     def surfaces(self, patches: Patches) -> Any:
         """Return the marker of all contact surfaces; without any, its deletion."""

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from drake_geom_ros.geometry import ArgumentError, FrameId, GeometryId, SourceId
 from drake_geom_ros.live.scene.clocks import Clocks, Since
 from drake_geom_ros.live.scene.out_of_sight import MapSights, Sight
@@ -19,6 +21,7 @@ from drake_geom_ros.live.scene.seen_shells import (
     SeenShell,
     beside_bodies,
 )
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.scene_files import ObstacleSource
 from drake_geom_ros.sensed_maps import Cells
 
@@ -32,6 +35,7 @@ class SeenMap(NamedTuple):
     shell: SeenShell = NO_SHELL
     feeds: tuple[tuple[str, Since], ...] = ()  # sensors, and since when what each showed holds
     sights: tuple[Sight, ...] = ()  # of each of them
+    hidden: Floats = np.zeros((0, 3))  # (n, 3) [m] centres of cells that bodies hide, in the world
 
 
 class AgeLimit(NamedTuple):

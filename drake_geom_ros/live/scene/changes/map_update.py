@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from drake_geom_ros.geometry import FramePoseVector, OccupiedCells, SceneGraph, SceneGraphContext
 from drake_geom_ros.live.scene.change import Change
@@ -15,6 +17,7 @@ from drake_geom_ros.live.scene.out_of_sight import Sight
 from drake_geom_ros.live.scene.scene_maps import SeenMap
 from drake_geom_ros.live.scene.seen_shells import NO_SHELL, SeenShell
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.array_types import Floats
 from drake_geom_ros.sensed_maps import Cells
 
 _MANY_CELLS = 20_000  # of which a cycle may not wait for the tables
@@ -32,6 +35,8 @@ class Sighting:
     shell: SeenShell = NO_SHELL
     feeds: tuple[tuple[str, Since], ...] = ()  # sensors, and since when what each showed holds
     sights: tuple[Sight, ...] = ()  # of each of them
+    # (n, 3) [m] centres of cells that bodies hide from their sensor, in the world.
+    hidden: Floats = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 def shape_of(cells: Cells, margin: float) -> OccupiedCells:
@@ -73,7 +78,7 @@ def showing(
         manager = scene.model.filter_manager
         if frame not in manager.welded_frames():
             manager.WeldToWorld([frame])
-        held = sighting.cells, sighting.shell, sighting.feeds, sighting.sights
+        held = sighting.cells, sighting.shell, sighting.feeds, sighting.sights, sighting.hidden
         scene.maps.by_name[name] = SeenMap(frame, seen_map.geometry, *held)
         done()
 
