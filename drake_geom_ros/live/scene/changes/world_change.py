@@ -1,0 +1,259 @@
+"""Objects of a planning scene that come, go, move, and are attached, in one change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    FilterId,
+    FrameId,
+    FramePoseVector,
+    GeometryError,
+    GeometryFrame,
+    GeometryId,
+    GeometryInstance,
+    GeometrySet,
+    ProximityProperties,
+    SceneGraph,
+    SceneGraphContext,
+    SourceId,
+)
+from drake_geom_ros.live.scene.change import Change
+from drake_geom_ros.live.scene.clocks import ALWAYS
+from drake_geom_ros.live.scene.held_scene import HeldScene
+from drake_geom_ros.live.scene.touch_links import TouchLinks
+from drake_geom_ros.live.scene.world_objects import (
+    SOURCE,
+    ObjectShape,
+    PlanningWorld,
+    WorldObject,
+)
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import LoadedScene
+
+_MANY = 100  # geometries of a filter that takes longer than a cycle may wait
+
+
+class SceneChangedError(GeometryError):
+    """The scene is another one than the one that a change was made for."""
+
+
+@dataclass
+class _Made:
+    """The frames that went, came and moved; the filters of attachments that ended and began."""
+
+    removed: list[FrameId] = field(default_factory=list)
+    new: dict[tuple[str, str], FrameId] = field(default_factory=dict)
+    X_PFs: dict[FrameId, RigidTransform] = field(default_factory=dict)  # of new and moved ones
+    in_world: list[FrameId] = field(default_factory=list)  # of new and moved ones
+    detached: set[FrameId] = field(default_factory=set)
+    attached: dict[FrameId, str] = field(default_factory=dict)  # ids of objects
+    ended: list[FilterId] = field(default_factory=list)
+    filters: dict[FrameId, FilterId] = field(default_factory=dict)
+
+
+def world_change(scene: HeldScene, world: PlanningWorld) -> Change[HeldScene, None]:
+    """Return the change after which the scene holds the objects of a planning world.
+
+    All of it is made or nothing. It raises SceneChangedError where the scene has changed since.
+    """
+    model = scene.model
+    inspector, version = model.inspector, model.model_version
+    sources = {inspector.GetName(source): source for source in inspector.GetAllSourceIds()}
+    frames = [each.frame for each in world.before.values() if each.frame is not None]
+    active = {f: scene.filters.touch_links.filter_of(f) for f in frames}
+    filters = {f: filter_id for f, filter_id in active.items() if filter_id is not None}
+
+    def first(scene: HeldScene) -> None:
+        if scene.model.model_version != version:
+            raise SceneChangedError('the scene changed meanwhile; nothing was changed')
+
+    def on(graph: SceneGraph, context: SceneGraphContext | None) -> _Made:
+        if context is None:  # a refusal is to come before anything is removed
+            _Edit(graph, graph.CreateDefaultContext(), sources.get(SOURCE), filters).run(world)
+        return _Edit(graph, context, sources.get(SOURCE), filters).run(world)
+
+    def then(scene: HeldScene, made: _Made) -> None:
+        _settle(scene, made, world)
+
+    return Change(on, first, then)
+
+
+def adds_shapes(world: PlanningWorld) -> bool:
+    """Return whether shapes come, for which kernels may have to be compiled."""
+    return any(s.geometry is None for each in world.objects.values() for s in each.shapes)
+
+
+class _Edit:
+    """One run through the objects of a world, on a scene graph or on a context of it."""
+
+    def __init__(
+        self,
+        graph: SceneGraph,
+        context: SceneGraphContext | None,
+        source: SourceId | None,
+        filters: Mapping[FrameId, FilterId],
+    ) -> None:
+        self._graph, self._context, self._filters = graph, context, filters
+        self._source = source
+        self._made = _Made()
+        self._on_link: dict[FrameId, list[FrameId]] = {}
+
+    def run(self, world: PlanningWorld) -> _Made:
+        made, before = self._made, world.before
+        for name, old in before.items():
+            if (present := world.objects.get(name)) is None or present.frame is None:
+                self._remove(old)
+        for name, each in world.objects.items():
+            if before.get(name) is not each:
+                self._put(name, each, before.get(name))
+            elif each.link is not None and each.frame is not None:
+                self._on_link.setdefault(each.link, []).append(each.frame)
+        gone = {s.geometry for old in before.values() for s in old.shapes} - {
+            s.geometry for each in world.objects.values() for s in each.shapes
+        }
+        for frame, name in made.attached.items():
+            self._let_touch(frame, world.objects[name], gone)
+        new = {f: made.X_PFs[f] for f in made.new.values() if f not in made.attached}
+        self._graph.SetFirstPoses(context=self._context, poses=FramePoseVector(new))
+        if self._context is not None:
+            self._context.UpdateFramePoses(FramePoseVector(made.X_PFs))
+        return made
+
+    def _own(self) -> SourceId:
+        if self._source is None:
+            self._source = self._graph.RegisterSource(context=self._context, name=SOURCE)
+        return self._source
+
+    def _remove(self, old: WorldObject) -> None:
+        frames = [each.frame for each in old.subframes.values()] + [old.frame]
+        for frame in frames:
+            if frame is not None:
+                self._graph.RemoveFrame(
+                    context=self._context, source_id=self._own(), frame_id=frame
+                )
+                self._made.removed.append(frame)
+
+    def _put(self, name: str, each: WorldObject, old: WorldObject | None) -> None:
+        """Register what an object lacks, remove what it has no more, and move it."""
+        frame = each.frame
+        stood = old if frame is not None else None  # before, with the same frame
+        if frame is None:
+            frame = self._register_frame(name, None)
+        stays = {shape.geometry for shape in each.shapes}
+        for shape in () if stood is None else stood.shapes:
+            if shape.geometry is not None and shape.geometry not in stays:
+                self._graph.RemoveGeometry(
+                    context=self._context, source_id=self._own(), geometry_id=shape.geometry
+                )
+        for shape in each.shapes:
+            if shape.geometry is None:
+                self._register_geometry(frame, shape)
+        for own_name, (X_OB, subframe) in each.subframes.items():
+            if subframe is None:
+                subframe = self._register_frame(f'{name}/{own_name}', frame)
+            self._made.X_PFs[subframe] = X_OB
+        self._hang(name, frame, each, stood)
+
+    def _hang(self, name: str, frame: FrameId, each: WorldObject, old: WorldObject | None) -> None:
+        """Attach, detach, or move an object, and weld one in the world to it."""
+        made, context, own = self._made, self._context, self._own()
+        was_attached = old is not None and old.link is not None
+        if each.link is not None:
+            self._graph.AttachFrame(
+                context=context,
+                source_id=own,
+                frame_id=frame,
+                parent_id=each.link,
+                X_PF=each.X_PO,
+            )
+            made.attached[frame] = name
+            self._on_link.setdefault(each.link, []).append(frame)
+        elif was_attached:
+            self._graph.DetachFrame(context=context, source_id=own, frame_id=frame, X_PF=each.X_PO)
+            made.detached.add(frame)
+        made.X_PFs[frame] = each.X_PO
+        manager = self._graph.collision_filter_manager(context)
+        ended = self._filters.get(frame)
+        if ended is not None and manager.RemoveDeclaration(ended):
+            made.ended.append(ended)
+        if each.link is None:
+            manager.WeldToWorld([frame])
+            made.in_world.append(frame)
+
+    def _let_touch(
+        self, frame: FrameId, each: WorldObject, gone: Iterable[GeometryId | None]
+    ) -> None:
+        """Exclude the pairs with what an attached object may touch, and with its neighbours."""
+        assert each.link is not None
+        touching = sorted(each.touching.difference(gone))
+        beside = [other for other in self._on_link[each.link] if other != frame]
+        if not touching and not beside:
+            return
+        declaration = CollisionFilterDeclaration()
+        declaration.ExcludeBetween(
+            GeometrySet(frame_ids=[frame]), GeometrySet(geometry_ids=touching, frame_ids=beside)
+        )
+        manager = self._graph.collision_filter_manager(self._context)
+        self._made.filters[frame] = manager.ApplyTransient(declaration)
+
+    def _register_frame(self, name: str, parent: FrameId | None) -> FrameId:
+        frame = self._graph.RegisterFrame(
+            context=self._context,
+            source_id=self._own(),
+            parent_id=parent,
+            frame=GeometryFrame(name),
+        )
+        self._made.new[SOURCE, name] = frame
+        return frame
+
+    def _register_geometry(self, frame: FrameId, shape: ObjectShape) -> None:
+        properties = ProximityProperties()
+        if shape.is_solid:
+            properties.AddProperty('mesh', 'solid', True)
+        instance = GeometryInstance(shape.X_OS, shape.shape, shape.name)
+        instance.set_proximity_properties(properties)
+        self._graph.RegisterGeometry(
+            context=self._context, source_id=self._own(), frame_id=frame, geometry=instance
+        )
+
+
+def _settle(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
+    """Know of poses, welds and filters what belongs to a change that was made."""
+    scene.poses.forget(made.removed)
+    scene.cameras.forget(made.removed)
+    scene.filters.forget_frames(made.removed)
+    new = set(made.new.values())
+    static = dict.fromkeys(new, True)
+    X_PFs = {frame: X for frame, X in made.X_PFs.items() if frame in new}
+    scene.poses.begin(LoadedScene(frames=made.new, X_PFs=X_PFs, static=static), {})
+    for frame, X_PF in made.X_PFs.items():
+        if frame in made.detached:
+            scene.poses.move_again_from(frame, X_PF, ALWAYS)
+        elif frame not in new:
+            scene.poses.rest_at(frame, X_PF)
+    # A pose elsewhere ends a weld: what was moved is at rest again.
+    scene.model.filter_manager.WeldToWorld(made.in_world)
+    for filter_id in made.ended:
+        scene.filters.end(filter_id)
+    _note_filters(scene, made, world)
+
+
+def _note_filters(scene: HeldScene, made: _Made, world: PlanningWorld) -> None:
+    touch_links, names = scene.filters.touch_links, scene.model.names
+    for frame in made.detached:
+        touch_links.end(frame)
+    for frame, name in made.attached.items():
+        filter_id = made.filters.get(frame)
+        if filter_id is None:
+            touch_links.end(frame)
+            continue
+        touching = world.objects[name].touching
+        may_touch = tuple(
+            sorted(names.geometry_names[g] for g in touching if g in names.geometry_names)
+        )
+        owner = f'attach {SOURCE}::{name}'
+        scene.filters.begin(filter_id, owner, 0.0, is_short=len(touching) < _MANY)
+        touch_links.begin(frame, TouchLinks(filter_id, may_touch))
